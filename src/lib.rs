@@ -2,5 +2,7 @@
 pub mod audio;
 pub mod error;
 pub mod gpu;
+pub mod scene;
 
 pub use error::Error;
+pub use scene::{Listener, Scene, Shape, Source, Surface};

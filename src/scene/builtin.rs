@@ -1,0 +1,92 @@
+//! The scenes that come with the crate, read from the very files that stand in
+//! `examples/scenes/`.
+
+use super::{Scene, SceneError};
+use std::path::Path;
+
+const BUILTIN: [(&str, &str); 5] = [
+    ("corner", include_str!("../../examples/scenes/corner.ron")),
+    (
+        "obstacles",
+        include_str!("../../examples/scenes/obstacles.ron"),
+    ),
+    (
+        "open-field",
+        include_str!("../../examples/scenes/open-field.ron"),
+    ),
+    (
+        "open-pillars",
+        include_str!("../../examples/scenes/open-pillars.ron"),
+    ),
+    ("shoebox", include_str!("../../examples/scenes/shoebox.ron")),
+];
+
+/// The names that [`Scene::builtin`] knows.
+pub const BUILTIN_NAMES: [&str; BUILTIN.len()] = {
+    let mut names = [""; BUILTIN.len()];
+    let mut index = 0;
+    while index < BUILTIN.len() {
+        names[index] = BUILTIN[index].0;
+        index += 1;
+    }
+    names
+};
+
+impl Scene {
+    /// A built-in scene by its name (see [`BUILTIN_NAMES`]).
+    ///
+    /// ```
+    /// let corner = echomarch::Scene::builtin("corner")?;
+    /// assert_eq!(corner.surfaces.len(), 2);
+    /// # Ok::<(), echomarch::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`SceneError::Unknown`] for any other name.
+    pub fn builtin(name: &str) -> Result<Scene, SceneError> {
+        match BUILTIN.iter().find(|(known, _)| *known == name) {
+            Some((_, text)) => Scene::from_ron(text, &format!("built-in scene {name}")),
+            None => Err(unknown(name)),
+        }
+    }
+
+    /// A built-in scene by its name, or else a scene file.
+    ///
+    /// A name is looked up among the built-in scenes first; `./corner` is a file.
+    ///
+    /// # Errors
+    /// [`SceneError`]: unknown, unreadable, malformed, or no scene to be heard.
+    pub fn load(name_or_file: &str) -> Result<Scene, SceneError> {
+        if BUILTIN_NAMES.contains(&name_or_file) {
+            return Scene::builtin(name_or_file);
+        }
+        let path = Path::new(name_or_file);
+        let looks_like_a_file = path.extension().is_some() || path.components().count() > 1;
+        if looks_like_a_file || path.exists() {
+            return Scene::from_file(path);
+        }
+        Err(unknown(name_or_file))
+    }
+}
+
+fn unknown(name: &str) -> SceneError {
+    SceneError::Unknown {
+        name: name.to_owned(),
+        builtin: BUILTIN_NAMES.join(", "),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects every file in `examples/scenes/` that ships as a built-in scene.
+    #[test]
+    fn built_in_scenes_load_without_a_warning() {
+        for name in BUILTIN_NAMES {
+            let scene = Scene::builtin(name).unwrap();
+            assert_eq!(scene.name, name);
+            assert_eq!(scene.warnings(), vec![], "{name}");
+        }
+    }
+}

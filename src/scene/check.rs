@@ -1,0 +1,230 @@
+//! Scenes that cannot be traced, and scenes that can but hardly mean to.
+
+use super::{Scene, SceneError, Shape, Surface};
+use glam::Vec3;
+use std::fmt;
+
+/// Something odd that still runs.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Warning {
+    /// The source is in a solid: its waves are stuck there.
+    SourceInsideSurface {
+        /// Which surface.
+        surface: String,
+        /// How deep, in metres.
+        depth: f32,
+    },
+    /// The source is within the listener's sphere: every wave arrives at once.
+    SourceInsideListener {
+        /// Distance of the source from the listener's centre, in metres.
+        distance: f32,
+        /// Radius of the listener, in metres.
+        radius: f32,
+    },
+    /// The centre of the listener is in a solid.
+    ListenerInsideSurface {
+        /// Which surface.
+        surface: String,
+        /// How deep, in metres.
+        depth: f32,
+    },
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Warning::SourceInsideSurface { surface, depth } => {
+                write!(
+                    f,
+                    "the source is {depth} m inside {surface}: its waves are stuck there"
+                )
+            }
+            Warning::SourceInsideListener { distance, radius } => write!(
+                f,
+                "the source is {distance} m from the listener's centre, inside its sphere of {radius} m: every wave arrives at once"
+            ),
+            Warning::ListenerInsideSurface { surface, depth } => {
+                write!(
+                    f,
+                    "the listener's centre is {depth} m inside {surface}: few waves can reach it"
+                )
+            }
+        }
+    }
+}
+
+impl Scene {
+    /// Checks what scene files are checked for while they are read, for scenes
+    /// that were written or changed in Rust.
+    ///
+    /// # Errors
+    /// [`SceneError::Empty`] without surfaces; [`SceneError::BadNumber`] for
+    /// numbers that are not finite and for sizes and radii that are not positive.
+    pub fn validate(&self) -> Result<(), SceneError> {
+        if self.surfaces.is_empty() {
+            return Err(SceneError::Empty {
+                scene: self.name.clone(),
+            });
+        }
+        for (index, surface) in self.surfaces.iter().enumerate() {
+            self.validate_surface(&surface.label(index), surface)?;
+        }
+        self.finite("the source's position", self.source.position)?;
+        self.finite("the listener's position", self.listener.position)?;
+        let gaze = Vec3::new(self.listener.yaw, self.listener.pitch, 0.0);
+        self.finite("the listener's yaw and pitch", gaze)?;
+        self.positive("the listener's radius in metres", self.listener.radius)?;
+        for key in self
+            .source
+            .path
+            .keys()
+            .iter()
+            .chain(self.listener.path.keys())
+        {
+            self.finite("a path's position", key.position)?;
+            let turn_and_time = Vec3::new(key.yaw, key.pitch, key.time as f32);
+            self.finite("a path's yaw, pitch and time", turn_and_time)?;
+        }
+        Ok(())
+    }
+
+    /// What is odd about the scene as it stands, although it can be traced.
+    pub fn warnings(&self) -> Vec<Warning> {
+        let mut warnings = Vec::new();
+        if let Some((surface, depth)) = self.solid_at(self.source.position) {
+            warnings.push(Warning::SourceInsideSurface { surface, depth });
+        }
+        let distance = self.source.position.distance(self.listener.position);
+        if distance < self.listener.radius {
+            let radius = self.listener.radius;
+            warnings.push(Warning::SourceInsideListener { distance, radius });
+        }
+        if let Some((surface, depth)) = self.solid_at(self.listener.position) {
+            warnings.push(Warning::ListenerInsideSurface { surface, depth });
+        }
+        warnings
+    }
+
+    fn solid_at(&self, point: Vec3) -> Option<(String, f32)> {
+        let nearest = self.surface_distance(point);
+        if nearest.distance >= 0.0 || nearest.object == 0 {
+            return None;
+        }
+        let index = nearest.object as usize - 1;
+        Some((self.surfaces[index].label(index), -nearest.distance))
+    }
+
+    fn validate_surface(&self, label: &str, surface: &Surface) -> Result<(), SceneError> {
+        self.finite(&format!("{label}: position"), surface.position)?;
+        let rotation = surface.rotation;
+        if !rotation.is_normalized() {
+            let what = format!("{label}: rotation");
+            return Err(self.bad_number(&what, "a unit quaternion", rotation));
+        }
+        match surface.shape {
+            Shape::Plane => Ok(()),
+            Shape::Box { size } | Shape::Room { size } => {
+                let what = format!("{label}: size in metres");
+                if size.is_finite() && size.min_element() > 0.0 {
+                    return Ok(());
+                }
+                Err(self.bad_number(&what, "finite and greater than 0 in all three axes", size))
+            }
+            Shape::Sphere { radius } | Shape::Cylinder { radius } => {
+                self.positive(&format!("{label}: radius in metres"), radius)
+            }
+        }
+    }
+
+    fn finite(&self, what: &str, value: Vec3) -> Result<(), SceneError> {
+        if value.is_finite() {
+            return Ok(());
+        }
+        Err(self.bad_number(what, "finite", value))
+    }
+
+    fn positive(&self, what: &str, value: f32) -> Result<(), SceneError> {
+        if value.is_finite() && value > 0.0 {
+            return Ok(());
+        }
+        Err(self.bad_number(what, "finite and greater than 0", value))
+    }
+
+    fn bad_number(&self, what: &str, must: &'static str, value: impl fmt::Display) -> SceneError {
+        SceneError::BadNumber {
+            scene: self.name.clone(),
+            what: what.to_owned(),
+            must,
+            value: value.to_string(),
+        }
+    }
+}
+
+impl Surface {
+    /// What a sentence calls the surface with this index (from 0).
+    pub(crate) fn label(&self, index: usize) -> String {
+        let number = index + 1;
+        match &self.name {
+            Some(name) => format!("surface {number} ({name})"),
+            None => format!("surface {number} ({})", self.shape.name()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Listener, Source};
+
+    fn room() -> Scene {
+        Scene {
+            name: "test".into(),
+            surfaces: vec![Surface::new(Shape::Room {
+                size: Vec3::splat(10.0),
+            })],
+            source: Source::at(Vec3::X * 3.0),
+            listener: Listener::at(Vec3::ZERO, 1.0),
+        }
+    }
+
+    /// Protects the refusal of numbers that would poison a shader.
+    #[test]
+    fn bad_numbers_are_refused() {
+        assert!(room().validate().is_ok());
+        let spoil: [fn(&mut Scene); 7] = [
+            |s| s.surfaces.clear(),
+            |s| {
+                s.surfaces[0].shape = Shape::Box {
+                    size: Vec3::new(1.0, 0.0, 1.0),
+                }
+            },
+            |s| s.surfaces[0].shape = Shape::Sphere { radius: f32::NAN },
+            |s| s.surfaces[0].position.x = f32::INFINITY,
+            |s| s.source.position.y = f32::NAN,
+            |s| s.listener.radius = 0.0,
+            |s| s.listener.yaw = f32::INFINITY,
+        ];
+        for (index, spoil) in spoil.iter().enumerate() {
+            let mut scene = room();
+            spoil(&mut scene);
+            assert!(scene.validate().is_err(), "case {index}");
+        }
+    }
+
+    /// Protects the warnings: they name the surface and do not refuse.
+    #[test]
+    fn odd_places_are_warned_of() {
+        let mut scene = room();
+        assert_eq!(scene.warnings(), vec![]);
+        scene.source.position.x = 6.0;
+        assert!(matches!(&scene.warnings()[..],
+            [Warning::SourceInsideSurface { surface, depth }] if surface == "surface 1 (Room)" && *depth == 1.0));
+        scene.source.position.x = 0.5;
+        assert!(matches!(
+            scene.warnings()[..],
+            [Warning::SourceInsideListener { .. }]
+        ));
+        assert!(scene.validate().is_ok());
+    }
+}

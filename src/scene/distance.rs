@@ -1,0 +1,147 @@
+//! The signed distance functions on the CPU, in `f32`.
+//!
+//! Written apart from `glsl/distance/`, so that the two can disagree; a test
+//! walks both over the same points. All five shapes are exact: the value is the
+//! Euclidean distance to the surface, negative in the solid (Hart 1996, app. A).
+
+use super::{Listener, Scene, Shape, Surface};
+use glam::{Vec2, Vec3};
+
+/// What a distance function answers at one point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Nearest {
+    /// Signed distance in metres, negative in a solid.
+    pub distance: f32,
+    /// The object it belongs to: 0 the listener, n the n-th surface from 1.
+    pub object: u32,
+}
+
+impl Scene {
+    /// Signed distance to the nearest surface; the listener does not count.
+    pub fn surface_distance(&self, point: Vec3) -> Nearest {
+        let nothing = Nearest {
+            distance: f32::INFINITY,
+            object: 0,
+        };
+        self.nearest_surface(point, nothing)
+    }
+
+    /// Signed distance to the nearest surface or to the listener's sphere: the
+    /// function that the thesis' march evaluates (figure 9).
+    pub fn distance(&self, point: Vec3) -> Nearest {
+        let listener = Nearest {
+            distance: self.listener.distance(point),
+            object: 0,
+        };
+        self.nearest_surface(point, listener)
+    }
+
+    fn nearest_surface(&self, point: Vec3, mut nearest: Nearest) -> Nearest {
+        for (index, surface) in self.surfaces.iter().enumerate() {
+            let distance = surface.distance(point);
+            if distance < nearest.distance {
+                let object = index as u32 + 1;
+                nearest = Nearest { distance, object };
+            }
+        }
+        nearest
+    }
+}
+
+impl Surface {
+    /// Signed distance from a world point in metres.
+    pub fn distance(&self, point: Vec3) -> f32 {
+        let offset = point - self.position;
+        if !self.has_rotation() {
+            return self.shape.distance(offset);
+        }
+        self.shape.distance(self.rotation.conjugate() * offset)
+    }
+}
+
+impl Listener {
+    /// Signed distance to the listener's sphere in metres.
+    pub fn distance(&self, point: Vec3) -> f32 {
+        (point - self.position).length() - self.radius
+    }
+}
+
+impl Shape {
+    /// Signed distance from a point in the shape's own axes, in metres.
+    pub fn distance(&self, p: Vec3) -> f32 {
+        match *self {
+            Shape::Plane => p.y,
+            Shape::Box { size } => box_distance(p, size * 0.5),
+            Shape::Room { size } => -box_distance(p, size * 0.5),
+            Shape::Sphere { radius } => p.length() - radius,
+            Shape::Cylinder { radius } => Vec2::new(p.x, p.z).length() - radius,
+        }
+    }
+}
+
+/// Exact on both sides: to the nearest face inside, to the nearest point outside.
+fn box_distance(p: Vec3, half_size: Vec3) -> f32 {
+    let beyond = p.abs() - half_size;
+    let outside = beyond.max(Vec3::ZERO).length();
+    let inside = beyond.max_element().min(0.0);
+    outside + inside
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Source;
+    use glam::Quat;
+    use std::f32::consts::FRAC_PI_2;
+
+    fn assert_close(actual: f32, expected: f32) {
+        assert!((actual - expected).abs() < 1e-5, "{actual} != {expected}");
+    }
+
+    /// Protects sign and size of each shape's distance at hand-computed points.
+    #[test]
+    fn shapes_have_their_distance() {
+        let size = Vec3::new(2.0, 4.0, 6.0);
+        let corner_gap = Vec3::new(3.0, 4.0, 12.0);
+        assert_close(Shape::Plane.distance(Vec3::new(5.0, -2.0, 1.0)), -2.0);
+        let solid = Shape::Box { size };
+        assert_close(solid.distance(Vec3::ZERO), -1.0);
+        assert_close(solid.distance(size * 0.5 + corner_gap), 13.0);
+        let room = Shape::Room { size };
+        assert_close(room.distance(Vec3::new(0.5, 0.0, 0.0)), 0.5);
+        assert_close(room.distance(size * 0.5 + corner_gap), -13.0);
+        let sphere = Shape::Sphere { radius: 2.0 };
+        assert_close(sphere.distance(Vec3::new(0.0, 3.0, 4.0)), 3.0);
+        let cylinder = Shape::Cylinder { radius: 2.0 };
+        assert_close(cylinder.distance(Vec3::new(3.0, 100.0, 4.0)), 3.0);
+    }
+
+    /// Protects the direction of a rotation: it turns the shape, not the point.
+    #[test]
+    fn a_turned_plane_faces_where_its_normal_was_turned() {
+        // A quarter turn about z takes the plane's normal from +y to −x.
+        let wall = Surface::new(Shape::Plane)
+            .at(Vec3::new(3.0, 0.0, 0.0))
+            .turned(Quat::from_rotation_z(FRAC_PI_2));
+        assert_close(wall.distance(Vec3::ZERO), 3.0);
+        assert_close(wall.distance(Vec3::new(5.0, 7.0, 9.0)), -2.0);
+    }
+
+    /// Protects the numbering: 0 is the listener, surfaces count from 1.
+    #[test]
+    fn the_nearest_object_is_named() {
+        let scene = Scene {
+            name: "two balls".into(),
+            surfaces: vec![
+                Surface::new(Shape::Sphere { radius: 1.0 }).at(Vec3::X * 5.0),
+                Surface::new(Shape::Sphere { radius: 1.0 }).at(Vec3::X * -5.0),
+            ],
+            source: Source::at(Vec3::Y * 9.0),
+            listener: Listener::at(Vec3::ZERO, 1.0),
+        };
+        assert_eq!(scene.distance(Vec3::X * 3.5).object, 1);
+        assert_eq!(scene.distance(Vec3::X * -3.5).object, 2);
+        assert_eq!(scene.distance(Vec3::X * 1.5).object, 0);
+        assert_eq!(scene.surface_distance(Vec3::X * 1.5).object, 1);
+    }
+}

@@ -1,0 +1,57 @@
+//! What can be wrong with a scene.
+
+use std::path::PathBuf;
+
+/// A scene that cannot be used, and why.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SceneError {
+    /// Neither a built-in name nor a file that exists.
+    #[error(
+        "there is no scene {name:?}: neither a file nor one of the built-in scenes ({builtin})"
+    )]
+    Unknown {
+        /// What was asked for.
+        name: String,
+        /// The names there are, separated by commas.
+        builtin: String,
+    },
+    /// The file cannot be read.
+    #[error("cannot read the scene file {}: {source}", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// The text is not a scene.
+    #[error("{origin}:{line}:{column}: {message}")]
+    Malformed {
+        /// File path, or `scene` for text that came from elsewhere.
+        origin: String,
+        /// Line, counted from 1.
+        line: usize,
+        /// Column in characters, counted from 1.
+        column: usize,
+        /// What is wrong there.
+        message: String,
+    },
+    /// No surface at all.
+    #[error("scene {scene:?} has no surfaces: there is nothing for a wave to meet")]
+    Empty {
+        /// The scene's name.
+        scene: String,
+    },
+    /// A number that makes no sense where it stands.
+    #[error("scene {scene:?}: {what} must be {must}, not {value}")]
+    BadNumber {
+        /// The scene's name.
+        scene: String,
+        /// Which value, with its unit.
+        what: String,
+        /// What it has to be.
+        must: &'static str,
+        /// What it is.
+        value: String,
+    },
+}

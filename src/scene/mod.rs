@@ -1,0 +1,148 @@
+//! What exists: surfaces, one source, one listener.
+//!
+//! A [`Scene`] is plain data. It is read from a RON file ([`Scene::load`]),
+//! taken from the built-in ones ([`Scene::builtin`]) or written in Rust, and it
+//! knows nothing of OpenGL: [`glsl`] turns it into shader text and uniform
+//! values, [`Scene::distance`] is the same signed distance function on the CPU.
+//!
+//! World axes: x to the right, y up, z towards the viewer (right-handed).
+//! World units are metres, angles are radians in code and degrees in files.
+
+mod builtin;
+mod check;
+mod distance;
+mod error;
+mod file;
+pub mod glsl;
+mod path;
+mod surface;
+
+pub use builtin::BUILTIN_NAMES;
+pub use check::Warning;
+pub use distance::Nearest;
+pub use error::SceneError;
+pub use path::{Key, Path};
+pub use surface::{Shape, Surface};
+
+use glam::Vec3;
+
+/// A world to hear: surfaces, one source and one listener.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scene {
+    /// What reports call the scene.
+    pub name: String,
+    /// The surfaces, numbered from 1 in this order in every wave's status.
+    pub surfaces: Vec<Surface>,
+    /// Where the sound comes from.
+    pub source: Source,
+    /// Where it is heard.
+    pub listener: Listener,
+}
+
+/// A point that sends waves in all directions.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Source {
+    /// World position in metres.
+    pub position: Vec3,
+    /// Where it moves in time; empty when it stands still.
+    pub path: Path,
+}
+
+/// A sphere that waves are caught with, and the direction it looks in.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Listener {
+    /// World position of the centre in metres.
+    pub position: Vec3,
+    /// Turn about the vertical in radians, positive to the right; 0 looks along −z.
+    pub yaw: f32,
+    /// Elevation of the gaze in radians, positive upwards.
+    pub pitch: f32,
+    /// Radius of the sphere in metres.
+    pub radius: f32,
+    /// Where it moves and turns in time; empty when it stands still.
+    pub path: Path,
+}
+
+impl Scene {
+    /// The scene as it stands at `seconds` on its key-framed paths.
+    pub fn at(&self, seconds: f64) -> Scene {
+        let mut posed = self.clone();
+        if let Some(key) = self.source.path.at(seconds) {
+            posed.source.position = key.position;
+        }
+        if let Some(key) = self.listener.path.at(seconds) {
+            posed.listener.position = key.position;
+            posed.listener.yaw = key.yaw;
+            posed.listener.pitch = key.pitch;
+        }
+        posed
+    }
+
+    /// Length of the longest path in seconds; 0 when nothing moves.
+    pub fn duration(&self) -> f64 {
+        self.source
+            .path
+            .duration()
+            .max(self.listener.path.duration())
+    }
+}
+
+impl Source {
+    /// A source that stands still at `position` (metres).
+    pub fn at(position: Vec3) -> Source {
+        Source {
+            position,
+            path: Path::default(),
+        }
+    }
+}
+
+impl Listener {
+    /// A listener that stands still at `position` (metres) and looks along −z.
+    pub fn at(position: Vec3, radius: f32) -> Listener {
+        Listener {
+            position,
+            yaw: 0.0,
+            pitch: 0.0,
+            radius,
+            path: Path::default(),
+        }
+    }
+
+    /// Unit vector of the gaze.
+    pub fn forward(&self) -> Vec3 {
+        let (sin_yaw, cos_yaw) = self.yaw.sin_cos();
+        let (sin_pitch, cos_pitch) = self.pitch.sin_cos();
+        Vec3::new(sin_yaw * cos_pitch, sin_pitch, -cos_yaw * cos_pitch)
+    }
+
+    /// Unit vector out of the right ear.
+    pub fn right(&self) -> Vec3 {
+        let (sin_yaw, cos_yaw) = self.yaw.sin_cos();
+        Vec3::new(cos_yaw, 0.0, sin_yaw)
+    }
+
+    /// Unit vector out of the top of the head.
+    pub fn up(&self) -> Vec3 {
+        self.right().cross(self.forward())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f32::consts::FRAC_PI_2;
+
+    /// Protects the sign of yaw and pitch: right and up are positive.
+    #[test]
+    fn a_listener_turns_right_and_looks_up_with_positive_angles() {
+        let mut listener = Listener::at(Vec3::ZERO, 1.0);
+        assert!((listener.forward() - Vec3::NEG_Z).length() < 1e-6);
+        listener.yaw = FRAC_PI_2;
+        assert!((listener.forward() - Vec3::X).length() < 1e-6);
+        assert!((listener.right() - Vec3::Z).length() < 1e-6);
+        listener.pitch = FRAC_PI_2;
+        assert!((listener.forward() - Vec3::Y).length() < 1e-6);
+        assert!((listener.up() - Vec3::NEG_X).length() < 1e-6);
+    }
+}
