@@ -1,1 +1,70 @@
-//! Audio output.
+//! Audio output: one mono sound and one panning value a video frame make two channels.
+//!
+//! This is the third part of the thesis (P. Sjöberg, 2011, section 3.2.4). Nothing here needs a
+//! graphics card or a sound card: a [`Sound`] fills a mono slice, a [`Mixer`] turns it into an
+//! interleaved stereo slice (left, right, left, right, …), and a player or a [`WavWriter`] takes
+//! it from there.
+//!
+//! # Theory
+//! The tracer answers each video frame with one *pan*, −1 for all left and +1 for all right. A
+//! [`PanningLaw`] turns it into two amplitude [`Gains`], and every sample of the frame is
+//! multiplied by both. With the linear law the two gains always sum to one: this is the thesis'
+//! "equal level". With the constant-power law their squares sum to one, which keeps the loudness
+//! even for a listener whose ears receive the channels incoherently.
+//!
+//! # Where this departs from the thesis
+//! The thesis applies a new pan at once, which steps the gains at each frame border and clicks.
+//! Here the gains *glide*: they run linearly from the last frame's to this frame's over the
+//! block, so that the output is continuous and a pan is fully reached on the last sample of its
+//! frame. The price is that a pan arrives up to one frame late. The constant-power law is an
+//! addition; the thesis has the linear law alone.
+//!
+//! # Cost
+//! [`Sound::fill`] and [`Mixer`] allocate nothing and take constant time a sample, so an audio
+//! thread may call them. A WAV clip is read, mixed to mono and resampled once, when it is loaded,
+//! and is held in memory whole (4 bytes a sample).
+//!
+//! ```
+//! use echomarch::audio::{FrameBlocks, Mixer, PanningLaw, SAMPLE_RATE, Sound};
+//!
+//! let mut sound = Sound::parse("sine:440", SAMPLE_RATE)?;
+//! let mut mixer = Mixer::new(PanningLaw::Linear);
+//! let frames = FrameBlocks::new(60.0, SAMPLE_RATE)?;
+//! let mut mono = vec![0.0; frames.longest()];
+//! let mut stereo = vec![0.0; 2 * frames.longest()];
+//! for (i, pan) in [-0.5, 0.0, 0.5].into_iter().enumerate() {
+//!     let count = frames.len(i as u64);
+//!     sound.fill(&mut mono[..count]);
+//!     mixer.mix(&mono[..count], pan, &mut stereo[..2 * count]);
+//! }
+//! # Ok::<(), echomarch::audio::AudioError>(())
+//! ```
+
+mod clip;
+mod error;
+mod frames;
+mod mixer;
+mod noise;
+mod panning;
+mod resample;
+mod sine;
+mod sound;
+mod spec;
+mod wav_read;
+mod wav_write;
+
+pub use error::AudioError;
+pub use frames::{FrameBlocks, frame_samples};
+pub use mixer::Mixer;
+pub use noise::NOISE_AMPLITUDE;
+pub use panning::{Gains, PanningLaw};
+pub use sine::SINE_AMPLITUDE;
+pub use sound::Sound;
+pub use spec::SoundSpec;
+pub use wav_write::WavWriter;
+
+/// Samples a second on each channel of everything that is played or written, in hertz.
+pub const SAMPLE_RATE: u32 = 48_000;
+
+/// The lowest and the highest sample rate that is accepted, in hertz.
+pub const SAMPLE_RATES: std::ops::RangeInclusive<u32> = 1_000..=768_000;

@@ -1,0 +1,143 @@
+//! What can go wrong with sounds and WAV files.
+
+use std::io;
+use std::path::PathBuf;
+
+/// What went wrong with a sound, a panning law, a frame rate or a WAV file.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum AudioError {
+    /// The sound file is missing, or may not be read.
+    #[error("cannot open the sound file {}: {source}", path.display())]
+    OpenWav {
+        /// The file that was asked for.
+        path: PathBuf,
+        /// What the operating system said.
+        source: io::Error,
+    },
+    /// The file's header is not that of a WAV file.
+    #[error("{} is not a WAV file ({source}): convert it to WAV first", path.display())]
+    NotWav {
+        /// The file that was read.
+        path: PathBuf,
+        /// What the WAV reader stumbled over.
+        source: hound::Error,
+    },
+    /// A WAV file whose samples are stored in a way, or at a rate, that is not read here.
+    #[error(
+        "{} holds {found}: convert it to 8, 16, 24 or 32-bit integer or 32-bit float samples at \
+         {} to {} Hz",
+        path.display(),
+        super::SAMPLE_RATES.start(),
+        super::SAMPLE_RATES.end()
+    )]
+    UnsupportedWav {
+        /// The file that was read.
+        path: PathBuf,
+        /// What the file holds, in words.
+        found: String,
+    },
+    /// A WAV file that breaks off, or whose samples cannot be decoded.
+    #[error("{} breaks off at sample {sample} ({source}): write the file anew", path.display())]
+    DamagedWav {
+        /// The file that was read.
+        path: PathBuf,
+        /// The first sample that could not be read, counted over all channels from 0.
+        sample: u64,
+        /// What the WAV reader stumbled over.
+        source: hound::Error,
+    },
+    /// A WAV file without a single sample.
+    #[error("{} holds no samples: give a file with some sound in it", path.display())]
+    EmptyWav {
+        /// The file that was read.
+        path: PathBuf,
+    },
+    /// A float WAV file holds a NaN or an infinity.
+    #[error(
+        "{} holds a sample that is not a finite number, sample {sample} over all channels: \
+         export the file anew",
+        path.display()
+    )]
+    NonFiniteSample {
+        /// The file that was read.
+        path: PathBuf,
+        /// The first such sample, counted over all channels from 0.
+        sample: u64,
+    },
+    /// The WAV file could not be brought to the wanted sample rate.
+    #[error("cannot resample {} from {from_hz} Hz to {to_hz} Hz: {reason}", path.display())]
+    Resample {
+        /// The file that was read.
+        path: PathBuf,
+        /// The file's sample rate, in hertz.
+        from_hz: u32,
+        /// The wanted sample rate, in hertz.
+        to_hz: u32,
+        /// What the resampler said.
+        reason: String,
+    },
+    /// A sample rate outside [`SAMPLE_RATES`](super::SAMPLE_RATES).
+    #[error(
+        "a sample rate of {sample_rate_hz} Hz is not supported: use {} to {} Hz",
+        super::SAMPLE_RATES.start(),
+        super::SAMPLE_RATES.end()
+    )]
+    BadSampleRate {
+        /// The sample rate, in hertz.
+        sample_rate_hz: u32,
+    },
+    /// A sine that is not above 0 Hz and below half the sample rate.
+    #[error("a sine of {frequency_hz} Hz cannot be played: choose above 0 and below {limit_hz} Hz")]
+    BadSineFrequency {
+        /// The frequency that was asked for, in hertz.
+        frequency_hz: f64,
+        /// Half the sample rate, in hertz.
+        limit_hz: f64,
+    },
+    /// A sound's description that says nothing known.
+    #[error(
+        "unknown sound `{spec}`: write `sine:HERTZ`, `noise`, `noise:SEED` with a whole number, \
+         or the path of a .wav file"
+    )]
+    UnknownSound {
+        /// The description that was given.
+        spec: String,
+    },
+    /// A panning law's name that is not known.
+    #[error("unknown panning law `{name}`: write `linear` or `constant-power`")]
+    UnknownPanningLaw {
+        /// The name that was given.
+        name: String,
+    },
+    /// A frame rate that is not a finite number above zero.
+    #[error("a rate of {fps} frames a second cannot be used: choose a finite number above 0")]
+    BadFrameRate {
+        /// The frame rate that was asked for, in frames a second.
+        fps: f64,
+    },
+    /// More sound than a WAV file can hold.
+    #[error("{} would pass {limit_s} s, the longest a WAV file can be: write a shorter one", path.display())]
+    WavTooLong {
+        /// The file that was to be written.
+        path: PathBuf,
+        /// The longest sound that fits, in whole seconds.
+        limit_s: u64,
+    },
+    /// The WAV file could not be written.
+    #[error("cannot write the WAV file {}: {source}", path.display())]
+    WriteWav {
+        /// The file that was to be written.
+        path: PathBuf,
+        /// What the operating system said.
+        source: io::Error,
+    },
+}
+
+impl AudioError {
+    /// Whether the caller's input is at fault (a name, a number, a file that was given), rather
+    /// than this program or the disk that it writes to.
+    pub fn is_bad_input(&self) -> bool {
+        !matches!(self, Self::WriteWav { .. } | Self::Resample { .. })
+    }
+}

@@ -1,0 +1,63 @@
+//! Which audio samples belong to which video frame.
+
+use std::ops::Range;
+
+use super::AudioError;
+
+/// Shares out audio samples to video frames, without gap, overlap or drift.
+///
+/// Frame `i` starts at the sample nearest to `i · rate / fps`. Each border is rounded on its own,
+/// so frames differ by at most one sample in length, and after any number of frames picture and
+/// sound are less than a sample apart (up to 2⁵³ samples, thousands of years).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FrameBlocks {
+    fps: f64,
+    rate_hz: u32,
+}
+
+impl FrameBlocks {
+    /// Frames at `fps` frames a second over `rate_hz` samples a second.
+    ///
+    /// # Errors
+    /// [`AudioError::BadFrameRate`] if `fps` is not a finite number above 0, and
+    /// [`AudioError::BadSampleRate`] if `rate_hz` is outside [`SAMPLE_RATES`](super::SAMPLE_RATES).
+    pub fn new(fps: f64, rate_hz: u32) -> Result<Self, AudioError> {
+        if !is_usable(fps) {
+            return Err(AudioError::BadFrameRate { fps });
+        }
+        super::sound::check_rate(rate_hz)?;
+        Ok(Self { fps, rate_hz })
+    }
+
+    /// The samples of frame `i`, counted from the first sample of frame 0.
+    pub fn samples(&self, i: u64) -> Range<u64> {
+        frame_samples(i, self.fps, self.rate_hz)
+    }
+
+    /// The number of samples of frame `i`; 0 is possible only with more frames than samples.
+    #[allow(clippy::len_without_is_empty)] // A frame's length, not this value's.
+    pub fn len(&self, i: u64) -> usize {
+        let samples = self.samples(i);
+        (samples.end - samples.start) as usize
+    }
+
+    /// A number of samples that no frame exceeds, to size a buffer by.
+    pub fn longest(&self) -> usize {
+        (f64::from(self.rate_hz) / self.fps).ceil() as usize + 1
+    }
+}
+
+/// The samples of frame `i` at `fps` frames a second over `rate` samples a second, counted from
+/// the first sample of frame 0; see [`FrameBlocks`].
+///
+/// # Panics
+/// If `fps` is not a finite number above 0; [`FrameBlocks::new`] returns an error instead.
+pub fn frame_samples(i: u64, fps: f64, rate: u32) -> Range<u64> {
+    assert!(is_usable(fps), "a rate of {fps} frames a second");
+    let border = |frame: f64| (frame * f64::from(rate) / fps).round() as u64;
+    border(i as f64)..border(i as f64 + 1.0)
+}
+
+fn is_usable(fps: f64) -> bool {
+    fps.is_finite() && fps > 0.0
+}

@@ -1,0 +1,91 @@
+//! Panning laws: from one pan to two gains.
+
+use std::f32::consts::FRAC_PI_4;
+use std::fmt;
+use std::str::FromStr;
+
+use super::AudioError;
+
+/// The amplitude factors of the two channels, without a unit; 1 leaves the sound as it is.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Gains {
+    /// The left channel's factor.
+    pub left: f32,
+    /// The right channel's factor.
+    pub right: f32,
+}
+
+impl Gains {
+    /// No sound on either channel.
+    pub const SILENT: Self = Self {
+        left: 0.0,
+        right: 0.0,
+    };
+}
+
+/// How a pan is shared out to two channels.
+///
+/// | law | all left (−1) | centre (0) | all right (+1) | constant |
+/// | --- | --- | --- | --- | --- |
+/// | linear | 0 dB, silent | −6.02 dB each | silent, 0 dB | sum of the gains, 1 |
+/// | constant power | 0 dB, silent | −3.01 dB each | silent, 0 dB | sum of their squares, 1 |
+///
+/// Names, for `FromStr` and `Display`: `linear`, `constant-power`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum PanningLaw {
+    /// The gains are (1 ∓ pan) / 2: the thesis' "equal level".
+    #[default]
+    Linear,
+    /// The gains are a quarter turn of sine and cosine.
+    ConstantPower,
+}
+
+impl PanningLaw {
+    /// The gains for `pan`, −1 (left) to 1 (right); each is between 0 and 1.
+    ///
+    /// A pan outside the range counts as the nearer end, NaN as the centre. Mirrored pans give
+    /// exactly mirrored gains.
+    pub fn gains(self, pan: f32) -> Gains {
+        let pan = if pan.is_nan() {
+            0.0
+        } else {
+            pan.clamp(-1.0, 1.0)
+        };
+        Gains {
+            left: self.gain_towards(1.0 - pan),
+            right: self.gain_towards(1.0 + pan),
+        }
+    }
+
+    /// One channel's gain; `share` is 0 with the pan at the far side and 2 at the near one.
+    fn gain_towards(self, share: f32) -> f32 {
+        match self {
+            Self::Linear => share / 2.0,
+            Self::ConstantPower => (share * FRAC_PI_4).sin(),
+        }
+    }
+}
+
+impl FromStr for PanningLaw {
+    type Err = AudioError;
+
+    /// Reads `linear` or `constant-power`; anything else is [`AudioError::UnknownPanningLaw`].
+    fn from_str(name: &str) -> Result<Self, AudioError> {
+        match name {
+            "linear" => Ok(Self::Linear),
+            "constant-power" => Ok(Self::ConstantPower),
+            _ => Err(AudioError::UnknownPanningLaw {
+                name: name.to_owned(),
+            }),
+        }
+    }
+}
+
+impl fmt::Display for PanningLaw {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Self::Linear => "linear",
+            Self::ConstantPower => "constant-power",
+        })
+    }
+}

@@ -1,0 +1,54 @@
+//! A whole clip from one sample rate to another.
+
+use rubato::audioadapter_buffers::direct::InterleavedSlice;
+use rubato::{Fft, FixedSync, Resampler};
+
+/// The least length of the resampler's filter, in input samples. The longer it is, the narrower
+/// the band that is lost beneath half the lower rate.
+const LEAST_BLOCK: u32 = 1024;
+
+/// Resamples a mono clip, delay taken out, to `samples.len() · to_hz / from_hz` samples, rounded.
+pub(super) fn to_rate(samples: Vec<f32>, from_hz: u32, to_hz: u32) -> Result<Vec<f32>, String> {
+    if from_hz == to_hz {
+        return Ok(samples);
+    }
+    let count = samples.len();
+    let mut resampler = Fft::<f32>::new_custom(
+        from_hz as usize,
+        to_hz as usize,
+        block_for(from_hz, to_hz) as usize,
+        1,
+        1,
+        rubato::WindowFunction::BlackmanHarris2,
+        FixedSync::Both,
+    )
+    .map_err(|error| error.to_string())?;
+    let input = InterleavedSlice::new(&samples, 1, count).map_err(|error| error.to_string())?;
+    let mut resampled = resampler
+        .process_all(&input, count, None)
+        .map_err(|error| error.to_string())?
+        .take_data();
+    resampled.resize(length_after(count, from_hz, to_hz), 0.0);
+    Ok(resampled)
+}
+
+/// The filter's length: whole periods of the two rates, and an even number of them, because the
+/// delay of an odd filter lies between two samples and could not be taken out exactly.
+fn block_for(from_hz: u32, to_hz: u32) -> u32 {
+    let period = from_hz / greatest_common_divisor(from_hz, to_hz);
+    2 * period * LEAST_BLOCK.div_ceil(2 * period)
+}
+
+fn greatest_common_divisor(a: u32, b: u32) -> u32 {
+    if b == 0 {
+        a
+    } else {
+        greatest_common_divisor(b, a % b)
+    }
+}
+
+/// The number of samples after resampling, rounded to the nearest.
+fn length_after(count: usize, from_hz: u32, to_hz: u32) -> usize {
+    let (count, from, to) = (count as u128, u128::from(from_hz), u128::from(to_hz));
+    ((count * to + from / 2) / from) as usize
+}

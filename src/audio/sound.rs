@@ -1,0 +1,123 @@
+//! The one mono sound that is played.
+
+use super::clip::Clip;
+use super::noise::Noise;
+use super::sine::Sine;
+use super::{AudioError, SAMPLE_RATES, SoundSpec, resample, wav_read};
+
+/// A mono sound that is read forwards, sample by sample; 1 is full scale.
+///
+/// A sine and noise never end. A WAV clip starts over at its end, without a cross-fade, unless
+/// [`set_looping`](Self::set_looping) turned that off: then it ends in silence.
+#[derive(Debug, Clone)]
+pub struct Sound {
+    kind: Kind,
+}
+
+#[derive(Debug, Clone)]
+enum Kind {
+    Sine(Sine),
+    Noise(Noise),
+    Clip(Clip),
+}
+
+impl Sound {
+    /// Reads a description such as `sine:440` (see [`SoundSpec`]) and loads it at `sample_rate`
+    /// samples a second, commonly [`SAMPLE_RATE`](super::SAMPLE_RATE).
+    ///
+    /// # Errors
+    /// [`AudioError::UnknownSound`], or as [`load`](Self::load).
+    pub fn parse(text: &str, sample_rate: u32) -> Result<Self, AudioError> {
+        Self::load(&text.parse()?, sample_rate)
+    }
+
+    /// Makes the sound at `sample_rate` samples a second.
+    ///
+    /// A WAV file of several channels becomes their mean. At another rate it is resampled with a
+    /// linear-phase filter whose delay is taken out: what starts at `t` seconds in the file starts
+    /// at `t` seconds here, and `n` samples become `n · sample_rate / rate` rounded. Resampling
+    /// keeps what lies below both rates' halves, up to a narrow band beneath the lower one, and may
+    /// overshoot full scale a little.
+    ///
+    /// # Errors
+    /// [`AudioError::BadSampleRate`] for a rate outside [`SAMPLE_RATES`];
+    /// [`AudioError::BadSineFrequency`]; and for a WAV file [`AudioError::OpenWav`],
+    /// [`NotWav`](AudioError::NotWav), [`UnsupportedWav`](AudioError::UnsupportedWav),
+    /// [`DamagedWav`](AudioError::DamagedWav), [`EmptyWav`](AudioError::EmptyWav),
+    /// [`NonFiniteSample`](AudioError::NonFiniteSample) or [`Resample`](AudioError::Resample).
+    pub fn load(spec: &SoundSpec, sample_rate: u32) -> Result<Self, AudioError> {
+        check_rate(sample_rate)?;
+        let kind = match spec {
+            SoundSpec::Sine { frequency_hz } => Kind::Sine(Sine::new(*frequency_hz, sample_rate)?),
+            SoundSpec::Noise { seed } => Kind::Noise(Noise::new(*seed)),
+            SoundSpec::Wav { path } => {
+                let wav = wav_read::read_mono(path)?;
+                let samples =
+                    resample::to_rate(wav.samples, wav.rate_hz, sample_rate).map_err(|reason| {
+                        AudioError::Resample {
+                            path: path.clone(),
+                            from_hz: wav.rate_hz,
+                            to_hz: sample_rate,
+                            reason,
+                        }
+                    })?;
+                if samples.is_empty() {
+                    return Err(AudioError::EmptyWav { path: path.clone() });
+                }
+                Kind::Clip(Clip::new(samples))
+            }
+        };
+        Ok(Self { kind })
+    }
+
+    /// Overwrites `out` with the next `out.len()` samples. Allocates nothing.
+    pub fn fill(&mut self, out: &mut [f32]) {
+        match &mut self.kind {
+            Kind::Sine(sine) => sine.fill(out),
+            Kind::Noise(noise) => noise.fill(out),
+            Kind::Clip(clip) => clip.fill(out),
+        }
+    }
+
+    /// Goes back to the first sample.
+    pub fn rewind(&mut self) {
+        match &mut self.kind {
+            Kind::Sine(sine) => sine.rewind(),
+            Kind::Noise(noise) => noise.rewind(),
+            Kind::Clip(clip) => clip.rewind(),
+        }
+    }
+
+    /// Chooses whether a clip starts over at its end (as it does when loaded) or falls silent.
+    /// A sine and noise have no end, and ignore this.
+    pub fn set_looping(&mut self, looping: bool) {
+        if let Kind::Clip(clip) = &mut self.kind {
+            clip.set_looping(looping);
+        }
+    }
+
+    /// The number of samples until a clip's end, from its start; none for a sine and noise.
+    pub fn clip_len(&self) -> Option<usize> {
+        match &self.kind {
+            Kind::Clip(clip) => Some(clip.len()),
+            Kind::Sine(_) | Kind::Noise(_) => None,
+        }
+    }
+
+    /// Whether all that is left is silence: only ever true of a clip that does not loop.
+    pub fn is_finished(&self) -> bool {
+        match &self.kind {
+            Kind::Clip(clip) => clip.is_finished(),
+            Kind::Sine(_) | Kind::Noise(_) => false,
+        }
+    }
+}
+
+/// Refuses a sample rate that nothing is made for.
+pub(super) fn check_rate(sample_rate_hz: u32) -> Result<(), AudioError> {
+    if SAMPLE_RATES.contains(&sample_rate_hz) {
+        Ok(())
+    } else {
+        Err(AudioError::BadSampleRate { sample_rate_hz })
+    }
+}

@@ -1,0 +1,156 @@
+//! WAV files out: written beside the target, then renamed.
+
+use std::fs::File;
+use std::io::{self, BufWriter};
+use std::path::{Path, PathBuf};
+
+use hound::{SampleFormat, WavSpec};
+use tempfile::NamedTempFile;
+
+use super::{AudioError, SAMPLE_RATE};
+
+const SPEC: WavSpec = WavSpec {
+    channels: 2,
+    sample_rate: SAMPLE_RATE,
+    bits_per_sample: 32,
+    sample_format: SampleFormat::Float,
+};
+
+/// Bytes of one left and one right sample.
+const FRAME_BYTES: u64 = 8;
+
+/// A WAV file counts its bytes in 32 bits, its header's included; this leaves room for that.
+const MAX_FRAMES: u64 = (u32::MAX as u64 - 1024) / FRAME_BYTES;
+
+/// Writes a stereo WAV file: [`SAMPLE_RATE`], 32-bit float, up to 3.1 hours.
+///
+/// The sound goes to a temporary file in the target's directory, which takes the target's name
+/// in [`finish`](Self::finish). Until then an older file of that name stays whole, and a writer
+/// that is dropped without it leaves nothing behind.
+#[derive(Debug)]
+pub struct WavWriter {
+    target: PathBuf,
+    // Dropped in this order: the sound's end is written before the file goes.
+    wav: Wav,
+    temporary: NamedTempFile,
+    frames: u64,
+}
+
+/// `hound`'s writer has no `Debug`.
+struct Wav(hound::WavWriter<BufWriter<File>>);
+
+impl std::fmt::Debug for Wav {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Wav")
+            .field("frames", &self.0.duration())
+            .finish()
+    }
+}
+
+impl WavWriter {
+    /// Starts a file that will replace `target`, whose directory must exist.
+    ///
+    /// # Errors
+    /// [`AudioError::WriteWav`] if nothing can be written beside `target`.
+    pub fn create(target: impl Into<PathBuf>) -> Result<Self, AudioError> {
+        let target = target.into();
+        match start(&target) {
+            Ok((temporary, wav)) => Ok(Self {
+                target,
+                wav: Wav(wav),
+                temporary,
+                frames: 0,
+            }),
+            Err(source) => Err(write_error(&target, source)),
+        }
+    }
+
+    /// Appends interleaved samples (left, right, …); 1 is full scale, and more is kept.
+    ///
+    /// # Errors
+    /// [`AudioError::WriteWav`] if the disk refuses, [`AudioError::WavTooLong`] past 3.1 hours.
+    ///
+    /// # Panics
+    /// If the number of samples is odd.
+    pub fn write(&mut self, interleaved: &[f32]) -> Result<(), AudioError> {
+        assert!(
+            interleaved.len().is_multiple_of(2),
+            "stereo samples come in pairs"
+        );
+        let frames = self.frames + interleaved.len() as u64 / 2;
+        if frames > MAX_FRAMES {
+            return Err(AudioError::WavTooLong {
+                path: self.target.clone(),
+                limit_s: MAX_FRAMES / u64::from(SAMPLE_RATE),
+            });
+        }
+        for &sample in interleaved {
+            self.wav
+                .0
+                .write_sample(sample)
+                .map_err(|error| write_error(&self.target, to_io(error)))?;
+        }
+        self.frames = frames;
+        Ok(())
+    }
+
+    /// Completes the file and gives it the target's name, replacing an older one.
+    ///
+    /// # Errors
+    /// [`AudioError::WriteWav`] if the disk refuses; the target is then as it was before.
+    pub fn finish(self) -> Result<(), AudioError> {
+        let Self {
+            target,
+            wav,
+            temporary,
+            ..
+        } = self;
+        wav.0
+            .finalize()
+            .map_err(|error| write_error(&target, to_io(error)))?;
+        temporary
+            .persist(&target)
+            .map_err(|error| write_error(&target, error.error))?;
+        Ok(())
+    }
+}
+
+fn start(target: &Path) -> io::Result<(NamedTempFile, hound::WavWriter<BufWriter<File>>)> {
+    if target.is_dir() {
+        return Err(io::ErrorKind::IsADirectory.into());
+    }
+    let directory = match target.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    };
+    let temporary = temporary_in(directory)?;
+    let file = BufWriter::new(temporary.reopen()?);
+    let wav = hound::WavWriter::new(file, SPEC).map_err(to_io)?;
+    Ok((temporary, wav))
+}
+
+/// A temporary file that others may read as they may any new file, not its owner alone.
+fn temporary_in(directory: &Path) -> io::Result<NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".echomarch-").suffix(".wav.part");
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        builder.permissions(std::fs::Permissions::from_mode(0o666));
+    }
+    builder.tempfile_in(directory)
+}
+
+fn to_io(error: hound::Error) -> io::Error {
+    match error {
+        hound::Error::IoError(error) => error,
+        other => io::Error::other(other),
+    }
+}
+
+fn write_error(target: &Path, source: io::Error) -> AudioError {
+    AudioError::WriteWav {
+        path: target.into(),
+        source,
+    }
+}
