@@ -24,14 +24,27 @@
 
 mod api;
 mod backend;
+mod bytes;
 mod context;
 mod current;
 mod egl;
 mod error;
 mod list;
 mod osmesa;
+mod pass;
+mod picture;
+mod ping_pong;
+mod program;
+mod render_target;
+mod texture;
 
 pub use api::Api;
 pub use context::{Context, ContextOptions, Limits};
 pub use error::GpuError;
 pub use list::{GpuInfo, Renderer, list_gpus};
+pub use pass::{Target, full_screen_pass, full_screen_pass_rows};
+pub use picture::Picture;
+pub use ping_pong::{PingPong, TexturePair};
+pub use program::{Program, header};
+pub use render_target::RenderTarget;
+pub use texture::Texture;
