@@ -25,6 +25,7 @@
 mod api;
 mod backend;
 mod bytes;
+mod clock;
 mod context;
 mod current;
 mod egl;
@@ -39,6 +40,7 @@ mod render_target;
 mod texture;
 
 pub use api::Api;
+pub use clock::Clock;
 pub use context::{Context, ContextOptions, Limits};
 pub use error::GpuError;
 pub use list::{GpuInfo, Renderer, list_gpus};
