@@ -1,6 +1,9 @@
 //! The one error type that everything public returns.
 
+use crate::audio::AudioError;
+use crate::gpu::GpuError;
 use crate::scene::SceneError;
+use crate::trace::TraceError;
 
 /// What can go wrong, by the room it went wrong in.
 #[derive(Debug, thiserror::Error)]
@@ -9,6 +12,15 @@ pub enum Error {
     /// A scene that cannot be used.
     #[error(transparent)]
     Scene(#[from] SceneError),
+    /// Settings that cannot be traced with.
+    #[error(transparent)]
+    Trace(#[from] TraceError),
+    /// A renderer that is not there, or fails.
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+    /// A sound that cannot be read, or a WAV that cannot be written.
+    #[error(transparent)]
+    Audio(#[from] AudioError),
 }
 
 impl Error {
@@ -16,6 +28,9 @@ impl Error {
     pub fn is_bad_input(&self) -> bool {
         match self {
             Error::Scene(_) => true,
+            Error::Trace(error) => !matches!(error, TraceError::NothingTraced),
+            Error::Gpu(error) => error.is_bad_input(),
+            Error::Audio(error) => error.is_bad_input(),
         }
     }
 }

@@ -2,7 +2,11 @@
 pub mod audio;
 pub mod error;
 pub mod gpu;
+pub mod output;
+pub mod reference;
 pub mod scene;
+pub mod trace;
 
 pub use error::Error;
 pub use scene::{Listener, Scene, Shape, Source, Surface};
+pub use trace::{Frame, Panning, Profile, Settings, Tracer};

@@ -8,6 +8,7 @@ use hound::{SampleFormat, WavSpec};
 use tempfile::NamedTempFile;
 
 use super::{AudioError, SAMPLE_RATE};
+use crate::output::temporary_beside;
 
 const SPEC: WavSpec = WavSpec {
     channels: 2,
@@ -116,29 +117,10 @@ impl WavWriter {
 }
 
 fn start(target: &Path) -> io::Result<(NamedTempFile, hound::WavWriter<BufWriter<File>>)> {
-    if target.is_dir() {
-        return Err(io::ErrorKind::IsADirectory.into());
-    }
-    let directory = match target.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
-    let temporary = temporary_in(directory)?;
+    let temporary = temporary_beside(target)?;
     let file = BufWriter::new(temporary.reopen()?);
     let wav = hound::WavWriter::new(file, SPEC).map_err(to_io)?;
     Ok((temporary, wav))
-}
-
-/// A temporary file that others may read as they may any new file, not its owner alone.
-fn temporary_in(directory: &Path) -> io::Result<NamedTempFile> {
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".echomarch-").suffix(".wav.part");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        builder.permissions(std::fs::Permissions::from_mode(0o666));
-    }
-    builder.tempfile_in(directory)
 }
 
 fn to_io(error: hound::Error) -> io::Error {

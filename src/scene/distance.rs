@@ -1,8 +1,9 @@
 //! The signed distance functions on the CPU, in `f32`.
 //!
 //! Written apart from `glsl/distance/`, so that the two can disagree; a test
-//! walks both over the same points. All five shapes are exact: the value is the
-//! Euclidean distance to the surface, negative in the solid (Hart 1996, app. A).
+//! walks both over the same points. In the air every value is the Euclidean
+//! distance to the surface (Hart 1996, appendix A); it is negative in the solid,
+//! and exact there too but for the room, where it is a bound.
 
 use super::{Listener, Scene, Shape, Surface};
 use glam::{Vec2, Vec3};
@@ -72,7 +73,7 @@ impl Shape {
         match *self {
             Shape::Plane => p.y,
             Shape::Box { size } => box_distance(p, size * 0.5),
-            Shape::Room { size } => -box_distance(p, size * 0.5),
+            Shape::Room { size } => (size * 0.5 - p.abs()).min_element(),
             Shape::Sphere { radius } => p.length() - radius,
             Shape::Cylinder { radius } => Vec2::new(p.x, p.z).length() - radius,
         }
@@ -109,7 +110,7 @@ mod tests {
         assert_close(solid.distance(size * 0.5 + corner_gap), 13.0);
         let room = Shape::Room { size };
         assert_close(room.distance(Vec3::new(0.5, 0.0, 0.0)), 0.5);
-        assert_close(room.distance(size * 0.5 + corner_gap), -13.0);
+        assert_close(room.distance(size * 0.5 + corner_gap), -12.0);
         let sphere = Shape::Sphere { radius: 2.0 };
         assert_close(sphere.distance(Vec3::new(0.0, 3.0, 4.0)), 3.0);
         let cylinder = Shape::Cylinder { radius: 2.0 };

@@ -1,0 +1,70 @@
+// One iteration of the thesis' design, faithful to its figures 8 and 9.
+//
+// Kept on purpose: the start offset that is not stored; hits up to the minimum distance
+// short of the surface; normals from differences of the whole scene's distance; waves
+// that met nothing are marched again from the origin with direction 0. Departures: the
+// march has a step bound, and counters ride in the direction's last component.
+
+uniform highp sampler2D uOrigins;
+uniform highp sampler2D uDirections;
+uniform float uMinDistance;   // a surface counts as met below this distance, metres
+uniform float uMaxDistance;   // a wave counts as dead beyond this, metres
+uniform float uStartOffset;   // along the direction, metres
+uniform float uNormalStep;    // of the central differences, metres
+uniform int uStepBound;       // evaluations in one march at the most
+
+layout(location = 0) out vec4 outOrigin;
+layout(location = 1) out vec4 outDirection;
+
+// Figure 9: how far the wave gets along its direction, or -1.
+float traceWave(vec3 origin, vec3 direction, out float object, out bool guardHit) {
+    float t = 0.0;
+    guardHit = false;
+    object = STATUS_DEAD;
+    for (int i = 0; i < uStepBound; ++i) {
+        if (!(t < uMaxDistance)) {
+            return -1.0;
+        }
+        float nearest = distanceFunction(origin + t * direction, object);
+        if (nearest < uMinDistance) {
+            return t;
+        }
+        t += nearest;
+    }
+    guardHit = t < uMaxDistance;
+    return -1.0;
+}
+
+// Hart 1996: the gradient by central differences, independent of the surface.
+vec3 traceNormal(vec3 p) {
+    vec2 e = vec2(uNormalStep, 0.0);
+    float object;
+    return normalize(vec3(
+        distanceFunction(p + e.xyy, object) - distanceFunction(p - e.xyy, object),
+        distanceFunction(p + e.yxy, object) - distanceFunction(p - e.yxy, object),
+        distanceFunction(p + e.yyx, object) - distanceFunction(p - e.yyx, object)));
+}
+
+// Figure 8.
+void main() {
+    ivec2 texel = ivec2(gl_FragCoord.xy);
+    vec4 origin = texelFetch(uOrigins, texel, 0);
+    vec4 direction = texelFetch(uDirections, texel, 0);
+    outOrigin = origin;
+    outDirection = direction;
+    if (reachedListener(origin.w) || waveIndex() >= uWaveCount) {
+        return;
+    }
+    float object;
+    bool guardHit;
+    vec3 offset = direction.xyz * uStartOffset;
+    float t = traceWave(origin.xyz + offset, direction.xyz, object, guardHit);
+    vec3 hit = origin.xyz + t * direction.xyz;
+    outOrigin = vec4(0.0, 0.0, 0.0, STATUS_DEAD);
+    outDirection = vec4(0.0, 0.0, 0.0, direction.w + (guardHit ? GUARD_HIT : 0.0));
+    if (t >= 0.0) {
+        outOrigin = vec4(hit, object);
+        float counters = direction.w + (t == 0.0 ? ZERO_LENGTH_PASS : 0.0);
+        outDirection = vec4(reflect(direction.xyz, traceNormal(hit)), counters);
+    }
+}

@@ -1,0 +1,25 @@
+// How a sound wave lies in the texture pair (thesis, figure 7).
+//   first texture:  origin x, y, z in world metres, status
+//   second texture: direction x, y, z, counters
+// The thesis leaves the last component of the direction unused (0). Here it counts,
+// for reports alone, the passes that ended at distance 0 and those that met the step
+// bound: counters = zeroLengthPasses + 4096 * guardHits, exact below 2^24.
+
+const float STATUS_DEAD = -1.0;     // met nothing
+const float STATUS_LISTENER = 0.0;  // reached the listener
+const float STATUS_STARTED = 0.5;   // has met nothing yet; from 1 up: the object met
+const float ZERO_LENGTH_PASS = 1.0;
+const float GUARD_HIT = 4096.0;
+
+uniform uint uWaveCount;   // waves in the texture pair; texels beyond hold none
+uniform uint uGridWidth;   // texels in a row
+
+uint waveIndex() {
+    uvec2 texel = uvec2(gl_FragCoord.xy);
+    return texel.y * uGridWidth + texel.x;
+}
+
+// The comparison of figure 8: a status is a float, and 0 is met with a margin.
+bool reachedListener(float status) {
+    return status > -0.1 && status < 0.1;
+}

@@ -1,0 +1,21 @@
+//! What a library that makes contexts has to be able to do.
+
+use std::ffi::{CStr, c_void};
+
+/// One GL context, as the library that made it sees it: EGL or OSMesa without a window, or a window's own.
+///
+/// Dropping it destroys the context; `current` sees to it that no context at all is current then.
+pub(super) trait Backend {
+    /// Makes the context current on this thread. No other may be current: Mesa's libraries share one slot for the
+    /// current context, and each believes what it last put there itself.
+    ///
+    /// # Errors
+    /// What the library answered.
+    fn make_current(&self) -> Result<(), String>;
+
+    /// Makes no context current on this thread. The context is the current one.
+    fn release(&self);
+
+    /// Address of a GL function, null where the library has none of that name.
+    fn proc_address(&self, name: &CStr) -> *const c_void;
+}

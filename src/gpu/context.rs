@@ -1,0 +1,347 @@
+//! A GL context without a window.
+
+use std::ffi::CString;
+use std::fmt;
+use std::ptr;
+use std::rc::Rc;
+use std::sync::OnceLock;
+
+use glow::HasContext;
+
+use super::backend::Backend;
+use super::egl::{self, Egl};
+use super::error::code_name;
+use super::osmesa::OsMesa;
+use super::{Api, GpuError, current};
+
+/// The extension by which OpenGL ES draws into textures of floats.
+const FLOAT_TARGETS: &str = "GL_EXT_color_buffer_float";
+
+/// Errors drained from one context at most: a lost one may answer for ever.
+const ERRORS_AT_MOST: usize = 32;
+
+/// Which context to make.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ContextOptions {
+    /// The way to reach OpenGL.
+    pub api: Api,
+    /// Index of the device, from 0, in the order of [`list_gpus`](super::list_gpus); `None` takes the first on
+    /// which a context of the API can be made. OSMesa has the device 0 alone.
+    pub gpu: Option<usize>,
+}
+
+/// What the driver allows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Limits {
+    /// Longest side of a texture, in texels.
+    pub max_texture_size: u32,
+    /// Uniforms of a fragment shader, counted in vectors of four.
+    pub max_fragment_uniform_vectors: u32,
+    /// Outputs of a fragment shader that can be drawn at once.
+    pub max_draw_buffers: u32,
+    /// Textures that a framebuffer can hold.
+    pub max_color_attachments: u32,
+}
+
+/// A GL context without a window, and the thread's access to it.
+///
+/// Clones are references to the same context, which is destroyed with the last of them. It stays on the thread that
+/// made it.
+#[derive(Clone)]
+pub struct Context {
+    inner: Rc<Inner>,
+}
+
+/// What the clones of a context share.
+pub(super) struct Inner {
+    pub(super) backend: Box<dyn Backend>,
+    gl: glow::Context,
+    vertex_array: glow::VertexArray,
+    api: Api,
+    renderer: String,
+    vendor: String,
+    version: String,
+    shading_language: String,
+    limits: Limits,
+}
+
+impl Drop for Inner {
+    fn drop(&mut self) {
+        // The vertex array goes with the context.
+        current::release_before_drop(self);
+    }
+}
+
+impl Context {
+    /// Makes a context without a window, and leaves it current on this thread. With `gpu: None` print the
+    /// [`renderer`](Context::renderer): it may be a software one.
+    ///
+    /// # Errors
+    /// A library, a device, a context or an extension that is not there.
+    pub fn headless(options: &ContextOptions) -> Result<Context, GpuError> {
+        if options.api == Api::OsMesa {
+            return match options.gpu {
+                None | Some(0) => Context::from_backend(Box::new(OsMesa::new()?), Api::OsMesa),
+                Some(asked) => Err(GpuError::NoSuchGpu { asked, found: 1 }),
+            };
+        }
+        let devices = egl::devices()?;
+        if let Some(asked) = options.gpu {
+            let device = devices.get(asked).ok_or(GpuError::NoSuchGpu {
+                asked,
+                found: devices.len(),
+            })?;
+            return Context::from_backend(
+                Box::new(Egl::on_device(device, options.api)?),
+                options.api,
+            );
+        }
+        let mut reasons = Vec::new();
+        for (index, device) in devices.iter().enumerate() {
+            let context = Egl::on_device(device, options.api)
+                .and_then(|egl| Context::from_backend(Box::new(egl), options.api));
+            match context {
+                Ok(context) => return Ok(context),
+                Err(GpuError::NoContext { reason, .. }) => {
+                    reasons.push(format!("GPU {index}: {reason}"))
+                }
+                Err(error) => reasons.push(format!("GPU {index}: {error}")),
+            }
+        }
+        Err(GpuError::NoContext {
+            api: options.api,
+            reason: reasons.join("; "),
+        })
+    }
+
+    /// Takes over a context that a library made, and leaves it current.
+    pub(super) fn from_backend(backend: Box<dyn Backend>, api: Api) -> Result<Context, GpuError> {
+        current::release();
+        backend
+            .make_current()
+            .map_err(|reason| GpuError::NoContext { api, reason })?;
+        match describe(backend, api) {
+            Ok(inner) => {
+                let inner = Rc::new(inner);
+                current::make(&inner).map_err(|reason| GpuError::NoContext { api, reason })?;
+                Ok(Context { inner })
+            }
+            Err((backend, error)) => {
+                backend.release();
+                Err(error)
+            }
+        }
+    }
+
+    /// The way to reach OpenGL that was asked for.
+    pub fn api(&self) -> Api {
+        self.inner.api
+    }
+
+    /// GL_RENDERER: the driver's name for the device.
+    pub fn renderer(&self) -> &str {
+        &self.inner.renderer
+    }
+
+    /// GL_VENDOR.
+    pub fn vendor(&self) -> &str {
+        &self.inner.vendor
+    }
+
+    /// GL_VERSION, the driver's version included.
+    pub fn version(&self) -> &str {
+        &self.inner.version
+    }
+
+    /// GL_SHADING_LANGUAGE_VERSION.
+    pub fn shading_language(&self) -> &str {
+        &self.inner.shading_language
+    }
+
+    /// Whether the processor draws, rather than a graphics card.
+    pub fn is_software(&self) -> bool {
+        is_software(self.renderer())
+    }
+
+    /// What the driver allows.
+    pub fn limits(&self) -> Limits {
+        self.inner.limits
+    }
+
+    /// GL itself, with this context current on this thread. For use at once: whatever touches another context makes
+    /// that one current.
+    ///
+    /// Where the context cannot be made current none is; then GL calls do nothing, and [`check`](Context::check)
+    /// reports it.
+    pub fn gl(&self) -> &glow::Context {
+        let _ = current::make(&self.inner);
+        &self.inner.gl
+    }
+
+    /// Asks GL for the errors since the last time, and forgets them.
+    ///
+    /// # Errors
+    /// The first of them, named after what was being done: [`GpuError::OutOfMemory`], [`GpuError::ContextLost`] or
+    /// [`GpuError::Gl`].
+    pub fn check(&self, what: &str) -> Result<(), GpuError> {
+        current::make(&self.inner).map_err(|reason| GpuError::ContextLost { reason })?;
+        // SAFETY: the context is current.
+        let next = || unsafe { self.inner.gl.get_error() };
+        let first = next();
+        let mut last = first;
+        for _ in 0..ERRORS_AT_MOST {
+            if last == glow::NO_ERROR {
+                break;
+            }
+            last = next();
+        }
+        match first {
+            glow::NO_ERROR => Ok(()),
+            glow::OUT_OF_MEMORY => Err(GpuError::OutOfMemory { what: what.into() }),
+            glow::CONTEXT_LOST => Err(GpuError::ContextLost {
+                reason: format!("GL_CONTEXT_LOST in {what}"),
+            }),
+            code => Err(GpuError::Gl {
+                what: what.into(),
+                code: code_name(code),
+            }),
+        }
+    }
+
+    /// [`check`](Context::check) in debug builds, or where the environment has `ECHOMARCH_GL_CHECK=1`; else nothing,
+    /// since asking can stall a driver that works on another thread.
+    ///
+    /// # Errors
+    /// Those of [`check`](Context::check).
+    pub fn debug_check(&self, what: &str) -> Result<(), GpuError> {
+        static ASKED: OnceLock<bool> = OnceLock::new();
+        let asked = || std::env::var_os("ECHOMARCH_GL_CHECK").is_some_and(|value| value == "1");
+        if cfg!(debug_assertions) || *ASKED.get_or_init(asked) {
+            self.check(what)
+        } else {
+            Ok(())
+        }
+    }
+
+    /// The vertex array without attributes that the full-screen triangle is drawn with.
+    pub(super) fn vertex_array(&self) -> glow::VertexArray {
+        self.inner.vertex_array
+    }
+
+    /// Whether both are references to the same context.
+    pub(super) fn is_same(&self, other: &Context) -> bool {
+        Rc::ptr_eq(&self.inner, &other.inner)
+    }
+}
+
+impl fmt::Debug for Context {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Context")
+            .field("api", &self.api())
+            .field("renderer", &self.renderer())
+            .finish_non_exhaustive()
+    }
+}
+
+/// Whether a renderer of that name draws with the processor.
+fn is_software(renderer: &str) -> bool {
+    let renderer = renderer.to_lowercase();
+    [
+        "llvmpipe",
+        "softpipe",
+        "swrast",
+        "software rasterizer",
+        "swiftshader",
+    ]
+    .iter()
+    .any(|name| renderer.contains(name))
+}
+
+/// Loads GL through a backend that is current, and asks for all that is known of it. A failure gives the backend back.
+fn describe(backend: Box<dyn Backend>, api: Api) -> Result<Inner, (Box<dyn Backend>, GpuError)> {
+    let gl = load(&*backend);
+    // SAFETY: the context is current, and the strings and numbers asked for exist in every version.
+    let (renderer, vendor, version, shading_language) = unsafe {
+        (
+            gl.get_parameter_string(glow::RENDERER),
+            gl.get_parameter_string(glow::VENDOR),
+            gl.get_parameter_string(glow::VERSION),
+            gl.get_parameter_string(glow::SHADING_LANGUAGE_VERSION),
+        )
+    };
+    if api == Api::Gles && !gl.supported_extensions().contains(FLOAT_TARGETS) {
+        return Err((
+            backend,
+            GpuError::MissingExtension {
+                extension: FLOAT_TARGETS,
+                renderer,
+            },
+        ));
+    }
+    // SAFETY: the context is current.
+    let vertex_array = match unsafe { gl.create_vertex_array() } {
+        Ok(vertex_array) => vertex_array,
+        Err(reason) => return Err((backend, GpuError::NoContext { api, reason })),
+    };
+    // SAFETY: the context is current, and the vertex array its own.
+    unsafe { gl.bind_vertex_array(Some(vertex_array)) };
+    let limits = limits(&gl, api);
+    Ok(Inner {
+        backend,
+        gl,
+        vertex_array,
+        api,
+        renderer,
+        vendor,
+        version,
+        shading_language,
+        limits,
+    })
+}
+
+/// The functions of GL, with the context current.
+fn load(backend: &dyn Backend) -> glow::Context {
+    let find = |name: &str| match CString::new(name) {
+        Ok(name) => backend.proc_address(&name),
+        Err(_) => ptr::null(),
+    };
+    let find_or_core = |name: &str| {
+        let address = find(name);
+        // glow reads a timer query by the extension's function on drivers without glGetQueryBufferObjectiv; the
+        // core's is the same function.
+        if address.is_null() && name == "glGetQueryObjectui64vEXT" {
+            find("glGetQueryObjectui64v")
+        } else {
+            address
+        }
+    };
+    // SAFETY: the context is current, and the addresses are those of its library.
+    unsafe { glow::Context::from_loader_function(find_or_core) }
+}
+
+fn limits(gl: &glow::Context, api: Api) -> Limits {
+    // SAFETY: the context is current; a limit that is unknown leaves 0.
+    let limit = |name: u32| u32::try_from(unsafe { gl.get_parameter_i32(name) }).unwrap_or(0);
+    Limits {
+        max_texture_size: limit(glow::MAX_TEXTURE_SIZE),
+        max_fragment_uniform_vectors: match api {
+            Api::Gles => limit(glow::MAX_FRAGMENT_UNIFORM_VECTORS),
+            Api::Gl | Api::OsMesa => limit(glow::MAX_FRAGMENT_UNIFORM_COMPONENTS) / 4,
+        },
+        max_draw_buffers: limit(glow::MAX_DRAW_BUFFERS),
+        max_color_attachments: limit(glow::MAX_COLOR_ATTACHMENTS),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::is_software;
+
+    /// Wall clock or timer query, goldens or tolerances: all depend on knowing a software renderer by its name.
+    #[test]
+    fn software_renderers_are_known_by_name() {
+        assert!(is_software("llvmpipe (LLVM 15.0.6, 256 bits)"));
+        assert!(is_software("Google SwiftShader"));
+        assert!(!is_software("NVIDIA H200/PCIe/SSE2"));
+    }
+}

@@ -1,0 +1,168 @@
+//! What can go wrong between the program and the graphics driver.
+
+use super::Api;
+
+/// What can go wrong between the program and the graphics driver. Sizes are in texels unless said otherwise.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum GpuError {
+    /// libEGL could not be loaded.
+    #[error(
+        "libEGL was not found: install it (on Debian the packages libegl1, libegl-mesa0 and libgl1-mesa-dri) or use the API osmesa"
+    )]
+    NoEglLibrary,
+    /// libEGL is there, but lists no device.
+    #[error(
+        "EGL lists no device ({reason}): install a driver (on Debian the packages libegl-mesa0 and libgl1-mesa-dri) or use the API osmesa"
+    )]
+    NoEglDevice {
+        /// What EGL answered.
+        reason: String,
+    },
+    /// There is no device of that number.
+    #[error("there is no GPU {asked}: {found} found, counted from 0")]
+    NoSuchGpu {
+        /// The index asked for, from 0.
+        asked: usize,
+        /// How many devices there are.
+        found: usize,
+    },
+    /// No device gave a context of this API, or the one asked for did not.
+    #[error("no context for the API {api} could be made: {reason}")]
+    NoContext {
+        /// The API asked for.
+        api: Api,
+        /// What each device answered.
+        reason: String,
+    },
+    /// libOSMesa could not be loaded.
+    #[error("libOSMesa was not found ({reason}): install it (on Debian the package libosmesa6)")]
+    NoOsMesaLibrary {
+        /// What the loader answered, for the last name tried.
+        reason: String,
+    },
+    /// The driver cannot draw into textures of 32-bit floats, or lacks another extension that is needed.
+    #[error(
+        "{renderer} lacks the extension {extension}, which is needed: choose another GPU or the API gl"
+    )]
+    MissingExtension {
+        /// The extension's name.
+        extension: &'static str,
+        /// GL_RENDERER.
+        renderer: String,
+    },
+    /// The context can no longer be made current, or the driver has lost it.
+    #[error("the GL context was lost: {reason}; make a new one")]
+    ContextLost {
+        /// What EGL or OSMesa answered.
+        reason: String,
+    },
+    /// A shader did not compile.
+    #[error("the {stage} shader \"{label}\" does not compile:\n{log}")]
+    Compile {
+        /// "vertex" or "fragment".
+        stage: &'static str,
+        /// The program's label.
+        label: String,
+        /// The driver's log, verbatim; lines are counted from the first of the text given.
+        log: String,
+    },
+    /// A program did not link.
+    #[error("the program \"{label}\" does not link:\n{log}")]
+    Link {
+        /// The program's label.
+        label: String,
+        /// The driver's log, verbatim.
+        log: String,
+    },
+    /// A framebuffer cannot be drawn into.
+    #[error("the framebuffer is incomplete: {reason}")]
+    IncompleteFramebuffer {
+        /// The GL status or the rule broken.
+        reason: String,
+    },
+    /// A side of the texture is above the driver's limit.
+    #[error("a texture of {width} × {height} texels is too large: this GPU allows {limit} a side")]
+    TextureTooLarge {
+        /// Width asked for.
+        width: u32,
+        /// Height asked for.
+        height: u32,
+        /// The longest side allowed.
+        limit: u32,
+    },
+    /// A side of the texture is zero.
+    #[error("a texture of {width} × {height} texels is empty: each side needs at least 1")]
+    TextureEmpty {
+        /// Width asked for.
+        width: u32,
+        /// Height asked for.
+        height: u32,
+    },
+    /// The data for a texture do not fill it exactly.
+    #[error("the texture takes {expected} floats, {found} were given")]
+    DataSize {
+        /// 4 × width × height.
+        expected: usize,
+        /// Floats given.
+        found: usize,
+    },
+    /// A read outside of the target.
+    #[error(
+        "cannot read {width} × {rows} texels of attachment {attachment}: the target has {attachments} attachments of {target_width} × {target_height}"
+    )]
+    ReadOutOfRange {
+        /// Attachment asked for, from 0.
+        attachment: usize,
+        /// Columns asked for.
+        width: u32,
+        /// Rows asked for.
+        rows: u32,
+        /// Attachments there are.
+        attachments: usize,
+        /// Width of the target.
+        target_width: u32,
+        /// Height of the target.
+        target_height: u32,
+    },
+    /// The driver ran out of memory.
+    #[error("the GPU has no memory for {what}: ask for less at a time")]
+    OutOfMemory {
+        /// What was being done.
+        what: String,
+    },
+    /// Any other error that GL reported.
+    #[error("GL reported {code} in {what}: a fault of the program or the driver")]
+    Gl {
+        /// What was being done.
+        what: String,
+        /// The error's name, such as GL_INVALID_OPERATION.
+        code: String,
+    },
+}
+
+impl GpuError {
+    /// Whether the cause is what the user asked for, rather than the machine or the program: a GPU that is not there,
+    /// or a texture of a size that cannot be.
+    pub fn is_bad_input(&self) -> bool {
+        matches!(
+            self,
+            Self::NoSuchGpu { .. } | Self::TextureTooLarge { .. } | Self::TextureEmpty { .. }
+        )
+    }
+}
+
+/// The name of an error code of glGetError.
+pub(super) fn code_name(code: u32) -> String {
+    match code {
+        glow::INVALID_ENUM => "GL_INVALID_ENUM".into(),
+        glow::INVALID_VALUE => "GL_INVALID_VALUE".into(),
+        glow::INVALID_OPERATION => "GL_INVALID_OPERATION".into(),
+        glow::INVALID_FRAMEBUFFER_OPERATION => "GL_INVALID_FRAMEBUFFER_OPERATION".into(),
+        glow::OUT_OF_MEMORY => "GL_OUT_OF_MEMORY".into(),
+        glow::STACK_OVERFLOW => "GL_STACK_OVERFLOW".into(),
+        glow::STACK_UNDERFLOW => "GL_STACK_UNDERFLOW".into(),
+        glow::CONTEXT_LOST => "GL_CONTEXT_LOST".into(),
+        other => format!("GL error 0x{other:04X}"),
+    }
+}

@@ -1,0 +1,117 @@
+//! A target of eight bits a channel, for pictures.
+
+use glow::{HasContext, PixelPackData};
+
+use super::pass::Target;
+use super::render_target::check_complete;
+use super::texture::check_size;
+use super::{Context, GpuError};
+
+/// A target of red, green, blue and opacity of eight bits each, for pictures.
+///
+/// Dropping it frees it.
+#[derive(Debug)]
+pub struct Picture {
+    context: Context,
+    framebuffer: glow::Framebuffer,
+    pixels: glow::Renderbuffer,
+    width: u32,
+    height: u32,
+}
+
+impl Picture {
+    /// A picture of that many pixels, whose colours are not set.
+    ///
+    /// # Errors
+    /// Those of [`Texture::new`](super::Texture::new); 4 bytes a pixel.
+    pub fn new(context: &Context, width: u32, height: u32) -> Result<Picture, GpuError> {
+        check_size(context, width, height)?;
+        let failed = |code: String| GpuError::Gl {
+            what: "a picture".into(),
+            code,
+        };
+        let gl = context.gl();
+        // SAFETY: the context is current.
+        let framebuffer = unsafe { gl.create_framebuffer() }.map_err(failed)?;
+        // SAFETY: the context is current; the framebuffer is deleted where there is no renderbuffer to go with it.
+        let pixels = unsafe {
+            gl.create_renderbuffer()
+                .inspect_err(|_| gl.delete_framebuffer(framebuffer))
+                .map_err(failed)?
+        };
+        let picture = Picture {
+            context: context.clone(),
+            framebuffer,
+            pixels,
+            width,
+            height,
+        };
+        // SAFETY: the context is current, and framebuffer and renderbuffer its own.
+        unsafe {
+            gl.bind_renderbuffer(glow::RENDERBUFFER, Some(pixels));
+            gl.renderbuffer_storage(glow::RENDERBUFFER, glow::RGBA8, width as i32, height as i32);
+            gl.bind_framebuffer(glow::FRAMEBUFFER, Some(framebuffer));
+            let point = glow::COLOR_ATTACHMENT0;
+            gl.framebuffer_renderbuffer(glow::FRAMEBUFFER, point, glow::RENDERBUFFER, Some(pixels));
+        }
+        context.check(&format!("a picture of {width} × {height} pixels"))?;
+        check_complete(context)?;
+        Ok(picture)
+    }
+
+    /// Width in pixels.
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Height in pixels.
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// All pixels, four bytes each, the top row (the highest `gl_FragCoord.y`) first, as image files have it. Waits
+    /// for the drawing before it.
+    ///
+    /// # Errors
+    /// What GL reports.
+    pub fn read_rgba8(&self) -> Result<Vec<u8>, GpuError> {
+        let row = 4 * self.width as usize;
+        let mut pixels = vec![0; row * self.height as usize];
+        let gl = self.context.gl();
+        // SAFETY: the context is current, and the slice has room for all pixels; rows of 4 bytes a pixel need no
+        // padding.
+        unsafe {
+            gl.bind_framebuffer(glow::READ_FRAMEBUFFER, Some(self.framebuffer));
+            gl.read_buffer(glow::COLOR_ATTACHMENT0);
+            let slice = PixelPackData::Slice(Some(&mut pixels));
+            gl.read_pixels(
+                0,
+                0,
+                self.width as i32,
+                self.height as i32,
+                glow::RGBA,
+                glow::UNSIGNED_BYTE,
+                slice,
+            );
+        }
+        self.context.check("the read-back of a picture")?;
+        Ok(pixels.rchunks_exact(row).flatten().copied().collect())
+    }
+}
+
+impl Target for Picture {
+    fn framebuffer(&self) -> Option<glow::Framebuffer> {
+        Some(self.framebuffer)
+    }
+}
+
+impl Drop for Picture {
+    fn drop(&mut self) {
+        let gl = self.context.gl();
+        // SAFETY: the context is current, and both objects its own and not used again.
+        unsafe {
+            gl.delete_framebuffer(self.framebuffer);
+            gl.delete_renderbuffer(self.pixels);
+        }
+    }
+}

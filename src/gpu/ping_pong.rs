@@ -1,0 +1,84 @@
+//! Pairs of textures that passes read and write in turns.
+
+use super::pass::Target;
+use super::{Context, GpuError, RenderTarget, Texture};
+
+/// Two textures of one size, and the target that writes both: eight floats an element.
+#[derive(Debug)]
+pub struct TexturePair {
+    /// Output 0 of the fragment shader.
+    pub first: Texture,
+    /// Output 1 of the fragment shader.
+    pub second: Texture,
+    /// Writes to both, and reads both back: attachments 0 and 1.
+    pub target: RenderTarget,
+}
+
+impl TexturePair {
+    /// A pair of that many texels each, whose values are not set.
+    ///
+    /// # Errors
+    /// Those of [`Texture::new`] and [`RenderTarget::new`].
+    pub fn new(context: &Context, width: u32, height: u32) -> Result<TexturePair, GpuError> {
+        let first = Texture::new(context, width, height)?;
+        let second = Texture::new(context, width, height)?;
+        let target = RenderTarget::new(context, &[&first, &second])?;
+        Ok(TexturePair {
+            first,
+            second,
+            target,
+        })
+    }
+}
+
+impl Target for TexturePair {
+    fn framebuffer(&self) -> Option<glow::Framebuffer> {
+        self.target.framebuffer()
+    }
+}
+
+/// Two texture pairs: a pass reads the current one and writes to the next, then they [`flip`](PingPong::flip).
+#[derive(Debug)]
+pub struct PingPong {
+    pairs: [TexturePair; 2],
+    current: usize,
+}
+
+impl PingPong {
+    /// Two pairs of that many texels: 64 bytes each texel in all.
+    ///
+    /// # Errors
+    /// Those of [`TexturePair::new`].
+    pub fn new(context: &Context, width: u32, height: u32) -> Result<PingPong, GpuError> {
+        let pairs = [
+            TexturePair::new(context, width, height)?,
+            TexturePair::new(context, width, height)?,
+        ];
+        Ok(PingPong { pairs, current: 0 })
+    }
+
+    /// The pair to read from.
+    pub fn current(&self) -> &TexturePair {
+        &self.pairs[self.current]
+    }
+
+    /// The pair to write to.
+    pub fn next(&self) -> &TexturePair {
+        &self.pairs[1 - self.current]
+    }
+
+    /// Makes the pair just written the current one.
+    pub fn flip(&mut self) {
+        self.current = 1 - self.current;
+    }
+
+    /// Width in texels.
+    pub fn width(&self) -> u32 {
+        self.pairs[0].target.width()
+    }
+
+    /// Height in texels.
+    pub fn height(&self) -> u32 {
+        self.pairs[0].target.height()
+    }
+}

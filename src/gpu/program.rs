@@ -1,0 +1,277 @@
+//! Shader programs and their uniforms.
+
+use std::collections::HashMap;
+
+use glam::{Mat3, Vec2, Vec3, Vec4};
+use glow::HasContext;
+
+use super::{Api, Context, GpuError, Texture};
+
+/// The vertex shader of all programs.
+const FULL_SCREEN: &str = include_str!("../../glsl/full_screen.vert");
+
+/// What stands before every shader's text: the version and the precisions. Lines are counted from 1 after it.
+pub fn header(api: Api) -> &'static str {
+    match api {
+        Api::Gl | Api::OsMesa => "#version 330 core\n#line 1\n",
+        Api::Gles => {
+            "#version 300 es\n\
+             precision highp float;\n\
+             precision highp int;\n\
+             precision highp sampler2D;\n\
+             precision highp usampler2D;\n\
+             #line 1\n"
+        }
+    }
+}
+
+/// A fragment shader with the full-screen triangle before it, and its uniforms.
+///
+/// A uniform that the shader does not have, or does not use so that the driver left it out, is set to no effect. A
+/// uniform of another type than the setter's is an error that the next check reports. Dropping it frees it.
+#[derive(Debug)]
+pub struct Program {
+    context: Context,
+    program: glow::Program,
+    label: String,
+    uniforms: HashMap<String, glow::UniformLocation>,
+}
+
+impl Program {
+    /// Compiles and links a fragment shader, whose text has no `#version` line and stays within GLSL ES 3.00. The
+    /// label names it in errors.
+    ///
+    /// # Errors
+    /// [`GpuError::Compile`] and [`GpuError::Link`] with the driver's log.
+    pub fn fragment(context: &Context, label: &str, body: &str) -> Result<Program, GpuError> {
+        let gl = context.gl();
+        let failed = |code: String| GpuError::Gl {
+            what: format!("the program \"{label}\""),
+            code,
+        };
+        // SAFETY: the context is current.
+        let program = unsafe { gl.create_program() }.map_err(failed)?;
+        let mut program = Program {
+            context: context.clone(),
+            program,
+            label: label.into(),
+            uniforms: HashMap::new(),
+        };
+        let vertex = Shader::compile(context, glow::VERTEX_SHADER, label, FULL_SCREEN)?;
+        let fragment = Shader::compile(context, glow::FRAGMENT_SHADER, label, body)?;
+        program.link(&[&vertex, &fragment])?;
+        program.uniforms = find_uniforms(gl, program.program);
+        context.check(label)?;
+        Ok(program)
+    }
+
+    fn link(&self, shaders: &[&Shader]) -> Result<(), GpuError> {
+        let gl = self.context.gl();
+        // SAFETY: the context is current, and program and shaders its own.
+        unsafe {
+            for shader in shaders {
+                gl.attach_shader(self.program, shader.shader);
+            }
+            gl.link_program(self.program);
+            for shader in shaders {
+                gl.detach_shader(self.program, shader.shader);
+            }
+            if gl.get_program_link_status(self.program) {
+                return Ok(());
+            }
+            Err(GpuError::Link {
+                label: self.label.clone(),
+                log: gl.get_program_info_log(self.program),
+            })
+        }
+    }
+
+    /// The name it has in errors.
+    pub fn label(&self) -> &str {
+        &self.label
+    }
+
+    /// Whether the shader has and uses a uniform of that name.
+    pub fn has_uniform(&self, name: &str) -> bool {
+        self.uniforms.contains_key(name)
+    }
+
+    /// Sets an `int` or a `bool`.
+    pub fn set_i32(&self, name: &str, value: i32) {
+        // SAFETY: `set` has made the context and the program current, and the location is the program's own; so in
+        // all setters below.
+        self.set(name, |gl, location| unsafe {
+            gl.uniform_1_i32(Some(location), value)
+        });
+    }
+
+    /// Sets a `uint`.
+    pub fn set_u32(&self, name: &str, value: u32) {
+        // SAFETY: as in set_i32.
+        self.set(name, |gl, location| unsafe {
+            gl.uniform_1_u32(Some(location), value)
+        });
+    }
+
+    /// Sets a `float`.
+    pub fn set_f32(&self, name: &str, value: f32) {
+        // SAFETY: as in set_i32.
+        self.set(name, |gl, location| unsafe {
+            gl.uniform_1_f32(Some(location), value)
+        });
+    }
+
+    /// Sets a `vec2`.
+    pub fn set_vec2(&self, name: &str, value: Vec2) {
+        // SAFETY: as in set_i32.
+        self.set(name, |gl, location| unsafe {
+            gl.uniform_2_f32(Some(location), value.x, value.y)
+        });
+    }
+
+    /// Sets a `vec3`.
+    pub fn set_vec3(&self, name: &str, value: Vec3) {
+        // SAFETY: as in set_i32.
+        self.set(name, |gl, location| unsafe {
+            gl.uniform_3_f32(Some(location), value.x, value.y, value.z)
+        });
+    }
+
+    /// Sets a `vec4`.
+    pub fn set_vec4(&self, name: &str, value: Vec4) {
+        // SAFETY: as in set_i32.
+        self.set(name, |gl, location| unsafe {
+            gl.uniform_4_f32(Some(location), value.x, value.y, value.z, value.w)
+        });
+    }
+
+    /// Sets an array of `vec4` from its first element on, by its name without brackets. Elements beyond the
+    /// array's end are left out.
+    pub fn set_vec4_array(&self, name: &str, values: &[Vec4]) {
+        if values.is_empty() {
+            return;
+        }
+        let floats: Vec<f32> = values.iter().flat_map(|value| value.to_array()).collect();
+        // SAFETY: as in set_i32; GL leaves out what is beyond the end.
+        self.set(name, |gl, location| unsafe {
+            gl.uniform_4_f32_slice(Some(location), &floats)
+        });
+    }
+
+    /// Sets a `mat3`.
+    pub fn set_mat3(&self, name: &str, value: Mat3) {
+        // SAFETY: as in set_i32; both glam and GL store columns.
+        self.set(name, |gl, location| unsafe {
+            gl.uniform_matrix_3_f32_slice(Some(location), false, &value.to_cols_array());
+        });
+    }
+
+    /// Binds a texture to a unit (0 to 15) and sets a `sampler2D` to it. Units are shared by all programs of a
+    /// context: set a program's textures just before its pass.
+    pub fn set_texture(&self, name: &str, unit: u32, texture: &Texture) {
+        debug_assert!(
+            unit < 16,
+            "a fragment shader has at least 16 texture units, not {unit}"
+        );
+        if self.has_uniform(name) {
+            texture.bind(unit);
+            self.set_i32(name, unit as i32);
+        }
+    }
+
+    /// GL's name for the program.
+    pub(super) fn raw(&self) -> glow::Program {
+        self.program
+    }
+
+    /// The context it belongs to.
+    pub(super) fn context(&self) -> &Context {
+        &self.context
+    }
+
+    fn set(&self, name: &str, assign: impl FnOnce(&glow::Context, &glow::UniformLocation)) {
+        if let Some(location) = self.uniforms.get(name) {
+            let gl = self.context.gl();
+            // SAFETY: the context is current, and the program its own.
+            unsafe { gl.use_program(Some(self.program)) };
+            assign(gl, location);
+        }
+    }
+}
+
+impl Drop for Program {
+    fn drop(&mut self) {
+        // SAFETY: the context is current, and the program its own and not used again.
+        unsafe { self.context.gl().delete_program(self.program) };
+    }
+}
+
+/// The locations of the uniforms that the driver kept; arrays are under their name without brackets.
+fn find_uniforms(
+    gl: &glow::Context,
+    program: glow::Program,
+) -> HashMap<String, glow::UniformLocation> {
+    let mut uniforms = HashMap::new();
+    // SAFETY: the context is current, the program linked, and the indices below the count.
+    unsafe {
+        for index in 0..gl.get_active_uniforms(program) {
+            let Some(uniform) = gl.get_active_uniform(program, index) else {
+                continue;
+            };
+            if let Some(location) = gl.get_uniform_location(program, &uniform.name) {
+                let name = uniform.name.strip_suffix("[0]").unwrap_or(&uniform.name);
+                uniforms.insert(name.to_owned(), location);
+            }
+        }
+    }
+    uniforms
+}
+
+/// One compiled shader, freed when dropped.
+struct Shader<'a> {
+    context: &'a Context,
+    shader: glow::Shader,
+}
+
+impl<'a> Shader<'a> {
+    fn compile(
+        context: &'a Context,
+        kind: u32,
+        label: &str,
+        body: &str,
+    ) -> Result<Shader<'a>, GpuError> {
+        let gl = context.gl();
+        let failed = |code: String| GpuError::Gl {
+            what: format!("the shader \"{label}\""),
+            code,
+        };
+        // SAFETY: the context is current.
+        let shader = unsafe { gl.create_shader(kind) }.map_err(failed)?;
+        let shader = Shader { context, shader };
+        let source = format!("{}{body}", header(context.api()));
+        // SAFETY: the context is current, and the shader its own.
+        unsafe {
+            gl.shader_source(shader.shader, &source);
+            gl.compile_shader(shader.shader);
+            if gl.get_shader_compile_status(shader.shader) {
+                return Ok(shader);
+            }
+            Err(GpuError::Compile {
+                stage: if kind == glow::VERTEX_SHADER {
+                    "vertex"
+                } else {
+                    "fragment"
+                },
+                label: label.into(),
+                log: gl.get_shader_info_log(shader.shader),
+            })
+        }
+    }
+}
+
+impl Drop for Shader<'_> {
+    fn drop(&mut self) {
+        // SAFETY: the context is current, and the shader its own and not used again.
+        unsafe { self.context.gl().delete_shader(self.shader) };
+    }
+}

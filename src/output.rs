@@ -1,0 +1,124 @@
+//! Files that are there whole or not at all.
+//!
+//! Everything is written beside its target and renamed at the end, so that a run that
+//! is broken off leaves an older file as it was.
+
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+use tempfile::NamedTempFile;
+
+/// A file or folder that cannot be written.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot write {}: {source}", path.display())]
+pub struct OutputError {
+    /// The file or folder.
+    pub path: PathBuf,
+    /// Why.
+    pub source: io::Error,
+}
+
+/// Writes a file by way of `fill`, beside its place, and renames it there.
+///
+/// # Errors
+/// [`OutputError`] with the path when any step fails; nothing is left behind.
+pub fn write_whole(
+    path: &Path,
+    fill: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> Result<(), OutputError> {
+    let error = |source| OutputError {
+        path: path.to_owned(),
+        source,
+    };
+    let beside = temporary_beside(path).map_err(error)?;
+    let mut writer = BufWriter::new(beside.as_file());
+    fill(&mut writer).map_err(error)?;
+    writer.flush().map_err(error)?;
+    drop(writer);
+    beside.persist(path).map_err(|e| error(e.error))?;
+    Ok(())
+}
+
+/// A temporary file in the folder of `target`, to be renamed to it: readable by others
+/// as any new file is. A target that is there but no plain file (a folder, a device) is
+/// refused, since a rename would replace it.
+pub(crate) fn temporary_beside(target: &Path) -> io::Result<NamedTempFile> {
+    if let Ok(found) = std::fs::metadata(target)
+        && !found.is_file()
+    {
+        return Err(io::Error::other("it is there already and no plain file"));
+    }
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".echomarch-").suffix(".part");
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        builder.permissions(std::fs::Permissions::from_mode(0o666));
+    }
+    builder.tempfile_in(folder_of(target))
+}
+
+/// Makes a folder if need be and proves that files can be written in it: to be called
+/// before long work whose results go there.
+///
+/// # Errors
+/// [`OutputError`] with the folder.
+pub fn prepare_folder(folder: &Path) -> Result<(), OutputError> {
+    let error = |source| OutputError {
+        path: folder.to_owned(),
+        source,
+    };
+    std::fs::create_dir_all(folder).map_err(error)?;
+    tempfile::tempfile_in(folder).map_err(error)?;
+    Ok(())
+}
+
+/// Proves that a file can be written: to be called before long work that ends in it.
+///
+/// # Errors
+/// [`OutputError`] with the file.
+pub fn check_file(path: &Path) -> Result<(), OutputError> {
+    match temporary_beside(path) {
+        Ok(_) => Ok(()),
+        Err(source) => Err(OutputError {
+            path: path.to_owned(),
+            source,
+        }),
+    }
+}
+
+fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects an older file from a run that fails half way.
+    #[test]
+    fn a_failed_write_leaves_the_old_file_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("table.csv");
+        write_whole(&path, |out| out.write_all(b"old")).unwrap();
+        let failed = write_whole(&path, |out| {
+            out.write_all(b"new")?;
+            Err(io::Error::other("broken off"))
+        });
+        assert!(failed.is_err());
+        assert_eq!(std::fs::read(&path).unwrap(), b"old");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    /// Protects devices and folders from being renamed over.
+    #[test]
+    fn what_is_no_plain_file_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        assert!(check_file(folder.path()).is_err());
+        assert!(check_file(Path::new("/dev/null")).is_err());
+        assert!(check_file(&folder.path().join("absent/file.csv")).is_err());
+        assert!(check_file(&folder.path().join("file.csv")).is_ok());
+    }
+}

@@ -1,0 +1,158 @@
+//! The thesis' algorithm on the CPU, in `f32`.
+//!
+//! The same steps as figures 8 and 9 in the same precision, written apart from the
+//! shaders: it tells whether a shader computes what it should, not whether the
+//! algorithm is right (it is not: see [`super::exact`]).
+//!
+//! Two programs in `f32` can part where a decision hangs by a hair: a distance just
+//! below the minimum distance here and just above it there. Each wave therefore
+//! carries its [`margin`](MarchedWave::margin), the closest that any of its
+//! decisions came to falling the other way.
+
+use crate::scene::{Nearest, Scene};
+use crate::trace::{STATUS_DEAD, STATUS_LISTENER, Settings};
+use glam::{UVec3, Vec3};
+use std::f32::consts::TAU;
+
+/// Status of a wave before its first march (`glsl/wave.glsl`).
+const STATUS_STARTED: f32 = 0.5;
+
+/// A wave followed through all iterations.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MarchedWave {
+    /// Where it is, world metres.
+    pub position: Vec3,
+    /// Where it heads.
+    pub direction: Vec3,
+    /// −1 dead, 0 at the listener, n at the n-th surface.
+    pub status: f32,
+    /// Marches that ended at distance 0.
+    pub zero_length_passes: u32,
+    /// Marches that were given up at the step bound.
+    pub guard_hits: u32,
+    /// The least difference, in metres, between two numbers whose order decided
+    /// something: a distance and the minimum distance, or the distances to two
+    /// objects at the point of a hit.
+    pub margin: f32,
+}
+
+/// The direction in which a wave starts: `glsl/direction/random.glsl` on the CPU.
+pub fn start_direction(wave: u32, seed: u32) -> Vec3 {
+    let bits = mix_bits(UVec3::new(wave, seed, 0));
+    let unit_interval = |bits: u32| (bits >> 8) as f32 / 16_777_216.0;
+    let height = 1.0 - 2.0 * unit_interval(bits.x);
+    let angle = TAU * unit_interval(bits.y);
+    let ring = (1.0 - height * height).max(0.0).sqrt();
+    Vec3::new(ring * angle.cos(), height, ring * angle.sin())
+}
+
+/// Follows waves that leave the scene's source in `directions` (unit vectors).
+pub fn march(scene: &Scene, settings: &Settings, directions: &[Vec3]) -> Vec<MarchedWave> {
+    let follow = |&direction| follow_wave(scene, settings, direction);
+    directions.iter().map(follow).collect()
+}
+
+fn follow_wave(scene: &Scene, settings: &Settings, direction: Vec3) -> MarchedWave {
+    let mut wave = MarchedWave {
+        position: scene.source.position,
+        direction,
+        status: STATUS_STARTED,
+        zero_length_passes: 0,
+        guard_hits: 0,
+        margin: f32::INFINITY,
+    };
+    for _ in 0..settings.iterations {
+        if wave.status == STATUS_LISTENER {
+            break;
+        }
+        iterate(scene, settings, &mut wave);
+    }
+    wave
+}
+
+/// Figure 8.
+fn iterate(scene: &Scene, settings: &Settings, wave: &mut MarchedWave) {
+    let start = wave.position + wave.direction * settings.start_offset;
+    let march = march_once(scene, settings, start, wave.direction);
+    wave.margin = wave.margin.min(march.margin);
+    let Some((t, object)) = march.hit else {
+        wave.guard_hits += u32::from(march.gave_up);
+        wave.position = Vec3::ZERO;
+        wave.direction = Vec3::ZERO;
+        wave.status = STATUS_DEAD;
+        return;
+    };
+    wave.zero_length_passes += u32::from(t == 0.0);
+    wave.position += t * wave.direction;
+    wave.status = object as f32;
+    let normal = difference_normal(scene, wave.position, settings.normal_step);
+    wave.direction -= normal * (2.0 * normal.dot(wave.direction));
+}
+
+struct March {
+    hit: Option<(f32, u32)>,
+    gave_up: bool,
+    margin: f32,
+}
+
+/// Figure 9.
+fn march_once(scene: &Scene, settings: &Settings, start: Vec3, direction: Vec3) -> March {
+    let mut t = 0.0;
+    let mut margin = f32::INFINITY;
+    for _ in 0..settings.step_bound() {
+        if !f32::lt(&t, &settings.max_distance) {
+            break;
+        }
+        let point = start + t * direction;
+        let Nearest { distance, object } = scene.distance(point);
+        margin = margin.min((distance - settings.min_distance).abs());
+        if distance < settings.min_distance {
+            return March {
+                hit: Some((t, object)),
+                gave_up: false,
+                margin: margin.min(tie_margin(scene, point)),
+            };
+        }
+        t += distance;
+    }
+    March {
+        hit: None,
+        gave_up: t < settings.max_distance,
+        margin,
+    }
+}
+
+/// Difference between the two least distances at a point: how clearly it belongs to
+/// the object it belongs to.
+fn tie_margin(scene: &Scene, point: Vec3) -> f32 {
+    let mut distances: Vec<f32> = scene.surfaces.iter().map(|s| s.distance(point)).collect();
+    distances.push(scene.listener.distance(point));
+    distances.sort_by(f32::total_cmp);
+    distances[1] - distances[0]
+}
+
+fn difference_normal(scene: &Scene, point: Vec3, step: f32) -> Vec3 {
+    let slope = |axis: Vec3| {
+        let ahead = scene.distance(point + axis * step).distance;
+        let behind = scene.distance(point - axis * step).distance;
+        ahead - behind
+    };
+    Vec3::new(slope(Vec3::X), slope(Vec3::Y), slope(Vec3::Z)).normalize()
+}
+
+fn mix_bits(v: UVec3) -> UVec3 {
+    let [mut x, mut y, mut z] = v
+        .to_array()
+        .map(|c| c.wrapping_mul(1_664_525).wrapping_add(1_013_904_223));
+    let mut round = || {
+        x = x.wrapping_add(y.wrapping_mul(z));
+        y = y.wrapping_add(z.wrapping_mul(x));
+        z = z.wrapping_add(x.wrapping_mul(y));
+        [x, y, z] = [x, y, z].map(|c| c ^ (c >> 16));
+    };
+    round();
+    x = x.wrapping_add(y.wrapping_mul(z));
+    y = y.wrapping_add(z.wrapping_mul(x));
+    z = z.wrapping_add(x.wrapping_mul(y));
+    UVec3::new(x, y, z)
+}

@@ -1,0 +1,3 @@
+//! The CPU truths.
+
+pub mod march32;

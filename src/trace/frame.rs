@@ -1,0 +1,34 @@
+//! What one frame yields.
+
+use super::{Counts, Panning};
+use std::time::Duration;
+
+/// The result of one traced frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Frame {
+    /// What arrived at the two ears.
+    pub panning: Panning,
+    /// How the waves fared.
+    pub counts: Counts,
+    /// Where the time went.
+    pub milliseconds: Milliseconds,
+}
+
+/// Time of one frame by part, in milliseconds.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Milliseconds {
+    /// The initialise pass.
+    pub initialise: f64,
+    /// All march passes together.
+    pub march: f64,
+    /// The panning pass.
+    pub pan: f64,
+    /// Reading the panning texture back, and summing it on the CPU.
+    pub read_back: f64,
+    /// The whole frame by the wall clock, setup included.
+    pub total: f64,
+}
+
+pub(super) fn in_milliseconds(duration: Duration) -> f64 {
+    duration.as_secs_f64() * 1e3
+}

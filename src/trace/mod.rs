@@ -1,0 +1,27 @@
+//! From a scene and settings to a frame: sphere tracing on the GPU.
+//!
+//! One frame runs as in figure 6 of the thesis:
+//!
+//! 1. *initialise*: one texel = one wave, at the source, in its own direction;
+//! 2. *march*, once an iteration: every wave to the next object, the two texture
+//!    pairs swapping roles;
+//! 3. *pan*: what each wave that reached the listener gives to either side;
+//! 4. one read-back of that one texture, summed on the CPU to a [`Panning`].
+//!
+//! The state of a wave never leaves the GPU in between. Departures from the thesis
+//! stand where they are made, in `glsl/`, and together in `docs/thesis.md`.
+
+mod error;
+mod frame;
+mod panning;
+mod programs;
+mod settings;
+mod tracer;
+mod waves;
+
+pub use error::TraceError;
+pub use frame::{Frame, Milliseconds};
+pub use panning::{Counts, Panning};
+pub use settings::{MAX_ITERATIONS, MAX_STEPS, MAX_WAVES, Profile, Settings};
+pub use tracer::Tracer;
+pub use waves::{Fate, Grid, STATUS_DEAD, STATUS_LISTENER, Wave};

@@ -1,0 +1,91 @@
+//! From the contributions of waves to one panning value.
+
+use super::waves::{Fate, unpack_counters};
+
+/// What arrived at the two ears: the summed contributions of all waves that reached
+/// the listener (thesis, section 3.2.4). Each such wave gives 1, split in two.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Panning {
+    /// Sum of the contributions to the left.
+    pub left: f64,
+    /// Sum of the contributions to the right.
+    pub right: f64,
+}
+
+impl Panning {
+    /// The panning value: −1 left, 0 the middle, 1 right; 0 when nothing arrived.
+    pub fn pan(&self) -> f64 {
+        let sum = self.left + self.right;
+        if sum > 0.0 {
+            (self.right - self.left) / sum
+        } else {
+            0.0
+        }
+    }
+}
+
+/// How many waves ended how, and what happened to them on the way.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Waves that reached the listener.
+    pub listener_hits: u64,
+    /// Waves that met nothing.
+    pub dead: u64,
+    /// Waves still on their way after the last iteration.
+    pub travelling: u64,
+    /// Marches (a wave in an iteration) that ended at distance 0.
+    pub zero_length_passes: u64,
+    /// Marches that were given up at the step bound.
+    pub guard_hits: u64,
+}
+
+/// Sums a read-back panning texture: `[left, right, status, counters]` a wave.
+///
+/// The sum runs in `f64` in the order of the waves: the same for every run.
+pub(super) fn sum(contributions: &[f32]) -> (Panning, Counts) {
+    let mut panning = Panning::default();
+    let mut counts = Counts::default();
+    for &[left, right, status, counters] in contributions.as_chunks::<4>().0 {
+        panning.left += f64::from(left);
+        panning.right += f64::from(right);
+        match Fate::of(status) {
+            Fate::Listener => counts.listener_hits += 1,
+            Fate::Dead => counts.dead += 1,
+            Fate::Travelling => counts.travelling += 1,
+        }
+        let (zero_length, guard) = unpack_counters(counters);
+        counts.zero_length_passes += u64::from(zero_length);
+        counts.guard_hits += u64::from(guard);
+    }
+    (panning, counts)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects sign and range of the panning value, and silence.
+    #[test]
+    fn pan_runs_from_left_to_right() {
+        let pan = |left, right| Panning { left, right }.pan();
+        assert_eq!(pan(5.0, 0.0), -1.0);
+        assert_eq!(pan(2.0, 2.0), 0.0);
+        assert_eq!(pan(1.0, 3.0), 0.5);
+        assert_eq!(pan(0.0, 0.0), 0.0);
+    }
+
+    /// Protects the counting of fates and counters.
+    #[test]
+    fn a_texture_is_summed_and_counted() {
+        let texels = [
+            0.25, 0.75, 0.0, 2.0, //
+            0.0, 0.0, -1.0, 4096.0, //
+            0.0, 0.0, 3.0, 1.0,
+        ];
+        let (panning, counts) = sum(&texels);
+        assert_eq!((panning.left, panning.right), (0.25, 0.75));
+        let fates = (counts.listener_hits, counts.dead, counts.travelling);
+        assert_eq!(fates, (1, 1, 1));
+        assert_eq!((counts.zero_length_passes, counts.guard_hits), (3, 1));
+    }
+}

@@ -1,0 +1,198 @@
+//! How to trace: the thesis' constants, and the numbers a user may change.
+
+use super::TraceError;
+use std::fmt;
+use std::str::FromStr;
+
+/// The most waves in one frame: 2^24, a 4096 x 4096 texture pair.
+pub const MAX_WAVES: u32 = 1 << 24;
+
+/// The most iterations. A wave's two counters share one float of 24 bits, 12 each.
+pub const MAX_ITERATIONS: u32 = 4095;
+
+/// Evaluations of the distance in one march, at the most.
+///
+/// Every step of the thesis' march is at least the minimum distance long, so at its
+/// own constants no wave takes more than 300 / 0.1 = 3000 of them. The bound lies
+/// above that and keeps any other setting from hanging the GPU.
+pub const MAX_STEPS: u32 = 4096;
+
+/// The algorithm that a wave is followed with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Profile {
+    /// Figures 8 and 9 of the thesis as they stand, with all they get wrong.
+    Thesis,
+}
+
+/// Everything about a frame that is not the scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// The algorithm.
+    pub profile: Profile,
+    /// Number of waves, 1 … [`MAX_WAVES`].
+    pub waves: u32,
+    /// Marches of each wave, 1 … [`MAX_ITERATIONS`].
+    pub iterations: u32,
+    /// Chooses the random directions.
+    pub seed: u32,
+    /// A surface is met below this distance, in metres.
+    pub min_distance: f32,
+    /// A wave is dead beyond this distance in one iteration, in metres.
+    pub max_distance: f32,
+    /// Each march starts this far along the direction, in metres.
+    pub start_offset: f32,
+    /// Step of the difference normals to either side, in metres.
+    pub normal_step: f32,
+}
+
+impl Settings {
+    /// The thesis' constants (sections 3.2.3 and 4.2.3), at 65,536 waves and 8
+    /// iterations. The text names no step for its normals; 0.01 m is what the
+    /// reconstruction of its scenes was fitted with.
+    pub fn thesis() -> Settings {
+        Settings {
+            profile: Profile::Thesis,
+            waves: 65_536,
+            iterations: 8,
+            seed: 1,
+            min_distance: 0.1,
+            max_distance: 300.0,
+            start_offset: 0.04,
+            normal_step: 0.01,
+        }
+    }
+
+    /// The same with another number of waves.
+    pub fn with_waves(mut self, waves: u32) -> Settings {
+        self.waves = waves;
+        self
+    }
+
+    /// The same with another number of iterations.
+    pub fn with_iterations(mut self, iterations: u32) -> Settings {
+        self.iterations = iterations;
+        self
+    }
+
+    /// The same with another seed.
+    pub fn with_seed(mut self, seed: u32) -> Settings {
+        self.seed = seed;
+        self
+    }
+
+    /// Evaluations of the distance after which a march is given up: as many as the
+    /// distances allow, and never more than [`MAX_STEPS`].
+    pub fn step_bound(&self) -> u32 {
+        let needed = (self.max_distance / self.min_distance).ceil() + 1.0;
+        (needed as u32).clamp(1, MAX_STEPS)
+    }
+
+    /// Checks every number against its range.
+    ///
+    /// # Errors
+    /// [`TraceError::BadSetting`] with the name, the range and the value.
+    pub fn validate(&self) -> Result<(), TraceError> {
+        in_range("waves", self.waves, MAX_WAVES)?;
+        in_range("iterations", self.iterations, MAX_ITERATIONS)?;
+        positive("minimum distance in metres", self.min_distance)?;
+        positive("maximum distance in metres", self.max_distance)?;
+        positive("step of the normals in metres", self.normal_step)?;
+        if self.min_distance >= self.max_distance {
+            return Err(bad(
+                "minimum distance in metres",
+                format!("less than the maximum distance of {}", self.max_distance),
+                self.min_distance,
+            ));
+        }
+        if !(self.start_offset.is_finite() && self.start_offset >= 0.0) {
+            let must = "finite and not negative".to_owned();
+            return Err(bad("start offset in metres", must, self.start_offset));
+        }
+        Ok(())
+    }
+}
+
+impl Profile {
+    /// Every profile there is.
+    pub const ALL: [Profile; 1] = [Profile::Thesis];
+}
+
+impl fmt::Display for Profile {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Profile::Thesis => "thesis",
+        })
+    }
+}
+
+impl FromStr for Profile {
+    type Err = String;
+    fn from_str(name: &str) -> Result<Profile, String> {
+        let known = Profile::ALL.iter().find(|p| p.to_string() == name);
+        known.copied().ok_or_else(|| {
+            let names = Profile::ALL.map(|p| p.to_string()).join(", ");
+            format!("there is no profile {name:?}; there are: {names}")
+        })
+    }
+}
+
+fn in_range(what: &'static str, value: u32, most: u32) -> Result<(), TraceError> {
+    if (1..=most).contains(&value) {
+        return Ok(());
+    }
+    Err(bad(what, format!("1 to {most}"), value))
+}
+
+fn positive(what: &'static str, value: f32) -> Result<(), TraceError> {
+    if value.is_finite() && value > 0.0 {
+        return Ok(());
+    }
+    Err(bad(what, "finite and greater than 0".to_owned(), value))
+}
+
+fn bad(what: &'static str, must: String, value: impl fmt::Display) -> TraceError {
+    TraceError::BadSetting {
+        what,
+        must,
+        value: value.to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects the step bound: no result of the thesis' own constants reaches it.
+    #[test]
+    fn the_step_bound_leaves_the_thesis_alone() {
+        let thesis = Settings::thesis();
+        assert!(thesis.step_bound() as f32 > thesis.max_distance / thesis.min_distance);
+        let tiny = Settings {
+            min_distance: 1e-30,
+            ..Settings::thesis()
+        };
+        assert_eq!(tiny.step_bound(), MAX_STEPS);
+    }
+
+    /// Protects the GPU from settings that make no sense.
+    #[test]
+    fn senseless_settings_are_refused() {
+        let spoil: [fn(&mut Settings); 8] = [
+            |s| s.waves = 0,
+            |s| s.waves = MAX_WAVES + 1,
+            |s| s.iterations = 0,
+            |s| s.iterations = MAX_ITERATIONS + 1,
+            |s| s.min_distance = 0.0,
+            |s| s.max_distance = f32::INFINITY,
+            |s| s.min_distance = 301.0,
+            |s| s.start_offset = f32::NAN,
+        ];
+        assert!(Settings::thesis().validate().is_ok());
+        for (index, spoil) in spoil.iter().enumerate() {
+            let mut settings = Settings::thesis();
+            spoil(&mut settings);
+            assert!(settings.validate().is_err(), "case {index}");
+        }
+    }
+}

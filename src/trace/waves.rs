@@ -1,0 +1,112 @@
+//! How waves lie in texels, and what is read back of them.
+
+use glam::Vec3;
+
+/// Status of a wave that met nothing.
+pub const STATUS_DEAD: f32 = -1.0;
+
+/// Status of a wave that reached the listener.
+pub const STATUS_LISTENER: f32 = 0.0;
+
+/// Guard hits count in multiples of this in a wave's counters (`glsl/wave.glsl`).
+const GUARD_HIT: u32 = 4096;
+
+/// The texture that holds a number of waves: rows of `width`, wave by wave.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Grid {
+    /// Waves.
+    pub waves: u32,
+    /// Texels in a row.
+    pub width: u32,
+    /// Rows; texels beyond the last wave hold none.
+    pub height: u32,
+}
+
+impl Grid {
+    /// The squarest texture for `waves` (the thesis' counts are squares: 64 = 8 x 8).
+    pub fn new(waves: u32) -> Grid {
+        let width = f64::from(waves).sqrt().ceil().max(1.0) as u32;
+        Grid {
+            waves,
+            width,
+            height: waves.div_ceil(width),
+        }
+    }
+}
+
+/// What became of a wave.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fate {
+    /// It met nothing.
+    Dead,
+    /// It reached the listener.
+    Listener,
+    /// It is still on its way after the last iteration.
+    Travelling,
+}
+
+impl Fate {
+    /// The fate that a status says; the margin is figure 8's.
+    pub fn of(status: f32) -> Fate {
+        match status {
+            s if s > -0.1 && s < 0.1 => Fate::Listener,
+            s if s < 0.0 => Fate::Dead,
+            _ => Fate::Travelling,
+        }
+    }
+}
+
+/// One wave, from its start to the end of the last iteration.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wave {
+    /// Unit vector in which it left the source.
+    pub start_direction: Vec3,
+    /// Where it is, world metres (the origin, for a dead wave).
+    pub position: Vec3,
+    /// Where it heads: mirrored at what it met last (0, for a dead wave).
+    pub direction: Vec3,
+    /// −1 dead, 0 at the listener, n at the n-th surface.
+    pub status: f32,
+    /// Marches that ended at distance 0.
+    pub zero_length_passes: u32,
+    /// Marches that were given up at the step bound.
+    pub guard_hits: u32,
+}
+
+impl Wave {
+    /// What became of it.
+    pub fn fate(&self) -> Fate {
+        Fate::of(self.status)
+    }
+}
+
+/// Zero-length passes and guard hits out of a texel's counters.
+pub(super) fn unpack_counters(counters: f32) -> (u32, u32) {
+    let counters = counters as u32;
+    (counters % GUARD_HIT, counters / GUARD_HIT)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects odd counts: every wave has a texel and no row is without one.
+    #[test]
+    fn a_grid_holds_its_waves_and_no_empty_row() {
+        for waves in [1, 2, 3, 64, 1000, 1023, 65_536, 1_048_576, 16_777_216] {
+            let grid = Grid::new(waves);
+            assert!(grid.width * grid.height >= waves, "{waves}");
+            assert!(grid.width * (grid.height - 1) < waves, "{waves}");
+            assert!(grid.width <= 4096 && grid.height <= grid.width);
+        }
+        assert_eq!(Grid::new(64).width, 8);
+    }
+
+    /// Protects the packing of two counters in one float.
+    #[test]
+    fn counters_unpack() {
+        assert_eq!(unpack_counters(0.0), (0, 0));
+        assert_eq!(unpack_counters(7.0 + 4096.0 * 3.0), (7, 3));
+        assert_eq!(unpack_counters(4095.0 + 4096.0 * 4095.0), (4095, 4095));
+    }
+}
