@@ -1,6 +1,8 @@
 //! Sound for worlds made of implicit surfaces.
 pub mod audio;
 pub mod error;
+#[cfg(feature = "experiment")]
+pub mod experiment;
 pub mod gpu;
 pub mod output;
 pub mod reference;

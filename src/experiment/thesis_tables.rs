@@ -17,7 +17,7 @@ pub struct ThesisTable {
 }
 
 /// What the thesis measured for one count of waves.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct ThesisRow {
     /// Milliseconds a frame on the mobile machine (GeForce GT 330M).
     pub mobile_ms: f64,

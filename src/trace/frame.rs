@@ -15,7 +15,7 @@ pub struct Frame {
 }
 
 /// Time of one frame by part, in milliseconds.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Milliseconds {
     /// The initialise pass.
     pub initialise: f64,

@@ -25,7 +25,7 @@ impl Panning {
 }
 
 /// How many waves ended how, and what happened to them on the way.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 pub struct Counts {
     /// Waves that reached the listener.
     pub listener_hits: u64,

@@ -79,12 +79,9 @@ impl Tracer {
     pub fn frame(&mut self, scene: &Scene, settings: &Settings) -> Result<Frame, Error> {
         let began = Instant::now();
         let march = self.prepare(scene, settings)?;
-        let mut milliseconds = Milliseconds::default();
-        milliseconds.initialise = self.initialise(scene, settings)?;
-        for _ in 0..settings.iterations {
-            milliseconds.march += self.march(&march)?;
-        }
-        self.finish(scene, began, milliseconds)
+        let initialise = self.initialise(scene, settings)?;
+        let march = self.iterate(&march, settings)?;
+        self.finish(scene, began, initialise, march)
     }
 
     /// Traces one frame and reads back every wave, in order.
@@ -98,14 +95,11 @@ impl Tracer {
     ) -> Result<(Frame, Vec<Wave>), Error> {
         let began = Instant::now();
         let march = self.prepare(scene, settings)?;
-        let mut milliseconds = Milliseconds::default();
-        milliseconds.initialise = self.initialise(scene, settings)?;
+        let initialise = self.initialise(scene, settings)?;
         let starts = self.read_pair()?;
-        for _ in 0..settings.iterations {
-            milliseconds.march += self.march(&march)?;
-        }
+        let march = self.iterate(&march, settings)?;
         let ends = self.read_pair()?;
-        let frame = self.finish(scene, began, milliseconds)?;
+        let frame = self.finish(scene, began, initialise, march)?;
         Ok((frame, waves(&starts, &ends)))
     }
 
@@ -187,6 +181,14 @@ impl Tracer {
         self.pass(program, targets.grid, targets.pairs.current())
     }
 
+    fn iterate(&mut self, program: &Program, settings: &Settings) -> Result<f64, Error> {
+        let mut time = 0.0;
+        for _ in 0..settings.iterations {
+            time += self.march(program)?;
+        }
+        Ok(time)
+    }
+
     fn march(&mut self, program: &Program) -> Result<f64, Error> {
         let targets = self.targets()?;
         let current = targets.pairs.current();
@@ -203,17 +205,22 @@ impl Tracer {
         &mut self,
         scene: &Scene,
         began: Instant,
-        mut milliseconds: Milliseconds,
+        initialise: f64,
+        march: f64,
     ) -> Result<Frame, Error> {
-        milliseconds.pan = self.pan(scene)?;
-        let read_back = Instant::now();
+        let pan = self.pan(scene)?;
+        let reading = Instant::now();
         let (panning, counts) = self.read_back()?;
-        milliseconds.read_back = in_milliseconds(read_back.elapsed());
-        milliseconds.total = in_milliseconds(began.elapsed());
         Ok(Frame {
             panning,
             counts,
-            milliseconds,
+            milliseconds: Milliseconds {
+                initialise,
+                march,
+                pan,
+                read_back: in_milliseconds(reading.elapsed()),
+                total: in_milliseconds(began.elapsed()),
+            },
         })
     }
 
