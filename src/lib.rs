@@ -1,9 +1,12 @@
 //! Sound for worlds made of implicit surfaces.
 pub mod audio;
+#[cfg(feature = "cli")]
+pub mod cli;
 pub mod error;
 #[cfg(feature = "experiment")]
 pub mod experiment;
 pub mod gpu;
+pub mod offline;
 pub mod output;
 pub mod reference;
 pub mod scene;

@@ -1,1 +1,5 @@
-fn main() {}
+//! The program `echomarch`; everything it does stands in the library.
+
+fn main() -> std::process::ExitCode {
+    echomarch::cli::run()
+}

@@ -1,0 +1,43 @@
+//! From an error to one sentence and an exit code.
+
+use crate::error::Error;
+use crate::output::OutputError;
+use std::process::ExitCode;
+
+const FAILED: u8 = 1;
+const BAD_INPUT: u8 = 2;
+
+/// Input that a subcommand itself refuses.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+pub struct BadInput(pub String);
+
+/// Prints the error and chooses the exit code.
+pub fn report(error: &anyhow::Error) -> ExitCode {
+    if is_broken_pipe(error) {
+        return ExitCode::SUCCESS;
+    }
+    eprintln!("echomarch: {error:#}");
+    ExitCode::from(code(error))
+}
+
+fn code(error: &anyhow::Error) -> u8 {
+    let bad_input = error.chain().any(|cause| {
+        cause
+            .downcast_ref::<Error>()
+            .is_some_and(Error::is_bad_input)
+            || cause.is::<BadInput>()
+            // A place to write to is input as well: it was typed.
+            || cause.is::<OutputError>()
+    });
+    if bad_input { BAD_INPUT } else { FAILED }
+}
+
+/// Whoever read our output has seen enough (`echomarch … | head`).
+fn is_broken_pipe(error: &anyhow::Error) -> bool {
+    error.chain().any(|cause| {
+        cause
+            .downcast_ref::<std::io::Error>()
+            .is_some_and(|e| e.kind() == std::io::ErrorKind::BrokenPipe)
+    })
+}

@@ -1,0 +1,145 @@
+//! `echomarch figures`: the thesis' performance experiment.
+
+use super::options::{Common, check_range};
+use super::print;
+use crate::experiment::WAVE_COUNTS;
+use crate::experiment::figures::{
+    self, FigureRow, FigureTable, FiguresOptions, FiguresReport, plot_svg, write_csv,
+};
+use crate::output::{prepare_folder, write_whole};
+use crate::trace::Settings;
+use anyhow::anyhow;
+use clap::Args;
+use std::path::{Path, PathBuf};
+
+const EXAMPLES: &str = "\
+Examples:
+  echomarch figures                          all four tables, up to 1048576 waves
+  echomarch figures --max-waves 65536 --runs 3 -o out
+  echomarch figures --json > figures.json";
+
+/// Arguments of `figures`.
+#[derive(Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub struct Arguments {
+    /// Leave out rows of more waves
+    #[arg(long, default_value_t = 1_048_576, value_name = "N")]
+    max_waves: u32,
+    /// Timed frames of each row; times are their medians
+    #[arg(long, default_value_t = 5, value_name = "N")]
+    runs: u32,
+    /// Chooses the random directions
+    #[arg(long, default_value_t = 1, value_name = "N")]
+    seed: u32,
+    /// Write figures.csv, figures.json and figures.svg into this folder
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+}
+
+/// Runs the subcommand.
+pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
+    let least = f64::from(WAVE_COUNTS[0]);
+    let most = f64::from(u32::MAX);
+    check_range("--max-waves", f64::from(arguments.max_waves), least, most)?;
+    check_range("--runs", f64::from(arguments.runs), 1.0, 1000.0)?;
+    if let Some(folder) = &arguments.output {
+        prepare_folder(folder)?;
+    }
+    let options = FiguresOptions {
+        profiles: vec![Settings::thesis().with_seed(arguments.seed)],
+        max_waves: arguments.max_waves,
+        runs: arguments.runs,
+    };
+    let mut tracer = common.tracer()?;
+    let bar = print::progress(common, 0, "rows");
+    let report = figures::run(&mut tracer, &options, &mut |done, total| {
+        bar.set_length(total);
+        bar.set_position(done);
+    })?;
+    bar.finish_and_clear();
+    if let Some(folder) = &arguments.output {
+        write_files(folder, &report)?;
+    }
+    if common.json {
+        return print::json(&report);
+    }
+    print_tables(&report)?;
+    if let Some(folder) = &arguments.output {
+        let folder = folder.display();
+        print::line(&format!("\nwritten: {folder}/figures.csv, .json, .svg"))?;
+    }
+    Ok(())
+}
+
+fn write_files(folder: &Path, report: &FiguresReport) -> anyhow::Result<()> {
+    write_whole(&folder.join("figures.csv"), |out| write_csv(report, out))?;
+    write_whole(&folder.join("figures.json"), |out| {
+        Ok(serde_json::to_writer_pretty(out, report)?)
+    })?;
+    let svg = plot_svg(report).map_err(|e| anyhow!("cannot draw the plot: {e}"))?;
+    write_whole(&folder.join("figures.svg"), |out| {
+        out.write_all(svg.as_bytes())
+    })?;
+    Ok(())
+}
+
+fn print_tables(report: &FiguresReport) -> anyhow::Result<()> {
+    print::line(&format!(
+        "{} (times: {}, median of {}; seed {})",
+        report.renderer, report.clock, report.runs, report.seed
+    ))?;
+    for table in &report.tables {
+        print::line(&format!(
+            "\nFigure {}: {} scene, {} iterations",
+            table.figure, table.scene, table.iterations
+        ))?;
+        print::line(&as_table(table).to_string())?;
+    }
+    print::line(
+        "\nms: median time of a frame, and of its parts. zero: share of all passes that end at\n\
+         distance 0. se: difference of the hits in standard errors, √(ours + thesis).",
+    )
+}
+
+fn as_table(table: &FigureTable) -> comfy_table::Table {
+    let mut printed = print::table(&[
+        "waves",
+        "profile",
+        "ms",
+        "init",
+        "march",
+        "pan",
+        "read",
+        "hits",
+        "dead",
+        "travelling",
+        "zero",
+        "thesis hits",
+        "se",
+        "thesis ms (mobile, desktop)",
+    ]);
+    for row in &table.rows {
+        printed.add_row(cells(row));
+    }
+    printed
+}
+
+fn cells(row: &FigureRow) -> [String; 14] {
+    let time = &row.milliseconds;
+    [
+        row.waves.to_string(),
+        row.profile.clone(),
+        format!("{:.2}", time.total),
+        format!("{:.2}", time.initialise),
+        format!("{:.2}", time.march),
+        format!("{:.2}", time.pan),
+        format!("{:.2}", time.read_back),
+        row.counts.listener_hits.to_string(),
+        row.counts.dead.to_string(),
+        row.counts.travelling.to_string(),
+        format!("{:.1} %", 100.0 * row.zero_length_share),
+        row.thesis.listener_hits.to_string(),
+        format!("{:+.1}", row.standard_errors()),
+        format!("{}, {}", row.thesis.mobile_ms, row.thesis.desktop_ms),
+    ]
+}

@@ -1,0 +1,63 @@
+//! The command line: one file a subcommand; arguments in, a call, a print out.
+//!
+//! Exit codes: 0 done, 1 failed, 2 bad input. Results go to standard output (`--json`
+//! for machines), everything else to standard error.
+
+mod exit;
+mod figures;
+mod info;
+mod options;
+mod print;
+mod render;
+mod trace;
+
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+
+const EXAMPLES: &str = "\
+Examples:
+  echomarch figures -o out                   the thesis' four tables, CSV and plot
+  echomarch trace corner                     one frame of a built-in scene
+  echomarch trace my.ron --waves 1048576 --json
+  echomarch render open-field -o out.wav     what the listener hears
+  echomarch info                             the renderers there are
+
+Scenes: corner, obstacles, open-field, open-pillars, shoebox, or a file (.ron).";
+
+/// Traces sound waves through signed distance functions on the GPU: Sjöberg's 2011
+/// thesis as OpenGL fragment shaders.
+#[derive(Debug, Parser)]
+#[command(name = "echomarch", version, about, after_help = EXAMPLES)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+    #[command(flatten)]
+    common: options::Common,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// The performance experiment: figures 11.1 to 11.4 beside the thesis' own
+    Figures(figures::Arguments),
+    /// Trace one frame: what arrives, from where, how fast
+    Trace(trace::Arguments),
+    /// Render a WAV of what the listener hears
+    Render(render::Arguments),
+    /// List the renderers found, their limits, and versions
+    Info(info::Arguments),
+}
+
+/// Runs the program on the process' own arguments.
+pub fn run() -> ExitCode {
+    let cli = Cli::parse();
+    let result = match &cli.command {
+        Command::Figures(arguments) => figures::run(arguments, &cli.common),
+        Command::Trace(arguments) => trace::run(arguments, &cli.common),
+        Command::Render(arguments) => render::run(arguments, &cli.common),
+        Command::Info(arguments) => info::run(arguments, &cli.common),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => exit::report(&error),
+    }
+}

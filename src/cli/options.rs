@@ -1,0 +1,111 @@
+//! Arguments that several subcommands share.
+
+use super::exit::BadInput;
+use crate::error::Error;
+use crate::gpu::{Api, Context, ContextOptions};
+use crate::scene::Scene;
+use crate::trace::{Profile, Settings, Tracer};
+use clap::Args;
+
+/// For every subcommand.
+#[derive(Args, Debug)]
+pub struct Common {
+    /// OpenGL by way of: gl (EGL, desktop 3.3), gles (EGL, ES 3.0), osmesa
+    #[arg(long, global = true, default_value_t = Api::Gl, value_name = "API")]
+    pub gl: Api,
+    /// EGL device to use, as numbered by `info`; without it the first that works
+    #[arg(long, global = true, value_name = "N")]
+    pub gpu: Option<usize>,
+    /// Print JSON instead of text
+    #[arg(long, global = true)]
+    pub json: bool,
+    /// Print no progress, notes or warnings
+    #[arg(short, long, global = true)]
+    pub quiet: bool,
+}
+
+impl Common {
+    /// The renderer that was asked for; its name goes to standard error.
+    pub fn context(&self) -> Result<Context, Error> {
+        let options = ContextOptions {
+            api: self.gl,
+            gpu: self.gpu,
+        };
+        let context = Context::headless(&options)?;
+        self.note(&format!("renderer: {}", context.renderer()));
+        Ok(context)
+    }
+
+    /// A tracer on that renderer.
+    pub fn tracer(&self) -> Result<Tracer, Error> {
+        Tracer::new(&self.context()?)
+    }
+
+    /// Loads a scene and tells what is odd about it.
+    pub fn scene(&self, name_or_file: &str) -> Result<Scene, Error> {
+        let scene = Scene::load(name_or_file)?;
+        for warning in scene.warnings() {
+            self.note(&format!("warning: {}: {warning}", scene.name));
+        }
+        Ok(scene)
+    }
+
+    /// A line on standard error, unless `--quiet`.
+    pub fn note(&self, line: &str) {
+        if !self.quiet {
+            eprintln!("{line}");
+        }
+    }
+}
+
+/// How to trace.
+#[derive(Args, Debug)]
+pub struct TraceOptions {
+    /// The algorithm that waves are followed with: thesis
+    #[arg(long, default_value_t = Profile::Thesis, value_name = "NAME")]
+    pub profile: Profile,
+    /// Number of sound waves, 1 to 16777216
+    #[arg(long, default_value_t = 65_536, value_name = "N")]
+    pub waves: u32,
+    /// Marches of each wave, 1 to 4095
+    #[arg(long, default_value_t = 8, value_name = "N")]
+    pub iterations: u32,
+    /// A surface is met below this distance, in metres [thesis: 0.1]
+    #[arg(long, value_name = "METRES")]
+    pub min_distance: Option<f32>,
+    /// A wave is dead beyond this distance in one iteration, in metres [thesis: 300]
+    #[arg(long, value_name = "METRES")]
+    pub max_distance: Option<f32>,
+    /// Chooses the random directions
+    #[arg(long, default_value_t = 1, value_name = "N")]
+    pub seed: u32,
+}
+
+impl TraceOptions {
+    /// The settings that were typed, checked.
+    pub fn settings(&self) -> Result<Settings, Error> {
+        let mut settings = Settings::thesis()
+            .with_waves(self.waves)
+            .with_iterations(self.iterations)
+            .with_seed(self.seed);
+        settings.profile = self.profile;
+        if let Some(metres) = self.min_distance {
+            settings.min_distance = metres;
+        }
+        if let Some(metres) = self.max_distance {
+            settings.max_distance = metres;
+        }
+        settings.validate()?;
+        Ok(settings)
+    }
+}
+
+/// Refuses a number outside of its range.
+pub fn check_range(what: &str, value: f64, least: f64, most: f64) -> Result<(), BadInput> {
+    if (least..=most).contains(&value) {
+        return Ok(());
+    }
+    Err(BadInput(format!(
+        "{what} must be {least} to {most}, not {value}"
+    )))
+}

@@ -1,0 +1,162 @@
+//! `echomarch render`: a WAV of what the listener hears.
+
+use super::options::{Common, TraceOptions, check_range};
+use super::print;
+use crate::audio::{Mixer, PanningLaw, SAMPLE_RATE, Sound, SoundSpec, WavWriter};
+use crate::error::Error;
+use crate::experiment::median;
+use crate::offline::{self, Block, Timing};
+use clap::Args;
+use serde::Serialize;
+use std::path::PathBuf;
+
+const EXAMPLES: &str = "\
+Examples:
+  echomarch render open-field -o pass.wav
+  echomarch render corner -o corner.wav --sound noise --seconds 3
+  echomarch render my.ron -o walk.wav --sound voice.wav --law constant-power";
+
+/// Seconds of sound of a scene in which nothing moves.
+const STANDING_SECONDS: f64 = 5.0;
+
+/// Arguments of `render`.
+#[derive(Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub struct Arguments {
+    /// Built-in scene or scene file
+    scene: String,
+    /// The WAV to write: 48 kHz, 32-bit float, stereo
+    #[arg(short, long, value_name = "FILE.wav")]
+    output: PathBuf,
+    /// What the source plays: sine:HERTZ, noise, or a WAV file (looped)
+    #[arg(long, default_value = "sine:440", value_name = "SOUND")]
+    sound: SoundSpec,
+    /// Length [default: the scene's longest path, or 5]
+    #[arg(long, value_name = "SECONDS")]
+    seconds: Option<f64>,
+    /// Frames traced a second
+    #[arg(long, default_value_t = 30.0, value_name = "N")]
+    fps: f64,
+    /// How the panning value becomes two levels: linear (the thesis), constant-power
+    #[arg(long, default_value_t = PanningLaw::Linear, value_name = "LAW")]
+    law: PanningLaw,
+    #[command(flatten)]
+    options: TraceOptions,
+}
+
+#[derive(Serialize)]
+struct Report<'a> {
+    scene: &'a str,
+    profile: String,
+    renderer: &'a str,
+    output: String,
+    sound: String,
+    law: String,
+    seconds: f64,
+    sample_rate: u32,
+    fps: f64,
+    frames: Vec<FrameLine>,
+    median_frame_ms: f64,
+}
+
+#[derive(Serialize)]
+struct FrameLine {
+    time: f64,
+    listener_hits: u64,
+    pan: f64,
+}
+
+/// Runs the subcommand.
+pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
+    let settings = arguments.options.settings()?;
+    let scene = common.scene(&arguments.scene)?;
+    let timing = timing(arguments, scene.duration())?;
+    let mut sound = Sound::load(&arguments.sound, SAMPLE_RATE).map_err(Error::from)?;
+    let mut writer = WavWriter::create(&arguments.output).map_err(Error::from)?;
+    let mut tracer = common.tracer()?;
+    let mut mixer = Mixer::new(arguments.law);
+    let bar = print::progress(common, timing.frames(), "frames");
+    let (mut lines, mut times) = (Vec::new(), Vec::new());
+    let take = |block: Block| {
+        writer.write(block.samples)?;
+        lines.push(FrameLine {
+            time: block.time,
+            listener_hits: block.frame.counts.listener_hits,
+            pan: block.frame.panning.pan(),
+        });
+        times.push(block.frame.milliseconds.total);
+        bar.inc(1);
+        Ok::<(), Error>(())
+    };
+    offline::render(
+        &mut tracer,
+        &scene,
+        &settings,
+        &mut sound,
+        &mut mixer,
+        timing,
+        take,
+    )?;
+    writer.finish().map_err(Error::from)?;
+    bar.finish_and_clear();
+    let report = Report {
+        scene: &scene.name,
+        profile: settings.profile.to_string(),
+        renderer: tracer.context().renderer(),
+        output: arguments.output.display().to_string(),
+        sound: arguments.sound.to_string(),
+        law: arguments.law.to_string(),
+        seconds: timing.seconds,
+        sample_rate: SAMPLE_RATE,
+        fps: timing.fps,
+        frames: lines,
+        median_frame_ms: median(times),
+    };
+    if common.json {
+        return print::json(&report);
+    }
+    print_text(&report)
+}
+
+fn timing(arguments: &Arguments, duration: f64) -> anyhow::Result<Timing> {
+    let standing = if duration > 0.0 {
+        duration
+    } else {
+        STANDING_SECONDS
+    };
+    let seconds = arguments.seconds.unwrap_or(standing);
+    // Three hours are what a WAV of this kind holds.
+    let one_sample = 1.0 / f64::from(SAMPLE_RATE);
+    check_range("--seconds", seconds, one_sample, 3.0 * 3600.0)?;
+    check_range("--fps", arguments.fps, 1.0, 1000.0)?;
+    Ok(Timing {
+        seconds,
+        fps: arguments.fps,
+    })
+}
+
+fn print_text(report: &Report) -> anyhow::Result<()> {
+    let heard = report.frames.iter().filter(|f| f.listener_hits > 0);
+    let unheard = report.frames.len() - heard.count();
+    let pan = |frame: Option<&FrameLine>| frame.map_or(0.0, |f| f.pan);
+    print::line(&format!(
+        "{}: {:.2} s of {} in {}, {} frames, {:.1} ms each (median)",
+        report.output,
+        report.seconds,
+        report.sound,
+        report.scene,
+        report.frames.len(),
+        report.median_frame_ms
+    ))?;
+    print::line(&format!(
+        "  pan {:+.3} at the start, {:+.3} at the end",
+        pan(report.frames.first()),
+        pan(report.frames.last())
+    ))?;
+    if unheard > 0 {
+        print::line(&format!(
+            "  in {unheard} frames no wave arrived: they are in the middle"
+        ))?;
+    }
+    Ok(())
+}

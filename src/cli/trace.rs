@@ -1,0 +1,152 @@
+//! `echomarch trace`: one frame.
+
+use super::options::{Common, TraceOptions};
+use super::print;
+use crate::output::{check_file, write_whole};
+use crate::scene::Scene;
+use crate::trace::{Frame, Milliseconds, Settings, Wave};
+use clap::Args;
+use serde::Serialize;
+use std::io::{self, Write};
+use std::path::PathBuf;
+
+const EXAMPLES: &str = "\
+Examples:
+  echomarch trace corner --iterations 4 --waves 1048576
+  echomarch trace corner --min-distance 0.001 --json
+  echomarch trace my.ron --dump-waves waves.csv";
+
+/// Arguments of `trace`.
+#[derive(Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub struct Arguments {
+    /// Built-in scene or scene file
+    scene: String,
+    #[command(flatten)]
+    options: TraceOptions,
+    /// Write every wave's start, end, direction and status as CSV
+    #[arg(long, value_name = "FILE.csv")]
+    dump_waves: Option<PathBuf>,
+}
+
+#[derive(Serialize)]
+struct Report<'a> {
+    scene: &'a str,
+    profile: String,
+    renderer: &'a str,
+    clock: &'a str,
+    waves: u32,
+    iterations: u32,
+    min_distance: f32,
+    max_distance: f32,
+    seed: u32,
+    listener_hits: u64,
+    dead: u64,
+    travelling: u64,
+    zero_length_passes: u64,
+    guard_hits: u64,
+    left: f64,
+    right: f64,
+    pan: f64,
+    milliseconds: Milliseconds,
+}
+
+/// Runs the subcommand.
+pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
+    let settings = arguments.options.settings()?;
+    if let Some(path) = &arguments.dump_waves {
+        check_file(path)?;
+    }
+    let scene = common.scene(&arguments.scene)?;
+    let mut tracer = common.tracer()?;
+    let frame = match &arguments.dump_waves {
+        None => tracer.frame(&scene, &settings)?,
+        Some(path) => {
+            let (frame, waves) = tracer.frame_with_waves(&scene, &settings)?;
+            write_whole(path, |out| dump(&waves, out))?;
+            frame
+        }
+    };
+    if frame.counts.guard_hits > 0 {
+        let hits = frame.counts.guard_hits;
+        common.note(&format!(
+            "warning: {hits} marches were given up after {} steps; their waves count as dead",
+            settings.step_bound()
+        ));
+    }
+    let renderer = tracer.context().renderer();
+    let report = report(&scene, &settings, &frame, renderer, tracer.clock_name());
+    if common.json {
+        return print::json(&report);
+    }
+    print_text(&report)
+}
+
+fn report<'a>(
+    scene: &'a Scene,
+    settings: &Settings,
+    frame: &Frame,
+    renderer: &'a str,
+    clock: &'a str,
+) -> Report<'a> {
+    Report {
+        scene: &scene.name,
+        profile: settings.profile.to_string(),
+        renderer,
+        clock,
+        waves: settings.waves,
+        iterations: settings.iterations,
+        min_distance: settings.min_distance,
+        max_distance: settings.max_distance,
+        seed: settings.seed,
+        listener_hits: frame.counts.listener_hits,
+        dead: frame.counts.dead,
+        travelling: frame.counts.travelling,
+        zero_length_passes: frame.counts.zero_length_passes,
+        guard_hits: frame.counts.guard_hits,
+        left: frame.panning.left,
+        right: frame.panning.right,
+        pan: frame.panning.pan(),
+        milliseconds: frame.milliseconds,
+    }
+}
+
+fn print_text(report: &Report) -> anyhow::Result<()> {
+    let passes = u64::from(report.waves) * u64::from(report.iterations);
+    let share = 100.0 * report.zero_length_passes as f64 / passes as f64;
+    let time = &report.milliseconds;
+    print::line(&format!(
+        "{}: {} waves, {} iterations, profile {}, seed {}",
+        report.scene, report.waves, report.iterations, report.profile, report.seed
+    ))?;
+    print::line(&format!(
+        "  listener hits {:>10}\n  dead          {:>10}\n  travelling    {:>10}",
+        report.listener_hits, report.dead, report.travelling
+    ))?;
+    print::line(&format!(
+        "  passes of zero length {} of {passes} ({share:.1} %), at the step bound {}",
+        report.zero_length_passes, report.guard_hits
+    ))?;
+    print::line(&format!(
+        "  left {:.1}, right {:.1}: pan {:+.4}",
+        report.left, report.right, report.pan
+    ))?;
+    print::line(&format!(
+        "  {:.2} ms: initialise {:.2}, march {:.2}, pan {:.2}, read back {:.2} ({})",
+        time.total, time.initialise, time.march, time.pan, time.read_back, report.clock
+    ))
+}
+
+/// One line a wave; numbers in the shortest form that reads back to the same bits.
+fn dump(waves: &[Wave], out: &mut dyn Write) -> io::Result<()> {
+    writeln!(out, "wave,start_dx,start_dy,start_dz,x,y,z,dx,dy,dz,status")?;
+    for (index, wave) in waves.iter().enumerate() {
+        let (s, p, d) = (wave.start_direction, wave.position, wave.direction);
+        writeln!(
+            out,
+            "{index},{},{},{},{},{},{},{},{},{},{}",
+            s.x, s.y, s.z, p.x, p.y, p.z, d.x, d.y, d.z, wave.status
+        )?;
+    }
+    Ok(())
+}
