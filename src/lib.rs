@@ -2,6 +2,7 @@
 pub mod audio;
 pub mod error;
 pub mod gpu;
+pub mod reference;
 pub mod scene;
 
 pub use error::Error;
