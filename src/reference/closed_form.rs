@@ -94,7 +94,7 @@ impl Placed {
 
     /// Signed distance from a world point in metres, negative in the solid.
     pub fn distance(&self, point: DVec3) -> f64 {
-        let p = self.to_local(point - self.position);
+        let p = self.local(point - self.position);
         match self.form {
             Form::Plane => p.y,
             Form::Box { half } => box_distance(p, half),
@@ -114,8 +114,8 @@ impl Placed {
         left: Option<Face>,
         slack: f64,
     ) -> Option<Meeting> {
-        let o = self.to_local(origin - self.position);
-        let d = self.to_local(direction);
+        let o = self.local(origin - self.position);
+        let d = self.local(direction);
         let smooth = |t| Meeting { t, face: None };
         let meeting = match self.form {
             Form::Plane => (d.y < 0.0).then(|| smooth((o.y / -d.y).max(0.0))),
@@ -130,7 +130,7 @@ impl Placed {
     /// The world point of a meeting, set onto the surface, and the unit normal
     /// there, out of the solid.
     pub fn land(&self, origin: DVec3, direction: DVec3, meeting: Meeting) -> (DVec3, DVec3) {
-        let p = self.to_local(origin + direction * meeting.t - self.position);
+        let p = self.local(origin + direction * meeting.t - self.position);
         let (point, normal) = match (self.form, meeting.face) {
             (Form::Box { half }, Some(face)) => land_on_face(half, p, face, 1.0),
             (Form::Room { half }, Some(face)) => land_on_face(half, p, face, -1.0),
@@ -144,14 +144,14 @@ impl Placed {
             }
             _ => (DVec3::new(p.x, 0.0, p.z), DVec3::Y),
         };
-        (self.to_world(point) + self.position, self.to_world(normal))
+        (self.world(point) + self.position, self.world(normal))
     }
 
-    fn to_local(&self, vector: DVec3) -> DVec3 {
+    fn local(&self, vector: DVec3) -> DVec3 {
         self.turn.map_or(vector, |(_, to_local)| to_local * vector)
     }
 
-    fn to_world(&self, vector: DVec3) -> DVec3 {
+    fn world(&self, vector: DVec3) -> DVec3 {
         self.turn.map_or(vector, |(to_world, _)| to_world * vector)
     }
 }
@@ -191,6 +191,7 @@ fn meet_cylinder(radius: f64, o: DVec3, d: DVec3) -> Option<f64> {
 }
 
 fn meet_box(half: DVec3, o: DVec3, d: DVec3, slack: f64) -> Option<Meeting> {
+    let (half, o, d) = (half.to_array(), o.to_array(), d.to_array());
     let (mut enter, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
     let mut axis = 0;
     for i in 0..3 {
@@ -222,7 +223,8 @@ fn meet_box(half: DVec3, o: DVec3, d: DVec3, slack: f64) -> Option<Meeting> {
 }
 
 fn meet_room(half: DVec3, o: DVec3, d: DVec3, left: Option<Face>) -> Option<Meeting> {
-    let mut nearest: Option<Meeting> = None;
+    let (half, o, d) = (half.to_array(), o.to_array(), d.to_array());
+    let (mut nearest, mut met) = (f64::INFINITY, None);
     for axis in 0..3 {
         let positive = d[axis] > 0.0;
         let face = Some(Face { axis, positive });
@@ -232,11 +234,14 @@ fn meet_room(half: DVec3, o: DVec3, d: DVec3, left: Option<Face>) -> Option<Meet
         }
         // At 0 in an edge or beyond a face by rounding: no wave gets out.
         let t = ((half[axis].copysign(d[axis]) - o[axis]) / d[axis]).max(0.0);
-        if nearest.is_none_or(|meeting| t < meeting.t) {
-            nearest = Some(Meeting { t, face });
+        if t < nearest {
+            (nearest, met) = (t, face);
         }
     }
-    nearest
+    met.map(|face| Meeting {
+        t: nearest,
+        face: Some(face),
+    })
 }
 
 /// Sets a point onto a face and within its four edges; `outward` is 1 for a solid

@@ -116,14 +116,14 @@ impl ShoeboxImages {
         entered: f64,
         left: f64,
     ) -> Option<f64> {
-        let (mut closest_at, mut far_squared) = (0.0, 0.0);
-        for axis in 0..3 {
-            let offset = self.image(axis, u, crossed[axis]) - self.source[axis];
-            closest_at += offset * u[axis];
-            far_squared += offset * offset;
-        }
-        let half_chord_squared =
-            self.radius * self.radius - (far_squared - closest_at * closest_at);
+        let offset: [f64; 3] =
+            std::array::from_fn(|axis| self.image(axis, u, crossed[axis]) - self.source[axis]);
+        let closest_at: f64 = (0..3).map(|axis| offset[axis] * u[axis]).sum();
+        // Not |offset|² − closest_at²: that cancels after a long way.
+        let miss_squared: f64 = (0..3)
+            .map(|axis| (offset[axis] - closest_at * u[axis]).powi(2))
+            .sum();
+        let half_chord_squared = self.radius * self.radius - miss_squared;
         if half_chord_squared < 0.0 {
             return None;
         }
