@@ -267,37 +267,49 @@ fn two_hundred_reflections_keep_their_place() {
         assert!((wave.direction.length() - 1.0).abs() < 1e-13);
         assert!(wave.point.abs().cmple(half).all());
         let straight = start(&scene) + direction.as_dvec3().normalize() * wave.length;
-        for axis in 0..3 {
-            // A triangle wave folds the line back into the room.
-            let turns = (straight[axis] / half[axis] + 1.0).rem_euclid(4.0);
-            let folded = half[axis] * (if turns > 2.0 { 4.0 - turns } else { turns } - 1.0);
-            assert!((folded - wave.point[axis]).abs() < 1e-9, "{wave:?}");
-        }
+        assert!(
+            folded(straight, half).distance(wave.point) < 1e-9,
+            "{wave:?}"
+        );
     }
 }
 
-/// Protects edges and corners: the wave is sent back the way it came, stays in, and
-/// stays a number.
+/// Folds a straight line back into a room: each coordinate is a triangle wave.
+fn folded(straight: DVec3, half: DVec3) -> DVec3 {
+    let turns = (straight / half + 1.0).rem_euclid(DVec3::splat(4.0));
+    half * (1.0 - (turns - 2.0).abs())
+}
+
+/// Protects edges and corners, and waves almost along a wall, in turned rooms too:
+/// no wave gets out, skips a wall or stops being a number.
 #[test]
 fn corners_and_edges_do_not_leak() {
     let size = Vec3::new(12.0, 6.0, 16.0);
+    let half = size.as_dvec3() * 0.5;
     let mut random = Random(13);
-    for case in 0..200 {
+    for case in 0..20_000 {
         let turn = [Quat::IDENTITY, random.rotation()][case % 2];
+        let into_world = turn.as_dquat().normalize();
         let room = Surface::new(Shape::Room { size }).turned(turn);
-        let scene = scene(vec![room], Vec3::ZERO, nobody());
-        let exact = exact(&scene);
-        let aims = [
-            size,
-            size * Vec3::new(1.0, -1.0, 0.0),
-            size * Vec3::new(0.0, 1.0, 1.0),
-            size.with_y(1e-7),
-        ];
-        for aim in aims {
-            let wave = exact.trace(DVec3::ZERO, (turn * aim).as_dvec3(), 301);
-            assert!(wave.point.is_finite() && wave.direction.is_finite());
+        let exact = exact(&scene(vec![room], Vec3::ZERO, nobody()));
+        let mut signed = || DVec3::from_array(std::array::from_fn(|_| random.signed()));
+        let origin = half * signed() * 0.99;
+        let side = signed().signum();
+        let direction = match case / 2 % 4 {
+            0 => half * side - origin,
+            1 => half * side.with_y(signed().y) - origin,
+            2 => half * side.with_z(signed().z) - origin,
+            _ => DVec3::new(signed().x, signed().x, 1e-16 * signed().x),
+        }
+        .normalize();
+        for flights in [1, 2, 3, 4, 40] {
+            let wave = exact.trace(into_world * origin, into_world * direction, flights);
+            assert_eq!((wave.status, wave.order), (1, flights));
             assert!(exact.surface_distance(wave.point).abs() < 1e-13, "{wave:?}");
-            assert_eq!((wave.status, wave.order), (1, 301));
+            let end = into_world.conjugate() * wave.point;
+            let straight = origin + direction * wave.length;
+            let off = folded(straight, half).distance(end);
+            assert!(off < 1e-10, "{case}, {flights} flights: {off} {wave:?}");
         }
     }
 }
@@ -308,31 +320,35 @@ fn corners_and_edges_do_not_leak() {
 fn flush_surfaces_do_not_leak() {
     let scene = Scene::builtin("corner").unwrap();
     let exact = exact(&scene);
-    let origin = DVec3::new(10.0, 0.0, 5.0);
-    // The edge between the block and the wall, its ends, the ends of the block's own.
-    let edge = DVec3::new(15.0, 0.0, 0.0);
-    let aims = [
-        edge,
-        DVec3::new(15.0, 10.0, 0.0),
-        DVec3::new(15.0, -10.0, 0.0),
-        DVec3::new(0.0, 10.0, 0.0),
-        DVec3::new(5.0, 10.0, 0.0),
-    ];
     let mut random = Random(17);
-    for aim in aims {
-        for spread in [0.0, 1e-16, 1e-14, 1e-12, 1e-9] {
-            for _ in 0..200 {
-                let direction = (aim - origin).normalize() + random.direction() * spread;
-                if aim == edge {
-                    // Both surfaces mirror it, whichever comes first.
-                    let back = exact.trace(origin, direction, 2);
-                    assert!((back.direction + direction).length() < 1e-8, "{back:?}");
-                }
-                for vertex in exact.trace_path(origin, direction, 50) {
-                    let distance = exact.surface_distance(vertex.point);
-                    assert!(vertex.object == 0 || distance.abs() < 1e-11, "{vertex:?}");
-                }
-            }
+    for _ in 0..50_000 {
+        let origin = DVec3::new(
+            14.0 * random.unit(),
+            9.0 * random.signed(),
+            14.0 * random.unit(),
+        );
+        let height = [10.0, -10.0, 10.0 * random.signed()][(random.unit() * 3.0) as usize];
+        // The edge between the block and the wall, and the block's own.
+        let edge = DVec3::new([15.0, 0.0][(random.unit() * 2.0) as usize], height, 0.0);
+        let spread = [0.0, 1e-16, 1e-15, 1e-14, 1e-12][(random.unit() * 5.0) as usize];
+        let direction = (edge - origin).normalize() + random.direction() * spread;
+        for vertex in exact.trace_path(origin, direction, 12) {
+            let distance = exact.surface_distance(vertex.point);
+            assert!(vertex.object == 0 || distance.abs() < 1e-11, "{vertex:?}");
+        }
+        let met = exact.trace(origin, direction, 3);
+        if edge.x == 15.0 && met.status != 0 {
+            // Wall and block both mirror it, whichever comes first.
+            let back = if height.abs() == 10.0 { 3 } else { 2 };
+            let back = exact.trace(origin, direction, back).direction;
+            assert!(
+                (back.x + direction.x).abs() < 1e-10,
+                "{direction:?} {met:?}"
+            );
+            assert!(
+                (back.z + direction.z).abs() < 1e-10,
+                "{direction:?} {met:?}"
+            );
         }
     }
     let along = exact.trace(DVec3::new(-8.0, 10.0, -8.0), DVec3::X, 50);

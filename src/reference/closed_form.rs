@@ -11,10 +11,20 @@ use glam::{DMat3, DQuat, DVec2, DVec3};
 #[derive(Clone, Copy, Debug)]
 enum Form {
     Plane,
-    Box { half: DVec3 },
-    Room { half: DVec3 },
-    Sphere { radius: f64 },
-    Cylinder { radius: f64 },
+    /// `sealed` faces lie on or behind a wall: [negative, positive] for each axis.
+    Box {
+        half: DVec3,
+        sealed: [[bool; 2]; 3],
+    },
+    Room {
+        half: DVec3,
+    },
+    Sphere {
+        radius: f64,
+    },
+    Cylinder {
+        radius: f64,
+    },
 }
 
 /// A shape where it stands in the world.
@@ -48,6 +58,7 @@ impl Placed {
             Shape::Plane => Form::Plane,
             Shape::Box { size } => Form::Box {
                 half: size.as_dvec3() * 0.5,
+                sealed: [[false; 2]; 3],
             },
             Shape::Room { size } => Form::Room {
                 half: size.as_dvec3() * 0.5,
@@ -72,6 +83,52 @@ impl Placed {
         }
     }
 
+    /// The flat pieces of it that shut off all air behind them: a point on each and
+    /// its unit normal into the air, in world metres.
+    pub fn walls(&self) -> Vec<(DVec3, DVec3)> {
+        let at = |point, normal| (self.world(point) + self.position, self.world(normal));
+        match self.form {
+            Form::Plane => vec![at(DVec3::ZERO, DVec3::Y)],
+            Form::Room { half } => DVec3::AXES
+                .iter()
+                .flat_map(|axis| [(half * *axis, -*axis), (-half * *axis, *axis)])
+                .map(|(point, normal)| at(point, normal))
+                .collect(),
+            _ => Vec::new(),
+        }
+    }
+
+    /// Marks the faces of a box that lie on a wall, give or take `slack` metres, or
+    /// behind it. No wave can meet them from the air, but one in the edge between
+    /// box and wall would seem to: on the wall it is on such a face, too.
+    pub fn seal(&mut self, walls: &[(DVec3, DVec3)], slack: f64) {
+        let Form::Box { half, mut sealed } = self.form else {
+            return;
+        };
+        let signs = [-1.0, 1.0];
+        for axis in 0..3 {
+            for side in 0..2 {
+                let corners = signs.map(|u| {
+                    signs.map(|v| {
+                        let mut corner = DVec3::ZERO;
+                        corner[axis] = signs[side];
+                        corner[(axis + 1) % 3] = u;
+                        corner[(axis + 2) % 3] = v;
+                        self.world(half * corner) + self.position
+                    })
+                });
+                sealed[axis][side] = walls.iter().any(|(point, normal)| {
+                    let height = |corner: &DVec3| (*corner - *point).dot(*normal);
+                    corners
+                        .iter()
+                        .flatten()
+                        .all(|corner| height(corner) <= slack)
+                });
+            }
+        }
+        self.form = Form::Box { half, sealed };
+    }
+
     /// Whether only the six faces of a room can be met twice in a row.
     pub fn is_room(&self) -> bool {
         matches!(self.form, Form::Room { .. })
@@ -86,7 +143,7 @@ impl Placed {
     pub fn extent(&self) -> f64 {
         let size = match self.form {
             Form::Plane => 0.0,
-            Form::Box { half } | Form::Room { half } => half.max_element(),
+            Form::Box { half, .. } | Form::Room { half } => half.max_element(),
             Form::Sphere { radius } | Form::Cylinder { radius } => radius,
         };
         self.position.abs().max_element() + size
@@ -97,7 +154,7 @@ impl Placed {
         let p = self.local(point - self.position);
         match self.form {
             Form::Plane => p.y,
-            Form::Box { half } => box_distance(p, half),
+            Form::Box { half, .. } => box_distance(p, half),
             Form::Room { half } => -box_distance(p, half),
             Form::Sphere { radius } => p.length() - radius,
             Form::Cylinder { radius } => DVec2::new(p.x, p.z).length() - radius,
@@ -119,7 +176,7 @@ impl Placed {
         let smooth = |t| Meeting { t, face: None };
         let meeting = match self.form {
             Form::Plane => (d.y < 0.0).then(|| smooth((o.y / -d.y).max(0.0))),
-            Form::Box { half } => meet_box(half, o, d, slack),
+            Form::Box { half, sealed } => meet_box(half, sealed, o, d, slack),
             Form::Room { half } => meet_room(half, o, d, left),
             Form::Sphere { radius } => meet_sphere(radius, o, d).map(smooth),
             Form::Cylinder { radius } => meet_cylinder(radius, o, d).map(smooth),
@@ -132,7 +189,7 @@ impl Placed {
     pub fn land(&self, origin: DVec3, direction: DVec3, meeting: Meeting) -> (DVec3, DVec3) {
         let p = self.local(origin + direction * meeting.t - self.position);
         let (point, normal) = match (self.form, meeting.face) {
-            (Form::Box { half }, Some(face)) => land_on_face(half, p, face, 1.0),
+            (Form::Box { half, .. }, Some(face)) => land_on_face(half, p, face, 1.0),
             (Form::Room { half }, Some(face)) => land_on_face(half, p, face, -1.0),
             (Form::Sphere { radius }, _) => {
                 let normal = p.normalize_or(DVec3::Y);
@@ -190,7 +247,13 @@ fn meet_cylinder(radius: f64, o: DVec3, d: DVec3) -> Option<f64> {
     Some((tangent_squared / (half_chord_squared.sqrt() * speed - along)).max(0.0))
 }
 
-fn meet_box(half: DVec3, o: DVec3, d: DVec3, slack: f64) -> Option<Meeting> {
+fn meet_box(
+    half: DVec3,
+    sealed: [[bool; 2]; 3],
+    o: DVec3,
+    d: DVec3,
+    slack: f64,
+) -> Option<Meeting> {
     let (half, o, d) = (half.to_array(), o.to_array(), d.to_array());
     let (mut enter, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
     let mut axis = 0;
@@ -203,7 +266,7 @@ fn meet_box(half: DVec3, o: DVec3, d: DVec3, slack: f64) -> Option<Meeting> {
         }
         let far_side = half[i].copysign(d[i]);
         let near = (-far_side - o[i]) / d[i];
-        if near > enter {
+        if near > enter && !sealed[i][usize::from(d[i] < 0.0)] {
             (enter, axis) = (near, i);
         }
         leave = leave.min((far_side - o[i]) / d[i]);

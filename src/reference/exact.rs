@@ -6,8 +6,8 @@
 //!   that it leaves.
 //! - In an edge of a room, two faces are met one after the other, the second one
 //!   after 0 m: two reflections, two iterations.
-//! - Where a solid touches a room's wall and both are met within rounding, the solid
-//!   comes first; then no wave can slip in between the two.
+//! - The faces of a box that lie on or behind a room's wall or a plane are shut off
+//!   from the air and cannot be met; no wave can slip in between the two.
 //! - The listener comes before a surface at the same distance.
 
 use super::closed_form::{Face, Meeting, Placed, meet_sphere};
@@ -38,8 +38,6 @@ const WAVES_WORTH_A_THREAD: usize = 4096;
 #[derive(Clone, Debug)]
 pub struct ExactScene {
     surfaces: Vec<Placed>,
-    /// Indices into `surfaces`: the convex ones, then the rooms.
-    order: Vec<usize>,
     ear: Ear,
     /// What counts as rounding, in metres.
     slack: f64,
@@ -125,9 +123,7 @@ impl ExactScene {
     /// [`SceneError`] as from [`Scene::validate`].
     pub fn new(scene: &Scene) -> Result<ExactScene, SceneError> {
         scene.validate()?;
-        let surfaces: Vec<Placed> = scene.surfaces.iter().map(Placed::new).collect();
-        let mut order: Vec<usize> = (0..surfaces.len()).collect();
-        order.sort_by_key(|index| surfaces[*index].is_room());
+        let mut surfaces: Vec<Placed> = scene.surfaces.iter().map(Placed::new).collect();
         let (sin_yaw, cos_yaw) = f64::from(scene.listener.yaw).sin_cos();
         let ear = Ear {
             centre: scene.listener.position.as_dvec3(),
@@ -140,11 +136,15 @@ impl ExactScene {
             .map(Placed::extent)
             .chain(places.map(|place| place.as_dvec3().abs().max_element()))
             .fold(0.0, f64::max);
+        let slack = extent * ROUNDING;
+        let walls: Vec<_> = surfaces.iter().flat_map(Placed::walls).collect();
+        for surface in &mut surfaces {
+            surface.seal(&walls, slack);
+        }
         Ok(ExactScene {
             surfaces,
-            order,
             ear,
-            slack: extent * ROUNDING,
+            slack,
         })
     }
 
@@ -277,23 +277,16 @@ impl ExactScene {
         let heard = self.ear.meet(origin, direction);
         let mut nearest = heard.unwrap_or(f64::INFINITY);
         let mut met: Option<(usize, Meeting)> = None;
-        for &index in &self.order {
-            let surface = &self.surfaces[index];
-            let room = surface.is_room();
+        for (index, surface) in self.surfaces.iter().enumerate() {
             let left_face = match left {
-                Some((last, face)) if last == index && room => face,
+                Some((last, face)) if last == index && surface.is_room() => face,
                 Some((last, _)) if last == index => continue,
                 _ => None,
             };
             let Some(meeting) = surface.meet(origin, direction, left_face, self.slack) else {
                 continue;
             };
-            let head_start = if room && met.is_some() {
-                self.slack
-            } else {
-                0.0
-            };
-            if meeting.t + head_start < nearest {
+            if meeting.t < nearest {
                 nearest = meeting.t;
                 met = Some((index, meeting));
             }
@@ -369,7 +362,9 @@ impl ExactWave {
 }
 
 fn mirror(direction: DVec3, normal: DVec3) -> DVec3 {
-    direction - normal * (2.0 * direction.dot(normal))
+    let mirrored = direction - normal * (2.0 * direction.dot(normal));
+    // One Newton step to length 1, or errors of the normals add up.
+    mirrored * (1.5 - 0.5 * mirrored.length_squared())
 }
 
 #[cfg(test)]
