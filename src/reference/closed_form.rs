@@ -1,0 +1,424 @@
+//! A line against each shape, in the shape's own axes and in `f64`.
+//!
+//! The line starts in the air. Rounding may have put its start into the solid by
+//! as much as `slack` metres; it then meets the surface at once if it goes further
+//! in, and leaves it otherwise.
+
+use crate::scene::{Shape, Surface};
+use glam::{DMat3, DQuat, DVec2, DVec3};
+
+/// A shape with its sizes in metres.
+#[derive(Clone, Copy, Debug)]
+enum Form {
+    Plane,
+    /// `sealed` faces lie on or behind a wall: [negative, positive] for each axis.
+    Box {
+        half: DVec3,
+        sealed: [[bool; 2]; 3],
+    },
+    Room {
+        half: DVec3,
+    },
+    Sphere {
+        radius: f64,
+    },
+    Cylinder {
+        radius: f64,
+    },
+}
+
+/// A shape where it stands in the world.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Placed {
+    form: Form,
+    position: DVec3,
+    /// Shape axes to world axes and back; `None` when not turned.
+    turn: Option<(DMat3, DMat3)>,
+}
+
+/// One of the six faces of a box: its axis and the side it lies on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Face {
+    axis: usize,
+    positive: bool,
+}
+
+/// Where along a line a shape is met.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Meeting {
+    /// Metres along the unit direction, at least 0.
+    pub t: f64,
+    /// The face met, of a box or a room.
+    pub face: Option<Face>,
+}
+
+impl Placed {
+    pub fn new(surface: &Surface) -> Placed {
+        let form = match surface.shape {
+            Shape::Plane => Form::Plane,
+            Shape::Box { size } => Form::Box {
+                half: size.as_dvec3() * 0.5,
+                sealed: [[false; 2]; 3],
+            },
+            Shape::Room { size } => Form::Room {
+                half: size.as_dvec3() * 0.5,
+            },
+            Shape::Sphere { radius } => Form::Sphere {
+                radius: radius.into(),
+            },
+            Shape::Cylinder { radius } => Form::Cylinder {
+                radius: radius.into(),
+            },
+        };
+        let [x, y, z, w] = surface.rotation.to_array().map(f64::from);
+        let rotation = DQuat::from_xyzw(x, y, z, w).normalize();
+        let turn = (rotation != DQuat::IDENTITY).then(|| {
+            let to_world = DMat3::from_quat(rotation);
+            (to_world, to_world.transpose())
+        });
+        Placed {
+            form,
+            position: surface.position.as_dvec3(),
+            turn,
+        }
+    }
+
+    /// The flat pieces of it that shut off all air behind them: a point on each and
+    /// its unit normal into the air, in world metres.
+    pub fn walls(&self) -> Vec<(DVec3, DVec3)> {
+        let at = |point, normal| (self.world(point) + self.position, self.world(normal));
+        match self.form {
+            Form::Plane => vec![at(DVec3::ZERO, DVec3::Y)],
+            Form::Room { half } => DVec3::AXES
+                .iter()
+                .flat_map(|axis| [(half * *axis, -*axis), (-half * *axis, *axis)])
+                .map(|(point, normal)| at(point, normal))
+                .collect(),
+            _ => Vec::new(),
+        }
+    }
+
+    /// Marks the faces of a box that lie on a wall, give or take `slack` metres, or
+    /// behind it. No wave can meet them from the air, but one in the edge between
+    /// box and wall would seem to: on the wall it is on such a face, too.
+    pub fn seal(&mut self, walls: &[(DVec3, DVec3)], slack: f64) {
+        let Form::Box { half, mut sealed } = self.form else {
+            return;
+        };
+        let signs = [-1.0, 1.0];
+        for axis in 0..3 {
+            for side in 0..2 {
+                let corners = signs.map(|u| {
+                    signs.map(|v| {
+                        let mut corner = DVec3::ZERO;
+                        corner[axis] = signs[side];
+                        corner[(axis + 1) % 3] = u;
+                        corner[(axis + 2) % 3] = v;
+                        self.world(half * corner) + self.position
+                    })
+                });
+                sealed[axis][side] = walls.iter().any(|(point, normal)| {
+                    let height = |corner: &DVec3| (*corner - *point).dot(*normal);
+                    corners
+                        .iter()
+                        .flatten()
+                        .all(|corner| height(corner) <= slack)
+                });
+            }
+        }
+        self.form = Form::Box { half, sealed };
+    }
+
+    /// Whether only the six faces of a room can be met twice in a row.
+    pub fn is_room(&self) -> bool {
+        matches!(self.form, Form::Room { .. })
+    }
+
+    /// Whether it spreads waves, and with them their errors.
+    pub fn is_curved(&self) -> bool {
+        matches!(self.form, Form::Sphere { .. } | Form::Cylinder { .. })
+    }
+
+    /// The largest coordinate that belongs to it, in metres.
+    pub fn extent(&self) -> f64 {
+        let size = match self.form {
+            Form::Plane => 0.0,
+            Form::Box { half, .. } | Form::Room { half } => half.max_element(),
+            Form::Sphere { radius } | Form::Cylinder { radius } => radius,
+        };
+        self.position.abs().max_element() + size
+    }
+
+    /// Signed distance from a world point in metres, negative in the solid.
+    pub fn distance(&self, point: DVec3) -> f64 {
+        let p = self.local(point - self.position);
+        match self.form {
+            Form::Plane => p.y,
+            Form::Box { half, .. } => box_distance(p, half),
+            Form::Room { half } => -box_distance(p, half),
+            Form::Sphere { radius } => p.length() - radius,
+            Form::Cylinder { radius } => DVec2::new(p.x, p.z).length() - radius,
+        }
+    }
+
+    /// Where the world line meets the shape first, from the air.
+    ///
+    /// `left` is the face of this very shape that the line starts on.
+    pub fn meet(
+        &self,
+        origin: DVec3,
+        direction: DVec3,
+        left: Option<Face>,
+        slack: f64,
+    ) -> Option<Meeting> {
+        let o = self.local(origin - self.position);
+        let d = self.local(direction);
+        let smooth = |t| Meeting { t, face: None };
+        let meeting = match self.form {
+            Form::Plane => (d.y < 0.0).then(|| smooth((o.y / -d.y).max(0.0))),
+            Form::Box { half, sealed } => meet_box(half, sealed, o, d, slack),
+            Form::Room { half } => meet_room(half, o, d, left),
+            Form::Sphere { radius } => meet_sphere(radius, o, d).map(smooth),
+            Form::Cylinder { radius } => meet_cylinder(radius, o, d).map(smooth),
+        };
+        meeting.filter(|meeting| meeting.t.is_finite())
+    }
+
+    /// The world point of a meeting, set onto the surface, and the unit normal
+    /// there, out of the solid.
+    pub fn land(&self, origin: DVec3, direction: DVec3, meeting: Meeting) -> (DVec3, DVec3) {
+        let p = self.local(origin + direction * meeting.t - self.position);
+        let (point, normal) = match (self.form, meeting.face) {
+            (Form::Box { half, .. }, Some(face)) => land_on_face(half, p, face, 1.0),
+            (Form::Room { half }, Some(face)) => land_on_face(half, p, face, -1.0),
+            (Form::Sphere { radius }, _) => {
+                let normal = p.normalize_or(DVec3::Y);
+                (normal * radius, normal)
+            }
+            (Form::Cylinder { radius }, _) => {
+                let normal = DVec3::new(p.x, 0.0, p.z).normalize_or(DVec3::X);
+                (normal * radius + DVec3::Y * p.y, normal)
+            }
+            _ => (DVec3::new(p.x, 0.0, p.z), DVec3::Y),
+        };
+        (self.world(point) + self.position, self.world(normal))
+    }
+
+    fn local(&self, vector: DVec3) -> DVec3 {
+        self.turn.map_or(vector, |(_, to_local)| to_local * vector)
+    }
+
+    fn world(&self, vector: DVec3) -> DVec3 {
+        self.turn.map_or(vector, |(to_world, _)| to_world * vector)
+    }
+}
+
+/// Metres to a sphere about the axes' origin, met from outside.
+pub(super) fn meet_sphere(radius: f64, o: DVec3, d: DVec3) -> Option<f64> {
+    let along = o.dot(d);
+    if along >= 0.0 {
+        return None;
+    }
+    let beside = (o - d * along).length();
+    let half_chord_squared = (radius - beside) * (radius + beside);
+    if half_chord_squared < 0.0 {
+        return None;
+    }
+    let distance = o.length();
+    let tangent_squared = (distance - radius) * (distance + radius);
+    Some((tangent_squared / (half_chord_squared.sqrt() - along)).max(0.0))
+}
+
+/// The circle that the cylinder is when looked at along y; `d` is shorter there.
+fn meet_cylinder(radius: f64, o: DVec3, d: DVec3) -> Option<f64> {
+    let (o, d) = (DVec2::new(o.x, o.z), DVec2::new(d.x, d.z));
+    let along = o.dot(d);
+    if along >= 0.0 {
+        return None;
+    }
+    let speed = d.length();
+    let beside = o.perp_dot(d) / speed;
+    let half_chord_squared = (radius - beside) * (radius + beside);
+    if half_chord_squared < 0.0 {
+        return None;
+    }
+    let distance = o.length();
+    let tangent_squared = (distance - radius) * (distance + radius);
+    Some((tangent_squared / (half_chord_squared.sqrt() * speed - along)).max(0.0))
+}
+
+fn meet_box(
+    half: DVec3,
+    sealed: [[bool; 2]; 3],
+    o: DVec3,
+    d: DVec3,
+    slack: f64,
+) -> Option<Meeting> {
+    let (half, o, d) = (half.to_array(), o.to_array(), d.to_array());
+    let (mut enter, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
+    let mut axis = 0;
+    for i in 0..3 {
+        if d[i] == 0.0 {
+            if o[i].abs() > half[i] {
+                return None;
+            }
+            continue;
+        }
+        let far_side = half[i].copysign(d[i]);
+        let near = (-far_side - o[i]) / d[i];
+        if near > enter && !sealed[i][usize::from(d[i] < 0.0)] {
+            (enter, axis) = (near, i);
+        }
+        leave = leave.min((far_side - o[i]) / d[i]);
+    }
+    if enter > leave || leave <= 0.0 {
+        return None;
+    }
+    // The start is within the box: by rounding on its way in, or else on its way out.
+    if enter < 0.0 && (-enter > leave || -enter * d[axis].abs() > slack) {
+        return None;
+    }
+    let positive = d[axis] < 0.0;
+    Some(Meeting {
+        t: enter.max(0.0),
+        face: Some(Face { axis, positive }),
+    })
+}
+
+fn meet_room(half: DVec3, o: DVec3, d: DVec3, left: Option<Face>) -> Option<Meeting> {
+    let (half, o, d) = (half.to_array(), o.to_array(), d.to_array());
+    let (mut nearest, mut met) = (f64::INFINITY, None);
+    for axis in 0..3 {
+        let positive = d[axis] > 0.0;
+        let face = Some(Face { axis, positive });
+        // Only rounding can turn a mirrored wave towards the face that it leaves.
+        if d[axis] == 0.0 || face == left {
+            continue;
+        }
+        // At 0 in an edge or beyond a face by rounding: no wave gets out.
+        let t = ((half[axis].copysign(d[axis]) - o[axis]) / d[axis]).max(0.0);
+        if t < nearest {
+            (nearest, met) = (t, face);
+        }
+    }
+    met.map(|face| Meeting {
+        t: nearest,
+        face: Some(face),
+    })
+}
+
+/// Sets a point onto a face and within its four edges; `outward` is 1 for a solid
+/// box and −1 for a room.
+fn land_on_face(half: DVec3, p: DVec3, face: Face, outward: f64) -> (DVec3, DVec3) {
+    let side = if face.positive { 1.0 } else { -1.0 };
+    let mut point = p.clamp(-half, half);
+    point[face.axis] = half[face.axis] * side;
+    let mut normal = DVec3::ZERO;
+    normal[face.axis] = side * outward;
+    (point, normal)
+}
+
+fn box_distance(p: DVec3, half: DVec3) -> f64 {
+    let beyond = p.abs() - half;
+    beyond.max(DVec3::ZERO).length() + beyond.max_element().min(0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::{Quat, Vec3};
+
+    const SLACK: f64 = 1e-12;
+
+    fn meet(shape: Shape, origin: DVec3, towards: DVec3) -> Option<(f64, DVec3, DVec3)> {
+        let placed = Placed::new(&Surface::new(shape));
+        let direction = towards.normalize();
+        let meeting = placed.meet(origin, direction, None, SLACK)?;
+        let (point, normal) = placed.land(origin, direction, meeting);
+        Some((meeting.t, point, normal))
+    }
+
+    /// Protects each shape's nearest hit at points worked out by hand.
+    #[test]
+    fn lines_meet_shapes_where_they_should() {
+        let size = Vec3::new(2.0, 4.0, 6.0);
+        let cases = [
+            (Shape::Plane, DVec3::Y * 2.0, DVec3::NEG_Y, 2.0, DVec3::Y),
+            (
+                Shape::Box { size },
+                DVec3::X * 5.0,
+                DVec3::NEG_X,
+                4.0,
+                DVec3::X,
+            ),
+            (Shape::Room { size }, DVec3::Z, DVec3::Z, 2.0, DVec3::NEG_Z),
+            (
+                Shape::Sphere { radius: 2.0 },
+                DVec3::X * -5.0,
+                DVec3::X,
+                3.0,
+                DVec3::NEG_X,
+            ),
+            (
+                Shape::Cylinder { radius: 0.5 },
+                DVec3::new(0.0, 9.0, 2.0),
+                DVec3::NEG_Z,
+                1.5,
+                DVec3::Z,
+            ),
+        ];
+        for (shape, origin, towards, t, normal) in cases {
+            let met = meet(shape, origin, towards);
+            assert_eq!(met, Some((t, origin + towards * t, normal)), "{shape:?}");
+        }
+    }
+
+    /// Protects against hits behind the start and beside the shape.
+    #[test]
+    fn lines_pass_shapes_that_are_behind_or_beside() {
+        let shapes = [
+            Shape::Plane,
+            Shape::Box {
+                size: Vec3::splat(2.0),
+            },
+            Shape::Sphere { radius: 1.0 },
+            Shape::Cylinder { radius: 1.0 },
+        ];
+        let origin = DVec3::new(3.0, 3.0, 3.0);
+        for shape in shapes {
+            assert_eq!(meet(shape, origin, origin), None, "{shape:?} behind");
+            let beside = DVec3::new(-1.0, 0.0, 1.0);
+            assert_eq!(meet(shape, origin, beside), None, "{shape:?} beside");
+        }
+        let along_the_axis = meet(Shape::Cylinder { radius: 1.0 }, origin, DVec3::NEG_Y);
+        assert_eq!(along_the_axis, None);
+    }
+
+    /// Protects waves that rounding has put a hair into a solid: they are sent back
+    /// on their way in and let go on their way out.
+    #[test]
+    fn a_start_just_inside_a_box_counts_as_its_surface() {
+        let size = Vec3::splat(2.0);
+        let origin = DVec3::new(1.0 - 1e-15, 0.2, 0.0);
+        let inwards = meet(Shape::Box { size }, origin, DVec3::new(-1.0, 0.5, 0.0));
+        assert_eq!(
+            inwards.map(|(t, _, normal)| (t, normal)),
+            Some((0.0, DVec3::X))
+        );
+        let outwards = meet(Shape::Box { size }, origin, DVec3::new(1.0, 0.5, 0.0));
+        assert_eq!(outwards, None);
+    }
+
+    /// Protects rotations whose `f32` quaternion is not exactly of length 1.
+    #[test]
+    fn a_turned_shape_keeps_its_size() {
+        let turn = Quat::from_xyzw(0.1, 0.2, 0.3, 0.9273618) * 1.00005;
+        let room = Shape::Room {
+            size: Vec3::splat(2.0),
+        };
+        let placed = Placed::new(&Surface::new(room).turned(turn));
+        let (to_world, _) = placed.turn.expect("turned");
+        let meeting = placed.meet(DVec3::ZERO, to_world.x_axis, None, SLACK);
+        assert!((meeting.expect("met").t - 1.0).abs() < 1e-15);
+    }
+}

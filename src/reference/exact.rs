@@ -1,0 +1,439 @@
+//! Waves in closed form: every flight ends exactly on what it meets.
+//!
+//! Rules for what arithmetic cannot decide:
+//! - A wave that has just been mirrored at a convex surface cannot meet that surface
+//!   next and is not tested against it; in a room it is not tested against the face
+//!   that it leaves.
+//! - In an edge of a room, two faces are met one after the other, the second one
+//!   after 0 m: two reflections, two iterations.
+//! - The faces of a box that lie on or behind a room's wall or a plane are shut off
+//!   from the air and cannot be met; no wave can slip in between the two.
+//! - The listener comes before a surface at the same distance.
+
+use super::closed_form::{Face, Meeting, Placed, meet_sphere};
+use crate::scene::{Scene, SceneError};
+use glam::{DVec3, Vec3};
+use std::num::NonZeroUsize;
+
+/// What counts as rounding, as a part of the scene's extent: some hundred units in
+/// the last place.
+const ROUNDING: f64 = 1e-13;
+
+/// Fewer waves than this for a thread are not worth the thread.
+const WAVES_WORTH_A_THREAD: usize = 4096;
+
+/// A scene to trace waves through exactly, as it stands (paths are not followed:
+/// see [`Scene::at`]).
+///
+/// ```
+/// use echomarch::{Scene, reference::ExactScene};
+/// use glam::DVec3;
+/// let scene = Scene::builtin("shoebox")?;
+/// let exact = ExactScene::new(&scene)?;
+/// let start = scene.source.position.as_dvec3();
+/// let wave = exact.trace(start, DVec3::NEG_X, 1);
+/// assert_eq!((wave.status, wave.length), (1, 2.5)); // the wall at x = -6
+/// # Ok::<(), echomarch::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct ExactScene {
+    surfaces: Vec<Placed>,
+    ear: Ear,
+    /// What counts as rounding, in metres.
+    slack: f64,
+}
+
+/// The listener in `f64`.
+#[derive(Clone, Copy, Debug)]
+struct Ear {
+    centre: DVec3,
+    radius: f64,
+    right: DVec3,
+}
+
+/// Where a flight ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// Length of the flight in metres.
+    pub t: f64,
+    /// 0 for the listener, n for the n-th surface from 1.
+    pub object: u32,
+    /// World position in metres, on the surface.
+    pub point: DVec3,
+    /// Unit vector in world axes, out of the solid into the air.
+    pub normal: DVec3,
+}
+
+/// A wave after its last iteration.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ExactWave {
+    /// 0 = heard, −1 = met nothing, n = mirrored last at the n-th surface from 1.
+    pub status: i32,
+    /// Reflections so far; for a wave that is heard, its order.
+    pub order: u32,
+    /// How many of these were at spheres and cylinders, which multiply errors.
+    pub curved_hits: u32,
+    /// World position in metres where it met something last, else its start.
+    pub point: DVec3,
+    /// Unit vector in world axes in which it would fly on: mirrored at a surface,
+    /// unchanged at the listener and for a wave that met nothing.
+    pub direction: DVec3,
+    /// Unit vector in world axes in which it came to `point`.
+    pub incoming_direction: DVec3,
+    /// Metres flown from the start to `point`.
+    pub length: f64,
+    /// [`sequence_hash`] of the objects met, the listener (0) among them.
+    pub sequence_hash: u64,
+}
+
+/// A place where a wave met something, in the order of its flight.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PathVertex {
+    /// World position in metres.
+    pub point: DVec3,
+    /// 0 for the listener, n for the n-th surface from 1.
+    pub object: u32,
+    /// Unit vector in world axes, out of the solid (or the listener) into the air.
+    pub normal: DVec3,
+}
+
+const HASH_OF_NOTHING: u64 = 0xcbf2_9ce4_8422_2325;
+
+fn hash_one_more(hash: u64, object: u32) -> u64 {
+    (hash ^ u64::from(object)).wrapping_mul(0x0000_0100_0000_01b3)
+}
+
+/// One number for the objects that a wave met, in order (0 = listener): two waves
+/// with the same number have met the same objects.
+///
+/// FNV-1a over whole object numbers instead of bytes.
+pub fn sequence_hash(objects: &[u32]) -> u64 {
+    objects
+        .iter()
+        .fold(HASH_OF_NOTHING, |hash, object| hash_one_more(hash, *object))
+}
+
+/// The surface a wave has just left, by index, and the face if it has faces.
+type Left = Option<(usize, Option<Face>)>;
+
+impl ExactScene {
+    /// Takes over the surfaces and the listener of `scene`.
+    ///
+    /// # Errors
+    /// [`SceneError`] as from [`Scene::validate`].
+    pub fn new(scene: &Scene) -> Result<ExactScene, SceneError> {
+        scene.validate()?;
+        let mut surfaces: Vec<Placed> = scene.surfaces.iter().map(Placed::new).collect();
+        let (sin_yaw, cos_yaw) = f64::from(scene.listener.yaw).sin_cos();
+        let ear = Ear {
+            centre: scene.listener.position.as_dvec3(),
+            radius: scene.listener.radius.into(),
+            right: DVec3::new(cos_yaw, 0.0, sin_yaw),
+        };
+        let places = [scene.source.position, scene.listener.position];
+        let extent = surfaces
+            .iter()
+            .map(Placed::extent)
+            .chain(places.map(|place| place.as_dvec3().abs().max_element()))
+            .fold(0.0, f64::max);
+        let slack = extent * ROUNDING;
+        let walls: Vec<_> = surfaces.iter().flat_map(Placed::walls).collect();
+        for surface in &mut surfaces {
+            surface.seal(&walls, slack);
+        }
+        Ok(ExactScene {
+            surfaces,
+            ear,
+            slack,
+        })
+    }
+
+    /// Signed distance in metres from a world point to the nearest surface, negative
+    /// in a solid; the listener does not count.
+    pub fn surface_distance(&self, point: DVec3) -> f64 {
+        self.surfaces
+            .iter()
+            .map(|surface| surface.distance(point))
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    /// What a wave meets first that starts in the air at `origin` (world metres) and
+    /// flies along `direction` (any length but 0); `None` for nothing.
+    ///
+    /// A start within the listener's sphere meets the listener after 0 m.
+    pub fn nearest_hit(&self, origin: DVec3, direction: DVec3) -> Option<Hit> {
+        let direction = direction.try_normalize()?;
+        self.next(origin, direction, None).map(|(hit, _)| hit)
+    }
+
+    /// Follows one wave for at most `iterations` flights from `start` (world metres)
+    /// along `direction` (any length).
+    ///
+    /// A wave without a direction, or with none left to fly, is at its start with
+    /// status −1. A wave that starts in a solid stays there: its status is that
+    /// surface and its order 0.
+    pub fn trace(&self, start: DVec3, direction: DVec3, iterations: u32) -> ExactWave {
+        self.walk(start, direction, iterations, |_| ())
+    }
+
+    /// Every place where the wave of [`ExactScene::trace`] met something; the start
+    /// is none of them.
+    pub fn trace_path(&self, start: DVec3, direction: DVec3, iterations: u32) -> Vec<PathVertex> {
+        let mut path = Vec::new();
+        self.walk(start, direction, iterations, |hit| {
+            path.push(PathVertex {
+                point: hit.point,
+                object: hit.object,
+                normal: hit.normal,
+            });
+        });
+        path
+    }
+
+    /// [`ExactScene::trace`] for many directions from one start, in their order, on
+    /// all processor cores.
+    pub fn trace_all(&self, start: DVec3, directions: &[Vec3], iterations: u32) -> Vec<ExactWave> {
+        let useful = directions.len() / WAVES_WORTH_A_THREAD;
+        let cores = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
+        let threads = NonZeroUsize::new(useful.min(cores)).unwrap_or(NonZeroUsize::MIN);
+        self.trace_all_on(threads, start, directions, iterations)
+    }
+
+    /// [`ExactScene::trace_all`] on so many threads; the waves are the same for any
+    /// number of them.
+    pub fn trace_all_on(
+        &self,
+        threads: NonZeroUsize,
+        start: DVec3,
+        directions: &[Vec3],
+        iterations: u32,
+    ) -> Vec<ExactWave> {
+        let trace = |direction: &Vec3| self.trace(start, direction.as_dvec3(), iterations);
+        if threads.get() == 1 {
+            return directions.iter().map(trace).collect();
+        }
+        let mut waves = vec![ExactWave::at(start, DVec3::ZERO); directions.len()];
+        let share = directions.len().div_ceil(threads.get()).max(1);
+        std::thread::scope(|scope| {
+            for (waves, directions) in waves.chunks_mut(share).zip(directions.chunks(share)) {
+                scope.spawn(move || {
+                    for (wave, direction) in waves.iter_mut().zip(directions) {
+                        *wave = trace(direction);
+                    }
+                });
+            }
+        });
+        waves
+    }
+
+    /// Where on the listener's sphere a wave arrived: −1 at the left ear, 0 anywhere
+    /// on the plane between the ears, 1 at the right ear; `None` if it is not heard.
+    pub fn arrival_side(&self, wave: &ExactWave) -> Option<f64> {
+        let outwards = (wave.point - self.ear.centre).normalize_or_zero();
+        (wave.status == 0).then(|| outwards.dot(self.ear.right))
+    }
+
+    fn walk(
+        &self,
+        start: DVec3,
+        direction: DVec3,
+        iterations: u32,
+        mut visit: impl FnMut(&Hit),
+    ) -> ExactWave {
+        let Some(direction) = direction.try_normalize().filter(|_| iterations > 0) else {
+            return ExactWave::at(start, DVec3::ZERO);
+        };
+        let mut wave = ExactWave::at(start, direction);
+        if let Some(solid) = self.solid_at(start) {
+            wave.status = solid;
+            return wave;
+        }
+        let mut left = None;
+        for _ in 0..iterations {
+            wave.incoming_direction = wave.direction;
+            let Some((hit, now_left)) = self.next(wave.point, wave.direction, left) else {
+                wave.status = -1;
+                break;
+            };
+            visit(&hit);
+            wave.point = hit.point;
+            wave.length += hit.t;
+            wave.status = hit.object as i32;
+            wave.sequence_hash = hash_one_more(wave.sequence_hash, hit.object);
+            let Some((index, _)) = now_left else {
+                break;
+            };
+            wave.direction = mirror(wave.direction, hit.normal);
+            wave.order += 1;
+            wave.curved_hits += u32::from(self.surfaces[index].is_curved());
+            left = now_left;
+        }
+        wave
+    }
+
+    /// The next hit, and what the wave leaves when it is mirrored there: `None` for
+    /// the listener.
+    fn next(&self, origin: DVec3, direction: DVec3, left: Left) -> Option<(Hit, Left)> {
+        let heard = self.ear.meet(origin, direction);
+        let mut nearest = heard.unwrap_or(f64::INFINITY);
+        let mut met: Option<(usize, Meeting)> = None;
+        for (index, surface) in self.surfaces.iter().enumerate() {
+            let left_face = match left {
+                Some((last, face)) if last == index && surface.is_room() => face,
+                Some((last, _)) if last == index => continue,
+                _ => None,
+            };
+            let Some(meeting) = surface.meet(origin, direction, left_face, self.slack) else {
+                continue;
+            };
+            if meeting.t < nearest {
+                nearest = meeting.t;
+                met = Some((index, meeting));
+            }
+        }
+        let Some((index, meeting)) = met else {
+            return heard.map(|t| (self.ear.hit(origin, direction, t), None));
+        };
+        let (point, normal) = self.surfaces[index].land(origin, direction, meeting);
+        let hit = Hit {
+            t: meeting.t,
+            object: index as u32 + 1,
+            point,
+            normal,
+        };
+        Some((hit, Some((index, meeting.face))))
+    }
+
+    /// The number of the surface that a point is deepest in.
+    fn solid_at(&self, point: DVec3) -> Option<i32> {
+        let mut deepest = -self.slack;
+        let mut solid = None;
+        for (index, surface) in self.surfaces.iter().enumerate() {
+            let distance = surface.distance(point);
+            if distance < deepest {
+                deepest = distance;
+                solid = Some(index as i32 + 1);
+            }
+        }
+        solid
+    }
+}
+
+impl Ear {
+    fn meet(&self, origin: DVec3, direction: DVec3) -> Option<f64> {
+        let offset = origin - self.centre;
+        if offset.length_squared() <= self.radius * self.radius {
+            return Some(0.0);
+        }
+        meet_sphere(self.radius, offset, direction)
+    }
+
+    fn hit(&self, origin: DVec3, direction: DVec3, t: f64) -> Hit {
+        let arrived = origin + direction * t;
+        let normal = (arrived - self.centre).normalize_or(-direction);
+        let point = if t > 0.0 {
+            self.centre + normal * self.radius
+        } else {
+            arrived
+        };
+        Hit {
+            t,
+            object: 0,
+            point,
+            normal,
+        }
+    }
+}
+
+impl ExactWave {
+    /// A wave that has not met anything yet.
+    fn at(start: DVec3, direction: DVec3) -> ExactWave {
+        ExactWave {
+            status: -1,
+            order: 0,
+            curved_hits: 0,
+            point: start,
+            direction,
+            incoming_direction: direction,
+            length: 0.0,
+            sequence_hash: HASH_OF_NOTHING,
+        }
+    }
+}
+
+fn mirror(direction: DVec3, normal: DVec3) -> DVec3 {
+    let mirrored = direction - normal * (2.0 * direction.dot(normal));
+    // One Newton step to length 1, or errors of the normals add up.
+    mirrored * (1.5 - 0.5 * mirrored.length_squared())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Listener, Shape, Source, Surface};
+
+    fn scene(surfaces: Vec<Surface>) -> ExactScene {
+        let scene = Scene {
+            name: "test".into(),
+            surfaces,
+            source: Source::at(Vec3::ZERO),
+            listener: Listener::at(Vec3::new(3.0, 1.0, 0.0), 0.5),
+        };
+        ExactScene::new(&scene).expect("a valid scene")
+    }
+
+    fn floor() -> Surface {
+        Surface::new(Shape::Plane).at(Vec3::NEG_Y)
+    }
+
+    /// Protects the statuses and what goes with each of them.
+    #[test]
+    fn a_wave_is_heard_or_dies_or_goes_on() {
+        let exact = scene(vec![floor()]);
+        let died = exact.trace(DVec3::ZERO, DVec3::Y, 4);
+        assert_eq!((died.status, died.length, died.order), (-1, 0.0, 0));
+
+        let bounced = exact.trace(DVec3::ZERO, DVec3::NEG_Y, 1);
+        assert_eq!((bounced.status, bounced.length, bounced.order), (1, 1.0, 1));
+        assert_eq!(bounced.direction, DVec3::Y);
+        assert_eq!(bounced.incoming_direction, DVec3::NEG_Y);
+
+        let heard = exact.trace(DVec3::ZERO, DVec3::new(3.0, -3.0, 0.0), 4);
+        assert_eq!((heard.status, heard.order), (0, 1));
+        assert!((heard.length - (18f64.sqrt() - 0.5)).abs() < 1e-14);
+        assert_eq!(heard.sequence_hash, sequence_hash(&[1, 0]));
+        let from_the_left = exact.arrival_side(&heard).expect("heard");
+        assert!((from_the_left + 0.5f64.sqrt()).abs() < 1e-14);
+        assert_eq!(exact.arrival_side(&bounced), None);
+    }
+
+    /// Protects waves that never fly: no direction, no iterations, in a solid, in
+    /// the listener.
+    #[test]
+    fn waves_without_a_flight_stay_at_the_start() {
+        let exact = scene(vec![floor()]);
+        let nowhere = [DVec3::ZERO, DVec3::NAN, DVec3::X * f64::INFINITY];
+        for direction in nowhere {
+            let wave = exact.trace(DVec3::X, direction, 4);
+            assert_eq!((wave.status, wave.point), (-1, DVec3::X));
+        }
+        assert_eq!(exact.trace(DVec3::X, DVec3::X, 0).status, -1);
+        let stuck = exact.trace(DVec3::Y * -2.0, DVec3::Y, 4);
+        assert_eq!((stuck.status, stuck.order, stuck.length), (1, 0, 0.0));
+        let inside = exact.trace(DVec3::new(3.0, 1.2, 0.0), DVec3::Y, 4);
+        assert_eq!((inside.status, inside.length), (0, 0.0));
+    }
+
+    /// Protects the count of reflections that multiply errors.
+    #[test]
+    fn curved_reflections_are_counted() {
+        let pillar = Surface::new(Shape::Cylinder { radius: 1.0 }).at(Vec3::X * -4.0);
+        let exact = scene(vec![floor(), pillar]);
+        let wave = exact.trace(DVec3::ZERO, DVec3::new(-1.0, -0.5, 0.0), 8);
+        assert_eq!((wave.status, wave.order, wave.curved_hits), (-1, 2, 1));
+        let path = exact.trace_path(DVec3::ZERO, DVec3::new(-1.0, -0.5, 0.0), 8);
+        let objects: Vec<u32> = path.iter().map(|vertex| vertex.object).collect();
+        assert_eq!(sequence_hash(&objects), wave.sequence_hash);
+        assert_eq!(objects, [1, 2]);
+    }
+}
