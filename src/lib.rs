@@ -6,11 +6,8 @@ pub mod error;
 #[cfg(feature = "experiment")]
 pub mod experiment;
 pub mod gpu;
-<<<<<<< HEAD
 pub mod offline;
 pub mod output;
-=======
->>>>>>> reference
 pub mod reference;
 pub mod scene;
 pub mod trace;

@@ -18,7 +18,6 @@
 //!   simulating small-room acoustics*, JASA 65, 1979): in the unfolded room the
 //!   wave is one straight line. It shares no code with [`ExactScene`], and a test
 //!   compares the two wave for wave.
-//!
 //! - [`march32`] is the thesis' algorithm itself in `f32`: it tells whether a shader
 //!   computes what it should, not whether that is right.
 //!
