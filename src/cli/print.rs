@@ -20,7 +20,7 @@ pub fn json(value: &impl Serialize) -> anyhow::Result<()> {
 /// A table with these headings, every column to the right.
 pub fn table(headings: &[&str]) -> Table {
     let mut table = Table::new();
-    table.load_style(presets::UTF8_HORIZONTAL_ONLY);
+    table.load_style(presets::ASCII_MARKDOWN);
     table.set_header(headings);
     for column in table.column_iter_mut() {
         column.set_cell_alignment(CellAlignment::Right);

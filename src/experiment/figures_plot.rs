@@ -132,12 +132,17 @@ fn plot(
     let values = curves.iter().flat_map(|c| &c.points).map(|p| p.1);
     let least = values.clone().filter(|v| *v > 0.0).fold(1.0, f64::min);
     let most = values.fold(10.0, f64::max);
+    let nothing = curves.iter().all(|c| c.points.iter().all(|p| p.1 == 0.0));
     let caption = format!(
-        "{}: {}, {} iterations",
-        table.figure, table.scene, table.iterations
+        "{}: {}, {} iterations{}",
+        table.figure,
+        table.scene,
+        table.iterations,
+        if nothing { " (none)" } else { "" }
     );
     let mut chart = ChartBuilder::on(panel)
         .margin(12)
+        .margin_right(36)
         .caption(caption, ("sans-serif", 16))
         .x_label_area_size(40)
         .y_label_area_size(64)
@@ -151,7 +156,8 @@ fn plot(
         .y_desc(what)
         .x_label_formatter(&|v| format!("{v:.0}"))
         .y_label_formatter(&short)
-        .light_line_style(BLACK.mix(0.05))
+        .bold_line_style(BLACK.mix(0.15))
+        .light_line_style(BLACK.mix(0.04))
         .draw()?;
     for curve in curves {
         let shown: Vec<_> = curve.points.iter().copied().filter(|p| p.1 > 0.0).collect();
