@@ -3,6 +3,8 @@ pub mod audio;
 pub mod error;
 pub mod gpu;
 pub mod output;
+#[cfg(feature = "experiment")]
+pub mod picture;
 pub mod reference;
 pub mod scene;
 pub mod trace;
