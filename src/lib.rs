@@ -8,6 +8,8 @@ pub mod experiment;
 pub mod gpu;
 pub mod offline;
 pub mod output;
+#[cfg(feature = "experiment")]
+pub mod picture;
 pub mod reference;
 pub mod scene;
 pub mod trace;
