@@ -10,12 +10,9 @@
 //! decisions came to falling the other way.
 
 use crate::scene::{Nearest, Scene};
-use crate::trace::{STATUS_DEAD, STATUS_LISTENER, Settings};
+use crate::trace::{STATUS_DEAD, STATUS_LISTENER, STATUS_STARTED, Settings};
 use glam::{UVec3, Vec3};
 use std::f32::consts::TAU;
-
-/// Status of a wave before its first march (`glsl/wave.glsl`).
-const STATUS_STARTED: f32 = 0.5;
 
 /// A wave followed through all iterations.
 #[derive(Clone, Copy, Debug, PartialEq)]
