@@ -50,7 +50,7 @@ run "$program" figures --max-waves 65536 --runs 3 -o "$out"
 run "$program" render open-field --iterations 1 -o "$out/open-field.wav"
 for scene in corner obstacles; do
     run "$program" view "$scene" -o "$out/$scene.png"
-    run "$program" slice "$scene" -o "$out/$scene-paths.png" --paths 12
+    run "$program" slice "$scene" -o "$out/$scene-paths.png" --paths 300
 done
 
 say
