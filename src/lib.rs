@@ -34,7 +34,7 @@
 //! | [`audio`] | sounds, panning laws, mixer, WAV files |
 //! | [`offline`] | a moving scene to sound, without a sound card |
 //! | [`gpu`] | OpenGL without acoustics: contexts, programs, textures, passes, clocks |
-//! | [`reference`] | the same and the exact waves on the CPU, to check against |
+//! | [`mod@reference`] | the same and the exact waves on the CPU, to check against |
 //! | `experiment` | the thesis' tables, run for real (feature `experiment`) |
 //! | [`output`] | files that are there whole or not at all |
 //!
