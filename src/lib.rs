@@ -35,6 +35,7 @@
 //! | [`offline`] | a moving scene to sound, without a sound card |
 //! | [`gpu`] | OpenGL without acoustics: contexts, programs, textures, passes, clocks |
 //! | [`mod@reference`] | the same and the exact waves on the CPU, to check against |
+//! | `picture` | what the listener sees, and the plan with paths (feature `experiment`) |
 //! | `experiment` | the thesis' tables, run for real (feature `experiment`) |
 //! | [`output`] | files that are there whole or not at all |
 //!
@@ -42,7 +43,7 @@
 //! | feature | default | what it adds |
 //! | --- | --- | --- |
 //! | `cli` | yes | the program `echomarch`; brings `experiment` |
-//! | `experiment` | with `cli` | tables as data, CSV and SVG |
+//! | `experiment` | with `cli` | tables as data, CSV and SVG; pictures as PNG |
 //!
 //! A library user without the program takes `default-features = false`.
 //!
