@@ -1,6 +1,6 @@
 //! Pictures: what the listener sees, and the plan of a scene with the waves in it.
 //!
-//! [`first_person`] sphere traces the view from the listener's place and gaze; [`slice`]
+//! [`first_person`] sphere traces the view from the listener's place and gaze; [`slice()`]
 //! cuts the scene at a height and looks down on it, x to the right and z downwards, as
 //! figure 10 of the thesis does, with the paths of waves on request. Both are fragment
 //! shaders (`glsl/view/`) around the very distance function that the waves march

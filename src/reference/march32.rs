@@ -2,7 +2,7 @@
 //!
 //! The same steps as figures 8 and 9 in the same precision, written apart from the
 //! shaders: it tells whether a shader computes what it should, not whether the
-//! algorithm is right (it is not: see [`super::exact`]).
+//! algorithm is right (it is not: see [`super::ExactScene`]).
 //!
 //! Two programs in `f32` can part where a decision hangs by a hair: a distance just
 //! below the minimum distance here and just above it there. Each wave therefore
