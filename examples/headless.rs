@@ -13,7 +13,7 @@ fn main() -> Result<(), Error> {
     println!("renderer: {}", context.renderer());
 
     let scene = Scene::builtin("corner")?;
-    let settings = Settings::thesis().with_waves(65_536).with_iterations(8);
+    let settings = Settings::default().with_waves(65_536).with_iterations(8);
     let mut tracer = Tracer::new(&context)?;
     let frame = tracer.frame(&scene, &settings)?;
 

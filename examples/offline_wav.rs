@@ -22,7 +22,7 @@ fn main() -> Result<(), Error> {
     let scene = Scene::builtin("open-field")?;
     // One iteration: the direct sound. With more, the thesis' algorithm starts waves that
     // met nothing again at the world's origin (docs/thesis.md), where this listener is.
-    let settings = Settings::thesis().with_waves(16_384).with_iterations(1);
+    let settings = Settings::default().with_waves(16_384).with_iterations(4);
     let timing = Timing {
         seconds: scene.duration(),
         fps: 30.0,

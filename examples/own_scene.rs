@@ -12,7 +12,7 @@ fn main() -> Result<(), Error> {
     let context = Context::headless(&ContextOptions::default())?;
     println!("renderer: {}", context.renderer());
     let mut tracer = Tracer::new(&context)?;
-    let settings = Settings::thesis().with_waves(16_384).with_iterations(4);
+    let settings = Settings::default().with_waves(16_384).with_iterations(4);
 
     // Metres; x to the right, y up, z towards the viewer. The listener looks along -z.
     let door = Surface::new(Shape::Box {

@@ -41,10 +41,10 @@ float traceWave(vec3 origin, vec3 direction, float last, out float object, out b
         float nearest = boundedDistance(p, direction, last, object, second);
         if (nearest < uMinDistance) {
 #if LANDING
-            if (abs(nearest) <= roundingAt(p)) {
+            float closing = -dot(direction, gradientAhead(p, direction, object));
+            if (closing > 0.0 && abs(nearest) <= roundingAt(p)) {
                 return t;
             }
-            float closing = -dot(direction, gradientAhead(p, direction, object));
             // Receding from a convex solid: only the others can be met.
             float step = closing > 0.0 ? min(nearest / closing, second) : second;
             // Whatever rounding says, the march goes on.

@@ -14,7 +14,7 @@
 //! let context = Context::headless(&ContextOptions::default())?;
 //! println!("renderer: {}", context.renderer());
 //! let scene = Scene::builtin("corner")?;
-//! let settings = Settings::thesis().with_waves(4096).with_iterations(4);
+//! let settings = Settings::default().with_waves(4096).with_iterations(4);
 //! let frame = Tracer::new(&context)?.frame(&scene, &settings)?;
 //!
 //! assert!(frame.counts.listener_hits > 0);
@@ -67,5 +67,6 @@ pub mod scene;
 pub mod trace;
 
 pub use error::Error;
+pub use glam;
 pub use scene::{Listener, Scene, Shape, Source, Surface};
 pub use trace::{Frame, Panning, Profile, Settings, Tracer};

@@ -7,7 +7,7 @@ use crate::experiment::figures::{
     self, FigureRow, FigureTable, FiguresOptions, FiguresReport, plot_svg, write_csv,
 };
 use crate::output::{prepare_folder, write_whole};
-use crate::trace::Settings;
+use crate::trace::{Profile, Settings};
 use anyhow::anyhow;
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -16,6 +16,7 @@ const EXAMPLES: &str = "\
 Examples:
   echomarch figures                          all four tables, up to 1048576 waves
   echomarch figures --max-waves 65536 --runs 3 -o out
+  echomarch figures --profiles thesis        the thesis' algorithm alone
   echomarch figures --json > figures.json";
 
 /// Arguments of `figures`.
@@ -28,6 +29,10 @@ pub struct Arguments {
     /// Timed frames of each row; times are their medians
     #[arg(long, default_value_t = 5, value_name = "N")]
     runs: u32,
+    /// Profiles to set side by side
+    #[arg(long, value_delimiter = ',', value_name = "NAMES",
+          default_values_t = [Profile::Thesis, Profile::March, Profile::Hybrid])]
+    profiles: Vec<Profile>,
     /// Chooses the random directions
     #[arg(long, default_value_t = 1, value_name = "N")]
     seed: u32,
@@ -45,8 +50,11 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     if let Some(folder) = &arguments.output {
         prepare_folder(folder)?;
     }
+    let profiles = arguments.profiles.iter();
     let options = FiguresOptions {
-        profiles: vec![Settings::thesis().with_seed(arguments.seed)],
+        profiles: profiles
+            .map(|&p| Settings::of(p).with_seed(arguments.seed))
+            .collect(),
         max_waves: arguments.max_waves,
         runs: arguments.runs,
     };
@@ -97,7 +105,7 @@ fn print_tables(report: &FiguresReport) -> anyhow::Result<()> {
     }
     print::line(
         "\nms: median time of a frame, and of its parts. zero: share of all passes that end at\n\
-         distance 0. se: difference of the hits in standard errors, √(ours + thesis).",
+         distance 0. guard: marches given up at the step bound. se: difference of the hits in standard errors, √(ours + thesis).",
     )
 }
 
@@ -114,6 +122,7 @@ fn as_table(table: &FigureTable) -> comfy_table::Table {
         "dead",
         "travelling",
         "zero",
+        "guard",
         "thesis hits",
         "se",
         "thesis ms (mobile, desktop)",
@@ -124,7 +133,7 @@ fn as_table(table: &FigureTable) -> comfy_table::Table {
     printed
 }
 
-fn cells(row: &FigureRow) -> [String; 14] {
+fn cells(row: &FigureRow) -> [String; 15] {
     let time = &row.milliseconds;
     [
         row.waves.to_string(),
@@ -138,6 +147,7 @@ fn cells(row: &FigureRow) -> [String; 14] {
         row.counts.dead.to_string(),
         row.counts.travelling.to_string(),
         format!("{:.1} %", 100.0 * row.zero_length_share),
+        row.counts.guard_hits.to_string(),
         row.thesis.listener_hits.to_string(),
         format!("{:+.1}", row.standard_errors()),
         format!("{}, {}", row.thesis.mobile_ms, row.thesis.desktop_ms),

@@ -4,7 +4,7 @@ use super::exit::BadInput;
 use crate::error::Error;
 use crate::gpu::{Api, Context, ContextOptions};
 use crate::scene::Scene;
-use crate::trace::{Profile, Settings, Tracer};
+use crate::trace::{Directions, Profile, Settings, Tracer};
 use clap::Args;
 
 /// For every subcommand.
@@ -71,41 +71,67 @@ impl Common {
 /// How to trace.
 #[derive(Args, Debug)]
 pub struct TraceOptions {
-    /// The algorithm that waves are followed with: thesis
-    #[arg(long, default_value_t = Profile::Thesis, value_name = "NAME")]
+    /// The algorithm: hybrid (closed form), march (sphere tracing done right), thesis
+    #[arg(long, default_value_t = Profile::Hybrid, value_name = "NAME")]
     pub profile: Profile,
     /// Number of sound waves, 1 to 16777216
     #[arg(long, default_value_t = 65_536, value_name = "N")]
     pub waves: u32,
-    /// Marches of each wave, 1 to 4095
+    /// Segments of each wave, 1 to 4095
     #[arg(long, default_value_t = 8, value_name = "N")]
     pub iterations: u32,
-    /// A surface is met below this distance, in metres [thesis: 0.1]
-    #[arg(long, value_name = "METRES")]
-    pub min_distance: Option<f32>,
-    /// A wave is dead beyond this distance in one iteration, in metres [thesis: 300]
-    #[arg(long, value_name = "METRES")]
-    pub max_distance: Option<f32>,
-    /// Chooses the random directions
+    /// Chooses the start directions
     #[arg(long, default_value_t = 1, value_name = "N")]
     pub seed: u32,
+    /// Start directions: random (the thesis), fibonacci (an even lattice)
+    #[arg(long, default_value_t = Directions::Random, value_name = "NAME")]
+    pub directions: Directions,
+    /// thesis: a surface is met below this distance [0.1]; march: width of the shell in
+    /// which Newton's steps are taken [everywhere]; in metres
+    #[arg(long, value_name = "METRES")]
+    pub min_distance: Option<f32>,
+    /// A wave is dead beyond this distance in one iteration, in metres [thesis: 300,
+    /// else 1e9]
+    #[arg(long, value_name = "METRES")]
+    pub max_distance: Option<f32>,
+    /// Iterations in one pass over the waves [hybrid: all, else 1]
+    #[arg(long, value_name = "N")]
+    pub iterations_per_pass: Option<u32>,
+    /// Sum the panning on the GPU and read back one texel
+    #[arg(long)]
+    pub sum_on_gpu: bool,
+    /// march: normals by differences, as in the thesis
+    #[arg(long)]
+    pub difference_normals: bool,
+    /// march: stop within the minimum distance of a surface, as in the thesis
+    #[arg(long)]
+    pub no_landing: bool,
 }
 
 impl TraceOptions {
     /// The settings that were typed, checked.
-    pub fn settings(&self) -> Result<Settings, Error> {
-        let mut settings = Settings::thesis()
+    pub fn settings(&self) -> anyhow::Result<Settings> {
+        if self.profile != Profile::March && (self.difference_normals || self.no_landing) {
+            let profile = self.profile;
+            let text = format!(
+                "--difference-normals and --no-landing are of --profile march, not {profile}"
+            );
+            return Err(BadInput(text).into());
+        }
+        let mut settings = Settings::of(self.profile)
             .with_waves(self.waves)
             .with_iterations(self.iterations)
             .with_seed(self.seed);
-        settings.profile = self.profile;
-        if let Some(metres) = self.min_distance {
-            settings.min_distance = metres;
+        settings.directions = self.directions;
+        settings.sum_on_gpu = self.sum_on_gpu;
+        settings.exact_normals &= !self.difference_normals;
+        settings.landing &= !self.no_landing;
+        settings.min_distance = self.min_distance.unwrap_or(settings.min_distance);
+        settings.max_distance = self.max_distance.unwrap_or(settings.max_distance);
+        if let Some(iterations) = self.iterations_per_pass {
+            settings.iterations_per_pass = iterations;
         }
-        if let Some(metres) = self.max_distance {
-            settings.max_distance = metres;
-        }
-        settings.validate()?;
+        settings.validate().map_err(Error::from)?;
         Ok(settings)
     }
 }

@@ -34,7 +34,7 @@ impl Default for SliceOptions {
             height: None,
             bounds: None,
             paths: 0,
-            settings: Settings::thesis(),
+            settings: Settings::default(),
             scale_bar: true,
         }
     }

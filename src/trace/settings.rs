@@ -21,6 +21,11 @@ pub const MAX_STEPS: u32 = 4096;
 /// listener hears of, and well inside what `f32` can square.
 const FAR: f32 = 1e9;
 
+/// Width of the shell of `march` by default, in metres: everywhere. Outside of a shell the
+/// steps are Hart's, inside they are Newton's, which need a gradient each but are so few
+/// that they were faster in every scene measured (docs/accuracy.md).
+const EVERYWHERE: f32 = 1e8;
+
 /// The algorithm that a wave is followed with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
@@ -75,7 +80,7 @@ pub struct Settings {
     /// `march`: every distance is multiplied by this. 1, but in tests of functions that
     /// over-estimate.
     pub distance_factor: f32,
-    /// Iterations in one pass; 1 is the thesis' way, more save texture traffic.
+    /// Iterations in one pass at the most; 1 is the thesis' way, more save texture traffic.
     pub iterations_per_pass: u32,
     /// Whether the panning texture is summed on the GPU and read back as one texel.
     pub sum_on_gpu: bool,
@@ -119,6 +124,7 @@ impl Settings {
     pub fn march() -> Settings {
         Settings {
             profile: Profile::March,
+            min_distance: EVERYWHERE,
             max_distance: FAR,
             exact_normals: true,
             landing: true,
@@ -126,10 +132,12 @@ impl Settings {
         }
     }
 
-    /// Closed form where a surface has one, otherwise as [`Settings::march`].
+    /// Closed form where a surface has one, all iterations in one pass, otherwise as
+    /// [`Settings::march`].
     pub fn hybrid() -> Settings {
         Settings {
             profile: Profile::Hybrid,
+            iterations_per_pass: MAX_ITERATIONS,
             ..Settings::march()
         }
     }
