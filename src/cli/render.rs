@@ -6,6 +6,7 @@ use crate::audio::{Mixer, PanningLaw, SAMPLE_RATE, Sound, SoundSpec, WavWriter};
 use crate::error::Error;
 use crate::experiment::median;
 use crate::offline::{self, Block, Timing};
+use crate::output::check_file;
 use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -72,6 +73,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     let scene = common.scene(&arguments.scene)?;
     let timing = timing(arguments, scene.duration())?;
     let mut sound = Sound::load(&arguments.sound, SAMPLE_RATE).map_err(Error::from)?;
+    check_file(&arguments.output)?;
     let mut writer = WavWriter::create(&arguments.output).map_err(Error::from)?;
     let mut tracer = common.tracer()?;
     let mut mixer = Mixer::new(arguments.law);
