@@ -23,13 +23,28 @@ Examples:
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
     /// Leave out rows of more waves
-    #[arg(long, default_value_t = 1_048_576, value_name = "N")]
+    #[arg(
+        long,
+        allow_negative_numbers = true,
+        default_value_t = 1_048_576,
+        value_name = "N"
+    )]
     max_waves: u32,
     /// Timed frames of each row; times are their medians
-    #[arg(long, default_value_t = 5, value_name = "N")]
+    #[arg(
+        long,
+        allow_negative_numbers = true,
+        default_value_t = 5,
+        value_name = "N"
+    )]
     runs: u32,
     /// Chooses the random directions
-    #[arg(long, default_value_t = 1, value_name = "N")]
+    #[arg(
+        long,
+        allow_negative_numbers = true,
+        default_value_t = 1,
+        value_name = "N"
+    )]
     seed: u32,
     /// Write figures.csv, figures.json and figures.svg into this folder
     #[arg(short, long, value_name = "DIR")]

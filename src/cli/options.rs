@@ -14,7 +14,7 @@ pub struct Common {
     #[arg(long, global = true, default_value_t = Api::Gl, value_name = "API")]
     pub gl: Api,
     /// EGL device to use, as numbered by `info`; without it the first that works
-    #[arg(long, global = true, value_name = "N")]
+    #[arg(long, global = true, allow_negative_numbers = true, value_name = "N")]
     pub gpu: Option<usize>,
     /// Print JSON instead of text
     #[arg(long, global = true)]
@@ -65,19 +65,34 @@ pub struct TraceOptions {
     #[arg(long, default_value_t = Profile::Thesis, value_name = "NAME")]
     pub profile: Profile,
     /// Number of sound waves, 1 to 16777216
-    #[arg(long, default_value_t = 65_536, value_name = "N")]
+    #[arg(
+        long,
+        allow_negative_numbers = true,
+        default_value_t = 65_536,
+        value_name = "N"
+    )]
     pub waves: u32,
     /// Marches of each wave, 1 to 4095
-    #[arg(long, default_value_t = 8, value_name = "N")]
+    #[arg(
+        long,
+        allow_negative_numbers = true,
+        default_value_t = 8,
+        value_name = "N"
+    )]
     pub iterations: u32,
     /// A surface is met below this distance, in metres [thesis: 0.1]
-    #[arg(long, value_name = "METRES")]
+    #[arg(long, allow_negative_numbers = true, value_name = "METRES")]
     pub min_distance: Option<f32>,
     /// A wave is dead beyond this distance in one iteration, in metres [thesis: 300]
-    #[arg(long, value_name = "METRES")]
+    #[arg(long, allow_negative_numbers = true, value_name = "METRES")]
     pub max_distance: Option<f32>,
     /// Chooses the random directions
-    #[arg(long, default_value_t = 1, value_name = "N")]
+    #[arg(
+        long,
+        allow_negative_numbers = true,
+        default_value_t = 1,
+        value_name = "N"
+    )]
     pub seed: u32,
 }
 

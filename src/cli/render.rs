@@ -33,10 +33,15 @@ pub struct Arguments {
     #[arg(long, default_value = "sine:440", value_name = "SOUND")]
     sound: SoundSpec,
     /// Length [default: the scene's longest path, or 5]
-    #[arg(long, value_name = "SECONDS")]
+    #[arg(long, allow_negative_numbers = true, value_name = "SECONDS")]
     seconds: Option<f64>,
     /// Frames traced a second
-    #[arg(long, default_value_t = 30.0, value_name = "N")]
+    #[arg(
+        long,
+        allow_negative_numbers = true,
+        default_value_t = 30.0,
+        value_name = "N"
+    )]
     fps: f64,
     /// How the panning value becomes two levels: linear (the thesis), constant-power
     #[arg(long, default_value_t = PanningLaw::Linear, value_name = "LAW")]
