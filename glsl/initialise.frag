@@ -1,7 +1,8 @@
 // The initialise pass: one texel = one sound wave, at the source, in its own direction
 // (thesis, section 3.2.3).
 
-uniform vec3 uSource;   // world metres
+uniform vec3 uSource;        // metres, in the march's coordinates
+uniform float uStartStatus;  // STATUS_STARTED, or STATUS_DEAD for a source in a solid
 uniform uint uSeed;
 
 layout(location = 0) out vec4 outOrigin;
@@ -14,6 +15,6 @@ void main() {
         outDirection = vec4(0.0);
         return;
     }
-    outOrigin = vec4(uSource, STATUS_STARTED);
+    outOrigin = vec4(uSource, uStartStatus);
     outDirection = vec4(startDirection(wave, uSeed), 0.0);
 }

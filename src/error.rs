@@ -21,6 +21,10 @@ pub enum Error {
     /// A sound that cannot be read, or a WAV that cannot be written.
     #[error(transparent)]
     Audio(#[from] AudioError),
+    /// A picture that cannot be made or kept.
+    #[cfg(feature = "experiment")]
+    #[error(transparent)]
+    Picture(#[from] crate::picture::PictureError),
 }
 
 impl Error {
@@ -31,6 +35,8 @@ impl Error {
             Error::Trace(error) => !matches!(error, TraceError::NothingTraced),
             Error::Gpu(error) => error.is_bad_input(),
             Error::Audio(error) => error.is_bad_input(),
+            #[cfg(feature = "experiment")]
+            Error::Picture(error) => error.is_bad_input(),
         }
     }
 }

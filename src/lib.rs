@@ -1,4 +1,56 @@
 //! Sound for worlds made of implicit surfaces.
+//!
+//! Echomarch follows sound waves through a scene given as a signed distance function, by
+//! sphere tracing in fragment shaders, and turns the waves that reach a listener into one
+//! panning value a frame. It is a faithful port of P. Sjöberg, *Real-Time Audio Simulation
+//! with Implicit Surfaces using Sphere Tracing on the GPU* (University of Skövde, 2011), to
+//! OpenGL 3.3 and OpenGL ES 3.0. It needs no window: contexts come from EGL or OSMesa, on
+//! a graphics card or on Mesa's software renderer.
+//!
+//! ```
+//! use echomarch::gpu::{Context, ContextOptions};
+//! use echomarch::{Scene, Settings, Tracer};
+//!
+//! let context = Context::headless(&ContextOptions::default())?;
+//! println!("renderer: {}", context.renderer());
+//! let scene = Scene::builtin("corner")?;
+//! let settings = Settings::thesis().with_waves(4096).with_iterations(4);
+//! let frame = Tracer::new(&context)?.frame(&scene, &settings)?;
+//!
+//! assert!(frame.counts.listener_hits > 0);
+//! let pan = frame.panning.pan(); // -1 left, 0 the middle, 1 right
+//! assert!((-1.0..=1.0).contains(&pan));
+//! # Ok::<(), echomarch::Error>(())
+//! ```
+//!
+//! World axes: x to the right, y up, z towards the viewer (right-handed). World units are
+//! metres, angles are radians in code and degrees in scene files.
+//!
+//! # Modules
+//! | module | what it holds |
+//! | --- | --- |
+//! | [`scene`] | surfaces, source, listener, paths; RON files; distances; the scene as GLSL |
+//! | [`trace`] | settings, the [`Tracer`], one [`Frame`], [`Panning`] |
+//! | [`audio`] | sounds, panning laws, mixer, WAV files |
+//! | [`offline`] | a moving scene to sound, without a sound card |
+//! | [`gpu`] | OpenGL without acoustics: contexts, programs, textures, passes, clocks |
+//! | [`mod@reference`] | the same and the exact waves on the CPU, to check against |
+//! | `picture` | what the listener sees, and the plan with paths (feature `experiment`) |
+//! | `experiment` | the thesis' tables, run for real (feature `experiment`) |
+//! | [`output`] | files that are there whole or not at all |
+//!
+//! # Features
+//! | feature | default | what it adds |
+//! | --- | --- | --- |
+//! | `cli` | yes | the program `echomarch`; brings `experiment` |
+//! | `experiment` | with `cli` | tables as data, CSV and SVG; pictures as PNG |
+//!
+//! A library user without the program takes `default-features = false`.
+//!
+//! # Threads
+//! A [`gpu::Context`], and with it a [`Tracer`], stays on the thread that made it. Scenes,
+//! settings, frames and everything in [`audio`] may move between threads.
+
 pub mod audio;
 #[cfg(feature = "cli")]
 pub mod cli;
@@ -8,6 +60,8 @@ pub mod experiment;
 pub mod gpu;
 pub mod offline;
 pub mod output;
+#[cfg(feature = "experiment")]
+pub mod picture;
 pub mod reference;
 pub mod scene;
 pub mod trace;

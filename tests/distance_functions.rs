@@ -165,7 +165,8 @@ fn evaluate(context: &Context, program: &Program, scene: &Scene, points: &[Vec3]
     let output = Texture::new(context, width, height).unwrap();
     let target = RenderTarget::new(context, &[&output]).unwrap();
     program.set_texture("uPoints", 0, &input);
-    program.set_vec4_array("uSurfaces", &glsl::uniform_values(scene));
+    let values = glsl::uniform_values(scene, &glsl::Placement::world());
+    program.set_vec4_array("uSurfaces", &values);
     let listener = scene.listener.position.extend(scene.listener.radius);
     program.set_vec4("uListener", listener);
     full_screen_pass(context, program, &target, width, height).unwrap();

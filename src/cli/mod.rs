@@ -9,7 +9,9 @@ mod info;
 mod options;
 mod print;
 mod render;
+mod slice;
 mod trace;
+mod view;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -20,6 +22,8 @@ Examples:
   echomarch trace corner                     one frame of a built-in scene
   echomarch trace my.ron --waves 1048576 --json
   echomarch render open-field -o out.wav     what the listener hears
+  echomarch view corner -o view.png          what the listener sees
+  echomarch slice corner --paths 200 -o plan.png
   echomarch info                             the renderers there are
 
 Scenes: corner, obstacles, open-field, open-pillars, shoebox, or a file (.ron).";
@@ -43,6 +47,10 @@ enum Command {
     Trace(trace::Arguments),
     /// Render a WAV of what the listener hears
     Render(render::Arguments),
+    /// Picture of what the listener sees, by the waves' own distance function
+    View(view::Arguments),
+    /// Plan of the scene from above, with wave paths on request
+    Slice(slice::Arguments),
     /// List the renderers found, their limits, and versions
     Info(info::Arguments),
 }
@@ -54,6 +62,8 @@ pub fn run() -> ExitCode {
         Command::Figures(arguments) => figures::run(arguments, &cli.common),
         Command::Trace(arguments) => trace::run(arguments, &cli.common),
         Command::Render(arguments) => render::run(arguments, &cli.common),
+        Command::View(arguments) => view::run(arguments, &cli.common),
+        Command::Slice(arguments) => slice::run(arguments, &cli.common),
         Command::Info(arguments) => info::run(arguments, &cli.common),
     };
     match result {

@@ -50,6 +50,16 @@ impl Common {
         Ok(scene)
     }
 
+    /// The scene as it stands at a time on its paths.
+    pub fn scene_at(&self, name_or_file: &str, seconds: Option<f64>) -> anyhow::Result<Scene> {
+        let scene = self.scene(name_or_file)?;
+        let Some(seconds) = seconds else {
+            return Ok(scene);
+        };
+        check_range("--time", seconds, 0.0, f64::from(f32::MAX))?;
+        Ok(scene.at(seconds))
+    }
+
     /// A line on standard error, unless `--quiet`.
     pub fn note(&self, line: &str) {
         if !self.quiet {

@@ -2,7 +2,7 @@
 //!
 //! The same steps as figures 8 and 9 in the same precision, written apart from the
 //! shaders: it tells whether a shader computes what it should, not whether the
-//! algorithm is right (it is not: see [`super::exact`]).
+//! algorithm is right (it is not: see [`super::ExactScene`]).
 //!
 //! Two programs in `f32` can part where a decision hangs by a hair: a distance just
 //! below the minimum distance here and just above it there. Each wave therefore
@@ -10,12 +10,9 @@
 //! decisions came to falling the other way.
 
 use crate::scene::{Nearest, Scene};
-use crate::trace::{STATUS_DEAD, STATUS_LISTENER, Settings};
+use crate::trace::{STATUS_DEAD, STATUS_LISTENER, STATUS_STARTED, Settings};
 use glam::{UVec3, Vec3};
 use std::f32::consts::TAU;
-
-/// Status of a wave before its first march (`glsl/wave.glsl`).
-const STATUS_STARTED: f32 = 0.5;
 
 /// A wave followed through all iterations.
 #[derive(Clone, Copy, Debug, PartialEq)]

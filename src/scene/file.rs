@@ -33,7 +33,7 @@ impl Scene {
     ///
     /// ```
     /// let text = "Scene(
-    ///     surfaces: [Plane(position: (0, -2, 0))],
+    ///     surfaces: [Surface(shape: Plane, position: (0, -2, 0))],
     ///     source: Source(position: (0, 0, -5)),
     ///     listener: Listener(position: (0, 0, 0), radius: 1),
     /// )";

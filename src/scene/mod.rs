@@ -15,6 +15,7 @@ mod error;
 mod file;
 pub mod glsl;
 mod path;
+mod seal;
 mod surface;
 
 pub use builtin::BUILTIN_NAMES;

@@ -85,6 +85,11 @@ impl Surface {
 }
 
 impl Shape {
+    /// Whether the solid is convex: a wave that was mirrored at it cannot meet it next.
+    pub fn is_convex(&self) -> bool {
+        !matches!(self, Shape::Room { .. })
+    }
+
     /// The name that scene files and reports use.
     pub fn name(&self) -> &'static str {
         match self {

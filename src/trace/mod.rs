@@ -11,17 +11,20 @@
 //! The state of a wave never leaves the GPU in between. Departures from the thesis
 //! stand where they are made, in `glsl/`, and together in `docs/thesis.md`.
 
+mod directions;
 mod error;
 mod frame;
 mod panning;
 mod programs;
 mod settings;
+mod sum;
 mod tracer;
 mod waves;
 
 pub use error::TraceError;
 pub use frame::{Frame, Milliseconds};
 pub use panning::{Counts, Panning};
-pub use settings::{MAX_ITERATIONS, MAX_STEPS, MAX_WAVES, Profile, Settings};
+pub use settings::{Directions, MAX_ITERATIONS, MAX_STEPS, MAX_WAVES, Profile, Settings};
 pub use tracer::Tracer;
+pub(crate) use waves::STATUS_STARTED;
 pub use waves::{Fate, Grid, STATUS_DEAD, STATUS_LISTENER, Wave};

@@ -37,12 +37,27 @@ pub struct Counts {
     pub zero_length_passes: u64,
     /// Marches that were given up at the step bound.
     pub guard_hits: u64,
+    /// Evaluations of the distance, where they were counted; the two before are then 0.
+    pub evaluations: u64,
+}
+
+impl Counts {
+    /// Adds a wave's counters.
+    fn add_counters(&mut self, counters: f32, are_evaluations: bool) {
+        if are_evaluations {
+            self.evaluations += counters as u64;
+            return;
+        }
+        let (zero_length, guard) = unpack_counters(counters);
+        self.zero_length_passes += u64::from(zero_length);
+        self.guard_hits += u64::from(guard);
+    }
 }
 
 /// Sums a read-back panning texture: `[left, right, status, counters]` a wave.
 ///
 /// The sum runs in `f64` in the order of the waves: the same for every run.
-pub(super) fn sum(contributions: &[f32]) -> (Panning, Counts) {
+pub(super) fn sum(contributions: &[f32], are_evaluations: bool) -> (Panning, Counts) {
     let mut panning = Panning::default();
     let mut counts = Counts::default();
     for &[left, right, status, counters] in contributions.as_chunks::<4>().0 {
@@ -53,9 +68,7 @@ pub(super) fn sum(contributions: &[f32]) -> (Panning, Counts) {
             Fate::Dead => counts.dead += 1,
             Fate::Travelling => counts.travelling += 1,
         }
-        let (zero_length, guard) = unpack_counters(counters);
-        counts.zero_length_passes += u64::from(zero_length);
-        counts.guard_hits += u64::from(guard);
+        counts.add_counters(counters, are_evaluations);
     }
     (panning, counts)
 }
@@ -82,7 +95,7 @@ mod tests {
             0.0, 0.0, -1.0, 4096.0, //
             0.0, 0.0, 3.0, 1.0,
         ];
-        let (panning, counts) = sum(&texels);
+        let (panning, counts) = sum(&texels, false);
         assert_eq!((panning.left, panning.right), (0.25, 0.75));
         let fates = (counts.listener_hits, counts.dead, counts.travelling);
         assert_eq!(fates, (1, 1, 1));

@@ -1,68 +1,161 @@
-//! The shader programs of a frame, compiled once for each structure of scene.
+//! The shader programs of a frame, each compiled once for what its text depends on.
 
-use super::Profile;
+use super::{Directions, Profile, Settings};
 use crate::error::Error;
 use crate::gpu::{Context, Program};
 use crate::scene::Scene;
-use crate::scene::glsl::{self, Structure, source};
+use crate::scene::glsl::{self, Source, Structure, source};
+use std::borrow::Cow;
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::rc::Rc;
 
+/// What the text of a program depends on.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+enum Key {
+    Initialise(Directions),
+    March(Structure, Options),
+    Pan,
+    SumContributions,
+    Sum,
+}
+
+/// Settings that are in the text of a march.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+struct Options {
+    profile: Profile,
+    exact_normals: bool,
+    landing: bool,
+    count_evaluations: bool,
+}
+
 /// Programs by what their text depends on.
+#[derive(Default)]
 pub(super) struct Programs {
-    pub initialise: Program,
-    pub pan: Program,
-    march: HashMap<(Structure, Profile), Rc<Program>>,
-    compiled: usize,
+    programs: HashMap<Key, Rc<Program>>,
 }
 
 impl Programs {
-    pub fn new(context: &Context) -> Result<Programs, Error> {
-        let initialise = glsl::join(&[
-            source!("wave.glsl"),
-            source!("direction/random.glsl"),
-            source!("initialise.frag"),
-        ]);
-        let pan = glsl::join(&[source!("wave.glsl"), source!("pan.frag")]);
-        Ok(Programs {
-            initialise: Program::fragment(context, "initialise", &initialise)?,
-            pan: Program::fragment(context, "pan", &pan)?,
-            march: HashMap::new(),
-            compiled: 2,
+    /// Programs compiled so far.
+    pub fn compiled(&self) -> usize {
+        self.programs.len()
+    }
+
+    /// The initialise pass for a choice of directions.
+    pub fn initialise(&mut self, context: &Context, of: Directions) -> Result<Rc<Program>, Error> {
+        self.get(context, Key::Initialise(of), "initialise", || {
+            let mut sources = vec![source!("wave.glsl")];
+            sources.extend(match of {
+                Directions::Random => vec![source!("direction/random.glsl")],
+                Directions::Fibonacci => vec![
+                    source!("distance/turn.glsl"),
+                    source!("direction/fibonacci.glsl"),
+                ],
+            });
+            sources.push(source!("initialise.frag"));
+            sources
         })
     }
 
-    /// Programs compiled so far.
-    pub fn compiled(&self) -> usize {
-        self.compiled
-    }
-
-    /// The march pass of a scene's structure, compiled the first time.
+    /// The march pass of a scene's structure.
     pub fn march(
         &mut self,
         context: &Context,
         scene: &Scene,
-        profile: Profile,
+        settings: &Settings,
     ) -> Result<Rc<Program>, Error> {
-        let key = (glsl::structure(scene), profile);
-        if let Some(program) = self.march.get(&key) {
-            return Ok(program.clone());
+        let options = Options::of(settings);
+        let key = Key::March(glsl::structure(scene), options);
+        let label = format!("march ({}) of {}", settings.profile, scene.name);
+        self.get(context, key, &label, || march_sources(scene, options))
+    }
+
+    /// The panning pass.
+    pub fn pan(&mut self, context: &Context) -> Result<Rc<Program>, Error> {
+        let sources = || vec![source!("wave.glsl"), source!("pan.frag")];
+        self.get(context, Key::Pan, "pan", sources)
+    }
+
+    /// The first pass of the sum on the GPU.
+    pub fn sum_contributions(&mut self, context: &Context) -> Result<Rc<Program>, Error> {
+        let sources = || vec![source!("wave.glsl"), source!("sum_contributions.frag")];
+        self.get(
+            context,
+            Key::SumContributions,
+            "sum of contributions",
+            sources,
+        )
+    }
+
+    /// Its further passes.
+    pub fn sum(&mut self, context: &Context) -> Result<Rc<Program>, Error> {
+        self.get(context, Key::Sum, "sum", || vec![source!("sum.frag")])
+    }
+
+    fn get(
+        &mut self,
+        context: &Context,
+        key: Key,
+        label: &str,
+        sources: impl FnOnce() -> Vec<Source>,
+    ) -> Result<Rc<Program>, Error> {
+        match self.programs.entry(key) {
+            Entry::Occupied(known) => Ok(known.get().clone()),
+            Entry::Vacant(place) => {
+                let text = glsl::join(&sources());
+                let program = Rc::new(Program::fragment(context, label, &text)?);
+                Ok(place.insert(program).clone())
+            }
         }
-        let label = format!("march ({profile}) of {}", scene.name);
-        let program = Program::fragment(context, &label, &march_text(scene, profile))?;
-        self.compiled += 1;
-        let program = Rc::new(program);
-        self.march.insert(key, program.clone());
-        Ok(program)
     }
 }
 
-/// The fragment shader of one iteration, `#version` apart.
-fn march_text(scene: &Scene, profile: Profile) -> String {
+impl Options {
+    /// Of the thesis' and the closed-form text nothing depends on normals and landing.
+    fn of(settings: &Settings) -> Options {
+        let is_march = settings.profile == Profile::March;
+        Options {
+            profile: settings.profile,
+            exact_normals: is_march && settings.exact_normals,
+            landing: is_march && settings.landing,
+            count_evaluations: settings.count_evaluations,
+        }
+    }
+}
+
+/// The fragment shader of a march pass, `#version` apart.
+fn march_sources(scene: &Scene, options: Options) -> Vec<Source> {
     let mut sources = vec![source!("wave.glsl")];
-    sources.extend(glsl::distance_sources(scene));
-    sources.push(match profile {
-        Profile::Thesis => source!("march_thesis.frag"),
+    sources.push(if options.count_evaluations {
+        source!("counters_evaluations.glsl")
+    } else {
+        source!("counters.glsl")
     });
-    glsl::join(&sources)
+    match options.profile {
+        Profile::Thesis => {
+            sources.extend(glsl::distance_sources(scene));
+            sources.push(source!("iterate_thesis.glsl"));
+        }
+        Profile::March => {
+            sources.push(("options", Cow::Owned(defines(options))));
+            sources.extend(glsl::ahead_sources(scene));
+            sources.push(source!("mirror.glsl"));
+            sources.push(source!("iterate_march.glsl"));
+        }
+        Profile::Hybrid => {
+            sources.extend(glsl::closed_form_sources(scene));
+            sources.push(source!("mirror.glsl"));
+            sources.push(source!("iterate_hybrid.glsl"));
+        }
+    }
+    sources.push(source!("iterate.frag"));
+    sources
+}
+
+fn defines(options: Options) -> String {
+    format!(
+        "#define EXACT_NORMALS {}\n#define LANDING {}\n",
+        u8::from(options.exact_normals),
+        u8::from(options.landing)
+    )
 }

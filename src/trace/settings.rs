@@ -17,12 +17,30 @@ pub const MAX_ITERATIONS: u32 = 4095;
 /// above that and keeps any other setting from hanging the GPU.
 pub const MAX_STEPS: u32 = 4096;
 
+/// Where a wave of `march` and `hybrid` counts as gone, in metres: far beyond what a
+/// listener hears of, and well inside what `f32` can square.
+const FAR: f32 = 1e9;
+
 /// The algorithm that a wave is followed with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Profile {
+    /// Closed form where a surface has one. What people should use.
+    Hybrid,
+    /// Sphere tracing done right, for any distance function with a Lipschitz bound.
+    March,
     /// Figures 8 and 9 of the thesis as they stand, with all they get wrong.
     Thesis,
+}
+
+/// How the start directions are chosen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Directions {
+    /// Independent and uniform over the sphere, as the thesis has them.
+    Random,
+    /// A spherical Fibonacci lattice, turned at random as a whole.
+    Fibonacci,
 }
 
 /// Everything about a frame that is not the scene.
@@ -36,14 +54,40 @@ pub struct Settings {
     pub iterations: u32,
     /// Chooses the random directions.
     pub seed: u32,
-    /// A surface is met below this distance, in metres.
+    /// How the start directions are chosen.
+    pub directions: Directions,
+    /// `thesis`: a surface is met below this distance. `march`: width of the shell about
+    /// surfaces in which Newton's steps are taken. In metres.
     pub min_distance: f32,
     /// A wave is dead beyond this distance in one iteration, in metres.
     pub max_distance: f32,
-    /// Each march starts this far along the direction, in metres.
+    /// `thesis`: each march starts this far along the direction, in metres.
     pub start_offset: f32,
-    /// Step of the difference normals to either side, in metres.
+    /// Step of difference normals to either side, in metres.
     pub normal_step: f32,
+    /// `march`: normals of the surface met (`true`), or differences as in the thesis.
+    pub exact_normals: bool,
+    /// `march`: waves land on the surface (`true`), or stop in the shell as in the thesis.
+    pub landing: bool,
+    /// `march`: how much faster than the true distance the distance may grow; every step
+    /// is divided by it.
+    pub lipschitz: f32,
+    /// `march`: every distance is multiplied by this. 1, but in tests of functions that
+    /// over-estimate.
+    pub distance_factor: f32,
+    /// Iterations in one pass; 1 is the thesis' way, more save texture traffic.
+    pub iterations_per_pass: u32,
+    /// Whether the panning texture is summed on the GPU and read back as one texel.
+    pub sum_on_gpu: bool,
+    /// Whether to count evaluations of the distance, in the place of zero-length passes
+    /// and guard hits.
+    pub count_evaluations: bool,
+}
+
+impl Default for Settings {
+    fn default() -> Settings {
+        Settings::hybrid()
+    }
 }
 
 impl Settings {
@@ -56,10 +100,46 @@ impl Settings {
             waves: 65_536,
             iterations: 8,
             seed: 1,
+            directions: Directions::Random,
             min_distance: 0.1,
             max_distance: 300.0,
             start_offset: 0.04,
             normal_step: 0.01,
+            exact_normals: false,
+            landing: false,
+            lipschitz: 1.0,
+            distance_factor: 1.0,
+            iterations_per_pass: 1,
+            sum_on_gpu: false,
+            count_evaluations: false,
+        }
+    }
+
+    /// Sphere tracing done right, otherwise as [`Settings::thesis`].
+    pub fn march() -> Settings {
+        Settings {
+            profile: Profile::March,
+            max_distance: FAR,
+            exact_normals: true,
+            landing: true,
+            ..Settings::thesis()
+        }
+    }
+
+    /// Closed form where a surface has one, otherwise as [`Settings::march`].
+    pub fn hybrid() -> Settings {
+        Settings {
+            profile: Profile::Hybrid,
+            ..Settings::march()
+        }
+    }
+
+    /// The defaults of a profile.
+    pub fn of(profile: Profile) -> Settings {
+        match profile {
+            Profile::Hybrid => Settings::hybrid(),
+            Profile::March => Settings::march(),
+            Profile::Thesis => Settings::thesis(),
         }
     }
 
@@ -84,6 +164,9 @@ impl Settings {
     /// Evaluations of the distance after which a march is given up: as many as the
     /// distances allow, and never more than [`MAX_STEPS`].
     pub fn step_bound(&self) -> u32 {
+        if self.profile != Profile::Thesis {
+            return MAX_STEPS;
+        }
         let needed = (self.max_distance / self.min_distance).ceil() + 1.0;
         (needed as u32).clamp(1, MAX_STEPS)
     }
@@ -105,6 +188,13 @@ impl Settings {
                 self.min_distance,
             ));
         }
+        positive("Lipschitz bound", self.lipschitz)?;
+        positive("factor of the distance", self.distance_factor)?;
+        in_range(
+            "iterations in a pass",
+            self.iterations_per_pass,
+            MAX_ITERATIONS,
+        )?;
         if !(self.start_offset.is_finite() && self.start_offset >= 0.0) {
             let must = "finite and not negative".to_owned();
             return Err(bad("start offset in metres", must, self.start_offset));
@@ -115,14 +205,38 @@ impl Settings {
 
 impl Profile {
     /// Every profile there is.
-    pub const ALL: [Profile; 1] = [Profile::Thesis];
+    pub const ALL: [Profile; 3] = [Profile::Hybrid, Profile::March, Profile::Thesis];
 }
 
 impl fmt::Display for Profile {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.pad(match self {
+            Profile::Hybrid => "hybrid",
+            Profile::March => "march",
             Profile::Thesis => "thesis",
         })
+    }
+}
+
+impl fmt::Display for Directions {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Directions::Random => "random",
+            Directions::Fibonacci => "fibonacci",
+        })
+    }
+}
+
+impl FromStr for Directions {
+    type Err = String;
+    fn from_str(name: &str) -> Result<Directions, String> {
+        match name {
+            "random" => Ok(Directions::Random),
+            "fibonacci" => Ok(Directions::Fibonacci),
+            _ => Err(format!(
+                "there are no directions {name:?}; there are: random, fibonacci"
+            )),
+        }
     }
 }
 

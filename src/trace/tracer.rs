@@ -1,16 +1,21 @@
 //! One frame after the other on one context.
 
+use super::directions::random_turn;
 use super::frame::in_milliseconds;
 use super::programs::Programs;
-use super::waves::unpack_counters;
-use super::{Counts, Frame, Grid, Milliseconds, Panning, Settings, TraceError, Wave, panning};
+use super::sum::Sum;
+use super::waves::{STATUS_DEAD, STATUS_STARTED, waves};
+use super::{
+    Counts, Frame, Grid, Milliseconds, Panning, Profile, Settings, TraceError, Wave, panning,
+};
 use crate::error::Error;
 use crate::gpu::{
     Clock, Context, GpuError, PingPong, Program, RenderTarget, Target, Texture,
     full_screen_pass_rows,
 };
-use crate::scene::{Scene, glsl};
-use glam::{Vec3, Vec4};
+use crate::scene::Scene;
+use crate::scene::glsl::{self, Placement};
+use glam::Vec4;
 use std::rc::Rc;
 use std::time::Instant;
 
@@ -31,23 +36,34 @@ pub struct Tracer {
     contributions: Vec<f32>,
 }
 
-/// The textures for one count of waves: the two pairs, and the panning texture.
+/// The textures for one count of waves.
 struct Targets {
     grid: Grid,
     pairs: PingPong,
-    pan: (Texture, RenderTarget),
+    contributions: Texture,
+    pan: RenderTarget,
+    sum: Sum,
+}
+
+/// One frame's input, checked, with what follows from it.
+struct Job<'a> {
+    scene: &'a Scene,
+    settings: &'a Settings,
+    placement: Placement,
+    march: Rc<Program>,
+    began: Instant,
 }
 
 impl Tracer {
-    /// A tracer on `context`.
+    /// A tracer on `context`. Programs are compiled when they are first needed.
     ///
     /// # Errors
-    /// [`Error::Gpu`] when a shader does not compile on this renderer.
+    /// [`Error::Gpu`] when the renderer's clock cannot be had.
     pub fn new(context: &Context) -> Result<Tracer, Error> {
         Ok(Tracer {
             context: context.clone(),
             clock: Clock::for_context(context)?,
-            programs: Programs::new(context)?,
+            programs: Programs::default(),
             targets: None,
             contributions: Vec::new(),
         })
@@ -70,18 +86,17 @@ impl Tracer {
 
     /// Traces one frame of the scene as it stands.
     ///
-    /// The first frame of a scene's structure compiles a program; its time is in
+    /// The first frame of a scene's structure compiles its programs; their time is in
     /// `total`. Everything else is the same for every frame.
     ///
     /// # Errors
     /// [`Error::Scene`] and [`Error::Trace`] for input that cannot be traced,
     /// [`Error::Gpu`] when the renderer fails.
     pub fn frame(&mut self, scene: &Scene, settings: &Settings) -> Result<Frame, Error> {
-        let began = Instant::now();
-        let march = self.prepare(scene, settings)?;
-        let initialise = self.initialise(scene, settings)?;
-        let march = self.iterate(&march, settings)?;
-        self.finish(scene, began, initialise, march)
+        let job = self.prepare(scene, settings)?;
+        let initialise = self.initialise(&job)?;
+        let march = self.march_all(&job)?;
+        self.finish(&job, initialise, march)
     }
 
     /// Traces one frame and reads back every wave, in order.
@@ -93,31 +108,31 @@ impl Tracer {
         scene: &Scene,
         settings: &Settings,
     ) -> Result<(Frame, Vec<Wave>), Error> {
-        let began = Instant::now();
-        let march = self.prepare(scene, settings)?;
-        let initialise = self.initialise(scene, settings)?;
+        let job = self.prepare(scene, settings)?;
+        let initialise = self.initialise(&job)?;
         let starts = self.read_pair()?;
-        let march = self.iterate(&march, settings)?;
+        let march = self.march_all(&job)?;
         let ends = self.read_pair()?;
-        let frame = self.finish(scene, began, initialise, march)?;
-        Ok((frame, waves(&starts, &ends)))
+        let frame = self.finish(&job, initialise, march)?;
+        Ok((frame, waves(&starts, &ends, job.placement.anchor)))
     }
 
     /// Follows every wave: its state after the start and after each iteration.
     ///
     /// The outer list has `settings.iterations + 1` entries, the inner ones a wave
-    /// each. Meant for pictures and tests of few waves.
+    /// each. Meant for pictures and comparisons.
     ///
     /// # Errors
     /// As [`Tracer::frame`].
     pub fn paths(&mut self, scene: &Scene, settings: &Settings) -> Result<Vec<Vec<Wave>>, Error> {
-        let march = self.prepare(scene, settings)?;
-        self.initialise(scene, settings)?;
+        let job = self.prepare(scene, settings)?;
+        self.initialise(&job)?;
+        let anchor = job.placement.anchor;
         let starts = self.read_pair()?;
-        let mut states = vec![waves(&starts, &starts)];
+        let mut states = vec![waves(&starts, &starts, anchor)];
         for _ in 0..settings.iterations {
-            self.march(&march)?;
-            states.push(waves(&starts, &self.read_pair()?));
+            self.march(&job, 1)?;
+            states.push(waves(&starts, &self.read_pair()?, anchor));
         }
         Ok(states)
     }
@@ -126,91 +141,106 @@ impl Tracer {
 /// The parts of a frame, in order.
 impl Tracer {
     /// Checks the input, gets the program and the textures, and sets every uniform
-    /// of the march: the same for all iterations.
-    fn prepare(&mut self, scene: &Scene, settings: &Settings) -> Result<Rc<Program>, Error> {
+    /// of the march that is the same for all iterations.
+    fn prepare<'a>(&mut self, scene: &'a Scene, settings: &'a Settings) -> Result<Job<'a>, Error> {
+        let began = Instant::now();
         scene.validate()?;
         settings.validate()?;
         let grid = Grid::new(settings.waves);
-        self.check_limits(scene, grid)?;
+        let placement = match settings.profile {
+            Profile::Thesis => Placement::world(),
+            Profile::March | Profile::Hybrid => Placement::anchored(scene),
+        };
+        self.check_waves(grid)?;
+        self.check_surfaces(scene)?;
         if self.targets.as_ref().is_none_or(|t| t.grid != grid) {
             // The old textures go before the new ones come.
             self.targets = None;
             self.targets = Some(Targets::new(&self.context, grid)?);
         }
-        let march = self
-            .programs
-            .march(&self.context, scene, settings.profile)?;
-        set_march_uniforms(&march, scene, settings, grid);
-        Ok(march)
+        let march = self.programs.march(&self.context, scene, settings)?;
+        let job = Job {
+            scene,
+            settings,
+            placement,
+            march,
+            began,
+        };
+        job.set_uniforms(grid);
+        Ok(job)
     }
 
-    /// Waves that do not fit in a texture and surfaces that do not fit in the
-    /// uniforms are told before anything is allocated.
-    fn check_limits(&self, scene: &Scene, grid: Grid) -> Result<(), TraceError> {
-        let limits = self.context.limits();
-        let renderer = || self.context.renderer().to_owned();
-        let limit = limits.max_texture_size;
-        if grid.width > limit {
-            return Err(TraceError::TooManyWaves {
-                waves: grid.waves,
-                side: grid.width,
-                limit,
-                most: u64::from(limit) * u64::from(limit),
-                renderer: renderer(),
-            });
+    /// Waves that do not fit in a texture are told before anything is allocated.
+    fn check_waves(&self, grid: Grid) -> Result<(), TraceError> {
+        let limit = self.context.limits().max_texture_size;
+        if grid.width <= limit {
+            return Ok(());
         }
-        let needed = glsl::uniform_values(scene).len() + OWN_UNIFORM_VECTORS;
-        let limit = limits.max_fragment_uniform_vectors as usize;
-        if needed > limit {
-            return Err(TraceError::TooManySurfaces {
-                surfaces: scene.surfaces.len(),
-                needed,
-                limit,
-                renderer: renderer(),
-            });
-        }
-        Ok(())
+        Err(TraceError::TooManyWaves {
+            waves: grid.waves,
+            side: grid.width,
+            limit,
+            most: u64::from(limit) * u64::from(limit),
+            renderer: self.context.renderer().to_owned(),
+        })
     }
 
-    fn initialise(&self, scene: &Scene, settings: &Settings) -> Result<f64, Error> {
+    /// So are surfaces that do not fit in the uniforms.
+    fn check_surfaces(&self, scene: &Scene) -> Result<(), TraceError> {
+        let values = glsl::uniform_values(scene, &Placement::world());
+        let needed = values.len() + OWN_UNIFORM_VECTORS;
+        let limit = self.context.limits().max_fragment_uniform_vectors as usize;
+        if needed <= limit {
+            return Ok(());
+        }
+        Err(TraceError::TooManySurfaces {
+            surfaces: scene.surfaces.len(),
+            needed,
+            limit,
+            renderer: self.context.renderer().to_owned(),
+        })
+    }
+
+    fn initialise(&mut self, job: &Job) -> Result<f64, Error> {
+        let directions = job.settings.directions;
+        let program = self.programs.initialise(&self.context, directions)?;
         let targets = self.targets()?;
-        let program = &self.programs.initialise;
-        set_grid(program, targets.grid);
-        program.set_vec3("uSource", scene.source.position);
-        program.set_u32("uSeed", settings.seed);
-        self.pass(program, targets.grid, targets.pairs.current())
+        set_grid(&program, targets.grid);
+        program.set_vec3("uSource", job.placement.place(job.scene.source.position));
+        program.set_f32("uStartStatus", job.start_status());
+        program.set_u32("uSeed", job.settings.seed);
+        program.set_vec4("uTurn", Vec4::from(random_turn(job.settings.seed)));
+        self.pass(&program, targets.grid, targets.pairs.current())
     }
 
-    fn iterate(&mut self, program: &Program, settings: &Settings) -> Result<f64, Error> {
+    fn march_all(&mut self, job: &Job) -> Result<f64, Error> {
         let mut time = 0.0;
-        for _ in 0..settings.iterations {
-            time += self.march(program)?;
+        let mut left = job.settings.iterations;
+        while left > 0 {
+            let iterations = left.min(job.settings.iterations_per_pass);
+            time += self.march(job, iterations)?;
+            left -= iterations;
         }
         Ok(time)
     }
 
-    fn march(&mut self, program: &Program) -> Result<f64, Error> {
+    fn march(&mut self, job: &Job, iterations: u32) -> Result<f64, Error> {
         let targets = self.targets()?;
         let current = targets.pairs.current();
-        program.set_texture("uOrigins", 0, &current.first);
-        program.set_texture("uDirections", 1, &current.second);
-        let time = self.pass(program, targets.grid, targets.pairs.next())?;
+        job.march.set_texture("uOrigins", 0, &current.first);
+        job.march.set_texture("uDirections", 1, &current.second);
+        job.march.set_i32("uIterationsInPass", iterations as i32);
+        let time = self.pass(&job.march, targets.grid, targets.pairs.next())?;
         if let Some(targets) = &mut self.targets {
             targets.pairs.flip();
         }
         Ok(time)
     }
 
-    fn finish(
-        &mut self,
-        scene: &Scene,
-        began: Instant,
-        initialise: f64,
-        march: f64,
-    ) -> Result<Frame, Error> {
-        let pan = self.pan(scene)?;
+    fn finish(&mut self, job: &Job, initialise: f64, march: f64) -> Result<Frame, Error> {
+        let pan = self.pan(job)?;
         let reading = Instant::now();
-        let (panning, counts) = self.read_back()?;
+        let (panning, counts) = self.read_back(job.settings)?;
         Ok(Frame {
             panning,
             counts,
@@ -219,34 +249,40 @@ impl Tracer {
                 march,
                 pan,
                 read_back: in_milliseconds(reading.elapsed()),
-                total: in_milliseconds(began.elapsed()),
+                total: in_milliseconds(job.began.elapsed()),
             },
         })
     }
 
-    fn pan(&self, scene: &Scene) -> Result<f64, Error> {
+    fn pan(&mut self, job: &Job) -> Result<f64, Error> {
+        let program = self.programs.pan(&self.context)?;
         let targets = self.targets()?;
-        let program = &self.programs.pan;
         let current = targets.pairs.current();
         program.set_texture("uOrigins", 0, &current.first);
         program.set_texture("uDirections", 1, &current.second);
-        program.set_vec4("uListener", listener_uniform(scene));
-        program.set_vec3("uListenerRight", scene.listener.right());
-        self.pass(program, targets.grid, &targets.pan.1)
+        program.set_vec4("uListener", job.listener());
+        program.set_vec3("uListenerRight", job.scene.listener.right());
+        self.pass(&program, targets.grid, &targets.pan)
     }
 
-    fn read_back(&mut self) -> Result<(Panning, Counts), Error> {
+    /// The sum of the contributions: on the CPU, or on the GPU if the settings say so.
+    fn read_back(&mut self, settings: &Settings) -> Result<(Panning, Counts), Error> {
         let Some(targets) = &self.targets else {
             return Err(TraceError::NothingTraced.into());
         };
-        let Grid {
-            waves,
-            width,
-            height,
-        } = targets.grid;
-        let target = &targets.pan.1;
-        target.read_into(0, width, height, &mut self.contributions)?;
-        Ok(panning::sum(&self.contributions[..4 * waves as usize]))
+        let grid = targets.grid;
+        let are_evaluations = settings.count_evaluations;
+        if settings.sum_on_gpu {
+            let contributions = &targets.contributions;
+            targets
+                .sum
+                .draw(&self.context, &mut self.programs, contributions, grid)?;
+            return Ok(targets.sum.read(grid, are_evaluations)?);
+        }
+        let texels = &mut self.contributions;
+        targets.pan.read_into(0, grid.width, grid.height, texels)?;
+        let of_waves = &texels[..4 * grid.waves as usize];
+        Ok(panning::sum(of_waves, are_evaluations))
     }
 
     /// Both textures of the current pair, the texels beyond the last wave left out.
@@ -285,55 +321,58 @@ impl Tracer {
 
 impl Targets {
     fn new(context: &Context, grid: Grid) -> Result<Targets, GpuError> {
-        let pan = Texture::new(context, grid.width, grid.height)?;
-        let pan_target = RenderTarget::new(context, &[&pan])?;
+        let contributions = Texture::new(context, grid.width, grid.height)?;
         Ok(Targets {
             grid,
             pairs: PingPong::new(context, grid.width, grid.height)?,
-            pan: (pan, pan_target),
+            pan: RenderTarget::new(context, &[&contributions])?,
+            contributions,
+            sum: Sum::new(context, grid)?,
         })
     }
 }
 
-fn set_march_uniforms(program: &Program, scene: &Scene, settings: &Settings, grid: Grid) {
-    set_grid(program, grid);
-    program.set_vec4_array("uSurfaces", &glsl::uniform_values(scene));
-    program.set_vec4("uListener", listener_uniform(scene));
-    program.set_f32("uMinDistance", settings.min_distance);
-    program.set_f32("uMaxDistance", settings.max_distance);
-    program.set_f32("uStartOffset", settings.start_offset);
-    program.set_f32("uNormalStep", settings.normal_step);
-    program.set_i32("uStepBound", settings.step_bound() as i32);
+impl Job<'_> {
+    /// Uniforms that a program does not have are passed over.
+    fn set_uniforms(&self, grid: Grid) {
+        let (program, settings) = (&self.march, self.settings);
+        set_grid(program, grid);
+        let surfaces = glsl::uniform_values(self.scene, &self.placement);
+        program.set_vec4_array("uSurfaces", &surfaces);
+        program.set_vec4("uListener", self.listener());
+        program.set_f32("uSlack", self.placement.slack(self.scene));
+        program.set_f32("uMinDistance", settings.min_distance);
+        program.set_f32("uMaxDistance", settings.max_distance);
+        program.set_f32("uStartOffset", settings.start_offset);
+        program.set_f32("uNormalStep", settings.normal_step);
+        program.set_f32("uLipschitz", settings.lipschitz);
+        program.set_f32("uDistanceFactor", settings.distance_factor);
+        program.set_i32("uStepBound", settings.step_bound() as i32);
+    }
+
+    fn listener(&self) -> Vec4 {
+        let listener = &self.scene.listener;
+        self.placement
+            .place(listener.position)
+            .extend(listener.radius)
+    }
+
+    /// The thesis marches waves even out of a solid; elsewhere a source in a solid sends
+    /// none.
+    fn start_status(&self) -> f32 {
+        let depth = -self
+            .scene
+            .surface_distance(self.scene.source.position)
+            .distance;
+        let is_buried = depth > self.placement.slack(self.scene);
+        match self.settings.profile {
+            Profile::March | Profile::Hybrid if is_buried => STATUS_DEAD,
+            _ => STATUS_STARTED,
+        }
+    }
 }
 
 fn set_grid(program: &Program, grid: Grid) {
     program.set_u32("uWaveCount", grid.waves);
     program.set_u32("uGridWidth", grid.width);
-}
-
-fn listener_uniform(scene: &Scene) -> Vec4 {
-    scene.listener.position.extend(scene.listener.radius)
-}
-
-/// Pairs up what was read back after the start and at the end.
-fn waves(starts: &[Vec<f32>; 2], ends: &[Vec<f32>; 2]) -> Vec<Wave> {
-    let texels = |texture: &[f32]| texture.as_chunks::<4>().0.to_vec();
-    let starts = texels(&starts[1]);
-    let ends = texels(&ends[0]).into_iter().zip(texels(&ends[1]));
-    let wave = |(start, (origin, direction)): ([f32; 4], ([f32; 4], [f32; 4]))| {
-        let (zero_length_passes, guard_hits) = unpack_counters(direction[3]);
-        Wave {
-            start_direction: xyz(start),
-            position: xyz(origin),
-            direction: xyz(direction),
-            status: origin[3],
-            zero_length_passes,
-            guard_hits,
-        }
-    };
-    starts.into_iter().zip(ends).map(wave).collect()
-}
-
-fn xyz(texel: [f32; 4]) -> Vec3 {
-    Vec3::new(texel[0], texel[1], texel[2])
 }

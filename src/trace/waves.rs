@@ -8,6 +8,9 @@ pub const STATUS_DEAD: f32 = -1.0;
 /// Status of a wave that reached the listener.
 pub const STATUS_LISTENER: f32 = 0.0;
 
+/// Status of a wave before its first march.
+pub(crate) const STATUS_STARTED: f32 = 0.5;
+
 /// Guard hits count in multiples of this in a wave's counters (`glsl/wave.glsl`).
 const GUARD_HIT: u32 = 4096;
 
@@ -78,6 +81,30 @@ impl Wave {
     pub fn fate(&self) -> Fate {
         Fate::of(self.status)
     }
+}
+
+/// Pairs up what was read back of both textures after the start and at the end; `anchor`
+/// is the world position of the march's origin.
+pub(super) fn waves(starts: &[Vec<f32>; 2], ends: &[Vec<f32>; 2], anchor: Vec3) -> Vec<Wave> {
+    let texels = |texture: &[f32]| texture.as_chunks::<4>().0.to_vec();
+    let starts = texels(&starts[1]);
+    let ends = texels(&ends[0]).into_iter().zip(texels(&ends[1]));
+    let wave = |(start, (origin, direction)): ([f32; 4], ([f32; 4], [f32; 4]))| {
+        let (zero_length_passes, guard_hits) = unpack_counters(direction[3]);
+        Wave {
+            start_direction: xyz(start),
+            position: xyz(origin) + anchor,
+            direction: xyz(direction),
+            status: origin[3],
+            zero_length_passes,
+            guard_hits,
+        }
+    };
+    starts.into_iter().zip(ends).map(wave).collect()
+}
+
+fn xyz(texel: [f32; 4]) -> Vec3 {
+    Vec3::new(texel[0], texel[1], texel[2])
 }
 
 /// Zero-length passes and guard hits out of a texel's counters.

@@ -5,16 +5,16 @@
 // that met nothing are marched again from the origin with direction 0. Departures: the
 // march has a step bound, and counters ride in the direction's last component.
 
-uniform highp sampler2D uOrigins;
-uniform highp sampler2D uDirections;
 uniform float uMinDistance;   // a surface counts as met below this distance, metres
 uniform float uMaxDistance;   // a wave counts as dead beyond this, metres
 uniform float uStartOffset;   // along the direction, metres
 uniform float uNormalStep;    // of the central differences, metres
 uniform int uStepBound;       // evaluations in one march at the most
 
-layout(location = 0) out vec4 outOrigin;
-layout(location = 1) out vec4 outDirection;
+// Figure 8: only waves that reached the listener stop.
+bool finished(float status) {
+    return reachedListener(status);
+}
 
 // Figure 9: how far the wave gets along its direction, or -1.
 float traceWave(vec3 origin, vec3 direction, out float object, out bool guardHit) {
@@ -26,6 +26,7 @@ float traceWave(vec3 origin, vec3 direction, out float object, out bool guardHit
             return -1.0;
         }
         float nearest = distanceFunction(origin + t * direction, object);
+        COUNT_EVALUATIONS(1.0);
         if (nearest < uMinDistance) {
             return t;
         }
@@ -39,6 +40,7 @@ float traceWave(vec3 origin, vec3 direction, out float object, out bool guardHit
 vec3 traceNormal(vec3 p) {
     vec2 e = vec2(uNormalStep, 0.0);
     float object;
+    COUNT_EVALUATIONS(6.0);
     return normalize(vec3(
         distanceFunction(p + e.xyy, object) - distanceFunction(p - e.xyy, object),
         distanceFunction(p + e.yxy, object) - distanceFunction(p - e.yxy, object),
@@ -46,25 +48,18 @@ vec3 traceNormal(vec3 p) {
 }
 
 // Figure 8.
-void main() {
-    ivec2 texel = ivec2(gl_FragCoord.xy);
-    vec4 origin = texelFetch(uOrigins, texel, 0);
-    vec4 direction = texelFetch(uDirections, texel, 0);
-    outOrigin = origin;
-    outDirection = direction;
-    if (reachedListener(origin.w) || waveIndex() >= uWaveCount) {
-        return;
-    }
+void iterate(inout vec4 origin, inout vec4 direction) {
     float object;
     bool guardHit;
     vec3 offset = direction.xyz * uStartOffset;
     float t = traceWave(origin.xyz + offset, direction.xyz, object, guardHit);
     vec3 hit = origin.xyz + t * direction.xyz;
-    outOrigin = vec4(0.0, 0.0, 0.0, STATUS_DEAD);
-    outDirection = vec4(0.0, 0.0, 0.0, direction.w + (guardHit ? GUARD_HIT : 0.0));
+    float counters = countPass(direction.w, t == 0.0, guardHit);
     if (t >= 0.0) {
-        outOrigin = vec4(hit, object);
-        float counters = direction.w + (t == 0.0 ? ZERO_LENGTH_PASS : 0.0);
-        outDirection = vec4(reflect(direction.xyz, traceNormal(hit)), counters);
+        origin = vec4(hit, object);
+        direction = vec4(reflect(direction.xyz, traceNormal(hit)), counters);
+    } else {
+        origin = vec4(0.0, 0.0, 0.0, STATUS_DEAD);
+        direction = vec4(0.0, 0.0, 0.0, counters);
     }
 }

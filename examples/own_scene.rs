@@ -1,0 +1,67 @@
+//! A scene written in Rust whose parts move from frame to frame, on one shader:
+//!
+//! ```sh
+//! cargo run --release --example own_scene
+//! ```
+
+use echomarch::gpu::{Context, ContextOptions};
+use echomarch::{Error, Listener, Scene, Settings, Shape, Source, Surface, Tracer};
+use glam::{Quat, Vec3};
+
+fn main() -> Result<(), Error> {
+    let context = Context::headless(&ContextOptions::default())?;
+    println!("renderer: {}", context.renderer());
+    let mut tracer = Tracer::new(&context)?;
+    let settings = Settings::thesis().with_waves(16_384).with_iterations(4);
+
+    // Metres; x to the right, y up, z towards the viewer. The listener looks along -z.
+    let door = Surface::new(Shape::Box {
+        size: Vec3::new(4.0, 6.0, 0.3),
+    });
+    let mut scene = Scene {
+        name: "hall with a door".to_owned(),
+        surfaces: vec![
+            Surface::new(Shape::Room {
+                size: Vec3::new(16.0, 6.0, 16.0),
+            }),
+            // `turns` says that the rotation will change although it is none now.
+            Surface {
+                turns: true,
+                ..door.named("door")
+            },
+            Surface::new(Shape::Cylinder { radius: 0.6 }).at(Vec3::new(4.0, 0.0, -2.0)),
+        ],
+        source: Source::at(Vec3::new(-5.0, 0.0, -5.0)),
+        listener: Listener::at(Vec3::new(0.0, 0.0, 5.0), 1.5),
+    };
+
+    for step in 0..5_u8 {
+        let share = f32::from(step) / 4.0;
+        // The source walks from left to right, the door opens, the pillar shrinks.
+        scene.source.position.x = -5.0 + 10.0 * share;
+        scene.surfaces[1].rotation = Quat::from_rotation_y(90_f32.to_radians() * share);
+        scene.surfaces[2].shape = Shape::Cylinder {
+            radius: 0.6 - 0.4 * share,
+        };
+        let frame = tracer.frame(&scene, &settings)?;
+        println!(
+            "source at x = {:+.1} m: {:4} waves heard, pan {:+.3}; {} programs compiled",
+            scene.source.position.x,
+            frame.counts.listener_hits,
+            frame.panning.pan(),
+            tracer.programs_compiled(),
+        );
+    }
+
+    // One more surface is another structure: that, and only that, compiles again.
+    let stone = Shape::Sphere { radius: 1.0 };
+    scene
+        .surfaces
+        .push(Surface::new(stone).at(Vec3::new(-4.0, -2.0, 2.0)));
+    tracer.frame(&scene, &settings)?;
+    println!(
+        "with a fourth surface: {} programs compiled",
+        tracer.programs_compiled()
+    );
+    Ok(())
+}

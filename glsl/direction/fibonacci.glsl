@@ -1,0 +1,20 @@
+// Start directions: a spherical Fibonacci lattice, turned as a whole by the seed.
+//
+// Heights in equal steps, azimuths by the golden ratio (Swinbank and Purser 2006; Hannay
+// and Nye 2004): each wave stands for the same share of the sphere, and neighbours keep
+// apart. The phase is taken modulo 1 in integers, so that it is as good for the
+// 16-millionth wave as for the first; in floats it would collapse onto few azimuths. The
+// turn is uniform over all rotations: each direction alone is uniform over the sphere.
+
+const float TWO_PI = 6.28318530718;
+const uint GOLDEN_RATIO = 2654435769u;   // 2^32 times 0.6180339887…
+
+uniform vec4 uTurn;   // unit quaternion, imaginary part first
+
+vec3 startDirection(uint wave, uint seed) {
+    float angle = TWO_PI * (float((wave * GOLDEN_RATIO) >> 8u) / 16777216.0);
+    float share = (float(wave) + 0.5) / float(uWaveCount);
+    float ring = 2.0 * sqrt(share * max(0.0, 1.0 - share));
+    vec3 direction = vec3(ring * cos(angle), 1.0 - 2.0 * share, ring * sin(angle));
+    return normalize(turn(uTurn, direction));
+}

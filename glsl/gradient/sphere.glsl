@@ -1,0 +1,3 @@
+vec3 gradientSphere(vec3 p) {
+    return normalize(p);
+}

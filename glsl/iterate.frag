@@ -1,0 +1,27 @@
+// A march pass: reads each wave, takes it through one iteration (the thesis' way) or
+// several, writes it to the other texture pair.
+
+uniform highp sampler2D uOrigins;
+uniform highp sampler2D uDirections;
+uniform int uIterationsInPass;
+
+layout(location = 0) out vec4 outOrigin;
+layout(location = 1) out vec4 outDirection;
+
+void main() {
+    ivec2 texel = ivec2(gl_FragCoord.xy);
+    vec4 origin = texelFetch(uOrigins, texel, 0);
+    vec4 direction = texelFetch(uDirections, texel, 0);
+    int iterations = waveIndex() < uWaveCount ? uIterationsInPass : 0;
+    for (int i = 0; i < iterations; ++i) {
+        if (finished(origin.w)) {
+            break;
+        }
+        iterate(origin, direction);
+    }
+#ifdef COUNTS_EVALUATIONS
+    direction.w += evaluations;
+#endif
+    outOrigin = origin;
+    outDirection = direction;
+}

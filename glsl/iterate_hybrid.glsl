@@ -1,0 +1,30 @@
+// One iteration in closed form: profile `hybrid`, for scenes whose surfaces all have one.
+//
+// Every surface is solved for where the line of the wave meets it; the nearest wins. There
+// is no march, so there is no minimum distance, no start offset and no step bound, and what
+// a wave costs does not depend on where it goes.
+
+uniform float uMaxDistance;   // a wave counts as dead beyond this, metres
+
+bool finished(float status) {
+    return status < 0.1;
+}
+
+void iterate(inout vec4 origin, inout vec4 direction) {
+    float object;
+    float t = nearestHit(origin.xyz, direction.xyz, origin.w, object);
+    if (!(t < uMaxDistance)) {
+        origin.w = STATUS_DEAD;
+        return;
+    }
+    vec3 hit = origin.xyz + t * direction.xyz;
+    direction.w = countPass(direction.w, t == 0.0, false);
+    if (object == STATUS_LISTENER) {
+        origin = vec4(hit, STATUS_LISTENER);
+        return;
+    }
+    vec3 normal;
+    land(object, direction.xyz, hit, normal);
+    origin = vec4(hit, object);
+    direction.xyz = mirror(direction.xyz, normal);
+}

@@ -1,0 +1,106 @@
+// One iteration of sphere tracing done right: profile `march`.
+//
+// Theory. Outside of the shell (uMinDistance) the wave steps by the distance divided by
+// the Lipschitz bound (Hart 1996). Inside it the gradient of the one surface met gives a
+// Newton step along the ray, distance / -(direction . gradient). The distance to a convex
+// solid is convex along a line, so its tangent never overshoots; the step is also limited
+// by the distance to every other object, so nothing is jumped over. A convex surface that
+// the wave recedes from is never met on this line. The wave has landed when its distance
+// is rounding: the shell can be wide without a loss of accuracy.
+//
+// Departures from the thesis: no start offset (what the wave left is known from its
+// status and cannot be met next); the stored point lies on the surface; the normal is of
+// the surface met; dead waves stop; directions are kept at length 1.
+
+uniform float uMinDistance;     // width of the shell in which Newton's steps are taken, metres
+uniform float uMaxDistance;     // a wave counts as dead beyond this, metres
+uniform float uLipschitz;       // how much faster than 1 the distance may grow at most
+uniform float uDistanceFactor;  // the distance is multiplied by this: 1, or a test's distortion
+uniform int uStepBound;         // evaluations in one march at the most
+uniform float uNormalStep;      // of difference normals, metres
+
+bool finished(float status) {
+    return status < 0.1;
+}
+
+float boundedDistance(vec3 p, vec3 d, float last, out float object, out float second) {
+    float nearest = distanceAhead(p, d, last, object, second);
+    COUNT_EVALUATIONS(1.0);
+    float scale = uDistanceFactor / uLipschitz;
+    second *= scale;
+    return nearest * scale;
+}
+
+// How far the wave gets along its direction, or -1.
+float traceWave(vec3 origin, vec3 direction, float last, out float object, out bool guardHit) {
+    float t = 0.0;
+    guardHit = false;
+    for (int i = 0; i < uStepBound; ++i) {
+        vec3 p = origin + t * direction;
+        float second;
+        float nearest = boundedDistance(p, direction, last, object, second);
+        if (nearest < uMinDistance) {
+#if LANDING
+            if (abs(nearest) <= roundingAt(p)) {
+                return t;
+            }
+            float closing = -dot(direction, gradientAhead(p, direction, object));
+            // Receding from a convex solid: only the others can be met.
+            float step = closing > 0.0 ? min(nearest / closing, second) : second;
+            // Whatever rounding says, the march goes on.
+            t = max(t + step, nearest < 0.0 ? 0.0 : t + 0.5 * roundingAt(p));
+#else
+            return t;
+#endif
+        } else {
+            t += nearest;
+        }
+        if (!(t < uMaxDistance)) {
+            return -1.0;
+        }
+    }
+    guardHit = true;
+    return -1.0;
+}
+
+#if !EXACT_NORMALS
+// As the thesis has them: central differences of the distance to all surfaces.
+vec3 differenceNormal(vec3 p) {
+    vec2 e = vec2(uNormalStep, 0.0);
+    float object;
+    COUNT_EVALUATIONS(6.0);
+    return normalize(vec3(
+        surfaceDistance(p + e.xyy, object) - surfaceDistance(p - e.xyy, object),
+        surfaceDistance(p + e.yxy, object) - surfaceDistance(p - e.yxy, object),
+        surfaceDistance(p + e.yyx, object) - surfaceDistance(p - e.yyx, object)));
+}
+#endif
+
+void iterate(inout vec4 origin, inout vec4 direction) {
+    float object;
+    bool guardHit;
+    float t = traceWave(origin.xyz, direction.xyz, origin.w, object, guardHit);
+    float counters = countPass(direction.w, t == 0.0, guardHit);
+    if (t < 0.0) {
+        origin = vec4(origin.xyz, STATUS_DEAD);
+        direction.w = counters;
+        return;
+    }
+    vec3 hit = origin.xyz + t * direction.xyz;
+    if (object == STATUS_LISTENER) {
+        origin = vec4(hit, STATUS_LISTENER);
+        direction.w = counters;
+        return;
+    }
+    vec3 normal;
+    vec3 landed = hit;
+    land(object, direction.xyz, landed, normal);
+#if !EXACT_NORMALS
+    normal = differenceNormal(hit);
+#endif
+#if LANDING
+    hit = landed;
+#endif
+    origin = vec4(hit, object);
+    direction = vec4(mirror(direction.xyz, normal), counters);
+}

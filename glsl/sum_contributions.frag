@@ -1,0 +1,30 @@
+// First pass of a sum on the GPU: each texel adds up a block of the panning texture.
+// Counts are whole numbers in floats, exact below 2^24.
+
+uniform highp sampler2D uContributions;   // left, right, status, counters
+uniform int uBlock;                       // side of a block in texels
+
+layout(location = 0) out vec4 outHeard;   // left, right, waves at the listener, dead waves
+layout(location = 1) out vec4 outPasses;  // of zero length, at the step bound; evaluations
+
+void main() {
+    ivec2 size = textureSize(uContributions, 0);
+    ivec2 first = ivec2(gl_FragCoord.xy) * uBlock;
+    ivec2 end = min(first + uBlock, size);
+    vec4 heard = vec4(0.0);
+    vec3 passes = vec3(0.0);
+    for (int y = first.y; y < end.y; ++y) {
+        for (int x = first.x; x < end.x; ++x) {
+            if (uint(y) * uGridWidth + uint(x) >= uWaveCount) {
+                continue;
+            }
+            vec4 wave = texelFetch(uContributions, ivec2(x, y), 0);
+            float arrived = reachedListener(wave.z) ? 1.0 : 0.0;
+            heard += vec4(wave.xy, arrived, wave.z < -0.1 ? 1.0 : 0.0);
+            float guardHits = floor(wave.w / GUARD_HIT);
+            passes += vec3(wave.w - guardHits * GUARD_HIT, guardHits, wave.w);
+        }
+    }
+    outHeard = heard;
+    outPasses = vec4(passes, 0.0);
+}

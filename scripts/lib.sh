@@ -1,0 +1,120 @@
+# Shared by the scripts beside it; to be sourced from bash.
+# shellcheck shell=bash
+
+# What has to be there, the Debian package that brings it, and what it is for.
+#   what                  package           what for
+readonly -a NEEDED=(
+    "command:cc           gcc               links what Rust compiles"
+    "start:crt1.o         libc6-dev         the C library to link against"
+    "libEGL.so.1          libegl1           finds the graphics devices without a window"
+    "libEGL_mesa.so.0     libegl-mesa0      Mesa's share of EGL, for the renderer below"
+    "dri:swrast           libgl1-mesa-dri   the drivers, among them the software renderer llvmpipe"
+    "libOSMesa.so.8       libosmesa6        OpenGL in memory, without EGL (--gl osmesa)"
+)
+
+say() {
+    printf '%s\n' "$*"
+}
+
+complain() {
+    printf '%s\n' "$*" >&2
+}
+
+# Whether the loader knows a library of that name.
+has_library() {
+    local cache
+    # ldconfig lives in /sbin, which is not in every user's PATH.
+    cache="$(PATH="$PATH:/sbin:/usr/sbin" ldconfig -p 2>/dev/null || true)"
+    grep -qF "$1 " <<<"$cache"
+}
+
+# Whether Mesa's drivers are there: they are no library of the loader's cache.
+has_dri_driver() {
+    local file
+    for file in /usr/lib/dri/"$1"_dri.so /usr/lib64/dri/"$1"_dri.so \
+        /usr/lib/*/dri/"$1"_dri.so /usr/lib/libgallium*.so \
+        /usr/lib64/libgallium*.so /usr/lib/*/libgallium*.so; do
+        [[ -e "$file" ]] && return 0
+    done
+    return 1
+}
+
+# Whether the C library can be linked against: its start-up code is there.
+has_start_code() {
+    local file
+    for file in /usr/lib/"$1" /usr/lib64/"$1" /usr/lib/*/"$1"; do
+        [[ -e "$file" ]] && return 0
+    done
+    return 1
+}
+
+is_there() {
+    case "$1" in
+    command:*) command -v "${1#command:}" >/dev/null ;;
+    start:*) has_start_code "${1#start:}" ;;
+    dri:*) has_dri_driver "${1#dri:}" ;;
+    *) has_library "$1" ;;
+    esac
+}
+
+# Installs packages with apt-get, as root or with sudo.
+install_packages() {
+    local -a as_root=()
+    if [[ "$(id -u)" != 0 ]]; then
+        if ! command -v sudo >/dev/null; then
+            complain "Not root, and no sudo: please install: $*"
+            return 1
+        fi
+        as_root=(sudo)
+    fi
+    "${as_root[@]}" apt-get update
+    "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
+        apt-get install -y --no-install-recommends "$@"
+}
+
+# Installs what building, and OpenGL without a window, need and the machine lacks.
+provide_packages() {
+    local -a missing=()
+    local entry library package purpose
+    for entry in "${NEEDED[@]}"; do
+        read -r library package purpose <<<"$entry"
+        if ! is_there "$library"; then
+            say "missing: $package ($purpose)"
+            missing+=("$package")
+        fi
+    done
+    if ((${#missing[@]} == 0)); then
+        say "Debian packages: all there, nothing to install"
+        return 0
+    fi
+    if ! command -v apt-get >/dev/null; then
+        complain "This is no Debian. Please install what these Debian packages hold, then run again if"
+        complain "something fails below: ${missing[*]}"
+        return 0
+    fi
+    say "installing: ${missing[*]}"
+    # A graphics card with its own driver works without some of them: go on and see.
+    install_packages "${missing[@]}" || complain "They are not installed; going on without: ${missing[*]}"
+}
+
+# Fails unless cargo and the named cargo subcommands are there.
+need_cargo() {
+    if ! command -v cargo >/dev/null; then
+        complain "cargo is missing: install Rust 1.95 or later, as https://rustup.rs says"
+        return 1
+    fi
+    local command
+    for command in "$@"; do
+        if ! cargo "$command" --help >/dev/null 2>&1; then
+            complain "cargo $command is missing: rustup component add rustfmt clippy"
+            return 1
+        fi
+    done
+    cargo --version
+}
+
+# Says what runs, then runs it; the line can be pasted.
+run() {
+    printf '\n$ %s\n' "$*"
+    "$@"
+}

@@ -1,0 +1,60 @@
+#!/usr/bin/env bash
+# Builds the program and runs it once through: tables, a sound, pictures.
+set -euo pipefail
+
+usage() {
+    cat <<'TEXT'
+usage: scripts/run.sh [FOLDER]
+
+Installs the Debian packages that are missing, builds echomarch and writes
+into FOLDER (default: out):
+  figures.csv, .json, .svg   the thesis' four tables beside this machine's
+  open-field.wav             a source that passes from left to right
+  corner.png, obstacles.png  the two scenes as pictures
+  corner-paths.png, obstacles-paths.png
+                             the scenes from above, with the paths of some waves
+TEXT
+}
+
+case "${1:-}" in
+-h | --help)
+    usage
+    exit 0
+    ;;
+-*)
+    usage >&2
+    exit 2
+    ;;
+esac
+if (($# > 1)); then
+    usage >&2
+    exit 2
+fi
+
+# The folder is meant from where the script is called.
+mkdir -p "${1:-out}"
+out="$(cd "${1:-out}" && pwd)"
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+# shellcheck source=scripts/lib.sh
+source scripts/lib.sh
+
+provide_packages
+need_cargo build
+run cargo build --release --locked
+program="${CARGO_TARGET_DIR:-target}/release/echomarch"
+
+run "$program" info
+run "$program" figures --max-waves 65536 --runs 3 -o "$out"
+# The direct sound alone: with more iterations the thesis' algorithm starts waves that met
+# nothing again at the world's origin (docs/thesis.md), where this scene's listener is.
+run "$program" render open-field --iterations 1 -o "$out/open-field.wav"
+for scene in corner obstacles; do
+    run "$program" view "$scene" -o "$out/$scene.png"
+    run "$program" slice "$scene" -o "$out/$scene-paths.png" --paths 300
+done
+
+say
+say "written to $out:"
+for file in "$out"/*.{csv,json,svg,wav,png}; do
+    say "  $file"
+done

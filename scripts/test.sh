@@ -1,0 +1,46 @@
+#!/usr/bin/env bash
+# Checks everything that is checked before a change is taken: format, lints, docs,
+# tests, package. No graphics card is needed; OpenGL is (llvmpipe will do).
+set -euo pipefail
+
+if (($# > 0)); then
+    echo "usage: scripts/test.sh" >&2
+    exit 2
+fi
+
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+# shellcheck source=scripts/lib.sh
+source scripts/lib.sh
+
+# Everything that the package has to hold, and what it must not.
+check_package() {
+    local list file
+    list="$(cargo package --list --locked --allow-dirty)"
+    for file in Cargo.toml Cargo.lock README.md CHANGELOG.md LICENSE-MIT LICENSE-APACHE \
+        src/lib.rs src/main.rs glsl/march_thesis.frag examples/headless.rs \
+        examples/scenes/corner.ron docs/thesis.md docs/scene-format.md; do
+        if ! grep -qxF "$file" <<<"$list"; then
+            complain "the package lacks $file"
+            return 1
+        fi
+    done
+    if grep -E '^(\.ci|docs/benchmarks|out|target)/' <<<"$list"; then
+        complain "the package must not hold these"
+        return 1
+    fi
+    say "the package holds $(wc -l <<<"$list") files"
+}
+
+provide_packages
+need_cargo fmt clippy
+
+run cargo fmt --check
+run cargo clippy --locked --all-targets -- -D warnings
+run cargo clippy --locked --no-default-features --lib -- -D warnings
+run env RUSTDOCFLAGS="-D warnings" cargo doc --locked --no-deps
+run cargo test --locked
+run check_package
+run cargo package --locked --allow-dirty --no-verify
+
+say
+say "all checks passed"

@@ -1,0 +1,66 @@
+//! `echomarch slice`: the plan from above.
+
+use super::options::{Common, TraceOptions};
+use super::print;
+use crate::output::check_file;
+use crate::picture::{SliceOptions, save_png, slice};
+use clap::Args;
+use serde_json::json;
+use std::path::PathBuf;
+
+const EXAMPLES: &str = "\
+Examples:
+  echomarch slice obstacles -o plan.png
+  echomarch slice corner -o paths.png --paths 300 --iterations 4";
+
+/// Arguments of `slice`.
+#[derive(Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub struct Arguments {
+    /// Built-in scene or scene file
+    scene: String,
+    /// The picture to write
+    #[arg(short, long, value_name = "FILE.png")]
+    output: PathBuf,
+    /// Width in pixels; the height follows from the scene
+    #[arg(long, default_value_t = 800, value_name = "PIXELS")]
+    width: u32,
+    /// Height of the cut above the world's origin [default: the listener's]
+    #[arg(long, value_name = "METRES", allow_hyphen_values = true)]
+    height: Option<f32>,
+    /// Draw the paths of this many waves (--waves has no effect here)
+    #[arg(long, default_value_t = 0, value_name = "N")]
+    paths: u32,
+    /// Seconds on the scene's paths; without it everything stands where the file puts it
+    #[arg(long, value_name = "SECONDS")]
+    time: Option<f64>,
+    #[command(flatten)]
+    options: TraceOptions,
+}
+
+/// Runs the subcommand.
+pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
+    let settings = arguments.options.settings()?;
+    check_file(&arguments.output)?;
+    let scene = common.scene_at(&arguments.scene, arguments.time)?;
+    let mut tracer = common.tracer()?;
+    let options = SliceOptions {
+        width: arguments.width,
+        height: arguments.height,
+        paths: arguments.paths,
+        settings,
+        ..SliceOptions::default()
+    };
+    let picture = slice(&mut tracer, &scene, &options)?;
+    save_png(&arguments.output, &picture)?;
+    let output = arguments.output.display().to_string();
+    if common.json {
+        let renderer = tracer.context().renderer();
+        let (width, height) = picture.dimensions();
+        return print::json(&json!({
+            "scene": scene.name, "renderer": renderer, "output": output,
+            "width": width, "height": height, "paths": arguments.paths,
+        }));
+    }
+    print::line(&output)
+}

@@ -1,0 +1,61 @@
+//! `echomarch view`: what the listener sees.
+
+use super::options::Common;
+use super::print;
+use crate::output::check_file;
+use crate::picture::{ViewOptions, first_person, save_png};
+use clap::Args;
+use serde_json::json;
+use std::path::PathBuf;
+
+const EXAMPLES: &str = "\
+Examples:
+  echomarch view corner -o corner.png
+  echomarch view open-pillars -o look.png --width 1920 --height 1080 --time 2.5";
+
+/// Arguments of `view`.
+#[derive(Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub struct Arguments {
+    /// Built-in scene or scene file
+    scene: String,
+    /// The picture to write
+    #[arg(short, long, value_name = "FILE.png")]
+    output: PathBuf,
+    /// Width in pixels
+    #[arg(long, default_value_t = 960, value_name = "PIXELS")]
+    width: u32,
+    /// Height in pixels
+    #[arg(long, default_value_t = 540, value_name = "PIXELS")]
+    height: u32,
+    /// Vertical field of view
+    #[arg(long, default_value_t = 70.0, value_name = "DEGREES")]
+    fov: f32,
+    /// Seconds on the scene's paths; without it everything stands where the file puts it
+    #[arg(long, value_name = "SECONDS")]
+    time: Option<f64>,
+}
+
+/// Runs the subcommand.
+pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
+    check_file(&arguments.output)?;
+    let scene = common.scene_at(&arguments.scene, arguments.time)?;
+    let context = common.context()?;
+    let options = ViewOptions {
+        width: arguments.width,
+        height: arguments.height,
+        field_of_view: arguments.fov.to_radians(),
+    };
+    let picture = first_person(&context, &scene, &options)?;
+    save_png(&arguments.output, &picture)?;
+    let output = arguments.output.display().to_string();
+    if common.json {
+        let renderer = context.renderer();
+        let (width, height) = picture.dimensions();
+        return print::json(&json!({
+            "scene": scene.name, "renderer": renderer, "output": output,
+            "width": width, "height": height,
+        }));
+    }
+    print::line(&output)
+}

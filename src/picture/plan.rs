@@ -1,0 +1,215 @@
+//! Which part of the world a slice shows, and where a point of it lies in the picture.
+
+use super::PictureError;
+use crate::scene::{Scene, Shape, Surface};
+use glam::{Vec2, Vec3};
+
+/// The share of the longer side that is left free around what is shown.
+const MARGIN: f32 = 0.05;
+
+/// The shorter side is at least this share of the longer one.
+const SLIMMEST: f32 = 0.4;
+
+/// A part of the plan: world x and z in metres, in the vectors' x and y.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// The upper left of the picture: the least x and z.
+    pub min: Vec2,
+    /// The lower right of the picture: the greatest x and z.
+    pub max: Vec2,
+}
+
+impl Bounds {
+    /// The part that holds everything bounded that a cut at `height` (world y, metres)
+    /// meets, the source, the listener and their paths, with a margin.
+    pub fn of(scene: &Scene, height: f32) -> Bounds {
+        let (source, listener) = (&scene.source, &scene.listener);
+        let room_for_a_mark = 0.5 * listener.radius;
+        let mut bounds = Bounds::around(source.position, room_for_a_mark);
+        bounds.add(Bounds::around(listener.position, listener.radius));
+        for key in source.path.keys() {
+            bounds.add(Bounds::around(key.position, room_for_a_mark));
+        }
+        for key in listener.path.keys() {
+            bounds.add(Bounds::around(key.position, listener.radius));
+        }
+        for surface in &scene.surfaces {
+            if let Some(extent) = extent(surface, height) {
+                bounds.add(extent);
+            }
+        }
+        bounds.with_margin()
+    }
+
+    fn around(point: Vec3, radius: f32) -> Bounds {
+        let centre = flat(point);
+        Bounds {
+            min: centre - radius,
+            max: centre + radius,
+        }
+    }
+
+    fn add(&mut self, other: Bounds) {
+        self.min = self.min.min(other.min);
+        self.max = self.max.max(other.max);
+    }
+
+    fn with_margin(self) -> Bounds {
+        let size = self.max - self.min;
+        let longer = size.max_element().max(1e-3);
+        let half = (0.5 * size).max(Vec2::splat(0.5 * SLIMMEST * longer)) + MARGIN * longer;
+        let centre = 0.5 * (self.min + self.max);
+        Bounds {
+            min: centre - half,
+            max: centre + half,
+        }
+    }
+
+    fn has_area(self) -> bool {
+        let size = self.max - self.min;
+        self.min.is_finite() && self.max.is_finite() && size.is_finite() && size.min_element() > 0.0
+    }
+}
+
+/// World x and z.
+pub(super) fn flat(point: Vec3) -> Vec2 {
+    Vec2::new(point.x, point.z)
+}
+
+/// What a cut at `height` meets of a surface; `None` for nothing, or for what has no end.
+fn extent(surface: &Surface, height: f32) -> Option<Bounds> {
+    match surface.shape {
+        Shape::Plane => None,
+        Shape::Box { size } | Shape::Room { size } => {
+            let corners = corners(surface, size);
+            let heights = corners.map(|corner| corner.y);
+            let is_room = matches!(surface.shape, Shape::Room { .. });
+            let misses = heights.iter().all(|&y| y < height) || heights.iter().all(|&y| y > height);
+            if misses && !is_room {
+                return None;
+            }
+            corners
+                .map(|corner| Bounds::around(corner, 0.0))
+                .into_iter()
+                .reduce(|mut all, corner| {
+                    all.add(corner);
+                    all
+                })
+        }
+        Shape::Sphere { radius } => {
+            let off = height - surface.position.y;
+            let cut = radius * radius - off * off;
+            (cut > 0.0).then(|| Bounds::around(surface.position, cut.sqrt()))
+        }
+        Shape::Cylinder { radius } => {
+            let axis = surface.rotation * Vec3::Y;
+            // A cylinder that lies down is met along its endless side.
+            if axis.y.abs() < 0.3 {
+                return Some(Bounds::around(surface.position, radius));
+            }
+            let centre = surface.position + axis * ((height - surface.position.y) / axis.y);
+            Some(Bounds::around(centre, radius / axis.y.abs()))
+        }
+    }
+}
+
+fn corners(surface: &Surface, size: Vec3) -> [Vec3; 8] {
+    std::array::from_fn(|index| {
+        let sign = |bit: usize| if index & bit == 0 { -0.5 } else { 0.5 };
+        let corner = size * Vec3::new(sign(1), sign(2), sign(4));
+        surface.position + surface.rotation * corner
+    })
+}
+
+/// The way from the world to the picture.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Plan {
+    /// World x and z of the picture's upper left.
+    pub corner: Vec2,
+    /// Metres in a pixel.
+    pub metres: f32,
+    /// Width in pixels.
+    pub width: u32,
+    /// Height in pixels.
+    pub height: u32,
+}
+
+impl Plan {
+    /// The plan of `bounds`, `width` pixels wide and as high as that makes it.
+    pub fn new(bounds: Bounds, width: u32) -> Result<Plan, PictureError> {
+        if !bounds.has_area() {
+            let what = format!("{} to {}", bounds.min, bounds.max);
+            return Err(PictureError::Bounds { what });
+        }
+        let size = bounds.max - bounds.min;
+        let height = (width as f32 * size.y / size.x).round().max(1.0) as u32;
+        Ok(Plan {
+            corner: bounds.min,
+            metres: size.x / width as f32,
+            width,
+            height,
+        })
+    }
+
+    /// Where a world point lies, in pixels from the upper left.
+    pub fn pixel(&self, point: Vec3) -> Vec2 {
+        (flat(point) - self.corner) / self.metres
+    }
+
+    /// A length in pixels.
+    pub fn pixels(&self, metres: f32) -> f32 {
+        metres / self.metres
+    }
+
+    /// What one pixel of a picture 800 pixels wide is in this one: for widths of lines.
+    pub fn stroke(&self) -> f32 {
+        (self.width as f32 / 800.0).max(0.4)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Listener, Source};
+    use glam::Quat;
+    use std::f32::consts::FRAC_PI_4;
+
+    fn scene(surface: Surface) -> Scene {
+        Scene {
+            name: "one".into(),
+            surfaces: vec![surface],
+            source: Source::at(Vec3::ZERO),
+            listener: Listener::at(Vec3::X, 0.5),
+        }
+    }
+
+    /// Protects turned rooms from being cut off.
+    #[test]
+    fn a_turned_room_fits() {
+        let size = Vec3::new(10.0, 4.0, 10.0);
+        let room = Surface::new(Shape::Room { size }).turned(Quat::from_rotation_y(FRAC_PI_4));
+        let bounds = Bounds::of(&scene(room), 0.0);
+        assert!(
+            bounds.max.x > 50f32.sqrt() && bounds.max.x < 9.0,
+            "{bounds:?}"
+        );
+        assert!((bounds.min.x + bounds.max.x).abs() < 1e-4, "{bounds:?}");
+    }
+
+    /// Protects the plan from shrinking for a floor slab that the cut does not meet.
+    #[test]
+    fn what_the_cut_misses_does_not_count() {
+        let size = Vec3::new(1000.0, 1.0, 1000.0);
+        let slab = Surface::new(Shape::Box { size }).at(Vec3::Y * -3.0);
+        assert!(Bounds::of(&scene(slab), 0.0).max.x < 5.0);
+    }
+
+    /// Protects the renderer from bounds that are none.
+    #[test]
+    fn bounds_without_an_area_are_refused() {
+        for max in [Vec2::ZERO, Vec2::new(1.0, -1.0), Vec2::splat(f32::NAN)] {
+            let min = Vec2::ZERO;
+            assert!(Plan::new(Bounds { min, max }, 100).is_err());
+        }
+    }
+}

@@ -1,0 +1,23 @@
+//! Pictures as PNG files.
+
+use super::PictureError;
+use crate::output::write_whole;
+use image::codecs::png::PngEncoder;
+use image::{ExtendedColorType, ImageEncoder, RgbaImage};
+use std::path::Path;
+
+/// Writes a picture as PNG, whole or not at all.
+///
+/// # Errors
+/// [`PictureError::Encode`], and [`PictureError::Write`] with the path.
+pub fn save_png(path: &Path, picture: &RgbaImage) -> Result<(), PictureError> {
+    let mut bytes = Vec::new();
+    PngEncoder::new(&mut bytes).write_image(
+        picture.as_raw(),
+        picture.width(),
+        picture.height(),
+        ExtendedColorType::Rgba8,
+    )?;
+    write_whole(path, |out| out.write_all(&bytes))?;
+    Ok(())
+}

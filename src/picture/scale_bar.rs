@@ -1,0 +1,129 @@
+//! The scale bar of a plan: fields of equal length, black and white by turns, and the
+//! whole length in letters of a font of 5 × 7 dots.
+
+use super::marks::{fill, paint};
+use super::plan::Plan;
+use tiny_skia::{PathBuilder, PixmapMut, Rect};
+
+const INK: [u8; 3] = [38, 42, 46];
+const PAPER: [u8; 3] = [255, 255, 255];
+
+/// The longest bar, as a share of the picture's width.
+const LONGEST: f32 = 0.25;
+
+/// Draws the bar in the lower left corner.
+pub(super) fn draw(canvas: &mut PixmapMut, plan: &Plan) {
+    let (length, fields) = nice_length(LONGEST * plan.width as f32 * plan.metres);
+    let unit = plan.stroke();
+    let dot = (1.6 * unit).round().max(1.0);
+    let label = label(length);
+    let width = plan.pixels(length);
+    let label_width = dot * (6 * label.len()) as f32;
+    let (left, bottom) = (16.0 * unit, plan.height as f32 - 14.0 * unit);
+    let bar = 7.0 * unit;
+    let plate = [
+        left - 8.0 * unit,
+        bottom - bar - 7.0 * unit,
+        width + label_width + 24.0 * unit,
+        bar + 14.0 * unit,
+    ];
+    rectangle(canvas, plate, PAPER, 0.82);
+    rectangle(canvas, [left, bottom - bar, width, bar], INK, 1.0);
+    let field = width / fields as f32;
+    let edge = (1.2 * unit).max(0.5);
+    for index in (1..fields).step_by(2) {
+        let x = left + index as f32 * field;
+        let inner = [x, bottom - bar + edge, field - edge, bar - 2.0 * edge];
+        rectangle(canvas, inner, PAPER, 1.0);
+    }
+    let x = (left + width + 8.0 * unit).round();
+    write(
+        canvas,
+        &label,
+        x,
+        (bottom - bar / 2.0 - 3.5 * dot).round(),
+        dot,
+    );
+}
+
+/// The longest of 1, 2, 5, 10, 20, 50 … that is not above `most`, and its fields: of a
+/// metre for lengths up to 5 m.
+fn nice_length(most: f32) -> (f32, u32) {
+    let power = 10f32.powf(most.log10().floor());
+    match most / power {
+        share if share >= 5.0 => (5.0 * power, 5),
+        share if share >= 2.0 => (2.0 * power, 2),
+        _ => (power, 5),
+    }
+}
+
+fn label(metres: f32) -> String {
+    if metres >= 0.999 {
+        format!("{metres:.0} m")
+    } else if metres >= 0.00999 {
+        format!("{:.0} cm", metres * 100.0)
+    } else {
+        String::new()
+    }
+}
+
+fn write(canvas: &mut PixmapMut, text: &str, left: f32, top: f32, dot: f32) {
+    for (place, letter) in text.chars().enumerate() {
+        for (row, bits) in dots(letter).into_iter().enumerate() {
+            for column in (0..5).filter(|column| bits >> (4 - column) & 1 == 1) {
+                let x = left + dot * (6 * place + column) as f32;
+                rectangle(canvas, [x, top + dot * row as f32, dot, dot], INK, 1.0);
+            }
+        }
+    }
+}
+
+/// A letter's seven rows of five dots; the letters that [`label`] needs.
+fn dots(letter: char) -> [u8; 7] {
+    match letter {
+        '0' => [
+            0b01110, 0b10001, 0b10011, 0b10101, 0b11001, 0b10001, 0b01110,
+        ],
+        '1' => [
+            0b00100, 0b01100, 0b00100, 0b00100, 0b00100, 0b00100, 0b01110,
+        ],
+        '2' => [
+            0b01110, 0b10001, 0b00001, 0b00110, 0b01000, 0b10000, 0b11111,
+        ],
+        '5' => [
+            0b11111, 0b10000, 0b11110, 0b00001, 0b00001, 0b10001, 0b01110,
+        ],
+        'c' => [0, 0, 0b01110, 0b10001, 0b10000, 0b10001, 0b01110],
+        'm' => [0, 0, 0b11010, 0b10101, 0b10101, 0b10101, 0b10101],
+        _ => [0; 7],
+    }
+}
+
+fn rectangle(canvas: &mut PixmapMut, [x, y, w, h]: [f32; 4], colour: [u8; 3], opacity: f32) {
+    if let Some(rect) = Rect::from_xywh(x, y, w, h) {
+        let path = PathBuilder::from_rect(rect);
+        fill(canvas, Some(path), &paint(colour, opacity));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects the reader from a bar whose length or label is odd.
+    #[test]
+    fn lengths_are_round_and_labelled() {
+        let cases = [
+            (0.3, 0.2, "20 cm"),
+            (1.0, 1.0, "1 m"),
+            (4.9, 2.0, "2 m"),
+            (8.2, 5.0, "5 m"),
+            (99.0, 50.0, "50 m"),
+            (250.0, 200.0, "200 m"),
+        ];
+        for (most, length, text) in cases {
+            assert!((nice_length(most).0 - length).abs() < 1e-4, "{most}");
+            assert_eq!(label(nice_length(most).0), text);
+        }
+    }
+}

@@ -1,0 +1,87 @@
+//! A picture's shader: its program, and the pass that draws it.
+
+use super::PictureError;
+use crate::error::Error;
+use crate::gpu::{Context, Picture, Program, full_screen_pass_rows};
+use crate::scene::{Scene, glsl};
+use crate::trace::TraceError;
+use image::RgbaImage;
+
+/// Pixels in one draw call at the most: see [`full_screen_pass_rows`].
+const PIXELS_PER_DRAW: u32 = 1 << 17;
+
+/// Uniform vectors that the shaders need beside those of the surfaces.
+const OWN_UNIFORM_VECTORS: usize = 16;
+
+/// The program of a picture's shader around the distance functions of `scene`, whose
+/// numbers are set.
+pub(super) fn program(
+    context: &Context,
+    scene: &Scene,
+    shader: glsl::Source,
+) -> Result<Program, Error> {
+    scene.validate()?;
+    check_uniforms(context, scene)?;
+    let label = format!("{} of {}", shader.0, scene.name);
+    let mut sources = glsl::distance_sources(scene);
+    sources.push(glsl::source!("view/colour.glsl"));
+    sources.push(shader);
+    let program = Program::fragment(context, &label, &glsl::join(&sources))?;
+    program.set_vec4_array(
+        "uSurfaces",
+        &glsl::uniform_values(scene, &glsl::Placement::world()),
+    );
+    let listener = &scene.listener;
+    program.set_vec4("uListener", listener.position.extend(listener.radius));
+    Ok(program)
+}
+
+/// Refuses sizes that cannot be drawn, before anything is allocated.
+pub(super) fn check_size(context: &Context, width: u32, height: u32) -> Result<(), PictureError> {
+    let limit = context.limits().max_texture_size;
+    if (1..=limit).contains(&width) && (1..=limit).contains(&height) {
+        return Ok(());
+    }
+    Err(PictureError::Size {
+        width,
+        height,
+        limit,
+    })
+}
+
+/// Draws the program over a picture of that size, whose upper row comes first.
+pub(super) fn draw(
+    context: &Context,
+    program: &Program,
+    width: u32,
+    height: u32,
+) -> Result<RgbaImage, Error> {
+    check_size(context, width, height)?;
+    let picture = Picture::new(context, width, height)?;
+    let rows = (PIXELS_PER_DRAW / width).max(1);
+    for start in (0..height).step_by(rows as usize) {
+        let band = start..start + rows;
+        full_screen_pass_rows(context, program, &picture, width, height, band)?;
+    }
+    let pixels = picture.read_rgba8()?;
+    let size = PictureError::Size {
+        width,
+        height,
+        limit: context.limits().max_texture_size,
+    };
+    Ok(RgbaImage::from_raw(width, height, pixels).ok_or(size)?)
+}
+
+fn check_uniforms(context: &Context, scene: &Scene) -> Result<(), TraceError> {
+    let needed = glsl::uniform_values(scene, &glsl::Placement::world()).len() + OWN_UNIFORM_VECTORS;
+    let limit = context.limits().max_fragment_uniform_vectors as usize;
+    if needed <= limit {
+        return Ok(());
+    }
+    Err(TraceError::TooManySurfaces {
+        surfaces: scene.surfaces.len(),
+        needed,
+        limit,
+        renderer: context.renderer().to_owned(),
+    })
+}

@@ -1,0 +1,101 @@
+//! The plan of a scene.
+
+use super::plan::{Bounds, Plan};
+use super::{PictureError, marks, scale_bar, shader, wave_paths};
+use crate::error::Error;
+use crate::gpu::Context;
+use crate::scene::{Scene, glsl};
+use crate::trace::{Settings, Tracer};
+use image::RgbaImage;
+use tiny_skia::PixmapMut;
+
+/// What a slice shall show.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SliceOptions {
+    /// Width in pixels; the height follows from the bounds.
+    pub width: u32,
+    /// World y of the cut in metres; the listener's when there is none.
+    pub height: Option<f32>,
+    /// The part shown; [`Bounds::of`] the scene when there is none.
+    pub bounds: Option<Bounds>,
+    /// Number of waves whose paths are drawn; none for 0.
+    pub paths: u32,
+    /// How these waves are traced; `waves` is taken from `paths`.
+    pub settings: Settings,
+    /// Whether a scale bar stands in the lower left.
+    pub scale_bar: bool,
+}
+
+impl Default for SliceOptions {
+    /// 800 pixels wide, at the listener's height, no paths, with a scale bar.
+    fn default() -> SliceOptions {
+        SliceOptions {
+            width: 800,
+            height: None,
+            bounds: None,
+            paths: 0,
+            settings: Settings::thesis(),
+            scale_bar: true,
+        }
+    }
+}
+
+/// The scene cut at a height and seen from above: x to the right, z downwards. Listener,
+/// source, their key-framed paths and the paths of waves are drawn over it, wherever
+/// they are in height.
+///
+/// # Errors
+/// [`Error::Picture`] for a size or bounds that cannot be, [`Error::Scene`] and
+/// [`Error::Trace`] for input that cannot be traced, [`Error::Gpu`] when the renderer
+/// fails.
+pub fn slice(
+    tracer: &mut Tracer,
+    scene: &Scene,
+    options: &SliceOptions,
+) -> Result<RgbaImage, Error> {
+    let context = tracer.context().clone();
+    scene.validate()?;
+    let height = options.height.unwrap_or(scene.listener.position.y);
+    if !height.is_finite() {
+        let what = format!("a height of {height}");
+        return Err(PictureError::Bounds { what }.into());
+    }
+    let bounds = options.bounds.unwrap_or_else(|| Bounds::of(scene, height));
+    shader::check_size(&context, options.width, 1)?;
+    let plan = Plan::new(bounds, options.width)?;
+    let mut picture = cut(&context, scene, height, &plan)?;
+    let paths = match options.paths {
+        0 => Vec::new(),
+        waves => tracer.paths(scene, &options.settings.clone().with_waves(waves))?,
+    };
+    // Opaque pixels are the same with and without premultiplied opacity.
+    if let Some(mut canvas) = PixmapMut::from_bytes(&mut picture, plan.width, plan.height) {
+        wave_paths::draw(&mut canvas, &plan, scene, &paths);
+        marks::draw(&mut canvas, &plan, scene);
+        if options.scale_bar {
+            scale_bar::draw(&mut canvas, &plan);
+        }
+    }
+    Ok(picture)
+}
+
+fn cut(context: &Context, scene: &Scene, height: f32, plan: &Plan) -> Result<RgbaImage, Error> {
+    shader::check_size(context, plan.width, plan.height)?;
+    let program = shader::program(context, scene, glsl::source!("view/slice.frag"))?;
+    program.set_vec2("uCorner", plan.corner);
+    program.set_f32("uMetres", plan.metres);
+    program.set_f32("uHeight", height);
+    program.set_f32("uRows", plan.height as f32);
+    program.set_f32("uLine", 1.6 * plan.stroke());
+    program.set_f32("uIsoline", isoline(plan.metres));
+    shader::draw(context, &program, plan.width, plan.height)
+}
+
+/// Metres between two lines of equal distance: 1, or what leaves 12 pixels between them.
+fn isoline(metres: f32) -> f32 {
+    let least = 12.0 * metres;
+    if (0.1..=1.0).contains(&least) {
+        return 1.0;
+    }
+    10f32.powf(least.log10().ceil())
+}

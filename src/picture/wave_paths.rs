@@ -1,0 +1,107 @@
+//! The paths of waves, drawn on a plan and coloured by what became of them.
+
+use super::marks::{colour, paint, polyline, round, stroke};
+use super::plan::Plan;
+use crate::scene::Scene;
+use crate::trace::{Fate, Wave};
+use glam::{Vec2, Vec3};
+use tiny_skia::{GradientStop, LinearGradient, Paint, PixmapMut, Point, SpreadMode, Transform};
+
+/// Waves that reached the listener: vermilion.
+const REACHED: [u8; 3] = [213, 94, 0];
+/// Waves that are still on their way.
+const TRAVELLING: [u8; 3] = [120, 128, 136];
+/// Waves that met nothing: bluish green.
+const DEAD: [u8; 3] = [0, 158, 115];
+
+/// Length of the stub that shows where a dead wave went, as a share of the width.
+const STUB: f32 = 0.16;
+
+/// One wave as it is drawn.
+struct Line {
+    fate: Fate,
+    points: Vec<Vec2>,
+    /// From where and along what a wave died: world position and direction.
+    stub: Option<(Vec3, Vec3)>,
+}
+
+/// Draws the waves of [`crate::Tracer::paths`]; those that reached the listener lie on top.
+pub(super) fn draw(canvas: &mut PixmapMut, plan: &Plan, scene: &Scene, states: &[Vec<Wave>]) {
+    let waves = states.first().map_or(0, Vec::len);
+    let lines: Vec<Line> = (0..waves)
+        .map(|wave| follow(plan, scene.source.position, states, wave))
+        .collect();
+    let unit = plan.stroke();
+    let styles = [
+        (Fate::Dead, DEAD, 0.7, 1.1),
+        (Fate::Travelling, TRAVELLING, 0.55, 0.9),
+        (Fate::Listener, REACHED, 0.95, 1.9),
+    ];
+    for (fate, shade, opacity, width) in styles {
+        let pen = round(width * unit);
+        for line in lines.iter().filter(|line| line.fate == fate) {
+            let path = polyline(&line.points);
+            stroke(canvas, path, &paint(shade, opacity), &pen);
+            if let Some((from, direction)) = line.stub {
+                draw_stub(canvas, plan, from, direction, opacity);
+            }
+        }
+    }
+}
+
+/// The places of one wave until it reached the listener or died. What a dead wave does
+/// afterwards (it is marched again from the origin) is no path of a sound.
+fn follow(plan: &Plan, source: Vec3, states: &[Vec<Wave>], wave: usize) -> Line {
+    let mut line = Line {
+        fate: Fate::Travelling,
+        points: vec![plan.pixel(source)],
+        stub: None,
+    };
+    let mut last = (source, Vec3::ZERO);
+    for (iteration, waves) in states.iter().enumerate() {
+        let state = &waves[wave];
+        if iteration == 0 {
+            last.1 = state.start_direction;
+            continue;
+        }
+        line.fate = state.fate();
+        if line.fate == Fate::Dead {
+            line.stub = Some(last);
+            break;
+        }
+        line.points.push(plan.pixel(state.position));
+        last = (state.position, state.direction);
+        if line.fate == Fate::Listener {
+            break;
+        }
+    }
+    line
+}
+
+/// A line that fades along the direction in which a wave was lost.
+fn draw_stub(canvas: &mut PixmapMut, plan: &Plan, from: Vec3, direction: Vec3, opacity: f32) {
+    let length = STUB * plan.width as f32 * plan.metres;
+    let start = plan.pixel(from);
+    let end = plan.pixel(from + length * direction);
+    let stops = vec![
+        GradientStop::new(0.0, colour(DEAD, opacity)),
+        GradientStop::new(1.0, colour(DEAD, 0.0)),
+    ];
+    let gradient = LinearGradient::new(
+        Point::from_xy(start.x, start.y),
+        Point::from_xy(end.x, end.y),
+        stops,
+        SpreadMode::Pad,
+        Transform::identity(),
+    );
+    // None for a stub of no length.
+    if let Some(shader) = gradient {
+        let fading = Paint {
+            shader,
+            anti_alias: true,
+            ..Paint::default()
+        };
+        let pen = round(1.1 * plan.stroke());
+        stroke(canvas, polyline(&[start, end]), &fading, &pen);
+    }
+}

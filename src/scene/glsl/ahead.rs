@@ -1,0 +1,89 @@
+//! The distance to what can be met ahead, and its gradient: for a march that is right.
+
+use super::distance::{distance_file, surface_distance};
+use super::land::{land_files, land_text};
+use super::{Source, named, shape_files, source, turn_file, uniforms_text};
+use crate::scene::{Scene, Shape};
+use std::borrow::Cow;
+use std::fmt::Write;
+
+/// `distanceAhead(p, d, last, object, second)`, `gradientAhead(p, d, object)`,
+/// `land(object, d, p, normal)` and `surfaceDistance(p, object)` of a scene.
+pub fn ahead_sources(scene: &Scene) -> Vec<Source> {
+    let mut sources = vec![source!("rounding.glsl")];
+    sources.extend(shape_files(scene, distance_file));
+    sources.extend(land_files(scene));
+    sources.extend(shape_files(scene, |shape| match shape {
+        Shape::Plane => source!("gradient/plane.glsl"),
+        Shape::Box { .. } => source!("gradient/box.glsl"),
+        Shape::Room { .. } => source!("gradient/room.glsl"),
+        Shape::Sphere { .. } => source!("gradient/sphere.glsl"),
+        Shape::Cylinder { .. } => source!("gradient/cylinder.glsl"),
+    }));
+    sources.extend(turn_file(scene));
+    sources.push(source!("distance/listener.glsl"));
+    let text = uniforms_text(scene)
+        + &surface_distance(scene)
+        + &distance_ahead(scene)
+        + &gradient_ahead(scene)
+        + &land_text(scene);
+    sources.push(("the scene", Cow::Owned(text)));
+    sources
+}
+
+fn distance_ahead(scene: &Scene) -> String {
+    let mut text = String::from(
+        "// Distance to the nearest object that a wave at p along d can meet, its number, and\n\
+         // the distance to the second nearest. What the wave leaves (last) is out of its way\n\
+         // when it is convex; of a room only the walls ahead count.\n\
+         float distanceAhead(vec3 p, vec3 d, float last, out float object, out float second) {\n    \
+         float nearest = listenerDistance(p);\n    object = 0.0;\n    second = 1e30;\n    \
+         float candidate;\n",
+    );
+    for named in named(scene) {
+        let number = named.number;
+        let (shape, point, size) = (named.shape(), named.point("p"), named.size());
+        let distance = match named.surface.shape {
+            Shape::Room { .. } => {
+                format!("sdRoomAhead({point}, {}{size})", named.vector("d"))
+            }
+            _ => format!("last == {number}.0 ? 1e30 : sd{shape}({point}{size})"),
+        };
+        let _ = writeln!(text, "    // {}\n    candidate = {distance};", named.label);
+        let _ = writeln!(
+            text,
+            "    if (candidate < nearest) {{ second = nearest; nearest = candidate; object = {number}.0; }}\n    \
+             else {{ second = min(second, candidate); }}"
+        );
+    }
+    text.push_str("    return nearest;\n}\n\n");
+    text
+}
+
+fn gradient_ahead(scene: &Scene) -> String {
+    let mut text = String::from(
+        "// The gradient of the distance to one object.\n\
+         vec3 gradientAhead(vec3 p, vec3 d, float object) {\n",
+    );
+    for named in named(scene) {
+        let (shape, point, size) = (named.shape(), named.point("p"), named.size());
+        let gradient = match named.surface.shape {
+            Shape::Room { .. } => {
+                format!("gradientRoomAhead({point}, {}{size})", named.vector("d"))
+            }
+            Shape::Box { .. } => format!("gradientBox({point}{size})"),
+            Shape::Plane | Shape::Sphere { .. } | Shape::Cylinder { .. } => {
+                format!("gradient{shape}({point})")
+            }
+        };
+        let _ = writeln!(
+            text,
+            "    if (object == {}.0) {{ return {}; }} // {}",
+            named.number,
+            named.outward(&gradient),
+            named.label
+        );
+    }
+    text.push_str("    return normalize(p - uListener.xyz);\n}\n\n");
+    text
+}

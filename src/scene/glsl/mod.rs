@@ -1,0 +1,188 @@
+//! A scene as shader text and uniform values.
+//!
+//! Only the shapes that occur in the scene are in the text, one evaluation a surface,
+//! unrolled. Every number (positions, sizes, rotations, the listener) is a uniform, so
+//! the text depends on the [`Structure`] alone: moving things never compiles a shader
+//! again. Three texts can be had, by what a wave needs to know:
+//!
+//! - [`distance_sources`]: the signed distance to everything (the thesis' march, pictures);
+//! - [`ahead_sources`]: the distance to what can be met ahead, and its gradient;
+//! - [`closed_form_sources`]: where a line meets each surface, without a march.
+
+mod ahead;
+mod closed_form;
+mod distance;
+mod land;
+mod placement;
+mod source;
+
+pub use ahead::ahead_sources;
+pub use closed_form::closed_form_sources;
+pub use distance::distance_sources;
+pub use placement::{Placement, uniform_values};
+pub(crate) use source::source;
+pub use source::{Source, join};
+
+use super::{Scene, Shape, Surface};
+use placement::surface_values;
+
+/// What the shader text of a scene depends on: each surface's shape, and whether it
+/// has a rotation. Two scenes of one structure share their programs.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Structure {
+    surfaces: Vec<(&'static str, bool)>,
+}
+
+/// The text's structure; see [`Structure`].
+pub fn structure(scene: &Scene) -> Structure {
+    let describe = |surface: &Surface| (surface.shape.name(), surface.has_rotation());
+    Structure {
+        surfaces: scene.surfaces.iter().map(describe).collect(),
+    }
+}
+
+/// One surface as the generated text names it.
+struct Named<'a> {
+    surface: &'a Surface,
+    /// Its number, from 1.
+    number: usize,
+    /// What a comment calls it.
+    label: String,
+    /// Index of its first value in `uSurfaces`.
+    first: usize,
+}
+
+/// All surfaces in order, with their places in `uSurfaces`.
+fn named(scene: &Scene) -> Vec<Named<'_>> {
+    let mut first = 0;
+    let mut all = Vec::new();
+    for (index, surface) in scene.surfaces.iter().enumerate() {
+        let label = surface.label(index).replace(['\n', '\r', '\\'], " ");
+        all.push(Named {
+            surface,
+            number: index + 1,
+            label,
+            first,
+        });
+        first += surface_values(surface).len();
+    }
+    all
+}
+
+impl Named<'_> {
+    /// A world point in the surface's own axes.
+    fn point(&self, p: &str) -> String {
+        self.vector(&format!("{p} - uSurfaces[{}].xyz", self.first))
+    }
+
+    /// A world direction in the surface's own axes.
+    fn vector(&self, v: &str) -> String {
+        match self.rotation() {
+            Some(index) => format!("turn(uSurfaces[{index}], {v})"),
+            None => v.to_owned(),
+        }
+    }
+
+    /// A direction of the surface's own axes in the world's.
+    fn outward(&self, v: &str) -> String {
+        match self.rotation() {
+            Some(index) => format!("turn(uSurfaces[{index}] * vec4(-1, -1, -1, 1), {v})"),
+            None => v.to_owned(),
+        }
+    }
+
+    /// The size that the shape's functions take last, with a comma before it.
+    fn size(&self) -> String {
+        match self.surface.shape {
+            Shape::Plane => String::new(),
+            Shape::Box { .. } | Shape::Room { .. } => {
+                format!(", uSurfaces[{}].xyz", self.first + 1)
+            }
+            Shape::Sphere { .. } | Shape::Cylinder { .. } => {
+                format!(", uSurfaces[{}].w", self.first)
+            }
+        }
+    }
+
+    fn rotation(&self) -> Option<usize> {
+        let last = self.first + surface_values(self.surface).len() - 1;
+        self.surface.has_rotation().then_some(last)
+    }
+
+    fn shape(&self) -> &'static str {
+        self.surface.shape.name()
+    }
+}
+
+/// The file of each shape that occurs, once, and that of rotations if there are any.
+fn shape_files(scene: &Scene, file_of: fn(&Shape) -> Source) -> Vec<Source> {
+    let mut files: Vec<Source> = Vec::new();
+    for surface in &scene.surfaces {
+        let file = file_of(&surface.shape);
+        if !files.contains(&file) {
+            files.push(file);
+        }
+    }
+    files
+}
+
+/// The rotation's function, where a surface has one.
+fn turn_file(scene: &Scene) -> Option<Source> {
+    let turns = scene.surfaces.iter().any(Surface::has_rotation);
+    turns.then(|| source!("distance/turn.glsl"))
+}
+
+/// The declaration of `uSurfaces`.
+fn uniforms_text(scene: &Scene) -> String {
+    let length: usize = scene.surfaces.iter().map(|s| surface_values(s).len()).sum();
+    format!("uniform vec4 uSurfaces[{length}];\n\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::{Quat, Vec3};
+
+    const TEXTS: [fn(&Scene) -> Vec<Source>; 3] =
+        [distance_sources, ahead_sources, closed_form_sources];
+
+    /// Protects specialisation: a scene's shader names no shape that is not in it.
+    #[test]
+    fn only_the_shapes_of_the_scene_are_in_its_text() {
+        let corner = Scene::builtin("corner").unwrap();
+        for text in TEXTS {
+            let text = join(&text(&corner));
+            for present in ["Room", "Box"] {
+                assert!(text.contains(present), "{present}");
+            }
+            for absent in ["Plane", "Sphere", "Cylinder", " turn("] {
+                assert!(!text.contains(absent), "{absent}");
+            }
+        }
+    }
+
+    /// Protects the promise that moving things never compiles a shader again.
+    #[test]
+    fn moving_and_resizing_leaves_the_text_alone() {
+        let scene = Scene::builtin("open-pillars").unwrap();
+        let mut moved = scene.clone();
+        moved.source.position.x += 1.0;
+        moved.listener.radius *= 2.0;
+        for surface in &mut moved.surfaces {
+            surface.position.z -= 1.0;
+        }
+        moved.surfaces[1].rotation = Quat::from_rotation_x(0.3);
+        moved.surfaces[1].shape = Shape::Box {
+            size: Vec3::splat(3.0),
+        };
+        assert_eq!(structure(&scene), structure(&moved));
+        for text in TEXTS {
+            assert_eq!(join(&text(&scene)), join(&text(&moved)));
+        }
+        let world = Placement::world();
+        assert_ne!(
+            uniform_values(&scene, &world),
+            uniform_values(&moved, &world)
+        );
+    }
+}

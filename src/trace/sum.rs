@@ -1,0 +1,83 @@
+//! The panning texture summed on the GPU: block by block, until one texel is left.
+//!
+//! The thesis reads the whole texture back and sums on the CPU. Summed here, one texel a
+//! target comes back; the sum runs in `f32`, by blocks, so its relative error stays below
+//! a few units in the last place times the number of passes.
+
+use super::programs::Programs;
+use super::{Counts, Grid, Panning};
+use crate::error::Error;
+use crate::gpu::{Context, GpuError, Texture, TexturePair, full_screen_pass};
+
+/// Side of a block in texels: 64 texels to one.
+const BLOCK: u32 = 8;
+
+/// The textures of each pass, the last of one texel.
+pub(super) struct Sum {
+    levels: Vec<TexturePair>,
+}
+
+impl Sum {
+    pub fn new(context: &Context, grid: Grid) -> Result<Sum, GpuError> {
+        let (mut width, mut height) = (grid.width, grid.height);
+        let mut levels = Vec::new();
+        loop {
+            (width, height) = (width.div_ceil(BLOCK), height.div_ceil(BLOCK));
+            levels.push(TexturePair::new(context, width, height)?);
+            if width == 1 && height == 1 {
+                return Ok(Sum { levels });
+            }
+        }
+    }
+
+    /// Draws all passes over the panning texture.
+    pub fn draw(
+        &self,
+        context: &Context,
+        programs: &mut Programs,
+        contributions: &Texture,
+        grid: Grid,
+    ) -> Result<(), Error> {
+        let program = programs.sum_contributions(context)?;
+        program.set_texture("uContributions", 0, contributions);
+        program.set_u32("uWaveCount", grid.waves);
+        program.set_u32("uGridWidth", grid.width);
+        program.set_i32("uBlock", BLOCK as i32);
+        let size = |level: &TexturePair| (level.target.width(), level.target.height());
+        let (width, height) = size(&self.levels[0]);
+        full_screen_pass(context, &program, &self.levels[0], width, height)?;
+        let program = programs.sum(context)?;
+        program.set_i32("uBlock", BLOCK as i32);
+        for pair in self.levels.windows(2) {
+            program.set_texture("uHeard", 0, &pair[0].first);
+            program.set_texture("uPasses", 1, &pair[0].second);
+            let (width, height) = size(&pair[1]);
+            full_screen_pass(context, &program, &pair[1], width, height)?;
+        }
+        Ok(())
+    }
+
+    /// Reads the last texel back.
+    pub fn read(&self, grid: Grid, are_evaluations: bool) -> Result<(Panning, Counts), Error> {
+        let last = &self.levels[self.levels.len() - 1].target;
+        let heard = last.read(0)?;
+        let passes = last.read(1)?;
+        let panning = Panning {
+            left: f64::from(heard[0]),
+            right: f64::from(heard[1]),
+        };
+        let mut counts = Counts {
+            listener_hits: heard[2] as u64,
+            dead: heard[3] as u64,
+            ..Counts::default()
+        };
+        counts.travelling = u64::from(grid.waves) - counts.listener_hits - counts.dead;
+        if are_evaluations {
+            counts.evaluations = passes[2] as u64;
+        } else {
+            counts.zero_length_passes = passes[0] as u64;
+            counts.guard_hits = passes[1] as u64;
+        }
+        Ok((panning, counts))
+    }
+}

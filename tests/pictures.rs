@@ -1,0 +1,297 @@
+//! Pictures on every GL API, against golden ones and against the CPU's distance
+//! function. A machine without GL fails these tests.
+//!
+//! The golden pictures in `tests/golden/` come from Mesa's llvmpipe. Another renderer may
+//! round differently, so a picture matches when the mean difference of its channels is
+//! below 1/255 and fewer than 0.5 % of its pixels differ by more than 8/255 in any.
+//! `ECHOMARCH_UPDATE_GOLDEN=1` writes them anew, drawn with the first API.
+
+#![cfg(feature = "experiment")]
+
+use echomarch::gpu::{Api, Context, ContextOptions};
+use echomarch::picture::{
+    Bounds, RgbaImage, SliceOptions, ViewOptions, first_person, save_png, slice,
+};
+use echomarch::scene::{Key, Path as KeyPath};
+use echomarch::{Error, Scene, Tracer};
+use glam::{Quat, Vec2, Vec3};
+use std::path::{Path, PathBuf};
+
+const MEAN_DIFFERENCE: f64 = 1.0;
+const PIXEL_DIFFERENCE: u8 = 8;
+const PIXELS_OFF: f64 = 0.005;
+
+/// A picture's name, and how it is drawn.
+type Golden = (&'static str, fn(&mut Tracer) -> RgbaImage);
+
+const GOLDEN: [Golden; 8] = [
+    ("corner-view", |t| view(t, "corner")),
+    ("obstacles-view", |t| view(t, "obstacles")),
+    ("open-pillars-view", |t| view(t, "open-pillars")),
+    ("corner-slice", |t| plan(t, "corner", 0)),
+    ("corner-slice-paths", |t| plan(t, "corner", 40)),
+    ("shoebox-slice-paths", |t| plan(t, "shoebox", 40)),
+    ("open-pillars-slice", |t| plan(t, "open-pillars", 0)),
+    ("open-pillars-slice-paths", |t| plan(t, "open-pillars", 40)),
+];
+
+/// Protects every picture from changing unseen, and the APIs from drawing differently.
+#[test]
+fn pictures_match_the_golden_ones_on_every_api() {
+    if std::env::var_os("ECHOMARCH_UPDATE_GOLDEN").is_some() {
+        let mut tracer = tracer(Api::ALL[0]);
+        for (name, draw) in GOLDEN {
+            save_png(&golden_file(name), &draw(&mut tracer)).unwrap();
+        }
+    }
+    for api in Api::ALL {
+        let ended = std::thread::spawn(move || {
+            let mut tracer = tracer(api);
+            for (name, draw) in GOLDEN {
+                let drawn = draw(&mut tracer);
+                let golden = image::open(golden_file(name)).unwrap().into_rgba8();
+                assert_alike(&drawn, &golden, &format!("{name}-{api}"));
+            }
+        });
+        assert!(ended.join().is_ok(), "failed with the API {api}");
+    }
+}
+
+/// Protects the claim that a picture shows what the waves meet: a block that hides the
+/// source from the waves hides it from the eye, and without the block it is seen.
+#[test]
+fn the_source_is_seen_only_where_nothing_is_before_it() {
+    let context = tracer(Api::Gl).context().clone();
+    let mut scene = Scene::builtin("corner").unwrap();
+    let ahead = scene.source.position - scene.listener.position;
+    scene.listener.yaw = ahead.x.atan2(-ahead.z);
+    let options = ViewOptions {
+        width: 60,
+        height: 60,
+        field_of_view: 0.2,
+    };
+    let glows = |scene: &Scene| {
+        let picture = first_person(&context, scene, &options).unwrap();
+        let [red, green, blue, alpha] = picture.get_pixel(30, 30).0;
+        assert_eq!(alpha, 255);
+        red > 245 && green > 235 && blue > 215
+    };
+    assert!(!glows(&scene));
+    scene.surfaces.truncate(1);
+    assert!(glows(&scene));
+    // Turned away, it is behind the eye.
+    scene.listener.yaw += std::f32::consts::PI;
+    assert!(!glows(&scene));
+}
+
+/// Protects the plan: what the CPU's distance function calls solid is filled, what it
+/// calls air is not, and every pixel lies where the bounds say.
+#[test]
+fn a_slice_is_filled_where_the_scene_is_solid() {
+    let mut tracer = tracer(Api::Gl);
+    for (name, height) in [("obstacles", 3.0), ("open-pillars", -0.5)] {
+        let scene = Scene::builtin(name).unwrap();
+        let options = SliceOptions {
+            width: 320,
+            height: Some(height),
+            bounds: Some(square(16.0)),
+            scale_bar: false,
+            ..SliceOptions::default()
+        };
+        let picture = slice(&mut tracer, &scene, &options).unwrap();
+        assert_eq!(picture.dimensions(), (320, 320));
+        let mut seen = [0, 0];
+        for (column, row, pixel) in picture.enumerate_pixels() {
+            let metres = |index: u32| (index as f32 + 0.5) * 0.1 - 16.0;
+            let place = Vec3::new(metres(column), height, metres(row));
+            let distance = scene.surface_distance(place).distance;
+            if near_a_mark(&scene, place) || distance.abs() < 0.3 {
+                continue;
+            }
+            let [red, green, blue, _] = pixel.0;
+            let hue = red.max(green).max(blue) - red.min(green).min(blue);
+            assert_eq!(hue > 20, distance < 0.0, "{name}: {pixel:?} at {place}");
+            seen[usize::from(distance < 0.0)] += 1;
+        }
+        assert!(seen.iter().all(|&count| count > 1000), "{name}: {seen:?}");
+    }
+}
+
+/// Protects x and yaw from a wrong sign anywhere: the plan of a mirrored scene is the
+/// mirrored plan, marks and key-framed paths included.
+#[test]
+fn a_mirrored_scene_gives_a_mirrored_slice() {
+    let mut tracer = tracer(Api::Gl);
+    let mut scene = Scene::builtin("open-pillars").unwrap();
+    scene.listener.yaw = 0.7;
+    let options = SliceOptions {
+        width: 200,
+        bounds: Some(square(15.0)),
+        scale_bar: false,
+        ..SliceOptions::default()
+    };
+    let mut drawn = slice(&mut tracer, &mirrored(&scene), &options).unwrap();
+    image::imageops::flip_horizontal_in_place(&mut drawn);
+    let expected = slice(&mut tracer, &scene, &options).unwrap();
+    assert_alike(&drawn, &expected, "mirrored-slice");
+}
+
+/// Protects the user from a picture of nothing, and the renderer from what it cannot draw.
+#[test]
+fn pictures_that_cannot_be_are_refused_as_bad_input() {
+    let mut tracer = tracer(Api::Gl);
+    let context = tracer.context().clone();
+    let scene = Scene::builtin("corner").unwrap();
+    let too_wide = context.limits().max_texture_size + 1;
+    for (width, height, field_of_view) in [
+        (0, 10, 1.0),
+        (10, 0, 1.0),
+        (too_wide, 1, 1.0),
+        (10, 10, 0.0),
+        (10, 10, 3.2),
+        (10, 10, f32::NAN),
+    ] {
+        let options = ViewOptions {
+            width,
+            height,
+            field_of_view,
+        };
+        refused(first_person(&context, &scene, &options));
+    }
+    let sound = SliceOptions::default();
+    let spoil: [fn(&mut SliceOptions); 5] = [
+        |o| o.width = 0,
+        |o| o.width = u32::MAX,
+        |o| o.height = Some(f32::INFINITY),
+        |o| o.bounds = Some(square(-1.0)),
+        |o| o.bounds.insert(square(1.0)).max.y = 1e9,
+    ];
+    for spoil in spoil {
+        let mut options = sound.clone();
+        spoil(&mut options);
+        refused(slice(&mut tracer, &scene, &options));
+    }
+}
+
+/// Protects files: what is read is what was drawn, and a folder that is not there is told.
+#[test]
+fn a_saved_picture_reads_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let picture = RgbaImage::from_fn(7, 3, |x, y| image::Rgba([x as u8, y as u8, 99, 255]));
+    let file = folder.path().join("picture.png");
+    save_png(&file, &picture).unwrap();
+    assert_eq!(image::open(&file).unwrap().into_rgba8(), picture);
+    let error = save_png(&folder.path().join("absent/picture.png"), &picture).unwrap_err();
+    assert!(error.to_string().contains("absent"), "{error}");
+    assert!(!error.is_bad_input());
+}
+
+fn tracer(api: Api) -> Tracer {
+    let options = ContextOptions { api, gpu: None };
+    let context = Context::headless(&options).unwrap_or_else(|error| panic!("{error}"));
+    Tracer::new(&context).unwrap()
+}
+
+fn view(tracer: &mut Tracer, name: &str) -> RgbaImage {
+    let options = ViewOptions {
+        width: 160,
+        height: 120,
+        ..ViewOptions::default()
+    };
+    let scene = Scene::builtin(name).unwrap();
+    first_person(tracer.context(), &scene, &options).unwrap()
+}
+
+fn plan(tracer: &mut Tracer, name: &str, paths: u32) -> RgbaImage {
+    let options = SliceOptions {
+        width: 160,
+        paths,
+        ..SliceOptions::default()
+    };
+    let scene = Scene::builtin(name).unwrap();
+    slice(tracer, &scene, &options).unwrap()
+}
+
+fn square(half: f32) -> Bounds {
+    Bounds {
+        min: Vec2::splat(-half),
+        max: Vec2::splat(half),
+    }
+}
+
+fn near_a_mark(scene: &Scene, place: Vec3) -> bool {
+    let listener = &scene.listener;
+    let path = (0..=50).filter_map(|step| listener.path.at(f64::from(step) * 0.1));
+    let mut marks = vec![(listener.position, listener.radius + 2.0)];
+    marks.push((scene.source.position, 0.8));
+    marks.extend(path.map(|key| (key.position, 0.5)));
+    let level = |p: Vec3| Vec2::new(p.x, p.z);
+    let is_near = |&(mark, radius): &(Vec3, f32)| level(mark).distance(level(place)) < radius;
+    marks.iter().any(is_near)
+}
+
+/// The scene with left and right exchanged.
+fn mirrored(scene: &Scene) -> Scene {
+    let place = |p: Vec3| Vec3::new(-p.x, p.y, p.z);
+    let path = |path: &KeyPath| {
+        let key = |key: &Key| Key {
+            position: place(key.position),
+            yaw: -key.yaw,
+            ..*key
+        };
+        KeyPath::new(path.keys().iter().map(key).collect()).unwrap()
+    };
+    let mut mirrored = scene.clone();
+    mirrored.source.position = place(scene.source.position);
+    mirrored.source.path = path(&scene.source.path);
+    mirrored.listener.position = place(scene.listener.position);
+    mirrored.listener.yaw = -scene.listener.yaw;
+    mirrored.listener.path = path(&scene.listener.path);
+    for surface in &mut mirrored.surfaces {
+        surface.position = place(surface.position);
+        let [x, y, z, w] = surface.rotation.to_array();
+        surface.rotation = Quat::from_xyzw(x, -y, -z, w);
+    }
+    mirrored
+}
+
+fn refused(drawn: Result<RgbaImage, Error>) {
+    let error = drawn.expect_err("this must be refused");
+    assert!(error.is_bad_input(), "{error}");
+}
+
+fn golden_file(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("tests/golden/{name}.png"))
+}
+
+/// Compares within the tolerance above; a picture that does not match is kept to be seen.
+fn assert_alike(drawn: &RgbaImage, expected: &RgbaImage, name: &str) {
+    let verdict = difference(drawn, expected);
+    if let Err(difference) = verdict {
+        let kept = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{name}.png"));
+        save_png(&kept, drawn).unwrap();
+        panic!("{name}: {difference}; what was drawn is {}", kept.display());
+    }
+}
+
+fn difference(drawn: &RgbaImage, expected: &RgbaImage) -> Result<(), String> {
+    let (here, there) = (drawn.dimensions(), expected.dimensions());
+    if here != there {
+        return Err(format!("{here:?} pixels instead of {there:?}"));
+    }
+    let (mut sum, mut off) = (0.0, 0.0);
+    for (a, b) in drawn.pixels().zip(expected.pixels()) {
+        let channels = a.0.iter().zip(b.0).map(|(a, b)| a.abs_diff(b));
+        off += f64::from(u8::from(channels.clone().any(|d| d > PIXEL_DIFFERENCE)));
+        sum += channels.map(f64::from).sum::<f64>();
+    }
+    let pixels = f64::from(here.0) * f64::from(here.1);
+    let (mean, off) = (sum / (4.0 * pixels), off / pixels);
+    if mean < MEAN_DIFFERENCE && off < PIXELS_OFF {
+        return Ok(());
+    }
+    Err(format!(
+        "the mean difference is {mean:.2}/255, and {:.2} % of the pixels differ by more than {PIXEL_DIFFERENCE}/255",
+        100.0 * off
+    ))
+}
