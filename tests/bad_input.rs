@@ -285,8 +285,8 @@ fn settings_out_of_range_are_refused() {
     ];
     for (option, value, says) in cases {
         for command in [
-            &["trace", "corner"][..],
-            &["render", "corner", "-o", "x.wav"],
+            &["trace", "corner", "--profile", "thesis"][..],
+            &["render", "corner", "--profile", "thesis", "-o", "x.wav"],
         ] {
             let mut arguments = command.to_vec();
             arguments.extend([option, value]);
@@ -478,6 +478,8 @@ Scene(
     let grazing = [
         "trace",
         argument(&file),
+        "--profile",
+        "thesis",
         "--iterations",
         "1",
         "--min-distance",
@@ -494,7 +496,14 @@ Scene(
     let told = format!("warning: {guard_hits} marches were given up after 4096 steps");
     assert!(stderr(&output).contains(&told), "{}", stderr(&output));
 
-    let thesis = json(&["trace", argument(&file), "--iterations", "1"]);
+    let thesis = json(&[
+        "trace",
+        argument(&file),
+        "--profile",
+        "thesis",
+        "--iterations",
+        "1",
+    ]);
     assert_eq!(thesis["guard_hits"], 0);
 }
 
@@ -505,6 +514,8 @@ fn the_least_minimum_distance_ends() {
         let report = json(&[
             "trace",
             "open-field",
+            "--profile",
+            "thesis",
             "--waves",
             "4096",
             "--min-distance",

@@ -43,7 +43,15 @@ fn every_help_has_examples() {
 #[test]
 fn trace_reports_the_documented_keys() {
     let output = succeed(&[
-        "trace", "corner", "--waves", "1000", "--seed", "7", "--json",
+        "trace",
+        "corner",
+        "--profile",
+        "thesis",
+        "--waves",
+        "1000",
+        "--seed",
+        "7",
+        "--json",
     ]);
     let text = stdout(&output);
     let expected = [
@@ -94,8 +102,9 @@ fn dumped_waves_are_those_of_the_library() {
     let folder = tempfile::tempdir().unwrap();
     let dump = |name: &str, seed: &str| {
         let path = folder.path().join(name);
-        let waves = ["trace", "corner", "--waves", "1000", "--seed", seed];
-        succeed(&[&waves[..], &["--dump-waves", argument(&path)]].concat());
+        let trace = ["trace", "corner", "--profile", "thesis", "--waves", "1000"];
+        let rest = ["--seed", seed, "--dump-waves", argument(&path)];
+        succeed(&[&trace[..], &rest].concat());
         std::fs::read_to_string(path).unwrap()
     };
     let text = dump("first.csv", "3");
@@ -325,7 +334,7 @@ fn results_and_notes_go_different_ways() {
 /// they find the same waves at the listener.
 #[test]
 fn all_apis_give_the_same_hits() {
-    let report = |api| json(&["trace", "corner", "--gl", api]);
+    let report = |api| json(&["trace", "corner", "--profile", "thesis", "--gl", api]);
     let reports = ["gl", "gles", "osmesa"].map(report);
     let hits = reports
         .each_ref()

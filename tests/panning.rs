@@ -183,7 +183,14 @@ mod through_the_program {
             )"
         );
         std::fs::write(&file, text).unwrap();
-        let report = json(&["trace", argument(&file), "--iterations", "4"]);
+        let report = json(&[
+            "trace",
+            argument(&file),
+            "--profile",
+            "thesis",
+            "--iterations",
+            "4",
+        ]);
         report["pan"].as_f64().unwrap()
     }
 
