@@ -516,6 +516,8 @@ fn the_least_minimum_distance_ends() {
             "open-field",
             "--profile",
             "thesis",
+            "--iterations",
+            "1",
             "--waves",
             "4096",
             "--min-distance",
