@@ -277,7 +277,7 @@ impl Tracer {
             targets
                 .sum
                 .draw(&self.context, &mut self.programs, contributions, grid)?;
-            return Ok(targets.sum.read(grid, are_evaluations)?);
+            return targets.sum.read(grid, are_evaluations);
         }
         let texels = &mut self.contributions;
         targets.pan.read_into(0, grid.width, grid.height, texels)?;

@@ -129,7 +129,7 @@ fn shape_files(scene: &Scene, file_of: fn(&Shape) -> Source) -> Vec<Source> {
 /// The rotation's function, where a surface has one.
 fn turn_file(scene: &Scene) -> Option<Source> {
     let turns = scene.surfaces.iter().any(Surface::has_rotation);
-    turns.then(|| source!("distance/turn.glsl"))
+    turns.then_some(source!("distance/turn.glsl"))
 }
 
 /// The declaration of `uSurfaces`.
