@@ -54,7 +54,10 @@ pub(crate) fn temporary_beside(target: &Path) -> io::Result<NamedTempFile> {
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
-    builder.tempfile_in(folder_of(target))
+    // The error of the call alone: tempfile's names the temporary file, which nobody asked for.
+    builder
+        .tempfile_in(folder_of(target))
+        .map_err(|error| io::Error::from(error.kind()))
 }
 
 /// Makes a folder if need be and proves that files can be written in it: to be called

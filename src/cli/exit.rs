@@ -17,7 +17,8 @@ pub fn report(error: &anyhow::Error) -> ExitCode {
     if is_broken_pipe(error) {
         return ExitCode::SUCCESS;
     }
-    eprintln!("echomarch: {error:#}");
+    // The outermost error alone: ours name their cause in their own sentence.
+    eprintln!("echomarch: {error}");
     ExitCode::from(code(error))
 }
 

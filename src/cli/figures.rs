@@ -24,17 +24,32 @@ Examples:
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
     /// Leave out rows of more waves
-    #[arg(long, default_value_t = 1_048_576, value_name = "N")]
+    #[arg(
+        long,
+        allow_negative_numbers = true,
+        default_value_t = 1_048_576,
+        value_name = "N"
+    )]
     max_waves: u32,
     /// Timed frames of each row; times are their medians
-    #[arg(long, default_value_t = 5, value_name = "N")]
+    #[arg(
+        long,
+        allow_negative_numbers = true,
+        default_value_t = 5,
+        value_name = "N"
+    )]
     runs: u32,
     /// Profiles to set side by side
     #[arg(long, value_delimiter = ',', value_name = "NAMES",
           default_values_t = [Profile::Thesis, Profile::March, Profile::Hybrid])]
     profiles: Vec<Profile>,
     /// Chooses the random directions
-    #[arg(long, default_value_t = 1, value_name = "N")]
+    #[arg(
+        long,
+        allow_negative_numbers = true,
+        default_value_t = 1,
+        value_name = "N"
+    )]
     seed: u32,
     /// Write figures.csv, figures.json and figures.svg into this folder
     #[arg(short, long, value_name = "DIR")]
@@ -47,9 +62,6 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     let most = f64::from(u32::MAX);
     check_range("--max-waves", f64::from(arguments.max_waves), least, most)?;
     check_range("--runs", f64::from(arguments.runs), 1.0, 1000.0)?;
-    if let Some(folder) = &arguments.output {
-        prepare_folder(folder)?;
-    }
     let profiles = arguments.profiles.iter();
     let options = FiguresOptions {
         profiles: profiles
@@ -58,6 +70,9 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
         max_waves: arguments.max_waves,
         runs: arguments.runs,
     };
+    if let Some(folder) = &arguments.output {
+        prepare_folder(folder)?;
+    }
     let mut tracer = common.tracer()?;
     let bar = print::progress(common, 0, "rows");
     let report = figures::run(&mut tracer, &options, &mut |done, total| {

@@ -7,8 +7,14 @@ use crate::trace::MAX_WAVES;
 use clap::Args;
 use serde::Serialize;
 
+const EXAMPLES: &str = "\
+Examples:
+  echomarch info                             every API and GPU, and their limits
+  echomarch info --json > renderers.json";
+
 /// Arguments of `info`.
 #[derive(Args, Debug)]
+#[command(after_help = EXAMPLES)]
 pub struct Arguments {}
 
 #[derive(Serialize)]

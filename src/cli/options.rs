@@ -14,7 +14,7 @@ pub struct Common {
     #[arg(long, global = true, default_value_t = Api::Gl, value_name = "API")]
     pub gl: Api,
     /// EGL device to use, as numbered by `info`; without it the first that works
-    #[arg(long, global = true, value_name = "N")]
+    #[arg(long, global = true, allow_negative_numbers = true, value_name = "N")]
     pub gpu: Option<usize>,
     /// Print JSON instead of text
     #[arg(long, global = true)]
@@ -75,27 +75,42 @@ pub struct TraceOptions {
     #[arg(long, default_value_t = Profile::Hybrid, value_name = "NAME")]
     pub profile: Profile,
     /// Number of sound waves, 1 to 16777216
-    #[arg(long, default_value_t = 65_536, value_name = "N")]
+    #[arg(
+        long,
+        allow_negative_numbers = true,
+        default_value_t = 65_536,
+        value_name = "N"
+    )]
     pub waves: u32,
     /// Segments of each wave, 1 to 4095
-    #[arg(long, default_value_t = 8, value_name = "N")]
+    #[arg(
+        long,
+        allow_negative_numbers = true,
+        default_value_t = 8,
+        value_name = "N"
+    )]
     pub iterations: u32,
     /// Chooses the start directions
-    #[arg(long, default_value_t = 1, value_name = "N")]
+    #[arg(
+        long,
+        allow_negative_numbers = true,
+        default_value_t = 1,
+        value_name = "N"
+    )]
     pub seed: u32,
     /// Start directions: random (the thesis), fibonacci (an even lattice)
     #[arg(long, default_value_t = Directions::Random, value_name = "NAME")]
     pub directions: Directions,
     /// thesis: a surface is met below this distance [0.1]; march: width of the shell in
     /// which Newton's steps are taken [everywhere]; in metres
-    #[arg(long, value_name = "METRES")]
+    #[arg(long, allow_negative_numbers = true, value_name = "METRES")]
     pub min_distance: Option<f32>,
     /// A wave is dead beyond this distance in one iteration, in metres [thesis: 300,
     /// else 1e9]
-    #[arg(long, value_name = "METRES")]
+    #[arg(long, allow_negative_numbers = true, value_name = "METRES")]
     pub max_distance: Option<f32>,
     /// Iterations in one pass over the waves [hybrid: all, else 1]
-    #[arg(long, value_name = "N")]
+    #[arg(long, allow_negative_numbers = true, value_name = "N")]
     pub iterations_per_pass: Option<u32>,
     /// Sum the panning on the GPU and read back one texel
     #[arg(long)]

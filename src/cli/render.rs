@@ -6,6 +6,7 @@ use crate::audio::{Mixer, PanningLaw, SAMPLE_RATE, Sound, SoundSpec, WavWriter};
 use crate::error::Error;
 use crate::experiment::median;
 use crate::offline::{self, Block, Timing};
+use crate::output::check_file;
 use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -32,10 +33,15 @@ pub struct Arguments {
     #[arg(long, default_value = "sine:440", value_name = "SOUND")]
     sound: SoundSpec,
     /// Length [default: the scene's longest path, or 5]
-    #[arg(long, value_name = "SECONDS")]
+    #[arg(long, allow_negative_numbers = true, value_name = "SECONDS")]
     seconds: Option<f64>,
     /// Frames traced a second
-    #[arg(long, default_value_t = 30.0, value_name = "N")]
+    #[arg(
+        long,
+        allow_negative_numbers = true,
+        default_value_t = 30.0,
+        value_name = "N"
+    )]
     fps: f64,
     /// How the panning value becomes two levels: linear (the thesis), constant-power
     #[arg(long, default_value_t = PanningLaw::Linear, value_name = "LAW")]
@@ -72,6 +78,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     let scene = common.scene(&arguments.scene)?;
     let timing = timing(arguments, scene.duration())?;
     let mut sound = Sound::load(&arguments.sound, SAMPLE_RATE).map_err(Error::from)?;
+    check_file(&arguments.output)?;
     let mut writer = WavWriter::create(&arguments.output).map_err(Error::from)?;
     let mut tracer = common.tracer()?;
     let mut mixer = Mixer::new(arguments.law);

@@ -19,12 +19,13 @@ impl Scene {
             path: path.to_owned(),
             source,
         })?;
-        let mut scene = Scene::from_ron(&text, &path.display().to_string())?;
+        let mut scene = parse(&text, &path.display().to_string())?;
         if scene.name.is_empty()
             && let Some(stem) = path.file_stem()
         {
             scene.name = stem.to_string_lossy().into_owned();
         }
+        scene.validate()?;
         Ok(scene)
     }
 
@@ -44,21 +45,26 @@ impl Scene {
     /// # Errors
     /// [`SceneError::Malformed`] with line and column, or [`SceneError::Empty`].
     pub fn from_ron(text: &str, origin: &str) -> Result<Scene, SceneError> {
-        let options = ron::Options::default()
-            .with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
-        let file: SceneFile = options.from_str(text).map_err(|error| {
-            let start = error.span.start;
-            SceneError::Malformed {
-                origin: origin.to_owned(),
-                line: start.line,
-                column: start.col,
-                message: error.code.to_string(),
-            }
-        })?;
-        let scene = Scene::from(file);
+        let scene = parse(text, origin)?;
         scene.validate()?;
         Ok(scene)
     }
+}
+
+/// The scene that the text says, not yet checked as a whole.
+fn parse(text: &str, origin: &str) -> Result<Scene, SceneError> {
+    let options =
+        ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
+    let file: SceneFile = options.from_str(text).map_err(|error| {
+        let start = error.span.start;
+        SceneError::Malformed {
+            origin: origin.to_owned(),
+            line: start.line,
+            column: start.col,
+            message: error.code.to_string(),
+        }
+    })?;
+    Ok(Scene::from(file))
 }
 
 #[derive(Deserialize)]

@@ -1,0 +1,85 @@
+//! What the integration tests share. A machine without GL fails them: nothing is skipped.
+#![allow(dead_code)] // Every test file uses its own part of this.
+
+use echomarch::gpu::{Api, Context, ContextOptions};
+use echomarch::{Scene, Settings, Tracer};
+
+/// Runs `test` once on every API, each on a thread of its own.
+pub fn for_each_api(test: impl Fn(&Context) + Sync) {
+    for api in Api::ALL {
+        let ended = std::thread::scope(|scope| {
+            std::thread::Builder::new()
+                .name(api.to_string())
+                .spawn_scoped(scope, || test(&context(api)))
+                .unwrap()
+                .join()
+        });
+        assert!(ended.is_ok(), "failed with the API {api}");
+    }
+}
+
+/// A context of the API on the first device that gives one.
+pub fn context(api: Api) -> Context {
+    Context::headless(&ContextOptions { api, gpu: None }).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// A tracer on a context of the preferred API.
+pub fn tracer() -> Tracer {
+    Tracer::new(&context(Api::Gl)).unwrap()
+}
+
+/// The thesis' settings with these counts.
+pub fn thesis(waves: u32, iterations: u32) -> Settings {
+    Settings::thesis()
+        .with_waves(waves)
+        .with_iterations(iterations)
+}
+
+/// A scene that a test needs and that must be there.
+pub fn builtin(name: &str) -> Scene {
+    Scene::builtin(name).unwrap()
+}
+
+/// The program as a person starts it.
+#[cfg(feature = "cli")]
+pub mod cli {
+    use std::path::Path;
+    use std::process::{Command, Output};
+
+    /// The program, to be given arguments.
+    pub fn command() -> Command {
+        Command::new(env!("CARGO_BIN_EXE_echomarch"))
+    }
+
+    /// Runs the program, neither of whose outputs is a terminal.
+    pub fn echomarch(arguments: &[&str]) -> Output {
+        command().args(arguments).output().unwrap()
+    }
+
+    /// Runs it and demands exit code 0.
+    pub fn succeed(arguments: &[&str]) -> Output {
+        let output = echomarch(arguments);
+        let errors = stderr(&output);
+        assert!(output.status.success(), "{arguments:?}: {errors}");
+        output
+    }
+
+    /// Runs it with `--json`, demands exit code 0, and reads what it printed.
+    pub fn json(arguments: &[&str]) -> serde_json::Value {
+        let output = succeed(&[arguments, &["--json"]].concat());
+        serde_json::from_slice(&output.stdout).unwrap()
+    }
+
+    pub fn stdout(output: &Output) -> &str {
+        std::str::from_utf8(&output.stdout).unwrap()
+    }
+
+    pub fn stderr(output: &Output) -> &str {
+        std::str::from_utf8(&output.stderr).unwrap()
+    }
+
+    /// A path as an argument.
+    pub fn argument(path: &Path) -> &str {
+        path.to_str().unwrap()
+    }
+}
