@@ -17,7 +17,7 @@ check_package() {
     local list file
     list="$(cargo package --list --locked --allow-dirty)"
     for file in Cargo.toml Cargo.lock README.md CHANGELOG.md LICENSE-MIT LICENSE-APACHE \
-        src/lib.rs src/main.rs glsl/march_thesis.frag examples/headless.rs \
+        src/lib.rs src/main.rs glsl/iterate_thesis.glsl examples/headless.rs \
         examples/scenes/corner.ron docs/thesis.md docs/scene-format.md; do
         if ! grep -qxF "$file" <<<"$list"; then
             complain "the package lacks $file"

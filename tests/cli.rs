@@ -176,7 +176,7 @@ fn figures_writes_csv_json_and_svg() {
 
     let report: serde_json::Value = serde_json::from_str(&read("figures.json")).unwrap();
     assert_eq!(report["tables"].as_array().unwrap().len(), 4);
-    assert_eq!(report["tables"][3]["rows"][2]["waves"], 1024);
+    assert_eq!(report["tables"][3]["rows"][8]["waves"], 1024);
 
     let svg = read("figures.svg");
     assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"));
