@@ -23,6 +23,9 @@ use std::time::Instant;
 /// a graphics card's watchdog does not take a long pass for a hang.
 const WAVES_PER_DRAW: u32 = 1 << 20;
 
+/// Waves times iterations in one draw call at the most, for the same reason.
+const ITERATIONS_PER_DRAW: u32 = 1 << 23;
+
 /// Uniform vectors that the shaders need beside those of the surfaces.
 const OWN_UNIFORM_VECTORS: usize = 16;
 
@@ -210,7 +213,7 @@ impl Tracer {
         program.set_f32("uStartStatus", job.start_status());
         program.set_u32("uSeed", job.settings.seed);
         program.set_vec4("uTurn", Vec4::from(random_turn(job.settings.seed)));
-        self.pass(&program, targets.grid, targets.pairs.current())
+        self.pass(&program, targets.grid, targets.pairs.current(), 1)
     }
 
     fn march_all(&mut self, job: &Job) -> Result<f64, Error> {
@@ -230,7 +233,7 @@ impl Tracer {
         job.march.set_texture("uOrigins", 0, &current.first);
         job.march.set_texture("uDirections", 1, &current.second);
         job.march.set_i32("uIterationsInPass", iterations as i32);
-        let time = self.pass(&job.march, targets.grid, targets.pairs.next())?;
+        let time = self.pass(&job.march, targets.grid, targets.pairs.next(), iterations)?;
         if let Some(targets) = &mut self.targets {
             targets.pairs.flip();
         }
@@ -262,7 +265,7 @@ impl Tracer {
         program.set_texture("uDirections", 1, &current.second);
         program.set_vec4("uListener", job.listener());
         program.set_vec3("uListenerRight", job.scene.listener.right());
-        self.pass(&program, targets.grid, &targets.pan)
+        self.pass(&program, targets.grid, &targets.pan, 1)
     }
 
     /// The sum of the contributions: on the CPU, or on the GPU if the settings say so.
@@ -297,10 +300,17 @@ impl Tracer {
         Ok([origins, directions])
     }
 
-    /// Draws one pass in bands of at most [`WAVES_PER_DRAW`] waves and takes its
-    /// time in milliseconds.
-    fn pass(&self, program: &Program, grid: Grid, target: &impl Target) -> Result<f64, Error> {
-        let rows = (WAVES_PER_DRAW / grid.width).max(1);
+    /// Draws one pass of so many iterations in bands of rows, and takes its time in
+    /// milliseconds.
+    fn pass(
+        &self,
+        program: &Program,
+        grid: Grid,
+        target: &impl Target,
+        iterations: u32,
+    ) -> Result<f64, Error> {
+        let waves = (ITERATIONS_PER_DRAW / iterations).min(WAVES_PER_DRAW);
+        let rows = (waves / grid.width).max(1);
         let draw = || {
             for start in (0..grid.height).step_by(rows as usize) {
                 let band = start..start + rows;
