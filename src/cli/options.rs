@@ -9,6 +9,7 @@ use clap::Args;
 
 /// For every subcommand.
 #[derive(Args, Debug)]
+#[command(next_help_heading = "Renderer and output")]
 pub struct Common {
     /// OpenGL by way of: gl (EGL, desktop 3.3), gles (EGL, ES 3.0), osmesa
     #[arg(long, global = true, default_value_t = Api::Gl, value_name = "API")]
@@ -70,6 +71,7 @@ impl Common {
 
 /// How to trace.
 #[derive(Args, Debug)]
+#[command(next_help_heading = "How to trace")]
 pub struct TraceOptions {
     /// The algorithm: hybrid (closed form), march (sphere tracing done right), thesis
     #[arg(long, default_value_t = Profile::Hybrid, value_name = "NAME")]
@@ -125,7 +127,11 @@ pub struct TraceOptions {
 
 impl TraceOptions {
     /// The settings that were typed, checked.
-    pub fn settings(&self) -> anyhow::Result<Settings> {
+    pub fn settings(&self, common: &Common) -> anyhow::Result<Settings> {
+        if self.profile == Profile::Hybrid && self.min_distance.is_some() {
+            common
+                .note("note: --min-distance has no effect on --profile hybrid: it does not march");
+        }
         if self.profile != Profile::March && (self.difference_normals || self.no_landing) {
             let profile = self.profile;
             let text = format!(

@@ -74,7 +74,7 @@ struct FrameLine {
 
 /// Runs the subcommand.
 pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
-    let settings = arguments.options.settings()?;
+    let settings = arguments.options.settings(common)?;
     let scene = common.scene(&arguments.scene)?;
     let timing = timing(arguments, scene.duration())?;
     let mut sound = Sound::load(&arguments.sound, SAMPLE_RATE).map_err(Error::from)?;

@@ -40,7 +40,7 @@ pub struct Arguments {
 
 /// Runs the subcommand.
 pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
-    let settings = arguments.options.settings()?;
+    let settings = arguments.options.settings(common)?;
     check_file(&arguments.output)?;
     let scene = common.scene_at(&arguments.scene, arguments.time)?;
     let mut tracer = common.tracer()?;

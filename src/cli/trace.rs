@@ -4,7 +4,7 @@ use super::options::{Common, TraceOptions};
 use super::print;
 use crate::output::{check_file, write_whole};
 use crate::scene::Scene;
-use crate::trace::{Frame, Milliseconds, Settings, Wave};
+use crate::trace::{Frame, Milliseconds, Profile, Settings, Wave};
 use clap::Args;
 use serde::Serialize;
 use std::io::{self, Write};
@@ -37,7 +37,8 @@ struct Report<'a> {
     clock: &'a str,
     waves: u32,
     iterations: u32,
-    min_distance: f32,
+    /// What does not march has none.
+    min_distance: Option<f32>,
     max_distance: f32,
     seed: u32,
     directions: String,
@@ -54,7 +55,7 @@ struct Report<'a> {
 
 /// Runs the subcommand.
 pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
-    let settings = arguments.options.settings()?;
+    let settings = arguments.options.settings(common)?;
     if let Some(path) = &arguments.dump_waves {
         check_file(path)?;
     }
@@ -97,7 +98,7 @@ fn report<'a>(
         clock,
         waves: settings.waves,
         iterations: settings.iterations,
-        min_distance: settings.min_distance,
+        min_distance: (settings.profile != Profile::Hybrid).then_some(settings.min_distance),
         max_distance: settings.max_distance,
         seed: settings.seed,
         directions: settings.directions.to_string(),
