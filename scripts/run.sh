@@ -44,10 +44,8 @@ run cargo build --release --locked
 program="${CARGO_TARGET_DIR:-target}/release/echomarch"
 
 run "$program" info
-run "$program" figures --max-waves 65536 --runs 3 -o "$out"
-# The direct sound alone: with more iterations the thesis' algorithm starts waves that met
-# nothing again at the world's origin (docs/thesis.md), where this scene's listener is.
-run "$program" render open-field --iterations 1 -o "$out/open-field.wav"
+run "$program" figures --runs 3 -o "$out"
+run "$program" render open-field -o "$out/open-field.wav"
 for scene in corner obstacles; do
     run "$program" view "$scene" -o "$out/$scene.png"
     run "$program" slice "$scene" -o "$out/$scene-paths.png" --paths 300
