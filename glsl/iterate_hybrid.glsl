@@ -13,7 +13,7 @@ bool finished(float status) {
 void iterate(inout vec4 origin, inout vec4 direction) {
     float object;
     float t = nearestHit(origin.xyz, direction.xyz, origin.w, object);
-    if (!(t < uMaxDistance)) {
+    if (!(t < min(uMaxDistance, NO_HIT))) {
         origin.w = STATUS_DEAD;
         return;
     }

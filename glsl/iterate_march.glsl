@@ -41,14 +41,16 @@ float traceWave(vec3 origin, vec3 direction, float last, out float object, out b
         float nearest = boundedDistance(p, direction, last, object, second);
         if (nearest < uMinDistance) {
 #if LANDING
-            float closing = -dot(direction, gradientAhead(p, direction, object));
-            if (closing > 0.0 && abs(nearest) <= roundingAt(p)) {
+            float slack;
+            float closing = -dot(direction, gradientAhead(p, direction, object, slack));
+            float rounding = roundingAt(p, slack);
+            if (closing > 0.0 && abs(nearest) <= rounding) {
                 return t;
             }
             // Receding from a convex solid: only the others can be met.
             float step = closing > 0.0 ? min(nearest / closing, second) : second;
             // Whatever rounding says, the march goes on.
-            t = max(t + step, nearest < 0.0 ? 0.0 : t + 0.5 * roundingAt(p));
+            t = max(t + step, nearest < 0.0 ? 0.0 : t + 0.5 * rounding);
 #else
             return t;
 #endif

@@ -7,7 +7,7 @@
 
 uniform highp sampler2D uOrigins;
 uniform highp sampler2D uDirections;
-uniform vec4 uListener;        // centre in world metres, radius
+uniform vec4 uListener;        // centre in metres, in the march's coordinates; radius
 uniform vec3 uListenerRight;   // unit vector out of the right ear
 
 layout(location = 0) out vec4 outContribution;   // left, right, status, counters
@@ -23,6 +23,6 @@ void main() {
     vec3 offset = origin.xyz - uListener.xyz;
     float distance = length(offset);
     // A source at the very centre of the listener arrives from nowhere: the middle.
-    float side = distance > 0.0 ? dot(offset, uListenerRight) / distance : 0.0;
+    float side = distance > 0.0 ? clamp(dot(offset, uListenerRight) / distance, -1.0, 1.0) : 0.0;
     outContribution = vec4(0.5 - 0.5 * side, 0.5 + 0.5 * side, origin.w, counters);
 }

@@ -1,9 +1,19 @@
-// What rounding may do to a position, in metres: near the scene a few units in the last
-// place of its largest coordinate, far from it of the position's own.
-uniform float uSlack;
+// What rounding may do to a distance, in metres: some units in the last place of the
+// largest number that went into it, be it the wave's position or the surface's own place
+// and size (its slack).
 
-float roundingAt(vec3 p) {
-    const float FEW_UNITS = 4.7683716e-7;   // 4 * 2^-23
-    vec3 far = abs(p);
-    return max(uSlack, FEW_UNITS * max(far.x, max(far.y, far.z)));
+const float ROUNDING = 9.5367432e-7;   // 8 * 2^-23
+
+float largest(vec3 v) {
+    vec3 size = abs(v);
+    return max(size.x, max(size.y, size.z));
+}
+
+float roundingAt(vec3 p, float slack) {
+    return max(slack, ROUNDING * largest(p));
+}
+
+// The slack of a ball or a cylinder, from its place and radius.
+float roundSlack(vec4 placeAndRadius) {
+    return ROUNDING * (largest(placeAndRadius.xyz) + placeAndRadius.w);
 }

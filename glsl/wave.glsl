@@ -1,5 +1,5 @@
 // How a sound wave lies in the texture pair (thesis, figure 7).
-//   first texture:  origin x, y, z in world metres, status
+//   first texture:  origin x, y, z in metres, status
 //   second texture: direction x, y, z, counters
 // The thesis leaves the last component of the direction unused (0). Here it counts,
 // for reports alone, the passes that ended at distance 0 and those that met the step

@@ -6,7 +6,7 @@
 use crate::audio::{FrameBlocks, Mixer, SAMPLE_RATE, Sound};
 use crate::error::Error;
 use crate::scene::Scene;
-use crate::trace::{Frame, Settings, Tracer};
+use crate::trace::{Frame, Settings, TraceError, Tracer};
 
 /// How long, and at how many frames a second.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,7 +44,8 @@ pub struct Block<'a> {
 /// frame's block to `take`.
 ///
 /// # Errors
-/// [`Error::Audio`] for a frame rate that makes no sense, those of [`Tracer::frame`],
+/// [`Error::Trace`] for seconds that are not finite, [`Error::Audio`] for a frame rate
+/// that makes no sense, those of [`Tracer::frame`],
 /// and whatever `take` returns.
 pub fn render<E: From<Error>>(
     tracer: &mut Tracer,
@@ -55,6 +56,14 @@ pub fn render<E: From<Error>>(
     timing: Timing,
     mut take: impl FnMut(Block) -> Result<(), E>,
 ) -> Result<(), E> {
+    if !(timing.seconds.is_finite() && timing.seconds >= 0.0) {
+        let error = TraceError::BadSetting {
+            what: "length in seconds",
+            must: "finite and not negative".to_owned(),
+            value: timing.seconds.to_string(),
+        };
+        return Err(Error::from(error).into());
+    }
     let blocks = FrameBlocks::new(timing.fps, SAMPLE_RATE).map_err(Error::from)?;
     let end = (timing.seconds * f64::from(SAMPLE_RATE)).round() as u64;
     let mut mono = vec![0.0; blocks.longest()];

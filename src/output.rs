@@ -17,6 +17,32 @@ pub struct OutputError {
     pub source: io::Error,
 }
 
+impl OutputError {
+    /// Whether the place that was named is to blame, rather than the disk.
+    pub fn is_bad_input(&self) -> bool {
+        is_bad_place(&self.source)
+    }
+}
+
+/// Whether an error of writing says that the place cannot be written to at all.
+pub(crate) fn is_bad_place(error: &io::Error) -> bool {
+    use io::ErrorKind::{
+        AlreadyExists, InvalidFilename, InvalidInput, IsADirectory, NotADirectory, NotFound,
+        PermissionDenied, ReadOnlyFilesystem,
+    };
+    matches!(
+        error.kind(),
+        AlreadyExists
+            | InvalidFilename
+            | InvalidInput
+            | IsADirectory
+            | NotADirectory
+            | NotFound
+            | PermissionDenied
+            | ReadOnlyFilesystem
+    )
+}
+
 /// Writes a file by way of `fill`, beside its place, and renames it there.
 ///
 /// # Errors
@@ -34,6 +60,7 @@ pub fn write_whole(
     fill(&mut writer).map_err(error)?;
     writer.flush().map_err(error)?;
     drop(writer);
+    beside.as_file().sync_all().map_err(error)?;
     beside.persist(path).map_err(|e| error(e.error))?;
     Ok(())
 }
@@ -42,10 +69,19 @@ pub fn write_whole(
 /// as any new file is. A target that is there but no plain file (a folder, a device) is
 /// refused, since a rename would replace it.
 pub(crate) fn temporary_beside(target: &Path) -> io::Result<NamedTempFile> {
-    if let Ok(found) = std::fs::metadata(target)
-        && !found.is_file()
-    {
-        return Err(io::Error::other("it is there already and no plain file"));
+    let ends_as_a_folder = target.as_os_str().as_encoded_bytes().ends_with(b"/");
+    if ends_as_a_folder || target.file_name().is_none() {
+        return Err(io::ErrorKind::IsADirectory.into());
+    }
+    match std::fs::metadata(target) {
+        Ok(found) if found.is_dir() => return Err(io::ErrorKind::IsADirectory.into()),
+        Ok(found) if !found.is_file() => {
+            let text = "it is there already and no plain file";
+            return Err(io::Error::new(io::ErrorKind::InvalidInput, text));
+        }
+        // A name that cannot even be asked for (too long, say) cannot be written either.
+        Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+        Ok(_) | Err(_) => {}
     }
     let mut builder = tempfile::Builder::new();
     builder.prefix(".echomarch-").suffix(".part");

@@ -1,4 +1,4 @@
-// The listener: centre in world metres, radius.
+// The listener: centre in metres, in the march's coordinates; radius.
 uniform vec4 uListener;
 
 float listenerDistance(vec3 p) {

@@ -98,7 +98,7 @@ vec3 lines(vec3 x, vec3 w, float spacing, float halfWidth) {
     return (floor(to) + min(fract(to) * n, 1.0) - floor(from) - min(fract(from) * n, 1.0)) / (n * width);
 }
 
-// Grid of metres on the surface at p, every fifth line stronger: 0 … 1.
+// Grid of metres on the surface at p, every fifth line stronger: 0 ... 1.
 float grid(vec3 p, vec3 normal, vec3 direction, float t) {
     float slant = dot(normal, direction);
     slant = slant < 0.0 ? min(slant, -0.02) : max(slant, 0.02);

@@ -110,8 +110,8 @@ pub enum AudioError {
         /// The name that was given.
         name: String,
     },
-    /// A frame rate that is not a finite number above zero.
-    #[error("a rate of {fps} frames a second cannot be used: choose a finite number above 0")]
+    /// A frame rate that is not 0.001 to 1,000,000.
+    #[error("a rate of {fps} frames a second cannot be used: choose 0.001 to 1000000")]
     BadFrameRate {
         /// The frame rate that was asked for, in frames a second.
         fps: f64,
@@ -138,6 +138,10 @@ impl AudioError {
     /// Whether the caller's input is at fault (a name, a number, a file that was given), rather
     /// than this program or the disk that it writes to.
     pub fn is_bad_input(&self) -> bool {
-        !matches!(self, Self::WriteWav { .. } | Self::Resample { .. })
+        match self {
+            Self::WriteWav { source, .. } => crate::output::is_bad_place(source),
+            Self::Resample { .. } => false,
+            _ => true,
+        }
     }
 }

@@ -19,7 +19,7 @@ impl FrameBlocks {
     /// Frames at `fps` frames a second over `rate_hz` samples a second.
     ///
     /// # Errors
-    /// [`AudioError::BadFrameRate`] if `fps` is not a finite number above 0, and
+    /// [`AudioError::BadFrameRate`] if `fps` is not 0.001 to 1,000,000, and
     /// [`AudioError::BadSampleRate`] if `rate_hz` is outside [`SAMPLE_RATES`](super::SAMPLE_RATES).
     pub fn new(fps: f64, rate_hz: u32) -> Result<Self, AudioError> {
         if !is_usable(fps) {
@@ -51,13 +51,15 @@ impl FrameBlocks {
 /// the first sample of frame 0; see [`FrameBlocks`].
 ///
 /// # Panics
-/// If `fps` is not a finite number above 0; [`FrameBlocks::new`] returns an error instead.
+/// If `fps` is not 0.001 to 1,000,000; [`FrameBlocks::new`] returns an error instead.
 pub fn frame_samples(i: u64, fps: f64, rate: u32) -> Range<u64> {
     assert!(is_usable(fps), "a rate of {fps} frames a second");
     let border = |frame: f64| (frame * f64::from(rate) / fps).round() as u64;
     border(i as f64)..border(i as f64 + 1.0)
 }
 
+/// A frame of more than a quarter of an hour is no frame; one below a microsecond holds no
+/// sample at any rate.
 fn is_usable(fps: f64) -> bool {
-    fps.is_finite() && fps > 0.0
+    (1e-3..=1e6).contains(&fps)
 }

@@ -110,6 +110,10 @@ impl WavWriter {
             .finalize()
             .map_err(|error| write_error(&target, to_io(error)))?;
         temporary
+            .as_file()
+            .sync_all()
+            .map_err(|error| write_error(&target, error))?;
+        temporary
             .persist(&target)
             .map_err(|error| write_error(&target, error.error))?;
         Ok(())

@@ -2,6 +2,7 @@
 
 use crate::error::Error;
 use crate::output::OutputError;
+use std::io::Write;
 use std::process::ExitCode;
 
 const FAILED: u8 = 1;
@@ -18,7 +19,8 @@ pub fn report(error: &anyhow::Error) -> ExitCode {
         return ExitCode::SUCCESS;
     }
     // The outermost error alone: ours name their cause in their own sentence.
-    eprintln!("echomarch: {error}");
+    // With nowhere to write to, the exit code still tells.
+    let _ = writeln!(std::io::stderr(), "echomarch: {error}");
     ExitCode::from(code(error))
 }
 
@@ -29,7 +31,9 @@ fn code(error: &anyhow::Error) -> u8 {
             .is_some_and(Error::is_bad_input)
             || cause.is::<BadInput>()
             // A place to write to is input as well: it was typed.
-            || cause.is::<OutputError>()
+            || cause
+                .downcast_ref::<OutputError>()
+                .is_some_and(OutputError::is_bad_input)
     });
     if bad_input { BAD_INPUT } else { FAILED }
 }

@@ -6,6 +6,8 @@ use crate::gpu::{Api, Context, ContextOptions};
 use crate::scene::Scene;
 use crate::trace::{Directions, Profile, Settings, Tracer};
 use clap::Args;
+use std::io::Write;
+use std::path::Path;
 
 /// For every subcommand.
 #[derive(Args, Debug)]
@@ -45,26 +47,33 @@ impl Common {
     /// Loads a scene and tells what is odd about it.
     pub fn scene(&self, name_or_file: &str) -> Result<Scene, Error> {
         let scene = Scene::load(name_or_file)?;
+        self.warn(&scene);
+        Ok(scene)
+    }
+
+    /// Tells what is odd about a scene as it stands.
+    fn warn(&self, scene: &Scene) {
         for warning in scene.warnings() {
             self.note(&format!("warning: {}: {warning}", scene.name));
         }
-        Ok(scene)
     }
 
     /// The scene as it stands at a time on its paths.
     pub fn scene_at(&self, name_or_file: &str, seconds: Option<f64>) -> anyhow::Result<Scene> {
-        let scene = self.scene(name_or_file)?;
         let Some(seconds) = seconds else {
-            return Ok(scene);
+            return Ok(self.scene(name_or_file)?);
         };
         check_range("--time", seconds, 0.0, f64::from(f32::MAX))?;
-        Ok(scene.at(seconds))
+        let scene = Scene::load(name_or_file).map_err(Error::from)?.at(seconds);
+        self.warn(&scene);
+        Ok(scene)
     }
 
     /// A line on standard error, unless `--quiet`.
     pub fn note(&self, line: &str) {
         if !self.quiet {
-            eprintln!("{line}");
+            // Notes are worth no failure when there is nowhere to write them.
+            let _ = writeln!(std::io::stderr(), "{line}");
         }
     }
 }
@@ -146,7 +155,10 @@ impl TraceOptions {
         settings.directions = self.directions;
         settings.sum_on_gpu = self.sum_on_gpu;
         settings.exact_normals &= !self.difference_normals;
-        settings.landing &= !self.no_landing;
+        if self.no_landing {
+            settings.landing = false;
+            settings.min_distance = Settings::thesis().min_distance;
+        }
         settings.min_distance = self.min_distance.unwrap_or(settings.min_distance);
         settings.max_distance = self.max_distance.unwrap_or(settings.max_distance);
         if let Some(iterations) = self.iterations_per_pass {
@@ -154,6 +166,17 @@ impl TraceOptions {
         }
         settings.validate().map_err(Error::from)?;
         Ok(settings)
+    }
+}
+
+/// Refuses a file whose name does not end as its contents do.
+pub fn check_ending(file: &Path, ending: &str) -> Result<(), BadInput> {
+    match file.extension() {
+        Some(found) if found.eq_ignore_ascii_case(ending) => Ok(()),
+        _ => Err(BadInput(format!(
+            "the file {} must end in .{ending}: that is what is written",
+            file.display()
+        ))),
     }
 }
 

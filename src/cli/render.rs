@@ -1,6 +1,7 @@
 //! `echomarch render`: a WAV of what the listener hears.
 
-use super::options::{Common, TraceOptions, check_range};
+use super::exit::BadInput;
+use super::options::{Common, TraceOptions, check_ending, check_range};
 use super::print;
 use crate::audio::{Mixer, PanningLaw, SAMPLE_RATE, Sound, SoundSpec, WavWriter};
 use crate::error::Error;
@@ -19,6 +20,9 @@ Examples:
 
 /// Seconds of sound of a scene in which nothing moves.
 const STANDING_SECONDS: f64 = 5.0;
+
+/// About what a WAV of this kind holds.
+const LONGEST_SECONDS: f64 = 3.0 * 3600.0;
 
 /// Arguments of `render`.
 #[derive(Args, Debug)]
@@ -79,6 +83,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     let timing = timing(arguments, scene.duration())?;
     let mut sound = Sound::load(&arguments.sound, SAMPLE_RATE).map_err(Error::from)?;
     check_file(&arguments.output)?;
+    check_ending(&arguments.output, "wav")?;
     let mut writer = WavWriter::create(&arguments.output).map_err(Error::from)?;
     let mut tracer = common.tracer()?;
     let mut mixer = Mixer::new(arguments.law);
@@ -131,10 +136,12 @@ fn timing(arguments: &Arguments, duration: f64) -> anyhow::Result<Timing> {
     } else {
         STANDING_SECONDS
     };
+    if arguments.seconds.is_none() && standing > LONGEST_SECONDS {
+        let text = format!("the scene's path lasts {standing} s: give --seconds");
+        return Err(BadInput(text).into());
+    }
     let seconds = arguments.seconds.unwrap_or(standing);
-    // Three hours are what a WAV of this kind holds.
-    let one_sample = 1.0 / f64::from(SAMPLE_RATE);
-    check_range("--seconds", seconds, one_sample, 3.0 * 3600.0)?;
+    check_range("--seconds", seconds, 0.001, LONGEST_SECONDS)?;
     check_range("--fps", arguments.fps, 1.0, 1000.0)?;
     Ok(Timing {
         seconds,

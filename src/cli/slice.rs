@@ -1,6 +1,6 @@
 //! `echomarch slice`: the plan from above.
 
-use super::options::{Common, TraceOptions};
+use super::options::{Common, TraceOptions, check_ending, check_range};
 use super::print;
 use crate::output::check_file;
 use crate::picture::{SliceOptions, save_png, slice};
@@ -41,6 +41,8 @@ pub struct Arguments {
 /// Runs the subcommand.
 pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     let settings = arguments.options.settings(common)?;
+    check_paths(arguments.paths, settings.iterations)?;
+    check_ending(&arguments.output, "png")?;
     check_file(&arguments.output)?;
     let scene = common.scene_at(&arguments.scene, arguments.time)?;
     let mut tracer = common.tracer()?;
@@ -63,4 +65,13 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
         }));
     }
     print::line(&output)
+}
+
+/// Paths are kept in memory point by point, and more than these make no picture.
+fn check_paths(paths: u32, iterations: u32) -> anyhow::Result<()> {
+    const MOST_POINTS: f64 = 1e7;
+    check_range("--paths", f64::from(paths), 0.0, 100_000.0)?;
+    let points = f64::from(paths) * (f64::from(iterations) + 1.0);
+    check_range("--paths times --iterations", points, 0.0, MOST_POINTS)?;
+    Ok(())
 }

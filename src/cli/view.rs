@@ -1,6 +1,6 @@
 //! `echomarch view`: what the listener sees.
 
-use super::options::Common;
+use super::options::{Common, check_ending};
 use super::print;
 use crate::output::check_file;
 use crate::picture::{ViewOptions, first_person, save_png};
@@ -38,6 +38,7 @@ pub struct Arguments {
 
 /// Runs the subcommand.
 pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
+    check_ending(&arguments.output, "png")?;
     check_file(&arguments.output)?;
     let scene = common.scene_at(&arguments.scene, arguments.time)?;
     let context = common.context()?;

@@ -61,8 +61,12 @@ pub fn full_screen_pass_rows(
         );
     }
     let drawn = draw(context, program);
-    // SAFETY: the context is current, as above: drawing touches no other.
-    unsafe { gl.disable(glow::SCISSOR_TEST) };
+    // SAFETY: the context is current, as above: drawing touches no other. The flush keeps a driver from handing
+    // several bands to the card as one piece of work.
+    unsafe {
+        gl.disable(glow::SCISSOR_TEST);
+        gl.flush();
+    }
     drawn
 }
 

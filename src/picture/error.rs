@@ -41,9 +41,10 @@ pub enum PictureError {
 impl PictureError {
     /// Whether what was asked for is to blame.
     pub fn is_bad_input(&self) -> bool {
-        matches!(
-            self,
-            Self::Size { .. } | Self::FieldOfView { .. } | Self::Bounds { .. }
-        )
+        match self {
+            Self::Size { .. } | Self::FieldOfView { .. } | Self::Bounds { .. } => true,
+            Self::Encode(_) => false,
+            Self::Write(error) => error.is_bad_input(),
+        }
     }
 }

@@ -29,7 +29,7 @@ pub(super) fn program(
     let program = Program::fragment(context, &label, &glsl::join(&sources))?;
     program.set_vec4_array(
         "uSurfaces",
-        &glsl::uniform_values(scene, &glsl::Placement::world()),
+        &glsl::Placement::world().apply(scene).uniform_values(),
     );
     let listener = &scene.listener;
     program.set_vec4("uListener", listener.position.extend(listener.radius));
@@ -73,7 +73,7 @@ pub(super) fn draw(
 }
 
 fn check_uniforms(context: &Context, scene: &Scene) -> Result<(), TraceError> {
-    let needed = glsl::uniform_values(scene, &glsl::Placement::world()).len() + OWN_UNIFORM_VECTORS;
+    let needed = glsl::uniform_count(scene) + OWN_UNIFORM_VECTORS;
     let limit = context.limits().max_fragment_uniform_vectors as usize;
     if needed <= limit {
         return Ok(());

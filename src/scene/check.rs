@@ -4,6 +4,10 @@ use super::{Scene, SceneError, Shape, Surface};
 use glam::Vec3;
 use std::fmt;
 
+/// The largest coordinate, size or time that a scene may hold, in metres or seconds: what
+/// is computed of it in `f32`, squares included, stays finite.
+const LARGEST: f32 = 1e9;
+
 /// Something odd that still runs.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -126,10 +130,11 @@ impl Scene {
             Shape::Plane => Ok(()),
             Shape::Box { size } | Shape::Room { size } => {
                 let what = format!("{label}: size in metres");
-                if size.is_finite() && size.min_element() > 0.0 {
+                if size.min_element() > 0.0 && size.max_element() <= LARGEST {
                     return Ok(());
                 }
-                Err(self.bad_number(&what, "finite and greater than 0 in all three axes", size))
+                let must = "greater than 0 and at most 1e9 in all three axes";
+                Err(self.bad_number(&what, must, size))
             }
             Shape::Sphere { radius } | Shape::Cylinder { radius } => {
                 self.positive(&format!("{label}: radius in metres"), radius)
@@ -138,17 +143,17 @@ impl Scene {
     }
 
     fn finite(&self, what: &str, value: Vec3) -> Result<(), SceneError> {
-        if value.is_finite() {
+        if value.is_finite() && value.abs().max_element() <= LARGEST {
             return Ok(());
         }
-        Err(self.bad_number(what, "finite", value))
+        Err(self.bad_number(what, "finite and at most 1e9 in size", value))
     }
 
     fn positive(&self, what: &str, value: f32) -> Result<(), SceneError> {
-        if value.is_finite() && value > 0.0 {
+        if value > 0.0 && value <= LARGEST {
             return Ok(());
         }
-        Err(self.bad_number(what, "finite and greater than 0", value))
+        Err(self.bad_number(what, "greater than 0 and at most 1e9", value))
     }
 
     fn bad_number(&self, what: &str, must: &'static str, value: impl fmt::Display) -> SceneError {

@@ -21,6 +21,10 @@ pub const MAX_STEPS: u32 = 4096;
 /// listener hears of, and well inside what `f32` can square.
 const FAR: f32 = 1e9;
 
+/// The largest distance that may be asked for, in metres: its square and the square of
+/// what a wave moves on the way are still finite in `f32`.
+const MAX_DISTANCE: f32 = 1e15;
+
 /// Width of the shell of `march` by default, in metres: everywhere. Outside of a shell the
 /// steps are Hart's, inside they are Newton's, which need a gradient each but are so few
 /// that they were faster in every scene measured (docs/accuracy.md).
@@ -79,8 +83,10 @@ pub struct Settings {
     pub lipschitz: f32,
     /// `march`: every distance is multiplied by this. 1, but in tests of functions that
     /// over-estimate.
+    #[doc(hidden)]
     pub distance_factor: f32,
     /// Iterations in one pass at the most; 1 is the thesis' way, more save texture traffic.
+    /// What marches takes 8 at the most, whatever stands here.
     pub iterations_per_pass: u32,
     /// Whether the panning texture is summed on the GPU and read back as one texel.
     pub sum_on_gpu: bool,
@@ -189,14 +195,24 @@ impl Settings {
         positive("minimum distance in metres", self.min_distance)?;
         positive("maximum distance in metres", self.max_distance)?;
         positive("step of the normals in metres", self.normal_step)?;
-        if self.min_distance >= self.max_distance {
+        if !self.landing
+            && self.profile != Profile::Hybrid
+            && self.min_distance >= self.max_distance
+        {
             return Err(bad(
                 "minimum distance in metres",
                 format!("less than the maximum distance of {}", self.max_distance),
                 self.min_distance,
             ));
         }
-        positive("Lipschitz bound", self.lipschitz)?;
+        if !(self.lipschitz.is_finite() && self.lipschitz >= 1.0) {
+            let must = "finite and at least 1".to_owned();
+            return Err(bad("Lipschitz bound", must, self.lipschitz));
+        }
+        if self.max_distance > MAX_DISTANCE {
+            let must = format!("{MAX_DISTANCE} at the most");
+            return Err(bad("maximum distance in metres", must, self.max_distance));
+        }
         positive("factor of the distance", self.distance_factor)?;
         in_range(
             "iterations in a pass",

@@ -14,17 +14,24 @@ use crate::gpu::{
     full_screen_pass_rows,
 };
 use crate::scene::Scene;
-use crate::scene::glsl::{self, Placement};
+use crate::scene::glsl::{self, Placed, Placement};
 use glam::Vec4;
 use std::rc::Rc;
 use std::time::Instant;
 
-/// Waves in one draw call at the most: a frame of more is drawn in bands, so that
+/// Waves in one draw call at the most: a frame of more is drawn in bands of rows, so that
 /// a graphics card's watchdog does not take a long pass for a hang.
-const WAVES_PER_DRAW: u32 = 1 << 20;
+const WAVES_PER_DRAW: u64 = 1 << 20;
 
-/// Waves times iterations in one draw call at the most, for the same reason.
-const ITERATIONS_PER_DRAW: u32 = 1 << 23;
+/// Evaluations of one surface in one draw call at the most, were every march in it to take
+/// all the steps it may: some 2^38 operations, about a second on the slowest card that has
+/// OpenGL 3.3.
+const EVALUATIONS_PER_DRAW: u64 = 1 << 33;
+
+/// Marches of a wave in one pass at the most, whatever the settings say: Mesa's llvmpipe
+/// leaves a loop after 65,536 turns, nested ones taken together, and 8 marches of
+/// [`MAX_STEPS`](super::MAX_STEPS) stay clear of that.
+const MARCHES_PER_PASS: u32 = 8;
 
 /// Uniform vectors that the shaders need beside those of the surfaces.
 const OWN_UNIFORM_VECTORS: usize = 16;
@@ -53,6 +60,7 @@ struct Job<'a> {
     scene: &'a Scene,
     settings: &'a Settings,
     placement: Placement,
+    placed: Placed,
     march: Rc<Program>,
     began: Instant,
 }
@@ -165,6 +173,7 @@ impl Tracer {
         let job = Job {
             scene,
             settings,
+            placed: placement.apply(scene),
             placement,
             march,
             began,
@@ -190,8 +199,7 @@ impl Tracer {
 
     /// So are surfaces that do not fit in the uniforms.
     fn check_surfaces(&self, scene: &Scene) -> Result<(), TraceError> {
-        let values = glsl::uniform_values(scene, &Placement::world());
-        let needed = values.len() + OWN_UNIFORM_VECTORS;
+        let needed = glsl::uniform_count(scene) + OWN_UNIFORM_VECTORS;
         let limit = self.context.limits().max_fragment_uniform_vectors as usize;
         if needed <= limit {
             return Ok(());
@@ -220,7 +228,7 @@ impl Tracer {
         let mut time = 0.0;
         let mut left = job.settings.iterations;
         while left > 0 {
-            let iterations = left.min(job.settings.iterations_per_pass);
+            let iterations = left.min(job.iterations_per_pass());
             time += self.march(job, iterations)?;
             left -= iterations;
         }
@@ -233,7 +241,8 @@ impl Tracer {
         job.march.set_texture("uOrigins", 0, &current.first);
         job.march.set_texture("uDirections", 1, &current.second);
         job.march.set_i32("uIterationsInPass", iterations as i32);
-        let time = self.pass(&job.march, targets.grid, targets.pairs.next(), iterations)?;
+        let evaluations = job.evaluations(iterations);
+        let time = self.pass(&job.march, targets.grid, targets.pairs.next(), evaluations)?;
         if let Some(targets) = &mut self.targets {
             targets.pairs.flip();
         }
@@ -300,17 +309,17 @@ impl Tracer {
         Ok([origins, directions])
     }
 
-    /// Draws one pass of so many iterations in bands of rows, and takes its time in
-    /// milliseconds.
+    /// Draws one pass in bands of rows, of so many evaluations a wave at the most, and
+    /// takes its time in milliseconds.
     fn pass(
         &self,
         program: &Program,
         grid: Grid,
         target: &impl Target,
-        iterations: u32,
+        evaluations: u64,
     ) -> Result<f64, Error> {
-        let waves = (ITERATIONS_PER_DRAW / iterations).min(WAVES_PER_DRAW);
-        let rows = (waves / grid.width).max(1);
+        let waves = (EVALUATIONS_PER_DRAW / evaluations).min(WAVES_PER_DRAW);
+        let rows = (waves / u64::from(grid.width)).max(1) as u32;
         let draw = || {
             for start in (0..grid.height).step_by(rows as usize) {
                 let band = start..start + rows;
@@ -347,10 +356,8 @@ impl Job<'_> {
     fn set_uniforms(&self, grid: Grid) {
         let (program, settings) = (&self.march, self.settings);
         set_grid(program, grid);
-        let surfaces = glsl::uniform_values(self.scene, &self.placement);
-        program.set_vec4_array("uSurfaces", &surfaces);
+        program.set_vec4_array("uSurfaces", &self.placed.uniform_values());
         program.set_vec4("uListener", self.listener());
-        program.set_f32("uSlack", self.placement.slack(self.scene));
         program.set_f32("uMinDistance", settings.min_distance);
         program.set_f32("uMaxDistance", settings.max_distance);
         program.set_f32("uStartOffset", settings.start_offset);
@@ -358,6 +365,23 @@ impl Job<'_> {
         program.set_f32("uLipschitz", settings.lipschitz);
         program.set_f32("uDistanceFactor", settings.distance_factor);
         program.set_i32("uStepBound", settings.step_bound() as i32);
+    }
+
+    fn iterations_per_pass(&self) -> u32 {
+        match self.settings.profile {
+            Profile::Hybrid => self.settings.iterations_per_pass,
+            _ => self.settings.iterations_per_pass.min(MARCHES_PER_PASS),
+        }
+    }
+
+    /// Evaluations of one surface that a wave may take in so many iterations.
+    fn evaluations(&self, iterations: u32) -> u64 {
+        let steps = match self.settings.profile {
+            Profile::Hybrid => 1,
+            _ => self.settings.step_bound(),
+        };
+        let objects = self.scene.surfaces.len() as u64 + 1;
+        u64::from(iterations) * u64::from(steps) * objects
     }
 
     fn listener(&self) -> Vec4 {
@@ -370,11 +394,8 @@ impl Job<'_> {
     /// The thesis marches waves even out of a solid; elsewhere a source in a solid sends
     /// none.
     fn start_status(&self) -> f32 {
-        let depth = -self
-            .scene
-            .surface_distance(self.scene.source.position)
-            .distance;
-        let is_buried = depth > self.placement.slack(self.scene);
+        let nearest = self.scene.surface_distance(self.scene.source.position);
+        let is_buried = -nearest.distance > self.placed.slack(nearest.object);
         match self.settings.profile {
             Profile::March | Profile::Hybrid if is_buried => STATUS_DEAD,
             _ => STATUS_STARTED,

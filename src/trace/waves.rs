@@ -64,9 +64,11 @@ impl Fate {
 pub struct Wave {
     /// Unit vector in which it left the source.
     pub start_direction: Vec3,
-    /// Where it is, world metres (the origin, for a dead wave).
+    /// Where it is, world metres. A dead wave is where it was last; in the profile
+    /// `thesis` it is at the origin.
     pub position: Vec3,
-    /// Where it heads: mirrored at what it met last (0, for a dead wave).
+    /// Where it heads: mirrored at the surface it met last. In the profile `thesis` 0 for a
+    /// dead wave, and mirrored at the listener too.
     pub direction: Vec3,
     /// −1 dead, 0 at the listener, n at the n-th surface.
     pub status: f32,

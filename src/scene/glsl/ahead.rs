@@ -62,8 +62,8 @@ fn distance_ahead(scene: &Scene) -> String {
 
 fn gradient_ahead(scene: &Scene) -> String {
     let mut text = String::from(
-        "// The gradient of the distance to one object.\n\
-         vec3 gradientAhead(vec3 p, vec3 d, float object) {\n",
+        "// The gradient of the distance to one object, and what rounding may do to it.\n\
+         vec3 gradientAhead(vec3 p, vec3 d, float object, out float slack) {\n",
     );
     for named in named(scene) {
         let (shape, point, size) = (named.shape(), named.point("p"), named.size());
@@ -78,12 +78,16 @@ fn gradient_ahead(scene: &Scene) -> String {
         };
         let _ = writeln!(
             text,
-            "    if (object == {}.0) {{ return {}; }} // {}",
+            "    if (object == {}.0) {{ slack = {}; return {}; }} // {}",
             named.number,
+            named.slack(),
             named.outward(&gradient),
             named.label
         );
     }
-    text.push_str("    return normalize(p - uListener.xyz);\n}\n\n");
+    text.push_str(
+        "    slack = roundSlack(uListener);\n    \
+         return normalize(p - uListener.xyz);\n}\n\n",
+    );
     text
 }

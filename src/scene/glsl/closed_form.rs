@@ -32,17 +32,21 @@ pub fn closed_form_sources(scene: &Scene) -> Vec<Source> {
 fn nearest_hit(scene: &Scene) -> String {
     let mut text = String::from(
         "// How far from p along d the next object is, and its number. A convex surface is\n\
-         // not met by the wave that leaves it (last).\n\
+         // not met by the wave that leaves it (last). Where nothing is met the distance is\n\
+         // NO_HIT and the number means nothing.\n\
          float nearestHit(vec3 p, vec3 d, float last, out float object) {\n    \
          float nearest = hitListener(p, d);\n    object = 0.0;\n    float candidate;\n",
     );
     for named in named(scene) {
+        let size = match named.surface.shape {
+            Shape::Box { .. } => format!(", uSurfaces[{}]", named.first + 1),
+            _ => named.size(),
+        };
         let hit = format!(
-            "hit{}({}, {}{})",
+            "hit{}({}, {}{size})",
             named.shape(),
             named.point("p"),
             named.vector("d"),
-            named.size()
         );
         let number = named.number;
         let _ = writeln!(text, "    // {}", named.label);

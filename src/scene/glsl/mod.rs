@@ -19,12 +19,12 @@ mod source;
 pub use ahead::ahead_sources;
 pub use closed_form::closed_form_sources;
 pub use distance::distance_sources;
-pub use placement::{Placement, uniform_values};
+pub use placement::{Placed, Placement, uniform_count};
 pub(crate) use source::source;
 pub use source::{Source, join};
 
 use super::{Scene, Shape, Surface};
-use placement::surface_values;
+use placement::value_count;
 
 /// What the shader text of a scene depends on: each surface's shape, and whether it
 /// has a rotation. Two scenes of one structure share their programs.
@@ -52,19 +52,25 @@ struct Named<'a> {
     first: usize,
 }
 
+/// What must not stand in a comment: GLSL's character set is ASCII, and a backslash would
+/// carry the comment on to the next line.
+fn no_comment(character: char) -> bool {
+    character == '\\' || !(character.is_ascii_graphic() || character == ' ')
+}
+
 /// All surfaces in order, with their places in `uSurfaces`.
 fn named(scene: &Scene) -> Vec<Named<'_>> {
     let mut first = 0;
     let mut all = Vec::new();
     for (index, surface) in scene.surfaces.iter().enumerate() {
-        let label = surface.label(index).replace(['\n', '\r', '\\'], " ");
+        let label = surface.label(index).replace(no_comment, " ");
         all.push(Named {
             surface,
             number: index + 1,
             label,
             first,
         });
-        first += surface_values(surface).len();
+        first += value_count(surface);
     }
     all
 }
@@ -104,8 +110,20 @@ impl Named<'_> {
         }
     }
 
+    /// What rounding may do to the distance to it, in metres.
+    fn slack(&self) -> String {
+        let first = self.first;
+        match self.surface.shape {
+            Shape::Plane => format!("uSurfaces[{first}].w"),
+            Shape::Box { .. } | Shape::Room { .. } => format!("uSurfaces[{}].w", first + 1),
+            Shape::Sphere { .. } | Shape::Cylinder { .. } => {
+                format!("roundSlack(uSurfaces[{first}])")
+            }
+        }
+    }
+
     fn rotation(&self) -> Option<usize> {
-        let last = self.first + surface_values(self.surface).len() - 1;
+        let last = self.first + value_count(self.surface) - 1;
         self.surface.has_rotation().then_some(last)
     }
 
@@ -134,8 +152,7 @@ fn turn_file(scene: &Scene) -> Option<Source> {
 
 /// The declaration of `uSurfaces`.
 fn uniforms_text(scene: &Scene) -> String {
-    let length: usize = scene.surfaces.iter().map(|s| surface_values(s).len()).sum();
-    format!("uniform vec4 uSurfaces[{length}];\n\n")
+    format!("uniform vec4 uSurfaces[{}];\n\n", uniform_count(scene))
 }
 
 #[cfg(test)]
@@ -179,10 +196,7 @@ mod tests {
         for text in TEXTS {
             assert_eq!(join(&text(&scene)), join(&text(&moved)));
         }
-        let world = Placement::world();
-        assert_ne!(
-            uniform_values(&scene, &world),
-            uniform_values(&moved, &world)
-        );
+        let values = |scene| Placement::world().apply(scene).uniform_values();
+        assert_ne!(values(&scene), values(&moved));
     }
 }

@@ -5,7 +5,7 @@
 //! bits, and with box faces that are covered by another solid *sealed*: pushed into that
 //! solid, so that rounding at the seam cannot open a gap between the two.
 
-use super::super::seal::sealed;
+use crate::scene::seal::sealed;
 use crate::scene::{Scene, Shape, Surface};
 use glam::{Quat, Vec3, Vec4};
 
@@ -16,6 +16,13 @@ pub struct Placement {
     pub anchor: Vec3,
     /// Whether covered faces are sealed.
     pub seals: bool,
+}
+
+/// A scene's surfaces in a shader's coordinates.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Placed {
+    surfaces: Vec<Surface>,
+    slacks: Vec<f32>,
 }
 
 impl Placement {
@@ -41,51 +48,75 @@ impl Placement {
     }
 
     /// The surfaces in the shader's coordinates.
-    pub fn surfaces(&self, scene: &Scene) -> Vec<Surface> {
+    pub fn apply(&self, scene: &Scene) -> Placed {
         let place = |surface: &Surface| surface.clone().at(self.place(surface.position));
         let surfaces: Vec<Surface> = scene.surfaces.iter().map(place).collect();
-        if self.seals {
-            return sealed(&surfaces, slack(&surfaces));
-        }
-        surfaces
-    }
-
-    /// What rounding may do to a position among these surfaces, in metres: `uSlack`.
-    pub fn slack(&self, scene: &Scene) -> f32 {
-        slack(&self.surfaces(scene))
-            .max(UNITS_OF_ROUNDING * self.place(scene.source.position).abs().max_element())
-    }
-}
-
-/// Eight units in the last place, as a share of the largest coordinate: sums of three
-/// squares, a root and a product lose about half of that.
-const UNITS_OF_ROUNDING: f32 = 8.0 * f32::EPSILON;
-
-fn slack(surfaces: &[Surface]) -> f32 {
-    let reach = |surface: &Surface| {
-        let size = match surface.shape {
-            Shape::Plane => Vec3::ZERO,
-            Shape::Box { size } | Shape::Room { size } => 0.5 * size,
-            Shape::Sphere { radius } | Shape::Cylinder { radius } => Vec3::splat(radius),
+        // Of the surfaces before sealing: a seal adds size where no wave comes.
+        let slacks: Vec<f32> = surfaces.iter().map(slack).collect();
+        let surfaces = if self.seals {
+            sealed(&surfaces, &slacks)
+        } else {
+            surfaces
         };
-        (surface.position.abs() + size).max_element()
-    };
-    UNITS_OF_ROUNDING * surfaces.iter().map(reach).fold(0.0, f32::max)
+        Placed { surfaces, slacks }
+    }
 }
 
-/// The values of `uSurfaces`: for each surface its position (and radius), then its
-/// half size if it has one, then the inverse of its rotation if it has one.
-pub fn uniform_values(scene: &Scene, placement: &Placement) -> Vec<Vec4> {
-    let surfaces = placement.surfaces(scene);
-    surfaces.iter().flat_map(surface_values).collect()
+impl Placed {
+    /// The values of `uSurfaces`: for each surface its position (and radius, or slack),
+    /// then its half size and slack if it has one, then the inverse of its rotation if it
+    /// has one.
+    pub fn uniform_values(&self) -> Vec<Vec4> {
+        let surfaces = self.surfaces.iter().zip(&self.slacks);
+        surfaces
+            .flat_map(|(surface, slack)| values(surface, *slack))
+            .collect()
+    }
+
+    /// What rounding may do to the distance to a surface (numbered from 1), in metres.
+    pub fn slack(&self, object: u32) -> f32 {
+        let index = (object as usize).checked_sub(1);
+        index.and_then(|i| self.slacks.get(i)).map_or(0.0, |s| *s)
+    }
 }
 
-pub(super) fn surface_values(surface: &Surface) -> Vec<Vec4> {
+/// Vectors that a scene's surfaces take in the uniforms.
+pub fn uniform_count(scene: &Scene) -> usize {
+    scene.surfaces.iter().map(value_count).sum()
+}
+
+pub(super) fn value_count(surface: &Surface) -> usize {
+    values(surface, 0.0).len()
+}
+
+/// Eight units in the last place, as a share of the largest number that goes into a
+/// distance: sums of three squares, a root and a product lose about half of that. The
+/// same as in `glsl/rounding.glsl`.
+const ROUNDING: f32 = 8.0 * f32::EPSILON;
+
+/// What rounding may do to the distance to a surface, in metres; never so much that a thin
+/// one would vanish in it.
+fn slack(surface: &Surface) -> f32 {
+    const SHARE_OF_THICKNESS: f32 = 0.25;
+    let place = surface.position.abs().max_element();
+    match surface.shape {
+        Shape::Plane => ROUNDING * place,
+        Shape::Box { size } | Shape::Room { size } => (ROUNDING
+            * (place + 0.5 * size.max_element()))
+        .min(SHARE_OF_THICKNESS * size.min_element()),
+        Shape::Sphere { radius } | Shape::Cylinder { radius } => {
+            (ROUNDING * (place + radius)).min(SHARE_OF_THICKNESS * radius)
+        }
+    }
+}
+
+fn values(surface: &Surface, slack: f32) -> Vec<Vec4> {
     let place = |w: f32| surface.position.extend(w);
-    let half = |size: Vec3| (size * 0.5).extend(0.0);
     let mut values = match surface.shape {
-        Shape::Plane => vec![place(0.0)],
-        Shape::Box { size } | Shape::Room { size } => vec![place(0.0), half(size)],
+        Shape::Plane => vec![place(slack)],
+        Shape::Box { size } | Shape::Room { size } => {
+            vec![place(0.0), (size * 0.5).extend(slack)]
+        }
         Shape::Sphere { radius } | Shape::Cylinder { radius } => vec![place(radius)],
     };
     if surface.has_rotation() {
