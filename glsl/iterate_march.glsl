@@ -31,9 +31,13 @@ float boundedDistance(vec3 p, vec3 d, float last, out float object, out float se
     return nearest * scale;
 }
 
+const float GLANCE = 16.0;   // roundings along the ray that make a landing inexact
+
 // How far the wave gets along its direction, or -1.
 float traceWave(vec3 origin, vec3 direction, float last, out float object, out bool guardHit) {
     float t = 0.0;
+    bool refined = false;
+    float coarseness = ROUNDING * largest(origin);
     guardHit = false;
     for (int i = 0; i < uStepBound; ++i) {
         vec3 p = origin + t * direction;
@@ -41,11 +45,20 @@ float traceWave(vec3 origin, vec3 direction, float last, out float object, out b
         float nearest = boundedDistance(p, direction, last, object, second);
         if (nearest < uMinDistance) {
 #if LANDING
+            if (object == STATUS_LISTENER && nearest <= 0.0) {
+                return t;
+            }
             float slack;
             float closing = -dot(direction, gradientAhead(p, direction, object, slack));
-            float rounding = roundingAt(p, slack);
+            // The point is as coarse as the largest number it was computed from.
+            float rounding = roundingAt(p, max(slack, coarseness));
             if (closing > 0.0 && abs(nearest) <= rounding) {
-                return t;
+                // At a glance a rounding of the distance is a long way along the ray:
+                // there one whole step of Newton's more is taken.
+                if (refined || nearest <= GLANCE * closing * rounding) {
+                    return t;
+                }
+                refined = nearest <= second * closing;
             }
             // Receding from a convex solid: only the others can be met.
             float step = closing > 0.0 ? min(nearest / closing, second) : second;

@@ -11,6 +11,7 @@ mod print;
 mod render;
 mod slice;
 mod trace;
+mod verify;
 mod view;
 
 use clap::{Parser, Subcommand};
@@ -24,6 +25,7 @@ Examples:
   echomarch render open-field -o out.wav     what the listener hears
   echomarch view corner -o view.png          what the listener sees
   echomarch slice corner --paths 200 -o plan.png
+  echomarch verify                           the hard cases, pass or fail
   echomarch info                             the renderers there are
 
 Scenes: corner, obstacles, open-field, open-pillars, shoebox, or a file (.ron).";
@@ -43,6 +45,8 @@ struct Cli {
 enum Command {
     /// The performance experiment: figures 11.1 to 11.4 beside the thesis' own
     Figures(figures::Arguments),
+    /// The hard cases: by every profile, against exact answers
+    Verify(verify::Arguments),
     /// Trace one frame: what arrives, from where, how fast
     Trace(trace::Arguments),
     /// Render a WAV of what the listener hears
@@ -60,6 +64,7 @@ pub fn run() -> ExitCode {
     let cli = Cli::parse();
     let result = match &cli.command {
         Command::Figures(arguments) => figures::run(arguments, &cli.common),
+        Command::Verify(arguments) => verify::run(arguments, &cli.common),
         Command::Trace(arguments) => trace::run(arguments, &cli.common),
         Command::Render(arguments) => render::run(arguments, &cli.common),
         Command::View(arguments) => view::run(arguments, &cli.common),

@@ -8,6 +8,7 @@ pub mod figures;
 mod figures_csv;
 mod figures_plot;
 mod thesis_tables;
+pub mod verify;
 
 pub use thesis_tables::{THESIS_TABLES, ThesisRow, ThesisTable, WAVE_COUNTS};
 

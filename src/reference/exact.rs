@@ -170,8 +170,7 @@ impl ExactScene {
     /// along `direction` (any length).
     ///
     /// A wave without a direction, or with none left to fly, is at its start with
-    /// status −1. A wave that starts in a solid stays there: its status is that
-    /// surface and its order 0.
+    /// status −1, and so is one that starts in a solid: nothing sounds in there.
     pub fn trace(&self, start: DVec3, direction: DVec3, iterations: u32) -> ExactWave {
         self.walk(start, direction, iterations, |_| ())
     }
@@ -244,8 +243,7 @@ impl ExactScene {
             return ExactWave::at(start, DVec3::ZERO);
         };
         let mut wave = ExactWave::at(start, direction);
-        if let Some(solid) = self.solid_at(start) {
-            wave.status = solid;
+        if self.surface_distance(start) < -self.slack {
             return wave;
         }
         let mut left = None;
@@ -302,20 +300,6 @@ impl ExactScene {
             normal,
         };
         Some((hit, Some((index, meeting.face))))
-    }
-
-    /// The number of the surface that a point is deepest in.
-    fn solid_at(&self, point: DVec3) -> Option<i32> {
-        let mut deepest = -self.slack;
-        let mut solid = None;
-        for (index, surface) in self.surfaces.iter().enumerate() {
-            let distance = surface.distance(point);
-            if distance < deepest {
-                deepest = distance;
-                solid = Some(index as i32 + 1);
-            }
-        }
-        solid
     }
 }
 
@@ -419,7 +403,7 @@ mod tests {
         }
         assert_eq!(exact.trace(DVec3::X, DVec3::X, 0).status, -1);
         let stuck = exact.trace(DVec3::Y * -2.0, DVec3::Y, 4);
-        assert_eq!((stuck.status, stuck.order, stuck.length), (1, 0, 0.0));
+        assert_eq!((stuck.status, stuck.order, stuck.length), (-1, 0, 0.0));
         let inside = exact.trace(DVec3::new(3.0, 1.2, 0.0), DVec3::Y, 4);
         assert_eq!((inside.status, inside.length), (0, 0.0));
     }

@@ -12,7 +12,7 @@ const LARGEST: f32 = 1e9;
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Warning {
-    /// The source is in a solid: its waves are stuck there.
+    /// The source is in a solid: no wave gets out.
     SourceInsideSurface {
         /// Which surface.
         surface: String,
@@ -41,7 +41,7 @@ impl fmt::Display for Warning {
             Warning::SourceInsideSurface { surface, depth } => {
                 write!(
                     f,
-                    "the source is {depth} m inside {surface}: its waves are stuck there"
+                    "the source is {depth} m inside {surface}: no wave gets out"
                 )
             }
             Warning::SourceInsideListener { distance, radius } => write!(

@@ -1,6 +1,7 @@
-//! The turn of a lattice of start directions.
+//! Start directions on the CPU: the turn of a lattice, and those that a caller gives.
 
-use glam::{DQuat, Quat};
+use super::TraceError;
+use glam::{DQuat, Quat, Vec3};
 use std::f64::consts::TAU;
 
 /// A rotation that is uniform over all rotations, one for each seed (Shoemake, *Uniform
@@ -13,6 +14,21 @@ pub(super) fn random_turn(seed: u32) -> Quat {
     DQuat::from_xyzw(a * sin_first, a * cos_first, b * sin_second, b * cos_second)
         .normalize()
         .as_quat()
+}
+
+/// The same directions as unit vectors.
+pub(super) fn unit_directions(directions: &[Vec3]) -> Result<Vec<Vec3>, TraceError> {
+    let unit = |direction: &Vec3| {
+        let unit = direction.as_dvec3().try_normalize();
+        let unit = unit.filter(|_| direction.is_finite());
+        unit.map(|unit| unit.as_vec3())
+            .ok_or_else(|| TraceError::BadSetting {
+                what: "start direction",
+                must: "finite and not 0".to_owned(),
+                value: direction.to_string(),
+            })
+    };
+    directions.iter().map(unit).collect()
 }
 
 /// A number in [0, 1) for a seed and a counter: the mixing of SplitMix64 (Steele, Lea and
@@ -31,7 +47,18 @@ fn unit_interval(seed: u32, counter: u32) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::Vec3;
+
+    /// Protects the shaders from directions that are none, and takes any length.
+    #[test]
+    fn directions_become_unit_vectors() {
+        let given = [Vec3::X * 1e-30, Vec3::NEG_Z * 1e30];
+        let units = unit_directions(&given).unwrap();
+        assert_eq!(units, [Vec3::X, Vec3::NEG_Z]);
+        for none in [Vec3::ZERO, Vec3::NAN, Vec3::Y * f32::INFINITY] {
+            let error = unit_directions(&[Vec3::X, none]).unwrap_err();
+            assert!(error.to_string().contains("start direction"), "{error}");
+        }
+    }
 
     /// Protects the lattice from a turn that favours some directions: the mean of one
     /// turned axis over many seeds is 0 within five standard errors, 1 / √3N each.

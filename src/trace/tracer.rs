@@ -1,6 +1,6 @@
 //! One frame after the other on one context.
 
-use super::directions::random_turn;
+use super::directions::{random_turn, unit_directions};
 use super::frame::in_milliseconds;
 use super::programs::Programs;
 use super::sum::Sum;
@@ -15,7 +15,7 @@ use crate::gpu::{
 };
 use crate::scene::Scene;
 use crate::scene::glsl::{self, Placed, Placement};
-use glam::Vec4;
+use glam::{Vec3, Vec4};
 use std::rc::Rc;
 use std::time::Instant;
 
@@ -138,14 +138,30 @@ impl Tracer {
     pub fn paths(&mut self, scene: &Scene, settings: &Settings) -> Result<Vec<Vec<Wave>>, Error> {
         let job = self.prepare(scene, settings)?;
         self.initialise(&job)?;
-        let anchor = job.placement.anchor;
-        let starts = self.read_pair()?;
-        let mut states = vec![waves(&starts, &starts, anchor)];
-        for _ in 0..settings.iterations {
-            self.march(&job, 1)?;
-            states.push(waves(&starts, &self.read_pair()?, anchor));
-        }
-        Ok(states)
+        self.follow(&job)
+    }
+
+    /// Follows one wave for each of `directions`, which leave the scene's source along
+    /// them: as [`Tracer::paths`], but for the start. `settings.waves`, `seed` and
+    /// `directions` do not matter.
+    ///
+    /// World axes. A direction of any length but 0 will do: it is made a unit vector.
+    ///
+    /// # Errors
+    /// As [`Tracer::frame`]; [`TraceError::BadSetting`] for a direction that is 0 or not
+    /// finite, and for none at all.
+    pub fn trace_directions(
+        &mut self,
+        scene: &Scene,
+        settings: &Settings,
+        directions: &[Vec3],
+    ) -> Result<Vec<Vec<Wave>>, Error> {
+        let units = unit_directions(directions)?;
+        let waves = u32::try_from(units.len()).unwrap_or(u32::MAX);
+        let settings = settings.clone().with_waves(waves);
+        let job = self.prepare(scene, &settings)?;
+        self.upload_starts(&job, &units)?;
+        self.follow(&job)
     }
 }
 
@@ -222,6 +238,37 @@ impl Tracer {
         program.set_u32("uSeed", job.settings.seed);
         program.set_vec4("uTurn", Vec4::from(random_turn(job.settings.seed)));
         self.pass(&program, targets.grid, targets.pairs.current(), 1)
+    }
+
+    /// What the initialise pass does, for directions that are given.
+    fn upload_starts(&mut self, job: &Job, directions: &[Vec3]) -> Result<(), Error> {
+        let targets = self.targets()?;
+        let texels = (targets.grid.width * targets.grid.height) as usize;
+        let start = job.placement.place(job.scene.source.position);
+        let origin = start.extend(job.start_status()).to_array();
+        let mut origins = vec![origin; directions.len()];
+        origins.resize(texels, [0.0, 0.0, 0.0, STATUS_DEAD]);
+        let mut headings: Vec<[f32; 4]> = directions
+            .iter()
+            .map(|direction| direction.extend(0.0).to_array())
+            .collect();
+        headings.resize(texels, [0.0; 4]);
+        let current = targets.pairs.current();
+        current.first.upload(origins.as_flattened())?;
+        current.second.upload(headings.as_flattened())?;
+        Ok(())
+    }
+
+    /// The waves as they stand, and after each iteration.
+    fn follow(&mut self, job: &Job) -> Result<Vec<Vec<Wave>>, Error> {
+        let anchor = job.placement.anchor;
+        let starts = self.read_pair()?;
+        let mut states = vec![waves(&starts, &starts, anchor)];
+        for _ in 0..job.settings.iterations {
+            self.march(job, 1)?;
+            states.push(waves(&starts, &self.read_pair()?, anchor));
+        }
+        Ok(states)
     }
 
     fn march_all(&mut self, job: &Job) -> Result<f64, Error> {

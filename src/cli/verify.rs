@@ -1,0 +1,129 @@
+//! `echomarch verify`: the hard cases.
+
+use super::exit::BadInput;
+use super::options::Common;
+use super::print;
+use crate::experiment::verify::{self, Case, CaseReport, VerifyReport};
+use crate::trace::Profile;
+use anyhow::bail;
+use clap::Args;
+
+const EXAMPLES: &str = "\
+Examples:
+  echomarch verify                           every hard case, as a Markdown table
+  echomarch verify --case convex-vertex --case grazing-89.99
+  echomarch verify --case sinai              all whose name begins with that
+  echomarch verify --json > verify.json
+
+Exit code: 0 if hybrid and march pass every case, else 1. The thesis' profile fails many,
+which is shown and does not count.";
+
+/// Arguments of `verify`.
+#[derive(Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub struct Arguments {
+    /// Run the case of this name alone, or those whose names begin with it
+    #[arg(long = "case", value_name = "NAME")]
+    cases: Vec<String>,
+}
+
+/// Runs the subcommand.
+pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
+    let cases = chosen(&arguments.cases)?;
+    let mut tracer = common.tracer()?;
+    let bar = print::progress(common, cases.len() as u64, "cases");
+    let report = verify::run(&mut tracer, &cases, &mut |done, _| bar.set_position(done))?;
+    bar.finish_and_clear();
+    if common.json {
+        print::json(&report)?;
+    } else {
+        print_table(&report)?;
+    }
+    let failed: Vec<&str> = report
+        .cases
+        .iter()
+        .filter(|case| !case.passed())
+        .map(|case| case.name.as_str())
+        .collect();
+    if !failed.is_empty() {
+        bail!("hybrid or march fails: {}", failed.join(", "));
+    }
+    Ok(())
+}
+
+/// Those of that very name, or else those that begin with it.
+fn chosen(names: &[String]) -> Result<Vec<Case>, BadInput> {
+    let all = verify::all();
+    if names.is_empty() {
+        return Ok(all);
+    }
+    for name in names {
+        if !all.iter().any(|case| case.name.starts_with(name)) {
+            let known: Vec<&str> = all.iter().map(|case| case.name.as_str()).collect();
+            let known = known.join(", ");
+            return Err(BadInput(format!(
+                "there is no case {name:?}; there are: {known}"
+            )));
+        }
+    }
+    let exact = |name: &String| all.iter().any(|case| case.name == *name);
+    let wanted = |case: &Case| {
+        names.iter().any(|name| {
+            case.name == *name || (!exact(name) && case.name.starts_with(name.as_str()))
+        })
+    };
+    let chosen = all.iter().filter(|case| wanted(case)).cloned();
+    Ok(chosen.collect())
+}
+
+fn print_table(report: &VerifyReport) -> anyhow::Result<()> {
+    let headings = [
+        "case",
+        "what is hard",
+        "exact",
+        "bound",
+        "hybrid",
+        "march",
+        "thesis",
+    ];
+    print::line(&row(&headings.map(str::to_owned)))?;
+    print::line(&row(&headings.map(|_| "---".to_owned())))?;
+    for case in &report.cases {
+        print::line(&row(&cells(case)))?;
+    }
+    let passes = Profile::ALL
+        .map(|profile| format!("{profile} {}", report.passes(profile)))
+        .join(", ");
+    print::line(&format!(
+        "\n{}: of {} cases pass: {passes}.\n\n\
+         spread: within twice what a start {:.1e} off (of the extent, and in radians) does to \
+         the exact end,\nand {:.1e} of the extent. error: the largest among right waves, as a \
+         share of the extent. off: waves\nwith other objects or an end outside the bound; \
+         lost: dead, and should not be; heard of: of those that\nshould be heard; median: of \
+         distances from the exact end.",
+        report.renderer,
+        report.cases.len(),
+        verify::START_ROUNDING,
+        verify::END_ROUNDING,
+    ))
+}
+
+fn cells(case: &CaseReport) -> [String; 7] {
+    let verdict = |profile| {
+        let result = case.of(profile);
+        result.map_or_else(String::new, verify::ProfileResult::verdict)
+    };
+    [
+        case.name.clone(),
+        case.hard.clone(),
+        case.exact.clone(),
+        case.bound.clone(),
+        verdict(Profile::Hybrid),
+        verdict(Profile::March),
+        verdict(Profile::Thesis),
+    ]
+}
+
+fn row(cells: &[String; 7]) -> String {
+    format!("| {} |", cells.join(" | "))
+}

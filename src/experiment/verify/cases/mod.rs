@@ -1,0 +1,51 @@
+//! All hard cases, by what is hard about them.
+
+mod build;
+mod chaos;
+mod corners;
+mod distortion;
+mod incidence;
+mod input;
+mod listener;
+mod open;
+mod scale;
+mod source;
+mod tangents;
+mod thin;
+
+use super::Case;
+
+/// Every hard case there is, in the order of the table.
+pub fn all() -> Vec<Case> {
+    [
+        incidence::cases,
+        corners::cases,
+        thin::cases,
+        tangents::cases,
+        source::cases,
+        listener::cases,
+        scale::cases,
+        chaos::cases,
+        open::cases,
+        distortion::cases,
+        input::cases,
+    ]
+    .iter()
+    .flat_map(|cases| cases())
+    .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::all;
+
+    /// Protects `--case`: a name means one case.
+    #[test]
+    fn names_are_unique() {
+        let mut names: Vec<String> = all().into_iter().map(|case| case.name).collect();
+        let count = names.len();
+        names.sort();
+        names.dedup();
+        assert_eq!(names.len(), count);
+    }
+}

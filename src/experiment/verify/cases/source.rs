@@ -1,0 +1,65 @@
+//! Sources where none should stand.
+
+use super::super::Case;
+use super::build::{block, hall, lattice, scene};
+use crate::scene::{Listener, Scene, Shape, Surface};
+use glam::Vec3;
+
+pub fn cases() -> Vec<Case> {
+    vec![
+        case(
+            "source-on-wall",
+            "the source lies exactly on a wall of the room",
+            "waves into the wall are mirrored after 0 m, all others fly off",
+            in_hall(Vec3::new(-15.0, 0.0, 3.0)),
+        ),
+        case(
+            "source-on-block",
+            "the source lies exactly on the face of a block",
+            "waves into the block are mirrored after 0 m, all others fly off",
+            in_hall(Vec3::new(1.0, 0.5, 0.5)),
+        ),
+        case(
+            "source-on-ball",
+            "the source lies on a ball, as well as numbers allow",
+            "waves into the ball are mirrored after 0 m, all others fly off",
+            in_hall(Vec3::new(-6.0, 0.0, -4.0)),
+        ),
+        case(
+            "source-in-wall",
+            "the source is 0.5 m within the solid of a block",
+            "nothing sounds in there: all waves are dead",
+            in_hall(Vec3::new(0.5, 0.0, 0.0)),
+        ),
+        case(
+            "source-outside",
+            "the source is outside of the room",
+            "nothing sounds in there: all waves are dead",
+            in_hall(Vec3::new(-15.5, 0.0, 0.0)),
+        ),
+        case(
+            "source-near-wall",
+            "the source is within the minimum distance of a wall (0.05 of 0.1 m)",
+            "waves fly off from where they are",
+            in_hall(Vec3::new(-14.95, 0.0, 3.0)),
+        ),
+        case(
+            "source-in-listener",
+            "the source is within the listener's sphere",
+            "every wave arrives after 0 m, at the source",
+            in_hall(Vec3::new(10.0, 0.5, 8.5)),
+        ),
+    ]
+}
+
+fn case(name: &str, hard: &'static str, exact: &str, scene: Scene) -> Case {
+    Case::spread(name, hard, exact, scene, lattice(256), 4)
+}
+
+/// A hall with a block about the origin, a ball, and a listener.
+fn in_hall(source: Vec3) -> Scene {
+    let ball = Surface::new(Shape::Sphere { radius: 2.0 }).at(Vec3::new(-6.0, 0.0, -6.0));
+    let surfaces = vec![hall(), block(2.0, 4.0, 6.0), ball];
+    let listener = Listener::at(Vec3::new(10.0, 0.0, 8.0), 2.0);
+    scene("furnished hall", surfaces, source, listener)
+}

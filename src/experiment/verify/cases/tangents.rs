@@ -1,0 +1,47 @@
+//! Lines that just touch, or just miss, what is round.
+
+use super::super::Case;
+use super::build::{hall, nobody, scene};
+use crate::scene::{Shape, Surface};
+use glam::{DVec3, Vec3};
+
+pub fn cases() -> Vec<Case> {
+    let ball = Shape::Sphere { radius: 2.0 };
+    let pillar = Shape::Cylinder { radius: 2.0 };
+    vec![
+        tangents("tangent-sphere", ball),
+        tangents("tangent-cylinder", pillar),
+    ]
+}
+
+/// Lines at the radius, and a little and a very little to both sides of it.
+fn tangents(name: &str, shape: Shape) -> Case {
+    let source = Vec3::new(-12.0, 0.0, 0.0);
+    let aside = |share: f64| {
+        let distance: f64 = 12.0;
+        let sin = 2.0 * (1.0 + share) / distance;
+        let cos = (1.0 - sin * sin).sqrt();
+        [
+            DVec3::new(cos, 0.0, sin),
+            DVec3::new(cos, 0.0, -sin),
+            DVec3::new(cos, 0.05, sin).normalize(),
+            DVec3::new(cos, sin, 0.0),
+        ]
+    };
+    let shares = [
+        0.0, 1e-7, -1e-7, 1e-6, -1e-6, 1e-5, -1e-5, 1e-4, -1e-4, 1e-2, -1e-2,
+    ];
+    let directions = shares
+        .into_iter()
+        .flat_map(aside)
+        .map(|d| d.as_vec3())
+        .collect();
+    Case::spread(
+        name,
+        "a line that touches: the root under which all hangs is 0",
+        "past it, or mirrored by next to nothing",
+        scene("hall", vec![hall(), Surface::new(shape)], source, nobody()),
+        directions,
+        2,
+    )
+}

@@ -1,0 +1,271 @@
+//! Waves as they were traced, against all the answers that are right.
+
+use super::case::{Bound, Planted};
+use super::report::ProfileResult;
+use crate::experiment::median;
+use crate::reference::{ExactScene, sequence_hash};
+use crate::scene::{Scene, Shape};
+use crate::trace::{Fate, Wave};
+use glam::{DVec3, Vec3};
+
+/// How far off a start may be that still counts as the same, as a share of the scene's
+/// extent for its place and in radians for its direction: eight units in the last place of
+/// an `f32`, what a flight and a reflection may lose.
+pub const START_ROUNDING: f64 = 8.0 * f32::EPSILON as f64;
+
+/// What an end point may be off besides, as a share of the scene's extent.
+pub const END_ROUNDING: f64 = 16.0 * f32::EPSILON as f64;
+
+/// What a direction's length may be off: normalising in `f32` leaves a unit or two.
+pub(super) const LENGTH_ROUNDING: f64 = 4.0 * f32::EPSILON as f64;
+
+/// A scene with what its judgements are measured by.
+pub(super) struct Judge {
+    exact: ExactScene,
+    start: DVec3,
+    iterations: u32,
+    /// Largest distance from the listener that belongs to the scene, metres.
+    extent: f64,
+    /// Half a unit in the last place of a world coordinate, metres: what reading a place
+    /// back as `f32` costs.
+    world_rounding: f64,
+}
+
+/// Where an exact wave goes.
+#[derive(Clone, Copy, Debug)]
+struct Answer {
+    status: i32,
+    sequence: u64,
+    end: DVec3,
+}
+
+/// What became of one wave.
+enum Verdict {
+    /// Right, and so far from the nearest right answer: in metres, and as a share of the
+    /// extent, or of the way there if that is longer.
+    Right(f64, f64),
+    /// Wrong, and so far from the exact end, if both have one (metres).
+    Off(Option<f64>),
+}
+
+impl Judge {
+    /// # Errors
+    /// A scene that is not valid.
+    pub fn new(scene: &Scene, iterations: u32) -> Result<Judge, crate::Error> {
+        let ear = scene.listener.position.as_dvec3();
+        let reach = |surface: &crate::Surface| {
+            let size = match surface.shape {
+                Shape::Plane => 0.0,
+                Shape::Box { size } | Shape::Room { size } => size.max_element() * 0.5,
+                Shape::Sphere { radius } | Shape::Cylinder { radius } => radius,
+            };
+            (surface.position.as_dvec3() - ear).abs().max_element() + f64::from(size)
+        };
+        let start = scene.source.position.as_dvec3();
+        let extent = scene
+            .surfaces
+            .iter()
+            .map(reach)
+            .chain([(start - ear).length(), f64::from(scene.listener.radius)])
+            .fold(0.0, f64::max);
+        let world = ear.abs().max_element() + extent;
+        Ok(Judge {
+            exact: ExactScene::new(scene)?,
+            start,
+            iterations,
+            extent,
+            world_rounding: world * f64::from(f32::EPSILON) * 0.5,
+        })
+    }
+
+    /// Judges the states after the start and after each iteration.
+    pub fn judge(&self, states: &[Vec<Wave>], bound: &Bound) -> ProfileResult {
+        let waves = states[0].len();
+        let mut result = ProfileResult {
+            waves,
+            ..ProfileResult::default()
+        };
+        let mut offs = Vec::new();
+        for index in 0..waves {
+            let path: Vec<Wave> = states.iter().map(|state| state[index]).collect();
+            self.sanity(&path, &mut result);
+            let start = path[0].start_direction.as_dvec3();
+            let truth = self.exact.trace(self.start, start, self.iterations);
+            let fate = Fate::of(path[path.len() - 1].status);
+            result.heard += usize::from(fate == Fate::Listener);
+            result.heard_exactly += usize::from(truth.status == 0);
+            match self.verdict(&path, bound, index) {
+                Verdict::Right(error, share) => {
+                    result.error = result.error.max(error);
+                    result.relative_error = result.relative_error.max(share);
+                }
+                Verdict::Off(distance) => {
+                    result.off += 1;
+                    result.lost += usize::from(fate == Fate::Dead && truth.status != -1);
+                    offs.extend(distance.filter(|distance| distance.is_finite()));
+                }
+            }
+        }
+        result.median_off = median(offs);
+        let exceptions = match bound {
+            Bound::Spread { exceptions } => (exceptions * waves as f64) as usize,
+            Bound::Planted { .. } => 0,
+        };
+        result.passed = result.off <= exceptions
+            && result.not_finite == 0
+            && result.inside == 0
+            && result.guard_hits == 0
+            && result.length_error <= LENGTH_ROUNDING;
+        result
+    }
+
+    /// What must hold whatever the right answer is.
+    fn sanity(&self, path: &[Wave], result: &mut ProfileResult) {
+        let mut depth = 0.0_f64;
+        for wave in path {
+            let numbers = wave.position.is_finite() && wave.direction.is_finite();
+            if !(numbers && wave.status.is_finite()) {
+                result.not_finite += 1;
+                continue;
+            }
+            if Fate::of(wave.status) == Fate::Dead {
+                continue;
+            }
+            let place = wave.position.as_dvec3();
+            let tolerance = self.reach(place) * END_ROUNDING + self.world_rounding;
+            let deep = -self.exact.surface_distance(place);
+            if deep > tolerance {
+                depth = depth.max(deep);
+            }
+            let length = wave.direction.as_dvec3().length();
+            result.length_error = result.length_error.max((length - 1.0).abs());
+        }
+        if depth > 0.0 {
+            result.inside += 1;
+            result.deepest = result.deepest.max(depth);
+        }
+        if let Some(end) = path.last() {
+            result.guard_hits += u64::from(end.guard_hits);
+            result.zero_length_passes += u64::from(end.zero_length_passes);
+        }
+    }
+
+    fn verdict(&self, path: &[Wave], bound: &Bound, index: usize) -> Verdict {
+        let given = given(path);
+        match bound {
+            Bound::Spread { .. } => self.by_spread(&given, path[0].start_direction),
+            Bound::Planted { share, answers } => {
+                let answer = planted(&answers[index]);
+                self.against(&given, &[answer], share * self.reach(answer.end))
+            }
+        }
+    }
+
+    /// Right answers are those of exact waves that start a rounding off.
+    fn by_spread(&self, given: &Answer, direction: Vec3) -> Verdict {
+        let direction = direction.as_dvec3();
+        let answers: Vec<Answer> = self
+            .starts(direction)
+            .map(|(start, direction)| {
+                let wave = self.exact.trace(start, direction, self.iterations);
+                Answer {
+                    status: wave.status,
+                    sequence: wave.sequence_hash,
+                    end: wave.point,
+                }
+            })
+            .collect();
+        let like = |answer: &&Answer| answer.sequence == given.sequence;
+        let ends: Vec<DVec3> = answers.iter().filter(like).map(|a| a.end).collect();
+        let spread = ends
+            .iter()
+            .flat_map(|a| ends.iter().map(|b| a.distance(*b)))
+            .fold(0.0, f64::max);
+        self.against(given, &answers, 2.0 * spread + END_ROUNDING * self.extent)
+    }
+
+    fn against(&self, given: &Answer, answers: &[Answer], within: f64) -> Verdict {
+        let right = answers
+            .iter()
+            .filter(|answer| answer.status == given.status && answer.sequence == given.sequence)
+            .map(|answer| match given.status {
+                // The thesis keeps no place of a dead wave.
+                -1 => 0.0,
+                _ => answer.end.distance(given.end),
+            })
+            .fold(f64::INFINITY, f64::min);
+        if right <= within + 2.0 * self.world_rounding {
+            return Verdict::Right(right, right / self.reach(given.end));
+        }
+        let both_end = given.status != -1 && answers[0].status != -1;
+        Verdict::Off(both_end.then(|| answers[0].end.distance(given.end)))
+    }
+
+    /// The start itself, then starts a rounding off, half and a quarter of one, in place and
+    /// in direction: what a line that just touches gives goes by the root of how far off it
+    /// is.
+    fn starts(&self, direction: DVec3) -> impl Iterator<Item = (DVec3, DVec3)> {
+        let (start, extent) = (self.start, self.extent);
+        let aside = direction.any_orthonormal_vector();
+        let across = aside.cross(direction);
+        let off = move |share: f64| {
+            let moved = DVec3::AXES.map(|axis| (axis * (share * extent), DVec3::ZERO));
+            let turned = [aside, across].map(|by| (DVec3::ZERO, by * share));
+            let both = moved.into_iter().chain(turned);
+            both.map(move |(place, turn)| (start + place, direction + turn))
+        };
+        let shares = [1.0, -1.0, 0.5, -0.5, 0.25, -0.25].map(|share| share * START_ROUNDING);
+        [(start, direction)]
+            .into_iter()
+            .chain(shares.into_iter().flat_map(off))
+    }
+
+    /// The extent, or how far it is to this end, in metres.
+    fn reach(&self, end: DVec3) -> f64 {
+        self.extent.max(end.distance(self.start))
+    }
+
+    /// How far the exact waves are from planted answers at the most, as a share of the
+    /// extent, or of the way there if that is longer; infinite where they meet other objects.
+    pub fn exact_against(&self, directions: &[Vec3], answers: &[Planted]) -> f64 {
+        let off = |(direction, answer): (&Vec3, &Planted)| {
+            let direction = direction.as_dvec3();
+            let wave = self.exact.trace(self.start, direction, self.iterations);
+            if wave.sequence_hash != sequence_hash(&answer.objects) {
+                return f64::INFINITY;
+            }
+            wave.point.distance(answer.end) / self.reach(answer.end)
+        };
+        directions.iter().zip(answers).map(off).fold(0.0, f64::max)
+    }
+}
+
+fn planted(answer: &Planted) -> Answer {
+    Answer {
+        status: answer.objects.last().map_or(-1, |&object| object as i32),
+        sequence: sequence_hash(&answer.objects),
+        end: answer.end,
+    }
+}
+
+/// The answer that the states give. An object is met in each iteration until the wave is
+/// heard or dead.
+fn given(path: &[Wave]) -> Answer {
+    let mut objects = Vec::new();
+    for pair in path.windows(2) {
+        let before = Fate::of(pair[0].status);
+        let still_dead = before == Fate::Dead && Fate::of(pair[1].status) == Fate::Dead;
+        if before == Fate::Listener || still_dead {
+            break;
+        }
+        if Fate::of(pair[1].status) != Fate::Dead {
+            objects.push(pair[1].status.round() as u32);
+        }
+    }
+    let end = path.last().copied();
+    Answer {
+        status: end.map_or(-1, |wave| wave.status.round() as i32),
+        sequence: sequence_hash(&objects),
+        end: end.map_or(DVec3::NAN, |wave| wave.position.as_dvec3()),
+    }
+}

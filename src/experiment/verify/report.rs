@@ -1,0 +1,154 @@
+//! What the hard cases gave, as plain data.
+
+use crate::trace::Profile;
+use serde::Serialize;
+
+/// All cases that were run.
+#[derive(Clone, Debug, Serialize)]
+pub struct VerifyReport {
+    /// The renderer's name.
+    pub renderer: String,
+    /// In the order of [`all`](super::all).
+    pub cases: Vec<CaseReport>,
+}
+
+/// One case by every profile.
+#[derive(Clone, Debug, Serialize)]
+pub struct CaseReport {
+    /// The case's name.
+    pub name: String,
+    /// What is hard.
+    pub hard: String,
+    /// The exact answer in words.
+    pub exact: String,
+    /// The bound in words.
+    pub bound: String,
+    /// In the order of [`Profile::ALL`].
+    pub results: Vec<ProfileResult>,
+}
+
+/// What one profile gave.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct ProfileResult {
+    /// Name of the profile.
+    pub profile: String,
+    /// Whether all that is asked of it holds.
+    pub passed: bool,
+    /// Waves traced; 0 for input that must be refused.
+    pub waves: usize,
+    /// Waves with no right answer: other objects, or too far off.
+    pub off: usize,
+    /// How many of those are dead and should not be.
+    pub lost: usize,
+    /// Waves heard.
+    pub heard: usize,
+    /// Waves that are heard in the exact answer.
+    pub heard_exactly: usize,
+    /// Median distance of those off from the exact end, where both have one; metres.
+    pub median_off: f64,
+    /// The largest distance of the others from a right answer; metres.
+    pub error: f64,
+    /// The same as a share of the scene's extent.
+    pub relative_error: f64,
+    /// States with a number that is none.
+    pub not_finite: usize,
+    /// Waves that were in a solid after some iteration.
+    pub inside: usize,
+    /// How deep at the most; metres.
+    pub deepest: f64,
+    /// Marches that ended at the step bound.
+    pub guard_hits: u64,
+    /// Largest difference of a direction's length from 1.
+    pub length_error: f64,
+    /// Marches that ended at distance 0.
+    pub zero_length_passes: u64,
+    /// For information: what did not decide.
+    pub note: String,
+}
+
+impl ProfileResult {
+    /// One line for a table: the verdict and the figure behind it.
+    pub fn verdict(&self) -> String {
+        let mut text = if self.passed { "ok" } else { "**fails**" }.to_owned();
+        let mut add = |what: String| {
+            text += ", ";
+            text += &what;
+        };
+        if self.off > 0 {
+            let waves = plural(self.waves as u64, "wave");
+            add(format!("{} of {waves} off", self.off));
+        }
+        if self.lost > 0 {
+            add(format!("{} lost", self.lost));
+        }
+        if self.off > 0 && self.heard != self.heard_exactly {
+            add(format!("{} heard of {}", self.heard, self.heard_exactly));
+        }
+        if self.median_off > 0.0 {
+            add(format!("median {} m", short(self.median_off)));
+        }
+        if self.off == 0 && self.waves > 0 {
+            add(format!("error {}", short(self.relative_error)));
+        }
+        if self.not_finite > 0 {
+            add(plural(self.not_finite as u64, "NaN"));
+        }
+        if self.inside > 0 {
+            add(format!(
+                "{} in a solid, {} m deep",
+                self.inside,
+                short(self.deepest)
+            ));
+        }
+        if self.guard_hits > 0 {
+            add(format!("{} at the step bound", self.guard_hits));
+        }
+        if self.length_error > super::judge::LENGTH_ROUNDING {
+            add(format!("length off by {}", short(self.length_error)));
+        }
+        if !self.note.is_empty() {
+            add(self.note.clone());
+        }
+        text
+    }
+}
+
+impl CaseReport {
+    /// The result of a profile.
+    pub fn of(&self, profile: Profile) -> Option<&ProfileResult> {
+        let name = profile.to_string();
+        self.results.iter().find(|result| result.profile == name)
+    }
+
+    /// Whether the profiles that should be right are.
+    pub fn passed(&self) -> bool {
+        [Profile::Hybrid, Profile::March]
+            .iter()
+            .all(|&profile| self.of(profile).is_some_and(|result| result.passed))
+    }
+}
+
+impl VerifyReport {
+    /// Cases in which this profile passes.
+    pub fn passes(&self, profile: Profile) -> usize {
+        let of = |case: &&CaseReport| case.of(profile).is_some_and(|result| result.passed);
+        self.cases.iter().filter(of).count()
+    }
+}
+
+fn plural(count: u64, noun: &str) -> String {
+    let ending = if count == 1 { "" } else { "s" };
+    format!("{count} {noun}{ending}")
+}
+
+/// Two digits.
+fn short(value: f64) -> String {
+    match value {
+        0.0 => "0".to_owned(),
+        v if (0.01..1000.0).contains(&v.abs()) => {
+            let decimals = (1 - v.abs().log10().floor() as i32).max(0) as usize;
+            format!("{v:.decimals$}")
+        }
+        v => format!("{v:.0e}"),
+    }
+}

@@ -1,0 +1,151 @@
+//! Runs hard cases by every profile.
+
+use super::case::{Bound, Case, Check};
+use super::judge::Judge;
+use super::report::{CaseReport, ProfileResult, VerifyReport};
+use crate::error::Error;
+use crate::scene::Scene;
+use crate::trace::{Profile, Settings, Tracer};
+use glam::Vec3;
+
+/// Runs the cases. `progress` is called with cases done and cases in all.
+///
+/// # Errors
+/// [`Error::Gpu`] when the renderer fails. A case that fails is no error.
+pub fn run(
+    tracer: &mut Tracer,
+    cases: &[Case],
+    progress: &mut dyn FnMut(u64, u64),
+) -> Result<VerifyReport, Error> {
+    let mut reports = Vec::new();
+    for case in cases {
+        reports.push(run_case(tracer, case)?);
+        progress(reports.len() as u64, cases.len() as u64);
+    }
+    Ok(VerifyReport {
+        renderer: tracer.context().renderer().to_owned(),
+        cases: reports,
+    })
+}
+
+/// Runs one case.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_case(tracer: &mut Tracer, case: &Case) -> Result<CaseReport, Error> {
+    let results = match &case.check {
+        Check::Refused(inputs) => Profile::ALL.map(|p| refusals(tracer, p, inputs)).into(),
+        Check::Waves {
+            scene,
+            directions,
+            iterations,
+            bound,
+            overestimate,
+        } => {
+            let judge = Judge::new(scene, *iterations)?;
+            let job = Job {
+                scene,
+                directions,
+                iterations: *iterations,
+                bound,
+                overestimate: *overestimate,
+                judge,
+            };
+            let mut results = Vec::new();
+            for profile in Profile::ALL {
+                results.push(job.by(tracer, profile)?);
+            }
+            results
+        }
+    };
+    Ok(CaseReport {
+        name: case.name.clone(),
+        hard: case.hard.to_owned(),
+        exact: case.exact.clone(),
+        bound: in_words(&case.check),
+        results,
+    })
+}
+
+/// The waves of a case.
+struct Job<'a> {
+    scene: &'a Scene,
+    directions: &'a [Vec3],
+    iterations: u32,
+    bound: &'a Bound,
+    overestimate: f32,
+    judge: Judge,
+}
+
+impl Job<'_> {
+    fn by(&self, tracer: &mut Tracer, profile: Profile) -> Result<ProfileResult, Error> {
+        let mut settings = Settings::of(profile).with_iterations(self.iterations);
+        if self.overestimate != 1.0 {
+            settings.distance_factor = self.overestimate;
+            settings.lipschitz = self.overestimate;
+        }
+        let mut result = self.with(tracer, &settings)?;
+        // The judge is held against the planted answers, too.
+        if let Bound::Planted { share, answers } = self.bound {
+            let reference = self.judge.exact_against(self.directions, answers);
+            if reference > *share {
+                result.passed = false;
+                result.note = format!("the reference itself is {reference:e} off");
+            }
+        }
+        if self.overestimate != 1.0 && profile == Profile::March {
+            settings.lipschitz = 1.0;
+            let blind = self.with(tracer, &settings)?;
+            result.note = format!("with a Lipschitz bound of 1: {} off", blind.off);
+        } else if self.overestimate != 1.0 {
+            result.note = "takes no factor".to_owned();
+        }
+        Ok(result)
+    }
+
+    fn with(&self, tracer: &mut Tracer, settings: &Settings) -> Result<ProfileResult, Error> {
+        let states = tracer.trace_directions(self.scene, settings, self.directions)?;
+        let mut result = self.judge.judge(&states, self.bound);
+        result.profile = settings.profile.to_string();
+        Ok(result)
+    }
+}
+
+fn refusals(
+    tracer: &mut Tracer,
+    profile: Profile,
+    inputs: &[(&'static str, Scene, Settings)],
+) -> ProfileResult {
+    let mut taken = Vec::new();
+    for (what, scene, settings) in inputs {
+        let mut settings = settings.clone();
+        settings.profile = profile;
+        let outcome = tracer.frame(scene, &settings);
+        if !outcome.is_err_and(|error| error.is_bad_input()) {
+            taken.push(*what);
+        }
+    }
+    let note = if taken.is_empty() {
+        format!("{} of {} refused", inputs.len(), inputs.len())
+    } else {
+        format!("taken: {}", taken.join(", "))
+    };
+    ProfileResult {
+        profile: profile.to_string(),
+        passed: taken.is_empty(),
+        note,
+        ..ProfileResult::default()
+    }
+}
+
+fn in_words(check: &Check) -> String {
+    let Check::Waves { bound, .. } = check else {
+        return "a typed error".to_owned();
+    };
+    match bound {
+        Bound::Spread { exceptions: 0.0 } => "spread".to_owned(),
+        Bound::Spread { exceptions: 1.0 } => "none on ends: no NaN, no solid, length 1".to_owned(),
+        Bound::Spread { exceptions } => format!("spread, but for {} %", 100.0 * exceptions),
+        Bound::Planted { share, .. } => format!("{share:.0e} of extent or way"),
+    }
+}
