@@ -3,8 +3,8 @@
 use super::options::{Common, check_range};
 use super::print;
 use crate::experiment::accuracy::{
-    self, AccuracyOptions, AccuracyReport, COMPARED_ITERATIONS, Quantiles, Row, SceneReport,
-    plot_svg, write_csv,
+    self, AccuracyOptions, AccuracyReport, COMPARED_ITERATIONS, Quantiles, Recommendation, Row,
+    SceneReport, plot_svg, write_csv,
 };
 use crate::output::{prepare_folder, write_whole};
 use crate::scene::BUILTIN_NAMES;
@@ -285,13 +285,21 @@ fn print_slopes(scene: &SceneReport) -> anyhow::Result<()> {
 }
 
 fn recommendation(scene: &SceneReport, error: f64) -> String {
-    match &scene.recommendation {
-        Some(best) => format!(
-            "recommended: the fastest with a panning error of at most {error} at \
-             {COMPARED_ITERATIONS} iterations is {}, {} waves: {:.2} ms, rms {:.4}",
-            best.label, best.case.waves, best.total_ms, best.rms
+    let tell = |row: &Recommendation| {
+        let (label, waves) = (&row.label, row.case.waves);
+        format!(
+            "{label}, {waves} waves: {:.2} ms, rms {:.4}",
+            row.total_ms, row.rms
+        )
+    };
+    let wanted = format!("a panning error of at most {error} at {COMPARED_ITERATIONS} iterations");
+    match (&scene.recommendation, &scene.best) {
+        (Some(fastest), _) => format!(
+            "recommended: the fastest with {wanted} is {}",
+            tell(fastest)
         ),
-        None => format!("recommended: nothing; no setting has a panning error of at most {error}"),
+        (None, Some(best)) => format!("recommended: none has {wanted}; the best is {}", tell(best)),
+        (None, None) => format!("recommended: nothing; no setting has {wanted}"),
     }
 }
 

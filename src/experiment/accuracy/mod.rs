@@ -193,6 +193,7 @@ fn run_scene(
         limits: limits.iter().map(|&i| truth.limit(i)).collect(),
         chaos,
         recommendation: recommend::fastest(&rows, options.stated_error),
+        best: recommend::best(&rows),
         rows,
         slopes,
     })

@@ -21,8 +21,11 @@ const COLOURS: [(Profile, RGBColor); 3] = [
 ];
 const FRONT: RGBColor = RGBColor(60, 60, 60);
 
-/// Where a curve of one value lies: error against milliseconds.
+/// Milliseconds and error.
 type Point = (f64, f64);
+
+/// A row's point, and the radius that its number of waves is drawn with.
+type Dot = (Point, i32);
 
 /// The report as an SVG picture: a row of two plots for each scene.
 ///
@@ -36,7 +39,7 @@ pub fn plot_svg(report: &AccuracyReport) -> Result<String, PlotError> {
         let root = SVGBackend::with_string(&mut svg, (WIDTH, height)).into_drawing_area();
         root.fill(&WHITE)?;
         let title = format!(
-            "Speed against error, {ITERATIONS} iterations, {}",
+            "Speed against error, {ITERATIONS} iterations, {} (larger dots: more waves)",
             report.renderer
         );
         let body = root.titled(&title, ("sans-serif", 20))?;
@@ -44,9 +47,13 @@ pub fn plot_svg(report: &AccuracyReport) -> Result<String, PlotError> {
         for (index, scene) in report.scenes.iter().enumerate() {
             let seeds = report.seeds;
             let what = format!("RMS panning error over {seeds} seeds");
-            plot(&panels[2 * index], scene, &what, |row| row.panning.rms)?;
+            let corner = SeriesLabelPosition::LowerLeft;
+            plot(&panels[2 * index], scene, &what, corner, |row| {
+                row.panning.rms
+            })?;
             let what = "median end-point error, metres";
-            plot(&panels[2 * index + 1], scene, what, |row| {
+            let middle = SeriesLabelPosition::MiddleLeft;
+            plot(&panels[2 * index + 1], scene, what, middle, |row| {
                 row.waves.end.median
             })?;
         }
@@ -60,18 +67,14 @@ fn plot(
     panel: &DrawingArea<SVGBackend, Shift>,
     scene: &SceneReport,
     what: &str,
+    legend: SeriesLabelPosition,
     error: impl Fn(&Row) -> f64,
 ) -> Result<(), PlotError> {
-    let of = |profile: Profile| -> Vec<Point> {
-        let name = profile.to_string();
-        comparable(&scene.rows)
-            .filter(|row| row.case.profile == name)
-            .map(|row| (row.speed.total_ms, error(row)))
-            .filter(|point| point.0 > 0.0 && point.1 > 0.0)
-            .collect()
-    };
-    let points = COLOURS.map(|(profile, colour)| (profile, colour, of(profile)));
-    let all: Vec<Point> = points.iter().flat_map(|of| of.2.clone()).collect();
+    let dots = COLOURS.map(|(profile, colour)| (profile, colour, dots(scene, profile, &error)));
+    let all: Vec<Point> = dots
+        .iter()
+        .flat_map(|of| of.2.iter().map(|dot| dot.0))
+        .collect();
     let x = range(all.iter().map(|point| point.0), 1.3);
     let y = range(all.iter().map(|point| point.1), 2.0);
     let mut chart = ChartBuilder::on(panel)
@@ -95,28 +98,39 @@ fn plot(
         .draw_series(LineSeries::new(steps(&front, x.1), FRONT.stroke_width(1)))?
         .label("Pareto front")
         .legend(|(x, y)| PathElement::new([(x, y), (x + 18, y)], FRONT.stroke_width(1)));
-    for (profile, colour, points) in points {
+    for (profile, colour, dots) in dots {
+        let circle = |&(point, size): &Dot| Circle::new(point, size, colour.mix(0.75).filled());
         chart
-            .draw_series(
-                points
-                    .iter()
-                    .map(|&p| Circle::new(p, 4, colour.mix(0.75).filled())),
-            )?
+            .draw_series(dots.iter().map(circle))?
             .label(profile.to_string())
             .legend(move |(x, y)| Circle::new((x + 9, y), 4, colour.filled()));
     }
-    chart.draw_series(
-        front
-            .iter()
-            .map(|&p| Circle::new(p, 7, FRONT.stroke_width(1))),
-    )?;
+    let ring = |&point: &Point| Circle::new(point, 9, FRONT.stroke_width(1));
+    chart.draw_series(front.iter().map(ring))?;
     chart
         .configure_series_labels()
-        .position(SeriesLabelPosition::UpperRight)
+        .position(legend)
         .background_style(WHITE.mix(0.85))
         .border_style(BLACK.mix(0.2))
         .draw()?;
     Ok(())
+}
+
+/// The rows of a profile; those that a logarithm cannot show are left out.
+fn dots(scene: &SceneReport, profile: Profile, error: impl Fn(&Row) -> f64) -> Vec<Dot> {
+    let name = profile.to_string();
+    comparable(&scene.rows)
+        .filter(|row| row.case.profile == name)
+        .map(|row| ((row.speed.total_ms, error(row)), radius(row.case.waves)))
+        .filter(|((time, error), _)| *time > 0.0 && *error > 0.0)
+        .collect()
+}
+
+/// In pixels: 3 for 4096 waves, one more for each four times as many.
+fn radius(waves: u32) -> i32 {
+    ((f64::from(waves.max(1)).log2() - 6.0) / 2.0)
+        .round()
+        .clamp(2.0, 9.0) as i32
 }
 
 /// The front as stairs: between two points the earlier one is the best there is.
@@ -141,10 +155,12 @@ fn range(values: impl Iterator<Item = f64>, margin: f64) -> (f64, f64) {
     }
 }
 
+/// A tick of the axis: one digit that counts.
 fn short(value: &f64) -> String {
-    if *value >= 0.01 && *value < 1e5 {
-        format!("{value}")
-    } else {
-        format!("{value:.0e}")
+    let power = value.log10().floor() as i32;
+    match power {
+        -2 | -1 => format!("{value:.*}", power.unsigned_abs() as usize),
+        0..=4 => format!("{value:.0}"),
+        _ => format!("{value:.0e}"),
     }
 }

@@ -14,13 +14,23 @@ pub fn comparable(rows: &[Row]) -> impl Iterator<Item = &Row> {
 /// The fastest row whose panning error is at most `error`.
 pub fn fastest(rows: &[Row], error: f64) -> Option<Recommendation> {
     let good = comparable(rows).filter(|row| row.panning.rms <= error);
-    let best = good.min_by(|a, b| a.speed.total_ms.total_cmp(&b.speed.total_ms))?;
-    Some(Recommendation {
-        label: best.label.clone(),
-        case: best.case.clone(),
-        total_ms: best.speed.total_ms,
-        rms: best.panning.rms,
-    })
+    let best = good.min_by(|a, b| a.speed.total_ms.total_cmp(&b.speed.total_ms));
+    best.map(recommended)
+}
+
+/// The row of the least panning error.
+pub fn best(rows: &[Row]) -> Option<Recommendation> {
+    let best = comparable(rows).min_by(|a, b| a.panning.rms.total_cmp(&b.panning.rms));
+    best.map(recommended)
+}
+
+fn recommended(row: &Row) -> Recommendation {
+    Recommendation {
+        label: row.label.clone(),
+        case: row.case.clone(),
+        total_ms: row.speed.total_ms,
+        rms: row.panning.rms,
+    }
 }
 
 /// The points (time, error) that no other beats in both, by time: errors fall along it.

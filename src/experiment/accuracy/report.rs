@@ -38,6 +38,8 @@ pub struct SceneReport {
     pub slopes: Vec<Slope>,
     /// The fastest row below the stated error.
     pub recommendation: Option<Recommendation>,
+    /// The row of the least panning error.
+    pub best: Option<Recommendation>,
 }
 
 /// The exact geometry's panning, from two lattices of directions.
@@ -220,7 +222,7 @@ pub struct SlopePoint {
     pub rms: f64,
 }
 
-/// The fastest row below an error.
+/// A row worth choosing.
 #[derive(Clone, Debug, Serialize)]
 pub struct Recommendation {
     /// What it is called.

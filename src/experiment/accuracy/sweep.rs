@@ -21,10 +21,6 @@ const EVERYWHERE: f32 = 1e6;
 /// Waves of the rows that change anything else.
 pub const BASE_WAVES: u32 = 65_536;
 
-/// Waves of the quick sweep's rows of the slower profiles: with as many seeds as each row
-/// needs, more would not fit in its five minutes.
-pub const QUICK_WAVES: u32 = 16_384;
-
 /// Settings with a name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Case {
@@ -81,23 +77,17 @@ pub fn quick() -> Vec<Case> {
     for profile in Profile::ALL {
         let base = Case::new("default", Settings::of(profile).with_waves(BASE_WAVES));
         cases.push(base.clone());
-        let slow = match profile {
-            Profile::Hybrid => base.clone(),
-            _ => base.but("default", |s| s.waves = QUICK_WAVES),
-        };
         if profile != Profile::Hybrid {
-            cases.extend(min_distances(&slow));
+            cases.extend(min_distances(&base));
         }
-        cases.push(slow.but("", |s| s.iterations = 4));
-        cases.push(slow.but("", |s| s.iterations = 16));
-        cases.push(base.but("", |s| s.waves = 4096));
-        cases.push(base.but("", |s| s.waves = 262_144));
-        cases.extend(options(&slow));
+        cases.extend([4, 16].map(|iterations| resized(&base, BASE_WAVES, iterations)));
+        let iterations = base.settings.iterations;
+        cases.extend([4096, 262_144].map(|waves| resized(&base, waves, iterations)));
+        cases.extend(options(&base));
         if profile == Profile::Hybrid {
-            let all =
-                [4096, 16_384, 262_144].map(|waves| every(&base).but("", |s| s.waves = waves));
-            cases.push(every(&base));
-            cases.extend(all);
+            let all = every(&base);
+            let waves = [4096, 16_384, BASE_WAVES, 262_144, 524_288];
+            cases.extend(waves.map(|waves| resized(&all, waves, iterations)));
         }
     }
     named(cases)

@@ -2,6 +2,7 @@
 
 use super::measure::wave_errors;
 use super::report::{Chaos, Row, SceneReport, Target, WaveErrors};
+use super::sweep::BASE_WAVES;
 use super::truth::Truth;
 use crate::error::Error;
 use crate::experiment::median;
@@ -161,7 +162,10 @@ fn speeds(tracer: &mut Tracer, corner: &Scene) -> Result<Vec<Target>, Error> {
 
 fn default_row(scene: &SceneReport, profile: Profile) -> Option<&Row> {
     let label = format!("{profile} default");
-    scene.rows.iter().find(|row| row.label == label)
+    scene.rows.iter().find(|row| {
+        let case = &row.case;
+        row.label == label && (case.waves, case.iterations) == (BASE_WAVES, ITERATIONS)
+    })
 }
 
 fn efficiencies(scene: &SceneReport) -> Option<Target> {
@@ -174,12 +178,15 @@ fn efficiencies(scene: &SceneReport) -> Option<Target> {
     ))
 }
 
-/// For information: the thesis' algorithm with whatever settings suit it best.
+/// For information: the thesis' algorithm with whatever settings suit it best. Rows that
+/// hear nothing are left out: their answer, 0, can be near the truth by luck alone.
 fn against_the_best_thesis(scene: &SceneReport) -> Option<Target> {
     let hybrid = default_row(scene, Profile::Hybrid)?;
     let iterations = hybrid.case.iterations;
     let thesis = scene.rows.iter().filter(|row| {
-        row.case.profile == Profile::Thesis.to_string() && row.case.iterations == iterations
+        row.case.profile == Profile::Thesis.to_string()
+            && row.case.iterations == iterations
+            && row.waves.hits.iter().any(|&hits| hits > 0)
     });
     let by_efficiency = |a: &&Row, b: &&Row| a.panning.efficiency.total_cmp(&b.panning.efficiency);
     let best = thesis.max_by(by_efficiency)?;
