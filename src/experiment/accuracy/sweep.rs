@@ -18,8 +18,11 @@ pub const ITERATIONS: [u32; 3] = [4, 8, 16];
 /// Beyond this a minimum distance is no distance any more, but "everywhere".
 const EVERYWHERE: f32 = 1e6;
 
-/// Waves of the rows that change anything else.
+/// Waves of each profile's defaults, and of rows that change anything else.
 pub const BASE_WAVES: u32 = 65_536;
+
+/// The same in the quick sweep: at 16 seeds a row, more would not fit in its five minutes.
+pub const QUICK_WAVES: u32 = 32_768;
 
 /// Settings with a name.
 #[derive(Clone, Debug, PartialEq)]
@@ -75,18 +78,19 @@ fn has_distance(settings: &Settings) -> bool {
 pub fn quick() -> Vec<Case> {
     let mut cases = Vec::new();
     for profile in Profile::ALL {
-        let base = Case::new("default", Settings::of(profile).with_waves(BASE_WAVES));
-        cases.push(base.clone());
+        let default = Case::new("default", Settings::of(profile).with_waves(BASE_WAVES));
+        let iterations = default.settings.iterations;
+        let with = |waves| resized(&default, waves, iterations);
+        cases.extend([BASE_WAVES, 4096, 262_144].map(with));
+        let base = with(QUICK_WAVES);
+        cases.extend(ITERATIONS.map(|iterations| resized(&base, QUICK_WAVES, iterations)));
         if profile != Profile::Hybrid {
             cases.extend(min_distances(&base));
         }
-        cases.extend([4, 16].map(|iterations| resized(&base, BASE_WAVES, iterations)));
-        let iterations = base.settings.iterations;
-        cases.extend([4096, 262_144].map(|waves| resized(&base, waves, iterations)));
         cases.extend(options(&base));
         if profile == Profile::Hybrid {
             let all = every(&base);
-            let waves = [4096, 16_384, BASE_WAVES, 262_144, 524_288];
+            let waves = [4096, 16_384, QUICK_WAVES, BASE_WAVES, 262_144, 524_288];
             cases.extend(waves.map(|waves| resized(&all, waves, iterations)));
         }
     }
