@@ -76,7 +76,7 @@ fn plot(
         .flat_map(|of| of.2.iter().map(|dot| dot.0))
         .collect();
     let x = range(all.iter().map(|point| point.0), 1.3);
-    let y = range(all.iter().map(|point| point.1), 2.0);
+    let y = decades(range(all.iter().map(|point| point.1), 1.2));
     let mut chart = ChartBuilder::on(panel)
         .margin(14)
         .margin_right(30)
@@ -153,6 +153,12 @@ fn range(values: impl Iterator<Item = f64>, margin: f64) -> (f64, f64) {
     } else {
         (0.1, 10.0)
     }
+}
+
+/// The powers of ten around a range: an axis that begins and ends with a number.
+fn decades((least, most): (f64, f64)) -> (f64, f64) {
+    let power = |value: f64| 10f64.powf(value);
+    (power(least.log10().floor()), power(most.log10().ceil()))
 }
 
 /// A tick of the axis: one digit that counts.

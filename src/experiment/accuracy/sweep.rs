@@ -126,12 +126,14 @@ pub fn full() -> Vec<Case> {
 fn named(cases: Vec<Case>) -> Vec<Case> {
     let mut kept: Vec<Case> = Vec::new();
     for mut case in cases {
-        let words: Vec<&str> = case.label.split(", ").map(str::trim).collect();
-        let words: Vec<&str> = words.into_iter().filter(|word| !word.is_empty()).collect();
-        case.label = words.join(", ");
-        if case.label == case.settings.profile.to_string() {
-            case.label += " default";
-        }
+        let profile = case.settings.profile.to_string();
+        let changes = case.label.strip_prefix(&profile).unwrap_or(&case.label);
+        let changes: Vec<&str> = changes.split(',').map(str::trim).collect();
+        let changes: Vec<&str> = changes.into_iter().filter(|it| !it.is_empty()).collect();
+        case.label = match changes.is_empty() {
+            true => format!("{profile} default"),
+            false => format!("{profile} {}", changes.join(", ")),
+        };
         if kept.iter().all(|other| other.settings != case.settings) {
             kept.push(case);
         }
@@ -234,7 +236,9 @@ mod tests {
                 assert!(case.settings.validate().is_ok(), "{}", case.label);
                 let later = &cases[index + 1..];
                 assert!(later.iter().all(|other| other.settings != case.settings));
-                assert!(!case.label.contains(", ,") && !case.label.ends_with(", "));
+                let profile = case.settings.profile.to_string() + " ";
+                let changes = case.label.strip_prefix(&profile).unwrap();
+                assert!(changes.starts_with(char::is_alphanumeric), "{}", case.label);
             }
         }
         assert!(quick().iter().all(|case| full().contains(case)));
