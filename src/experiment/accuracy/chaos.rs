@@ -80,7 +80,7 @@ fn add(sums: &mut [Sums], scene: &Scene, together: &[(&PathVertex, &PathVertex)]
     let curved = together.iter().filter(|(a, _)| is_curved(scene, a.object));
     for ((a, b), sum) in curved.zip(sums) {
         let separation = a.point.distance(b.point);
-        if !(separation > 0.0) {
+        if separation.is_nan() || separation <= 0.0 {
             return;
         }
         sum.pairs += 1;
