@@ -3,6 +3,7 @@
 //! Exit codes: 0 done, 1 failed, 2 bad input. Results go to standard output (`--json`
 //! for machines), everything else to standard error.
 
+mod accuracy;
 mod exit;
 mod figures;
 mod info;
@@ -20,6 +21,7 @@ use std::process::ExitCode;
 const EXAMPLES: &str = "\
 Examples:
   echomarch figures -o out                   the thesis' four tables, CSV and plot
+  echomarch accuracy -o out                  what is how fast, and how wrong
   echomarch trace corner                     one frame of a built-in scene
   echomarch trace my.ron --waves 1048576 --json
   echomarch render open-field -o out.wav     what the listener hears
@@ -43,10 +45,6 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// The performance experiment: figures 11.1 to 11.4 beside the thesis' own
-    Figures(figures::Arguments),
-    /// The hard cases: by every profile, against exact answers
-    Verify(verify::Arguments),
     /// Trace one frame: what arrives, from where, how fast
     Trace(trace::Arguments),
     /// Render a WAV of what the listener hears
@@ -55,6 +53,12 @@ enum Command {
     View(view::Arguments),
     /// Plan of the scene from above, with wave paths on request
     Slice(slice::Arguments),
+    /// The performance experiment: figures 11.1 to 11.4 beside the thesis' own
+    Figures(figures::Arguments),
+    /// Speed against error: every profile and option beside the exact waves
+    Accuracy(accuracy::Arguments),
+    /// The hard cases: by every profile, against exact answers
+    Verify(verify::Arguments),
     /// List the renderers found, their limits, and versions
     Info(info::Arguments),
 }
@@ -63,12 +67,13 @@ enum Command {
 pub fn run() -> ExitCode {
     let cli = Cli::parse();
     let result = match &cli.command {
-        Command::Figures(arguments) => figures::run(arguments, &cli.common),
-        Command::Verify(arguments) => verify::run(arguments, &cli.common),
         Command::Trace(arguments) => trace::run(arguments, &cli.common),
         Command::Render(arguments) => render::run(arguments, &cli.common),
         Command::View(arguments) => view::run(arguments, &cli.common),
         Command::Slice(arguments) => slice::run(arguments, &cli.common),
+        Command::Figures(arguments) => figures::run(arguments, &cli.common),
+        Command::Accuracy(arguments) => accuracy::run(arguments, &cli.common),
+        Command::Verify(arguments) => verify::run(arguments, &cli.common),
         Command::Info(arguments) => info::run(arguments, &cli.common),
     };
     match result {

@@ -120,7 +120,8 @@ pub struct TraceOptions {
     /// else 1e9]
     #[arg(long, allow_negative_numbers = true, value_name = "METRES")]
     pub max_distance: Option<f32>,
-    /// Iterations in one pass over the waves [hybrid: all, else 1]
+    /// Iterations in one pass over the waves [hybrid: all; march: 8, the
+    /// most it takes; thesis: 1]
     #[arg(long, allow_negative_numbers = true, value_name = "N")]
     pub iterations_per_pass: Option<u32>,
     /// Sum the panning on the GPU and read back one texel

@@ -4,6 +4,7 @@
 //! fair to what it compares, and returns plain data. The files beside it turn that data
 //! into CSV and SVG; the program prints it.
 
+pub mod accuracy;
 pub mod figures;
 mod figures_csv;
 mod figures_plot;

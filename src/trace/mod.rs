@@ -24,7 +24,9 @@ mod waves;
 pub use error::TraceError;
 pub use frame::{Frame, Milliseconds};
 pub use panning::{Counts, Panning};
-pub use settings::{Directions, MAX_ITERATIONS, MAX_STEPS, MAX_WAVES, Profile, Settings};
+pub use settings::{
+    Directions, MARCHES_PER_PASS, MAX_ITERATIONS, MAX_STEPS, MAX_WAVES, Profile, Settings,
+};
 pub use tracer::Tracer;
 pub(crate) use waves::STATUS_STARTED;
 pub use waves::{Fate, Grid, STATUS_DEAD, STATUS_LISTENER, Wave};

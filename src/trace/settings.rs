@@ -21,6 +21,11 @@ pub const MAX_STEPS: u32 = 4096;
 /// listener hears of, and well inside what `f32` can square.
 const FAR: f32 = 1e9;
 
+/// Iterations in one pass at the most for what marches, whatever the settings say: Mesa's
+/// llvmpipe leaves a loop after 65,536 turns, nested ones taken together, and 8 marches of
+/// [`MAX_STEPS`] stay clear of that.
+pub const MARCHES_PER_PASS: u32 = 8;
+
 /// The largest distance that may be asked for, in metres: its square and the square of
 /// what a wave moves on the way are still finite in `f32`.
 const MAX_DISTANCE: f32 = 1e15;
@@ -86,7 +91,7 @@ pub struct Settings {
     #[doc(hidden)]
     pub distance_factor: f32,
     /// Iterations in one pass at the most; 1 is the thesis' way, more save texture traffic.
-    /// What marches takes 8 at the most, whatever stands here.
+    /// What marches takes [`MARCHES_PER_PASS`] at the most, whatever stands here.
     pub iterations_per_pass: u32,
     /// Whether the panning texture is summed on the GPU and read back as one texel.
     pub sum_on_gpu: bool,
@@ -126,10 +131,12 @@ impl Settings {
         }
     }
 
-    /// Sphere tracing done right, otherwise as [`Settings::thesis`].
+    /// Sphere tracing done right, [`MARCHES_PER_PASS`] iterations in a pass, otherwise as
+    /// [`Settings::thesis`].
     pub fn march() -> Settings {
         Settings {
             profile: Profile::March,
+            iterations_per_pass: MARCHES_PER_PASS,
             min_distance: EVERYWHERE,
             max_distance: FAR,
             exact_normals: true,

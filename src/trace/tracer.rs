@@ -6,7 +6,8 @@ use super::programs::Programs;
 use super::sum::Sum;
 use super::waves::{STATUS_DEAD, STATUS_STARTED, waves};
 use super::{
-    Counts, Frame, Grid, Milliseconds, Panning, Profile, Settings, TraceError, Wave, panning,
+    Counts, Frame, Grid, MARCHES_PER_PASS, Milliseconds, Panning, Profile, Settings, TraceError,
+    Wave, panning,
 };
 use crate::error::Error;
 use crate::gpu::{
@@ -27,11 +28,6 @@ const WAVES_PER_DRAW: u64 = 1 << 20;
 /// all the steps it may: some 2^38 operations, about a second on the slowest card that has
 /// OpenGL 3.3.
 const EVALUATIONS_PER_DRAW: u64 = 1 << 33;
-
-/// Marches of a wave in one pass at the most, whatever the settings say: Mesa's llvmpipe
-/// leaves a loop after 65,536 turns, nested ones taken together, and 8 marches of
-/// [`MAX_STEPS`](super::MAX_STEPS) stay clear of that.
-const MARCHES_PER_PASS: u32 = 8;
 
 /// Uniform vectors that the shaders need beside those of the surfaces.
 const OWN_UNIFORM_VECTORS: usize = 16;

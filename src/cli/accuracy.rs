@@ -1,0 +1,335 @@
+//! `echomarch accuracy`: speed against error, and the project's own targets.
+
+use super::options::{Common, check_range};
+use super::print;
+use crate::experiment::accuracy::{
+    self, AccuracyOptions, AccuracyReport, COMPARED_ITERATIONS, Quantiles, Recommendation, Row,
+    SceneReport, plot_svg, write_csv,
+};
+use crate::output::{prepare_folder, write_whole};
+use crate::scene::BUILTIN_NAMES;
+use anyhow::anyhow;
+use clap::Args;
+use std::path::{Path, PathBuf};
+
+const EXAMPLES: &str = "\
+Examples:
+  echomarch accuracy                         the thesis' two rooms, and the targets
+  echomarch accuracy -o out                  the same; CSV, JSON and the plot in out/
+  echomarch accuracy my.ron --error 0.005    a scene of yours, without the targets
+  echomarch accuracy --full -o out           every setting in every built-in scene: hours";
+
+const LEGEND: &str = "\
+ms: median time of a frame. M/s: millions of waves × iterations a second. eval: evaluations of
+the distance a wave and iteration. status, sequence: share of waves that end otherwise than the
+exact ones, or meet other surfaces. end: metres from the exact wave's end (median, 99 %, largest);
+within: the same, 99 %, of waves within the horizon of chaos. Hits: heard, less those of the exact
+waves, by order of reflection. bias: against the exact panning of the same waves; spread: over the
+seeds; rms: from the limit of many waves; efficiency: 1 / (rms² × seconds).";
+
+/// The scenes of the thesis' tables.
+const ROOMS: [&str; 2] = ["corner", "obstacles"];
+
+/// Arguments of `accuracy`.
+#[derive(Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub struct Arguments {
+    /// Built-in scenes or scene files [default: corner obstacles; with --full all]
+    #[arg(value_name = "SCENE")]
+    scenes: Vec<String>,
+    /// Every combination of settings, not one change at a time: takes hours
+    #[arg(long)]
+    full: bool,
+    /// The panning error that the recommended setting has to stay below
+    #[arg(long, default_value_t = 0.02, value_name = "RMS")]
+    error: f64,
+    /// Frames of each setting, a seed each
+    #[arg(long, default_value_t = 16, value_name = "N")]
+    seeds: u32,
+    /// Write accuracy.csv, accuracy.json and accuracy.svg into this folder
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+}
+
+/// Runs the subcommand.
+pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
+    check_range("--error", arguments.error, 1e-9, 2.0)?;
+    check_range("--seeds", f64::from(arguments.seeds), 16.0, 1000.0)?;
+    let options = options(arguments, common)?;
+    if let Some(folder) = &arguments.output {
+        prepare_folder(folder)?;
+    }
+    let mut tracer = common.tracer()?;
+    let bar = print::progress(common, 0, "steps");
+    let report = accuracy::run(&mut tracer, &options, &mut |done, total| {
+        bar.set_length(total);
+        bar.set_position(done);
+    })?;
+    bar.finish_and_clear();
+    if let Some(folder) = &arguments.output {
+        write_files(folder, &report)?;
+    }
+    if common.json {
+        return print::json(&report);
+    }
+    print_report(&report)?;
+    if let Some(folder) = &arguments.output {
+        let folder = folder.display();
+        print::line(&format!("\nwritten: {folder}/accuracy.csv, .json, .svg"))?;
+    }
+    Ok(())
+}
+
+fn options(arguments: &Arguments, common: &Common) -> anyhow::Result<AccuracyOptions> {
+    let names: Vec<&str> = match (arguments.scenes.is_empty(), arguments.full) {
+        (false, _) => arguments.scenes.iter().map(String::as_str).collect(),
+        (true, true) => BUILTIN_NAMES.to_vec(),
+        (true, false) => ROOMS.to_vec(),
+    };
+    let scenes: Result<Vec<_>, _> = names.iter().map(|name| common.scene(name)).collect();
+    let options = match arguments.full {
+        true => AccuracyOptions::full(scenes?),
+        false => AccuracyOptions::quick(scenes?),
+    };
+    Ok(AccuracyOptions {
+        seeds: arguments.seeds,
+        stated_error: arguments.error,
+        targets: ROOMS.iter().all(|room| names.contains(room)),
+        ..options
+    })
+}
+
+fn write_files(folder: &Path, report: &AccuracyReport) -> anyhow::Result<()> {
+    write_whole(&folder.join("accuracy.csv"), |out| write_csv(report, out))?;
+    write_whole(&folder.join("accuracy.json"), |out| {
+        Ok(serde_json::to_writer_pretty(out, report)?)
+    })?;
+    let svg = plot_svg(report).map_err(|e| anyhow!("cannot draw the plot: {e}"))?;
+    write_whole(&folder.join("accuracy.svg"), |out| {
+        out.write_all(svg.as_bytes())
+    })?;
+    Ok(())
+}
+
+fn print_report(report: &AccuracyReport) -> anyhow::Result<()> {
+    print::line(&format!(
+        "{} (times: {}, median of {}; {:.0} s in all)",
+        report.renderer, report.clock, report.seeds, report.seconds
+    ))?;
+    for scene in &report.scenes {
+        print::line(&format!("\n## {}\n", scene.scene))?;
+        print_limits(scene)?;
+        print_chaos(scene)?;
+        print::line(&format!("\n{}\n", waves_table(scene)))?;
+        print::line(&format!("{}\n", panning_table(scene)))?;
+        print_slopes(scene)?;
+        print::line(&recommendation(scene, report.stated_error))?;
+    }
+    print::line(&format!("\n{LEGEND}"))?;
+    print_targets(report)
+}
+
+fn print_limits(scene: &SceneReport) -> anyhow::Result<()> {
+    for limit in &scene.limits {
+        print::line(&format!(
+            "{} iterations, exactly: pan {:+.5} ± {:.5}, {:.3} % of the waves heard ({} directions)",
+            limit.iterations,
+            limit.pan,
+            limit.uncertainty,
+            100.0 * limit.heard,
+            limit.directions
+        ))?;
+    }
+    Ok(())
+}
+
+fn print_chaos(scene: &SceneReport) -> anyhow::Result<()> {
+    let chaos = &scene.chaos;
+    let Some(growth) = chaos.growth else {
+        return print::line("chaos: none, no wave meets two curved surfaces");
+    };
+    let by_hit: Vec<String> = chaos
+        .steps
+        .iter()
+        .map(|step| format!("{:.1e} ({} waves)", step.separation, step.pairs))
+        .collect();
+    print::line(&format!(
+        "chaos: separations in metres a radian at the 1st, 2nd … curved surface: {}",
+        by_hit.join(", ")
+    ))?;
+    let horizon = chaos.horizon.unwrap_or(f64::INFINITY);
+    let beyond = scene.rows.iter().map(|row| {
+        let share = 100.0 * row.waves.beyond_horizon;
+        (row.case.iterations, share)
+    });
+    let mut beyond: Vec<(u32, f64)> = beyond.collect();
+    beyond.sort_by_key(|of| of.0);
+    beyond.dedup_by_key(|of| of.0);
+    let beyond: Vec<String> = beyond
+        .iter()
+        .map(|(iterations, share)| format!("{share:.3} % in {iterations}"))
+        .collect();
+    print::line(&format!(
+        "       × {growth:.1} a curved hit; f32 rounding is 1 cm after {horizon:.1} of them; \
+         waves past that horizon: {} iterations",
+        beyond.join(", ")
+    ))
+}
+
+fn waves_table(scene: &SceneReport) -> comfy_table::Table {
+    let mut printed = print::table(&[
+        "setting",
+        "waves",
+        "it.",
+        "ms",
+        "M/s",
+        "eval",
+        "status",
+        "sequence",
+        "end: median",
+        "99 %",
+        "largest",
+        "within: 99 %",
+        "NaN",
+    ]);
+    for row in &scene.rows {
+        printed.add_row(waves_cells(row));
+    }
+    printed
+}
+
+fn waves_cells(row: &Row) -> [String; 13] {
+    let (speed, waves) = (&row.speed, &row.waves);
+    let Quantiles { median, p99, max } = waves.end;
+    [
+        row.label.clone(),
+        row.case.waves.to_string(),
+        row.case.iterations.to_string(),
+        format!("{:.2}", speed.total_ms),
+        format!("{:.1}", speed.million_per_second),
+        format!("{:.1}", speed.evaluations_per_segment),
+        format!("{:.3} %", 100.0 * waves.status_differs),
+        format!("{:.3} %", 100.0 * waves.sequence_differs),
+        format!("{median:.1e}"),
+        format!("{p99:.1e}"),
+        format!("{max:.1e}"),
+        format!("{:.1e}", waves.end_within_horizon.p99),
+        waves.not_finite.to_string(),
+    ]
+}
+
+fn panning_table(scene: &SceneReport) -> comfy_table::Table {
+    let mut printed = print::table(&[
+        "setting",
+        "waves",
+        "it.",
+        "exact hits",
+        "hits, less exact by order",
+        "pan",
+        "bias",
+        "spread",
+        "rms",
+        "efficiency",
+        "GPU sum off by",
+    ]);
+    for row in &scene.rows {
+        printed.add_row(panning_cells(row));
+    }
+    printed
+}
+
+fn panning_cells(row: &Row) -> [String; 11] {
+    let (panning, waves) = (&row.panning, &row.waves);
+    let pairs = waves.hits.iter().zip(&waves.exact_hits);
+    let off: Vec<String> = pairs
+        .map(|(&hits, &exact)| (hits as i64).wrapping_sub(exact as i64))
+        .map(|off| {
+            if off == 0 {
+                "0".to_owned()
+            } else {
+                format!("{off:+}")
+            }
+        })
+        .collect();
+    let sum_error = panning.sum_error.map(|error| format!("{error:.0e}"));
+    [
+        row.label.clone(),
+        row.case.waves.to_string(),
+        row.case.iterations.to_string(),
+        waves.exact_hits.iter().sum::<u64>().to_string(),
+        off.join(" "),
+        format!("{:+.4}", panning.mean),
+        format!("{:+.4}", panning.bias),
+        format!("{:.4}", panning.spread),
+        format!("{:.4}", panning.rms),
+        format!("{:.0}", panning.efficiency),
+        sum_error.unwrap_or_default(),
+    ]
+}
+
+fn print_slopes(scene: &SceneReport) -> anyhow::Result<()> {
+    for slope in &scene.slopes {
+        let points: Vec<String> = slope
+            .points
+            .iter()
+            .map(|point| format!("{}: {:.5}", point.waves, point.rms))
+            .collect();
+        print::line(&format!(
+            "hybrid, {} directions: rms panning error ∝ waves^{:.2} ({})",
+            slope.directions,
+            slope.slope,
+            points.join(", ")
+        ))?;
+    }
+    Ok(())
+}
+
+fn recommendation(scene: &SceneReport, error: f64) -> String {
+    let tell = |row: &Recommendation| {
+        let (label, waves) = (&row.label, row.case.waves);
+        format!(
+            "{label}, {waves} waves: {:.2} ms, rms {:.4}",
+            row.total_ms, row.rms
+        )
+    };
+    let wanted = format!("a panning error of at most {error} at {COMPARED_ITERATIONS} iterations");
+    match (&scene.recommendation, &scene.best) {
+        (Some(fastest), _) => format!(
+            "recommended: the fastest with {wanted} is {}",
+            tell(fastest)
+        ),
+        (None, Some(best)) => format!("recommended: none has {wanted}; the best is {}", tell(best)),
+        (None, None) => format!("recommended: nothing; no setting has {wanted}"),
+    }
+}
+
+fn print_targets(report: &AccuracyReport) -> anyhow::Result<()> {
+    if report.targets.is_empty() {
+        return Ok(());
+    }
+    let mut printed = print::table(&["target", "measured", "bound", ""]);
+    for target in &report.targets {
+        let relation = if target.at_least { "≥" } else { "≤" };
+        let bound = target.bound.map(|bound| format!("{relation} {bound}"));
+        let verdict = match target.met {
+            Some(true) => "met",
+            Some(false) => "not met",
+            None => "for information",
+        };
+        printed.add_row([
+            target.what.clone(),
+            short(target.measured),
+            bound.unwrap_or_default(),
+            verdict.to_owned(),
+        ]);
+    }
+    print::line(&format!("\n## Against its targets\n\n{printed}"))
+}
+
+fn short(value: f64) -> String {
+    match value.abs() {
+        0.0 => "0".to_owned(),
+        size if size >= 1e-3 => format!("{value:.3}"),
+        _ => format!("{value:.1e}"),
+    }
+}

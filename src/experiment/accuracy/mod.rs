@@ -1,0 +1,285 @@
+//! Speed against error: what each profile and option costs, and what it gets wrong.
+//!
+//! # Method
+//! Every [`Case`] (settings with a name) runs in every scene and yields a [`Row`]:
+//!
+//! - *Waves*: each wave against the exact one ([`ExactScene`](crate::reference::ExactScene),
+//!   closed form in `f64`) of the same start direction: status, surfaces met, metres
+//!   between the ends. Taken over at most 65,536 waves of seed 1; more have the same
+//!   distribution. A wave whose exact twin dies has no end and no error; one that dies
+//!   alone counts where it says that it is.
+//! - *Panning*: over at least 16 seeds, against the same start directions followed exactly
+//!   (bias) and against the limit of many waves (mean square error, efficiency). When
+//!   nothing arrives the panning is 0: that is the answer given, and it counts.
+//! - *Speed*: medians of the same frames, in turns with all other cases of as many waves,
+//!   after a frame each to warm up. Evaluations of the distance are counted in a further
+//!   frame and divided by waves × iterations; the thesis' dead waves march on and count.
+//!
+//! The limit is the exact panning over two Fibonacci lattices of directions; half of what
+//! they differ by is its uncertainty. What is chaos and not error is in [`chaos`]'s header,
+//! what efficiency means in [`panning`]'s.
+//!
+//! # Deviations from the thesis
+//! Sjöberg (2011) measures time alone and judges the sound by ear.
+
+mod chaos;
+mod csv;
+mod directions;
+mod measure;
+mod panning;
+mod plot;
+mod recommend;
+mod report;
+mod sweep;
+mod targets;
+mod truth;
+
+pub use csv::{COLUMNS, write_csv};
+pub use directions::{lattice, slope};
+pub use measure::quantiles;
+pub use plot::plot_svg;
+pub use recommend::{ITERATIONS as COMPARED_ITERATIONS, pareto_front};
+pub use report::{
+    AccuracyReport, CaseReport, Chaos, ChaosStep, Limit, PanningError, Quantiles, Recommendation,
+    Row, SceneReport, Slope, SlopePoint, Speed, Target, WaveErrors,
+};
+pub use sweep::{Case, ITERATIONS, MIN_DISTANCES, full, quick};
+
+use crate::error::Error;
+use crate::scene::Scene;
+use crate::trace::{Directions, Settings, Tracer};
+use std::time::Instant;
+use truth::Truth;
+
+/// Waves that are compared one by one.
+const COMPARED: u32 = 65_536;
+
+/// Pairs of waves that chaos is measured on.
+const CHAOS_PAIRS: u64 = 16_384;
+
+/// What to run.
+#[derive(Clone, Debug)]
+pub struct AccuracyOptions {
+    /// Where.
+    pub scenes: Vec<Scene>,
+    /// With which settings.
+    pub cases: Vec<Case>,
+    /// Whether `cases` is the whole product.
+    pub full: bool,
+    /// Frames of each case, a seed each: at least 2, 16 for figures to rely on.
+    pub seeds: u32,
+    /// Directions for the limit of many waves.
+    pub limit_directions: u64,
+    /// Numbers of waves for the slope of the panning error.
+    pub slope_waves: Vec<u32>,
+    /// The panning error that the recommendation stays below.
+    pub stated_error: f64,
+    /// Whether to measure the project's own targets too.
+    pub targets: bool,
+}
+
+impl AccuracyOptions {
+    /// One thing at a time: within five minutes for the thesis' two rooms on two cores.
+    pub fn quick(scenes: Vec<Scene>) -> AccuracyOptions {
+        AccuracyOptions {
+            scenes,
+            cases: quick(),
+            full: false,
+            seeds: 16,
+            limit_directions: 4_000_000,
+            slope_waves: (10..=18).step_by(2).map(|power| 1 << power).collect(),
+            stated_error: 0.02,
+            targets: false,
+        }
+    }
+
+    /// The whole product: hours.
+    pub fn full(scenes: Vec<Scene>) -> AccuracyOptions {
+        AccuracyOptions {
+            cases: full(),
+            full: true,
+            limit_directions: 16_000_000,
+            ..AccuracyOptions::quick(scenes)
+        }
+    }
+
+    /// Calls of [`Progress::step`] in a scene.
+    fn steps(&self) -> u64 {
+        let groups = by_waves(&self.cases).len() as u64;
+        let slopes = 2 * self.slope_waves.len() as u64;
+        2 + self.cases.len() as u64 + groups * (u64::from(self.seeds) + 1) + slopes
+    }
+}
+
+/// How far it has got.
+struct Progress<'a> {
+    done: u64,
+    total: u64,
+    report: &'a mut dyn FnMut(u64, u64),
+}
+
+impl Progress<'_> {
+    fn step(&mut self) {
+        self.done += 1;
+        (self.report)(self.done, self.total);
+    }
+}
+
+/// Runs the experiment. `progress` is called with steps done and steps in all.
+///
+/// # Errors
+/// Those of [`Tracer::frame`].
+pub fn run(
+    tracer: &mut Tracer,
+    options: &AccuracyOptions,
+    progress: &mut dyn FnMut(u64, u64),
+) -> Result<AccuracyReport, Error> {
+    let began = Instant::now();
+    let mut progress = Progress {
+        done: 0,
+        total: options.scenes.len() as u64 * options.steps() + u64::from(options.targets),
+        report: progress,
+    };
+    let mut scenes = Vec::new();
+    for scene in &options.scenes {
+        scenes.push(run_scene(tracer, scene, options, &mut progress)?);
+    }
+    let mut targets = Vec::new();
+    if options.targets {
+        targets = targets::measure(tracer, &scenes)?;
+        progress.step();
+    }
+    Ok(AccuracyReport {
+        renderer: tracer.context().renderer().to_owned(),
+        clock: tracer.clock_name().to_owned(),
+        full: options.full,
+        seeds: options.seeds,
+        seconds: began.elapsed().as_secs_f64(),
+        stated_error: options.stated_error,
+        scenes,
+        targets,
+    })
+}
+
+fn run_scene(
+    tracer: &mut Tracer,
+    scene: &Scene,
+    options: &AccuracyOptions,
+    progress: &mut Progress,
+) -> Result<SceneReport, Error> {
+    let mut truth = Truth::new(scene)?;
+    let iterations = options.cases.iter().map(|case| case.settings.iterations);
+    let most = iterations.clone().max().unwrap_or(1);
+    truth.find_limits(options.limit_directions, most.max(COMPARED_ITERATIONS));
+    progress.step();
+    let pairs = lattice(CHAOS_PAIRS, false);
+    let chaos = chaos::measure(scene, &truth.exact, &pairs, most);
+    progress.step();
+    let mut rows = vec![None; options.cases.len()];
+    for group in by_waves(&options.cases) {
+        let cases: Vec<Case> = group.iter().map(|&i| options.cases[i].clone()).collect();
+        let measured = run_group(tracer, &mut truth, &chaos, &cases, options.seeds, progress)?;
+        for (index, row) in group.into_iter().zip(measured) {
+            rows[index] = Some(row);
+        }
+    }
+    let rows: Vec<Row> = rows.into_iter().flatten().collect();
+    let slopes = run_slopes(tracer, &truth, options, progress)?;
+    let mut limits: Vec<u32> = iterations.collect();
+    limits.sort_unstable();
+    limits.dedup();
+    Ok(SceneReport {
+        scene: scene.name.clone(),
+        limits: limits.iter().map(|&i| truth.limit(i)).collect(),
+        chaos,
+        recommendation: recommend::fastest(&rows, options.stated_error),
+        best: recommend::best(&rows),
+        rows,
+        slopes,
+    })
+}
+
+/// Indices of the cases, those of one number of waves together: another number takes other
+/// textures, and making those would be timed.
+fn by_waves(cases: &[Case]) -> Vec<Vec<usize>> {
+    let mut groups: Vec<(u32, Vec<usize>)> = Vec::new();
+    for (index, case) in cases.iter().enumerate() {
+        let waves = case.settings.waves;
+        match groups.iter_mut().find(|group| group.0 == waves) {
+            Some(group) => group.1.push(index),
+            None => groups.push((waves, vec![index])),
+        }
+    }
+    groups.into_iter().map(|group| group.1).collect()
+}
+
+fn run_group(
+    tracer: &mut Tracer,
+    truth: &mut Truth,
+    chaos: &Chaos,
+    cases: &[Case],
+    seeds: u32,
+    progress: &mut Progress,
+) -> Result<Vec<Row>, Error> {
+    let mut waves = Vec::new();
+    for case in cases {
+        let few = case.settings.clone();
+        let few = few.with_waves(case.settings.waves.min(COMPARED));
+        let errors = measure::wave_errors(tracer, truth, chaos, &few)?;
+        let evaluations = measure::evaluations_per_segment(tracer, truth, &few)?;
+        let summed = case.settings.sum_on_gpu;
+        let sum_error = summed.then(|| panning::sum_error(tracer, truth, &few));
+        waves.push((errors, evaluations, sum_error.transpose()?));
+        progress.step();
+    }
+    let step = &mut || progress.step();
+    let mut frames = panning::run_in_turns(tracer, truth, cases, seeds, step)?;
+    panning::find_twins(tracer, truth, cases, &mut frames)?;
+    progress.step();
+    let measured = cases.iter().zip(waves).zip(frames);
+    let row =
+        |((case, (errors, evaluations, sum_error)), frames): ((&Case, _), panning::Frames)| {
+            let mut speed = frames.speed(&case.settings);
+            speed.evaluations_per_segment = evaluations;
+            let mut panning = frames.panning(truth.limit(case.settings.iterations).pan);
+            panning.sum_error = sum_error;
+            Row {
+                label: case.label.clone(),
+                case: case.report(),
+                speed,
+                waves: errors,
+                panning,
+            }
+        };
+    Ok(measured.map(row).collect())
+}
+
+/// How the panning error of `hybrid` falls with the number of waves.
+fn run_slopes(
+    tracer: &mut Tracer,
+    truth: &Truth,
+    options: &AccuracyOptions,
+    progress: &mut Progress,
+) -> Result<Vec<Slope>, Error> {
+    let base = Settings::hybrid().with_iterations(COMPARED_ITERATIONS);
+    let mut slopes = Vec::new();
+    for directions in [Directions::Random, Directions::Fibonacci] {
+        let mut points = Vec::new();
+        for &waves in &options.slope_waves {
+            let mut settings = base.clone().with_waves(waves);
+            settings.directions = directions;
+            settings.sum_on_gpu = true;
+            let case = Case {
+                label: String::new(),
+                settings,
+            };
+            let frames = panning::run_in_turns(tracer, truth, &[case], options.seeds, &mut || ())?;
+            let limit = truth.limit(COMPARED_ITERATIONS).pan;
+            let rms = frames[0].mean_square(limit).sqrt();
+            points.push(SlopePoint { waves, rms });
+            progress.step();
+        }
+        slopes.push(directions::fitted(directions, points));
+    }
+    Ok(slopes)
+}

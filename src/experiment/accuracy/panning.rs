@@ -1,0 +1,166 @@
+//! The panning of many frames against the exact geometry's: bias, spread, efficiency; and
+//! the frames' times, since they are the same frames.
+//!
+//! # Theory
+//! A frame's panning is a Monte Carlo estimate. Its mean square error from the limit of
+//! many waves is bias² + spread²; more waves lower the second alone. What a frame is worth
+//! is its *efficiency*, 1 ÷ (mean square error × time): it does not change with the number
+//! of waves while the spread of independent directions dominates (Veach 1997, section
+//! 2.4.1), and falls with it once bias does.
+
+use super::report::{PanningError, Speed};
+use super::sweep::Case;
+use super::truth::Truth;
+use crate::error::Error;
+use crate::experiment::median;
+use crate::trace::{Frame, Settings, Tracer};
+
+/// Frames of one case, a seed each.
+#[derive(Clone, Default)]
+pub struct Frames {
+    total_ms: Vec<f64>,
+    march_ms: Vec<f64>,
+    pans: Vec<f64>,
+    exact_pans: Vec<f64>,
+}
+
+/// Runs cases of one number of waves in turns, a frame a seed, after one frame each to
+/// warm up: what disturbs the machine disturbs all alike.
+///
+/// # Errors
+/// Those of [`Tracer::frame`].
+pub fn run_in_turns(
+    tracer: &mut Tracer,
+    truth: &Truth,
+    cases: &[Case],
+    seeds: u32,
+    progress: &mut dyn FnMut(),
+) -> Result<Vec<Frames>, Error> {
+    for case in cases {
+        tracer.frame(truth.scene, &case.settings)?;
+    }
+    let mut frames = vec![Frames::default(); cases.len()];
+    for seed in 1..=seeds {
+        for (case, frames) in cases.iter().zip(&mut frames) {
+            let settings = case.settings.clone().with_seed(seed);
+            frames.add(&tracer.frame(truth.scene, &settings)?);
+        }
+        progress();
+    }
+    Ok(frames)
+}
+
+/// Adds the exact panning of the same start directions to each frame.
+///
+/// # Errors
+/// Those of [`Tracer::frame`].
+pub fn find_twins(
+    tracer: &mut Tracer,
+    truth: &mut Truth,
+    cases: &[Case],
+    frames: &mut [Frames],
+) -> Result<(), Error> {
+    for (case, frames) in cases.iter().zip(frames) {
+        let alike = cases
+            .iter()
+            .filter(|c| c.settings.directions == case.settings.directions);
+        let most = alike.map(|c| c.settings.iterations).max().unwrap_or(1);
+        for seed in 1..=frames.pans.len() as u32 {
+            let settings = case.settings.clone().with_seed(seed);
+            let pan = truth.pan_of_twins(tracer, &settings, most)?;
+            frames.exact_pans.push(pan);
+        }
+    }
+    Ok(())
+}
+
+impl Frames {
+    fn add(&mut self, frame: &Frame) {
+        self.total_ms.push(frame.milliseconds.total);
+        self.march_ms.push(frame.milliseconds.march);
+        self.pans.push(frame.panning.pan());
+    }
+
+    /// Medians of the times.
+    pub fn speed(&self, settings: &Settings) -> Speed {
+        let total_ms = median(self.total_ms.iter().copied());
+        let segments = f64::from(settings.waves) * f64::from(settings.iterations);
+        Speed {
+            total_ms,
+            march_ms: median(self.march_ms.iter().copied()),
+            million_per_second: segments / (1e3 * total_ms),
+            evaluations_per_segment: 0.0,
+            frames: self.total_ms.len() as u32,
+        }
+    }
+
+    /// The panning over the seeds against its limit.
+    pub fn panning(&self, limit: f64) -> PanningError {
+        let frames = self.pans.len().max(1) as f64;
+        let mean_of = |values: &mut dyn Iterator<Item = f64>| values.sum::<f64>() / frames;
+        let mean = mean_of(&mut self.pans.iter().copied());
+        let pairs = self.pans.iter().zip(&self.exact_pans);
+        let variance = mean_of(&mut self.pans.iter().map(|pan| (pan - mean).powi(2)));
+        let mean_square = self.mean_square(limit);
+        let seconds = 1e-3 * median(self.total_ms.iter().copied());
+        PanningError {
+            mean,
+            bias: mean_of(&mut pairs.map(|(pan, exact)| pan - exact)),
+            spread: (variance * frames / (frames - 1.0).max(1.0)).sqrt(),
+            rms: mean_square.sqrt(),
+            efficiency: efficiency(mean_square, seconds),
+            sum_error: None,
+        }
+    }
+
+    /// Mean square error of the panning.
+    pub fn mean_square(&self, limit: f64) -> f64 {
+        let squares: f64 = self.pans.iter().map(|pan| (pan - limit).powi(2)).sum();
+        squares / self.pans.len().max(1) as f64
+    }
+}
+
+/// 1 ÷ (mean square error × seconds); 0 for a frame that knows nothing or takes no time.
+fn efficiency(mean_square: f64, seconds: f64) -> f64 {
+    let cost = mean_square * seconds;
+    if cost > 0.0 { cost.recip() } else { 0.0 }
+}
+
+/// Relative difference of all that arrived, summed on the GPU, from the sum on the CPU.
+///
+/// # Errors
+/// Those of [`Tracer::frame`].
+pub fn sum_error(tracer: &mut Tracer, truth: &Truth, settings: &Settings) -> Result<f64, Error> {
+    let mut sides = [false, true].map(|sum_on_gpu| Settings {
+        sum_on_gpu,
+        ..settings.clone()
+    });
+    let [cpu, gpu] = &mut sides;
+    let cpu = tracer.frame(truth.scene, cpu)?.panning;
+    let gpu = tracer.frame(truth.scene, gpu)?.panning;
+    let relative = |a: f64, b: f64| if b > 0.0 { (a - b).abs() / b } else { a.abs() };
+    Ok(relative(gpu.left, cpu.left).max(relative(gpu.right, cpu.right)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects the three errors of a panning value from being mixed up.
+    #[test]
+    fn bias_spread_and_error_are_told_apart() {
+        let frames = Frames {
+            total_ms: vec![10.0; 2],
+            march_ms: vec![5.0; 2],
+            pans: vec![0.1, 0.3],
+            exact_pans: vec![0.0, 0.2],
+        };
+        let error = frames.panning(0.2);
+        assert!((error.bias - 0.1).abs() < 1e-12);
+        assert!((error.spread - 0.02f64.sqrt()).abs() < 1e-12);
+        assert!((error.rms - 0.1).abs() < 1e-12);
+        assert!((error.efficiency - 1e4).abs() < 1e-6);
+        let speed = frames.speed(&Settings::thesis().with_waves(1000).with_iterations(10));
+        assert!((speed.million_per_second - 1.0).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,246 @@
+//! Which settings are run.
+//!
+//! The quick sweep changes one thing at a time from each profile's defaults. The full one
+//! is the product of everything that changes what is computed, and beside it, at the
+//! defaults' waves and iterations, the product of what should change the speed alone.
+//! A setting that a profile does not have (a distance in closed form, normals but in
+//! `march`) is never varied.
+
+use super::report::CaseReport;
+use crate::trace::{Directions, MAX_ITERATIONS, Profile, Settings};
+
+/// Minimum distances in metres.
+pub const MIN_DISTANCES: [f32; 6] = [1e-4, 1e-3, 1e-2, 0.03, 0.1, 0.3];
+
+/// Iterations, the default in the middle.
+pub const ITERATIONS: [u32; 3] = [4, 8, 16];
+
+/// Beyond this a minimum distance is no distance any more, but "everywhere".
+const EVERYWHERE: f32 = 1e6;
+
+/// Waves of each profile's defaults, and of rows that change anything else.
+pub const BASE_WAVES: u32 = 65_536;
+
+/// The same in the quick sweep: at 16 seeds a row, more would not fit in its five minutes.
+pub const QUICK_WAVES: u32 = 32_768;
+
+/// Settings with a name.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Case {
+    /// What is changed from the profile's defaults.
+    pub label: String,
+    /// What to run.
+    pub settings: Settings,
+}
+
+impl Case {
+    fn new(label: &str, settings: Settings) -> Case {
+        Case {
+            label: format!("{} {label}", settings.profile),
+            settings,
+        }
+    }
+
+    /// The same with one thing changed.
+    fn but(&self, label: &str, change: impl FnOnce(&mut Settings)) -> Case {
+        let mut settings = self.settings.clone();
+        change(&mut settings);
+        let label = match self.label.as_str() {
+            of if of.ends_with(" default") => of.replace("default", label),
+            of => format!("{of}, {label}"),
+        };
+        Case { label, settings }
+    }
+
+    /// What the report tells of it.
+    pub fn report(&self) -> CaseReport {
+        let settings = &self.settings;
+        CaseReport {
+            profile: settings.profile.to_string(),
+            min_distance: has_distance(settings).then_some(settings.min_distance),
+            iterations: settings.iterations,
+            waves: settings.waves,
+            directions: settings.directions.to_string(),
+            exact_normals: settings.profile == Profile::Hybrid || settings.exact_normals,
+            landing: settings.profile == Profile::Hybrid || settings.landing,
+            fused: settings.iterations_per_pass >= settings.iterations,
+            sum_on_gpu: settings.sum_on_gpu,
+        }
+    }
+}
+
+/// Whether the minimum distance of these settings is one.
+fn has_distance(settings: &Settings) -> bool {
+    settings.profile != Profile::Hybrid && settings.min_distance < EVERYWHERE
+}
+
+/// One thing at a time.
+pub fn quick() -> Vec<Case> {
+    let mut cases = Vec::new();
+    for profile in Profile::ALL {
+        let default = Case::new("default", Settings::of(profile).with_waves(BASE_WAVES));
+        let iterations = default.settings.iterations;
+        let with = |waves| resized(&default, waves, iterations);
+        cases.extend([BASE_WAVES, 4096, 262_144].map(with));
+        let base = with(QUICK_WAVES);
+        cases.extend(ITERATIONS.map(|iterations| resized(&base, QUICK_WAVES, iterations)));
+        if profile != Profile::Hybrid {
+            cases.extend(min_distances(&base));
+        }
+        cases.extend(options(&base));
+        if profile == Profile::Hybrid {
+            let all = every(&base);
+            let waves = [4096, 16_384, QUICK_WAVES, BASE_WAVES, 262_144, 524_288];
+            cases.extend(waves.map(|waves| resized(&all, waves, iterations)));
+        }
+    }
+    named(cases)
+}
+
+/// The product, and options beside it.
+pub fn full() -> Vec<Case> {
+    let mut cases = quick();
+    for profile in Profile::ALL {
+        let base = Case::new("default", Settings::of(profile).with_waves(BASE_WAVES));
+        let mut distances = vec![base.clone()];
+        if profile != Profile::Hybrid {
+            distances.extend(min_distances(&base));
+        }
+        for case in &distances {
+            for directions in [Directions::Random, Directions::Fibonacci] {
+                let case = &turned(case, directions);
+                cases.extend(ITERATIONS.iter().flat_map(|&iterations| {
+                    [4096, BASE_WAVES, 262_144].map(|waves| resized(case, waves, iterations))
+                }));
+                cases.extend(options_together(case));
+            }
+        }
+        for directions in [Directions::Random, Directions::Fibonacci] {
+            cases.push(turned(&base, directions).but("", |s| s.waves = 1_048_576));
+        }
+    }
+    named(cases)
+}
+
+/// Labels without an empty part, each setting once.
+fn named(cases: Vec<Case>) -> Vec<Case> {
+    let mut kept: Vec<Case> = Vec::new();
+    for mut case in cases {
+        let profile = case.settings.profile.to_string();
+        let changes = case.label.strip_prefix(&profile).unwrap_or(&case.label);
+        let changes: Vec<&str> = changes.split(',').map(str::trim).collect();
+        let changes: Vec<&str> = changes.into_iter().filter(|it| !it.is_empty()).collect();
+        case.label = match changes.is_empty() {
+            true => format!("{profile} default"),
+            false => format!("{profile} {}", changes.join(", ")),
+        };
+        if kept.iter().all(|other| other.settings != case.settings) {
+            kept.push(case);
+        }
+    }
+    kept
+}
+
+fn min_distances(base: &Case) -> Vec<Case> {
+    let distance = |&metres: &f32| base.but(&format!("{metres} m"), |s| s.min_distance = metres);
+    MIN_DISTANCES.iter().map(distance).collect()
+}
+
+fn resized(case: &Case, waves: u32, iterations: u32) -> Case {
+    case.but("", |s| {
+        s.waves = waves;
+        s.iterations = iterations;
+    })
+}
+
+fn turned(case: &Case, directions: Directions) -> Case {
+    match directions {
+        Directions::Random => case.clone(),
+        Directions::Fibonacci => case.but("fibonacci", |s| s.directions = directions),
+    }
+}
+
+/// Each option alone.
+fn options(base: &Case) -> Vec<Case> {
+    let mut cases = vec![
+        base.but("fibonacci", |s| s.directions = Directions::Fibonacci),
+        base.but("GPU sum", |s| s.sum_on_gpu = true),
+        other_passes(base),
+    ];
+    if base.settings.profile == Profile::March {
+        cases.push(base.but("difference normals", |s| s.exact_normals = false));
+        for metres in [1e-3, 0.1] {
+            cases.push(no_landing(base, metres));
+        }
+        cases.push(every(base));
+    }
+    cases
+}
+
+/// Every combination of the options.
+fn options_together(base: &Case) -> Vec<Case> {
+    let mut cases = vec![base.clone()];
+    cases.extend(cases.clone().iter().map(other_passes));
+    let sums: Vec<Case> = cases
+        .iter()
+        .map(|c| c.but("GPU sum", |s| s.sum_on_gpu = true))
+        .collect();
+    cases.extend(sums);
+    if base.settings.profile == Profile::March {
+        let differences = |c: &Case| c.but("difference normals", |s| s.exact_normals = false);
+        let normals: Vec<Case> = cases.iter().map(differences).collect();
+        cases.extend(normals);
+        if has_distance(&base.settings) {
+            let landing = |c: &Case| c.but("no landing", |s| s.landing = false);
+            let stopped: Vec<Case> = cases.iter().map(landing).collect();
+            cases.extend(stopped);
+        }
+    }
+    cases
+}
+
+/// All iterations in one pass, or not, unlike the profile's default.
+fn other_passes(base: &Case) -> Case {
+    match base.settings.iterations_per_pass {
+        1 => base.but("fused", |s| s.iterations_per_pass = MAX_ITERATIONS),
+        _ => base.but("a pass an iteration", |s| s.iterations_per_pass = 1),
+    }
+}
+
+/// Waves that stop anywhere in the shell need one that is not everywhere.
+fn no_landing(base: &Case, metres: f32) -> Case {
+    base.but(&format!("{metres} m, no landing"), |s| {
+        s.landing = false;
+        s.min_distance = metres;
+    })
+}
+
+/// All that makes a profile faster without making it worse.
+fn every(base: &Case) -> Case {
+    base.but("fused, GPU sum, fibonacci", |s| {
+        s.iterations_per_pass = MAX_ITERATIONS;
+        s.sum_on_gpu = true;
+        s.directions = Directions::Fibonacci;
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects the sweep from settings that cannot be traced, and from doing work twice.
+    #[test]
+    fn every_case_is_valid_and_there_once() {
+        for cases in [quick(), full()] {
+            for (index, case) in cases.iter().enumerate() {
+                assert!(case.settings.validate().is_ok(), "{}", case.label);
+                let later = &cases[index + 1..];
+                assert!(later.iter().all(|other| other.settings != case.settings));
+                let profile = case.settings.profile.to_string() + " ";
+                let changes = case.label.strip_prefix(&profile).unwrap();
+                assert!(changes.starts_with(char::is_alphanumeric), "{}", case.label);
+            }
+        }
+        assert!(quick().iter().all(|case| full().contains(case)));
+    }
+}

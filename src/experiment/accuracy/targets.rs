@@ -1,0 +1,218 @@
+//! The figures that the project sets itself, measured and held against their bounds.
+
+use super::measure::wave_errors;
+use super::report::{Chaos, Row, SceneReport, Target, WaveErrors};
+use super::sweep::BASE_WAVES;
+use super::truth::Truth;
+use crate::error::Error;
+use crate::experiment::median;
+use crate::scene::Scene;
+use crate::trace::{Profile, Settings, Tracer};
+use glam::Vec3;
+
+/// Waves of the targets on single waves and on speed.
+const WAVES: u32 = 262_144;
+
+/// Waves of the target on hits by order.
+const MANY_WAVES: u32 = 1 << 20;
+
+/// Iterations of all of them.
+const ITERATIONS: u32 = 8;
+
+/// Timed frames of each profile.
+const FRAMES: usize = 5;
+
+/// Minimum distance in metres that the thesis' algorithm gets most waves right with.
+const CAREFUL: f32 = 1e-3;
+
+/// Measures all of them; those on efficiency are of the default rows of `scenes`.
+///
+/// # Errors
+/// Those of [`Tracer::frame`].
+pub fn measure(tracer: &mut Tracer, scenes: &[SceneReport]) -> Result<Vec<Target>, Error> {
+    let mut targets = vec![hits_by_order(tracer, MANY_WAVES)?];
+    let corner = Scene::builtin("corner")?;
+    targets.extend(single_waves(tracer, &corner)?);
+    targets.extend(speeds(tracer, &corner)?);
+    for name in ["corner", "obstacles"] {
+        let scene = scenes.iter().find(|scene| scene.scene == name);
+        targets.extend(scene.and_then(efficiencies));
+    }
+    let best = scenes.iter().filter_map(against_the_best_thesis);
+    targets.extend(best);
+    Ok(targets)
+}
+
+impl Target {
+    fn at_most(what: impl Into<String>, measured: f64, bound: f64) -> Target {
+        Target {
+            what: what.into(),
+            measured,
+            bound: Some(bound),
+            at_least: false,
+            met: Some(measured <= bound),
+        }
+    }
+
+    fn at_least(what: impl Into<String>, measured: f64, bound: f64) -> Target {
+        Target {
+            what: what.into(),
+            measured,
+            bound: Some(bound),
+            at_least: true,
+            met: Some(measured >= bound),
+        }
+    }
+}
+
+/// Waves heard in each iteration, from frames of one iteration more each.
+fn hits_by_order(tracer: &mut Tracer, waves: u32) -> Result<Target, Error> {
+    let scene = Scene::builtin("shoebox")?;
+    let truth = Truth::new(&scene)?;
+    let settings = Settings::hybrid().with_waves(waves);
+    let mut heard = vec![0];
+    for iterations in 1..=ITERATIONS {
+        let settings = settings.clone().with_iterations(iterations);
+        heard.push(tracer.frame(&scene, &settings)?.counts.listener_hits);
+    }
+    let (_, starts) = tracer.frame_with_waves(&scene, &settings.with_iterations(1))?;
+    let starts: Vec<Vec3> = starts.iter().map(|wave| wave.start_direction).collect();
+    let mut exact = vec![0_u64; ITERATIONS as usize];
+    for wave in truth.waves(&starts, ITERATIONS) {
+        if wave.status == 0 {
+            exact[wave.order as usize] += 1;
+        }
+    }
+    let by_order = heard.windows(2).map(|pair| pair[1].saturating_sub(pair[0]));
+    let worst = by_order.zip(exact).map(|(a, b)| a.abs_diff(b)).max();
+    Ok(Target::at_most(
+        format!("hybrid, shoebox, {waves} waves: largest difference of hits in any order"),
+        worst.unwrap_or(u64::MAX) as f64,
+        2.0,
+    ))
+}
+
+fn single_waves(tracer: &mut Tracer, corner: &Scene) -> Result<Vec<Target>, Error> {
+    let truth = Truth::new(corner)?;
+    let mut errors_of = |settings: Settings| -> Result<WaveErrors, Error> {
+        let settings = settings.with_waves(WAVES).with_iterations(ITERATIONS);
+        wave_errors(tracer, &truth, &Chaos::default(), &settings)
+    };
+    let hybrid = errors_of(Settings::hybrid())?;
+    let march = errors_of(Settings::march())?;
+    let not_finite = (hybrid.not_finite + march.not_finite) as f64;
+    Ok(vec![
+        Target::at_most(
+            "hybrid, corner: waves of another status, %",
+            100.0 * hybrid.status_differs,
+            0.05,
+        ),
+        Target::at_most(
+            "hybrid, corner: median end-point error, m",
+            hybrid.end.median,
+            1e-5,
+        ),
+        Target::at_most(
+            "hybrid, corner: p99 of the end-point error, m",
+            hybrid.end.p99,
+            1e-2,
+        ),
+        Target::at_most(
+            "march, corner: waves of another status, %",
+            100.0 * march.status_differs,
+            0.1,
+        ),
+        Target::at_most(
+            "march, corner: median end-point error, m",
+            march.end.median,
+            1e-5,
+        ),
+        Target::at_most(
+            "hybrid and march, corner: waves that end nowhere (NaN)",
+            not_finite,
+            0.0,
+        ),
+    ])
+}
+
+/// Whole frames in turns, against the thesis' algorithm at its careful distance.
+fn speeds(tracer: &mut Tracer, corner: &Scene) -> Result<Vec<Target>, Error> {
+    let mut careful = Settings::thesis();
+    careful.min_distance = CAREFUL;
+    let runs = [Settings::hybrid(), Settings::march(), careful]
+        .map(|settings| settings.with_waves(WAVES).with_iterations(ITERATIONS));
+    for settings in &runs {
+        tracer.frame(corner, settings)?;
+    }
+    let mut times: [Vec<f64>; 3] = Default::default();
+    for _ in 0..FRAMES {
+        for (settings, times) in runs.iter().zip(&mut times) {
+            times.push(tracer.frame(corner, settings)?.milliseconds.total);
+        }
+    }
+    let [hybrid, march, thesis] = times.map(median);
+    let what = |profile: Profile| {
+        format!("{profile}, corner: waves·iterations/s over those of thesis at {CAREFUL} m")
+    };
+    Ok(vec![
+        Target::at_least(what(Profile::Hybrid), thesis / hybrid, 8.0),
+        Target::at_least(what(Profile::March), thesis / march, 0.9),
+    ])
+}
+
+fn default_row(scene: &SceneReport, profile: Profile) -> Option<&Row> {
+    let label = format!("{profile} default");
+    scene.rows.iter().find(|row| {
+        let case = &row.case;
+        row.label == label && (case.waves, case.iterations) == (BASE_WAVES, ITERATIONS)
+    })
+}
+
+fn efficiencies(scene: &SceneReport) -> Option<Target> {
+    let hybrid = default_row(scene, Profile::Hybrid)?.panning.efficiency;
+    let thesis = default_row(scene, Profile::Thesis)?.panning.efficiency;
+    Some(Target::at_least(
+        format!("hybrid, {}: efficiency over that of thesis", scene.scene),
+        hybrid / thesis,
+        30.0,
+    ))
+}
+
+/// For information: the thesis' algorithm with whatever settings suit it best. Rows that
+/// hear nothing are left out: their answer, 0, can be near the truth by luck alone.
+fn against_the_best_thesis(scene: &SceneReport) -> Option<Target> {
+    let hybrid = default_row(scene, Profile::Hybrid)?;
+    let iterations = hybrid.case.iterations;
+    let thesis = scene.rows.iter().filter(|row| {
+        row.case.profile == Profile::Thesis.to_string()
+            && row.case.iterations == iterations
+            && row.waves.hits.iter().any(|&hits| hits > 0)
+    });
+    let by_efficiency = |a: &&Row, b: &&Row| a.panning.efficiency.total_cmp(&b.panning.efficiency);
+    let best = thesis.max_by(by_efficiency)?;
+    Some(Target {
+        what: format!(
+            "hybrid, {}: efficiency over the best of thesis ({}, {} waves)",
+            scene.scene, best.label, best.case.waves
+        ),
+        measured: hybrid.panning.efficiency / best.panning.efficiency,
+        bound: None,
+        at_least: true,
+        met: None,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects "met" from being anything but a comparison.
+    #[test]
+    fn targets_are_held_against_their_bounds() {
+        assert_eq!(Target::at_most("", 2.0, 2.0).met, Some(true));
+        assert_eq!(Target::at_most("", 2.1, 2.0).met, Some(false));
+        assert_eq!(Target::at_most("", f64::NAN, 2.0).met, Some(false));
+        assert_eq!(Target::at_least("", 30.0, 30.0).met, Some(true));
+        assert_eq!(Target::at_least("", 29.9, 30.0).met, Some(false));
+    }
+}

@@ -1,0 +1,158 @@
+//! What the exact geometry answers, each question asked once.
+
+use super::directions::lattice;
+use super::report::Limit;
+use crate::error::Error;
+use crate::reference::{ExactScene, ExactWave};
+use crate::scene::Scene;
+use crate::trace::{Directions, Settings, Tracer};
+use glam::Vec3;
+use std::collections::HashMap;
+
+/// Directions traced at a time: as many as fit in memory with ease.
+const PART: usize = 1 << 20;
+
+/// A scene with all that is known of it.
+pub struct Truth<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// The same in closed form.
+    pub exact: ExactScene,
+    limits: HashMap<u32, Limit>,
+    /// By set of directions, number of waves and seed: the panning by iterations.
+    twins: HashMap<(Directions, u32, u32), Vec<f64>>,
+}
+
+/// Sides of arrivals, summed by the order that they arrived in.
+struct Arrivals {
+    sides: Vec<f64>,
+    heard: Vec<u64>,
+}
+
+impl<'a> Truth<'a> {
+    /// The truth about `scene`, nothing of it known yet.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] for a scene that is not valid.
+    pub fn new(scene: &'a Scene) -> Result<Truth<'a>, Error> {
+        Ok(Truth {
+            scene,
+            exact: ExactScene::new(scene)?,
+            limits: HashMap::new(),
+            twins: HashMap::new(),
+        })
+    }
+
+    /// Exact waves from the source along `directions`.
+    pub fn waves(&self, directions: &[Vec3], iterations: u32) -> Vec<ExactWave> {
+        let start = self.scene.source.position.as_dvec3();
+        self.exact.trace_all(start, directions, iterations)
+    }
+
+    /// Finds the panning of many waves for each number of iterations up to `most`: from
+    /// two lattices of half of `directions` each.
+    pub fn find_limits(&mut self, directions: u64, most: u32) {
+        let half = (directions / 2).max(1);
+        let [upright, turned] = [false, true].map(|t| self.arrivals(&lattice(half, t), most));
+        for iterations in 1..=most {
+            let (a, b) = (upright.pan(iterations), turned.pan(iterations));
+            let heard = upright.heard(iterations) + turned.heard(iterations);
+            let limit = Limit {
+                iterations,
+                directions: 2 * half,
+                pan: 0.5 * (a + b),
+                uncertainty: 0.5 * (a - b).abs(),
+                heard: heard as f64 / (2 * half) as f64,
+            };
+            self.limits.insert(iterations, limit);
+        }
+    }
+
+    /// The panning of many waves; [`Truth::find_limits`] has to have found it.
+    pub fn limit(&self, iterations: u32) -> Limit {
+        self.limits.get(&iterations).copied().unwrap_or_else(|| {
+            debug_assert!(false, "no limit for {iterations} iterations");
+            Limit {
+                iterations,
+                directions: 0,
+                pan: 0.0,
+                uncertainty: f64::INFINITY,
+                heard: 0.0,
+            }
+        })
+    }
+
+    /// The exact panning of the very waves that the GPU starts with these settings.
+    ///
+    /// `most`: iterations that will ever be asked for with these waves.
+    ///
+    /// # Errors
+    /// Those of [`Tracer::frame`].
+    pub fn pan_of_twins(
+        &mut self,
+        tracer: &mut Tracer,
+        settings: &Settings,
+        most: u32,
+    ) -> Result<f64, Error> {
+        let key = (settings.directions, settings.waves, settings.seed);
+        let iterations = settings.iterations as usize;
+        if self
+            .twins
+            .get(&key)
+            .is_none_or(|pans| pans.len() <= iterations)
+        {
+            let most = most.max(settings.iterations);
+            let starts = start_directions(tracer, self.scene, settings)?;
+            let arrivals = self.arrivals(&starts, most);
+            let pans = (0..=most).map(|iterations| arrivals.pan(iterations));
+            self.twins.insert(key, pans.collect());
+        }
+        Ok(self.twins[&key][iterations])
+    }
+
+    fn arrivals(&self, directions: &[Vec3], iterations: u32) -> Arrivals {
+        let mut arrivals = Arrivals {
+            sides: vec![0.0; iterations as usize],
+            heard: vec![0; iterations as usize],
+        };
+        for part in directions.chunks(PART) {
+            for wave in self.waves(part, iterations) {
+                if let Some(side) = self.exact.arrival_side(&wave) {
+                    arrivals.sides[wave.order as usize] += side;
+                    arrivals.heard[wave.order as usize] += 1;
+                }
+            }
+        }
+        arrivals
+    }
+}
+
+impl Arrivals {
+    fn heard(&self, iterations: u32) -> u64 {
+        self.heard[..iterations as usize].iter().sum()
+    }
+
+    /// The panning after so many iterations: 0 when nothing arrived.
+    fn pan(&self, iterations: u32) -> f64 {
+        let side: f64 = self.sides[..iterations as usize].iter().sum();
+        match self.heard(iterations) {
+            0 => 0.0,
+            heard => side / heard as f64,
+        }
+    }
+}
+
+/// Where the waves of these settings start: the same for every profile.
+fn start_directions(
+    tracer: &mut Tracer,
+    scene: &Scene,
+    settings: &Settings,
+) -> Result<Vec<Vec3>, Error> {
+    let mut first = Settings::hybrid()
+        .with_waves(settings.waves)
+        .with_seed(settings.seed);
+    first.directions = settings.directions;
+    first.iterations = 1;
+    let (_, waves) = tracer.frame_with_waves(scene, &first)?;
+    Ok(waves.iter().map(|wave| wave.start_direction).collect())
+}

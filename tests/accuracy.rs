@@ -1,0 +1,187 @@
+//! The accuracy experiment on small sizes: its figures against independent ones, its files,
+//! its command line. A machine without GL fails these tests.
+
+use echomarch::experiment::accuracy::{
+    self, AccuracyOptions, AccuracyReport, COLUMNS, Case, Row, plot_svg, quick, write_csv,
+};
+use echomarch::gpu::{Context, ContextOptions};
+use echomarch::reference::ShoeboxImages;
+use echomarch::{Profile, Scene, Settings, Tracer};
+use glam::Vec3;
+use std::process::{Command, Output};
+
+const WAVES: u32 = 65_536;
+
+fn tracer() -> Tracer {
+    let context = Context::headless(&ContextOptions::default()).unwrap_or_else(|e| panic!("{e}"));
+    Tracer::new(&context).unwrap()
+}
+
+/// A report of so few frames that it takes a moment.
+fn report(scene: &str, settings: &[Settings]) -> AccuracyReport {
+    let case = |settings: &Settings| Case {
+        label: settings.profile.to_string(),
+        settings: settings.clone(),
+    };
+    let options = AccuracyOptions {
+        cases: settings.iter().map(case).collect(),
+        seeds: 2,
+        limit_directions: 20_000,
+        slope_waves: vec![256, 1024],
+        ..AccuracyOptions::quick(vec![Scene::builtin(scene).unwrap()])
+    };
+    let mut steps = (0, 0);
+    let report = accuracy::run(&mut tracer(), &options, &mut |done, total| {
+        assert_eq!(done, steps.0 + 1);
+        steps = (done, total);
+    });
+    assert_eq!(steps.0, steps.1, "all steps are told, and no more");
+    report.unwrap()
+}
+
+fn rows(report: &AccuracyReport) -> &[Row] {
+    &report.scenes[0].rows
+}
+
+/// Hits by order of the experiment are those of image sources, which it does not use.
+#[test]
+fn hits_by_order_are_those_of_the_image_sources() {
+    let settings = Settings::hybrid().with_waves(WAVES);
+    let scene = Scene::builtin("shoebox").unwrap();
+    let (_, waves) = tracer().frame_with_waves(&scene, &settings).unwrap();
+    let starts: Vec<Vec3> = waves.iter().map(|wave| wave.start_direction).collect();
+    let images = ShoeboxImages::new(&scene).unwrap();
+    let expected = images.hits_by_order(&starts, settings.iterations);
+    let report = report("shoebox", &[settings]);
+    let found = &rows(&report)[0].waves;
+    assert_eq!(found.exact_hits, expected);
+    assert!(found.largest_hit_difference() <= 2, "{found:?}");
+}
+
+/// The accuracy that the default profiles are relied on for, and the thesis' lack of it.
+#[test]
+fn the_corner_is_right_but_for_the_thesis() {
+    let settings = [Settings::hybrid(), Settings::march(), Settings::thesis()];
+    let report = report("corner", &settings.map(|s| s.with_waves(WAVES)));
+    let [hybrid, march, thesis] = rows(&report) else {
+        panic!("three rows");
+    };
+    for (row, status) in [(hybrid, 5e-4), (march, 1e-3)] {
+        let waves = &row.waves;
+        assert!(waves.status_differs <= status, "{}: {waves:?}", row.label);
+        assert!(waves.sequence_differs <= 2.0 * status);
+        assert!(waves.end.median <= 1e-5 && waves.end.p99 <= 1e-2);
+        assert_eq!((waves.not_finite, waves.compared), (0, u64::from(WAVES)));
+        assert!(row.panning.bias.abs() < 1e-3);
+    }
+    assert!(thesis.waves.status_differs > 0.1 && thesis.waves.end.median > 1.0);
+    assert!(hybrid.panning.efficiency > 30.0 * thesis.panning.efficiency);
+    assert_eq!(hybrid.speed.evaluations_per_segment, 0.0);
+    assert!(thesis.speed.evaluations_per_segment > march.speed.evaluations_per_segment);
+    let chaos = &report.scenes[0].chaos;
+    assert_eq!((chaos.growth, chaos.horizon), (None, None));
+}
+
+/// Pillars are where chaos is: growth, a horizon, and waves past it.
+#[test]
+fn obstacles_have_a_horizon() {
+    let settings = Settings::hybrid().with_waves(4096).with_iterations(16);
+    let report = report("obstacles", &[settings]);
+    let chaos = &report.scenes[0].chaos;
+    assert!(chaos.growth.unwrap() > 2.0, "{chaos:?}");
+    let waves = &rows(&report)[0].waves;
+    assert!(waves.beyond_horizon > 0.0 && waves.beyond_horizon < 0.5);
+    assert!(waves.end_within_horizon.p99 <= waves.end.p99);
+}
+
+/// The CSV has the columns that it says, a line a row; the plot is a picture; the options
+/// of a row are told.
+#[test]
+fn a_report_becomes_csv_and_svg() {
+    let mut summed = Settings::hybrid().with_waves(1024);
+    summed.sum_on_gpu = true;
+    let report = report("corner", &[Settings::thesis().with_waves(1024), summed]);
+    let mut csv = Vec::new();
+    write_csv(&report, &mut csv).unwrap();
+    let csv = String::from_utf8(csv).unwrap();
+    let lines: Vec<&str> = csv.lines().collect();
+    assert_eq!(lines.len(), 3);
+    assert_eq!(lines[0], COLUMNS.join(","));
+    assert!(
+        lines[1].starts_with("corner,thesis,thesis,0.1,8,1024,random,false,false,false,false,")
+    );
+    assert!(lines[2].starts_with("corner,hybrid,hybrid,,8,1024,random,true,true,true,true,"));
+    let svg = plot_svg(&report).unwrap();
+    assert!(svg.starts_with("<svg") && svg.contains("Pareto front"));
+    let sum_errors = rows(&report).iter().map(|row| row.panning.sum_error);
+    let sum_errors: Vec<Option<f64>> = sum_errors.collect();
+    assert!(
+        sum_errors[0].is_none() && sum_errors[1].unwrap() < 1e-5,
+        "{sum_errors:?}"
+    );
+    let slopes = &report.scenes[0].slopes;
+    assert_eq!(slopes.len(), 2);
+    assert!(slopes.iter().all(|slope| slope.points.len() == 2));
+}
+
+/// The quick sweep varies what it is there to vary, for every profile.
+#[test]
+fn the_sweep_varies_every_setting() {
+    let cases = quick();
+    for profile in Profile::ALL {
+        let of = || {
+            cases
+                .iter()
+                .map(|c| &c.settings)
+                .filter(|s| s.profile == profile)
+        };
+        let default = of().next().unwrap();
+        assert!(of().any(|s| s.iterations != default.iterations));
+        assert!(of().any(|s| s.waves < default.waves) && of().any(|s| s.waves > default.waves));
+        assert!(of().any(|s| s.directions != default.directions));
+        assert!(of().any(|s| s.sum_on_gpu) && of().any(|s| !s.sum_on_gpu));
+        assert!(of().any(|s| s.iterations_per_pass == 1));
+        assert!(of().any(|s| s.iterations_per_pass > 1));
+        let march = profile == Profile::March;
+        assert_eq!(
+            of().any(|s| s.exact_normals != default.exact_normals),
+            march
+        );
+        assert_eq!(of().any(|s| s.landing != default.landing), march);
+        let distances = of()
+            .filter(|s| s.min_distance != default.min_distance)
+            .count();
+        assert_eq!(distances == 0, profile == Profile::Hybrid);
+    }
+}
+
+fn program(arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_echomarch"));
+    command.arg("accuracy").args(arguments).output().unwrap()
+}
+
+/// Bad input is told in a sentence, at once, with exit code 2.
+#[test]
+fn bad_input_is_refused_at_once() {
+    let cases: [(&[&str], &str); 4] = [
+        (&["nowhere"], "nowhere"),
+        (&["corner", "-o", "/dev/null/out"], "/dev/null/out"),
+        (&["corner", "--seeds", "2"], "--seeds"),
+        (&["corner", "--error", "0"], "--error"),
+    ];
+    for (arguments, told) in cases {
+        let output = program(arguments);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {said}");
+        assert!(said.contains(told), "{arguments:?}: {said}");
+        assert!(output.stdout.is_empty());
+    }
+}
+
+/// The help says how to begin.
+#[test]
+fn the_help_has_examples() {
+    let output = program(&["--help"]);
+    assert!(output.status.success());
+    assert!(String::from_utf8_lossy(&output.stdout).contains("echomarch accuracy -o out"));
+}
