@@ -1,5 +1,5 @@
 // First pass of a sum on the GPU: each texel adds up a block of the panning texture.
-// Counts are whole numbers in floats, exact below 2^24.
+// Counts are whole numbers in floats, exact up to 2^24 and rounded above.
 
 uniform highp sampler2D uContributions;   // left, right, status, counters
 uniform int uBlock;                       // side of a block in texels

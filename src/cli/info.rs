@@ -2,7 +2,7 @@
 
 use super::options::Common;
 use super::print;
-use crate::gpu::{Api, Context, ContextOptions, GpuError, list_gpus};
+use crate::gpu::{Api, GpuInfo, Renderer, list_gpus};
 use crate::trace::MAX_WAVES;
 use clap::Args;
 use serde::Serialize;
@@ -63,10 +63,7 @@ pub fn run(_: &Arguments, common: &Common) -> anyhow::Result<()> {
 
 fn api_report(api: Api) -> ApiReport {
     let (gpus, error) = match list_gpus(api) {
-        Ok(list) => (
-            list.iter().map(|g| gpu_report(api, g.index)).collect(),
-            None,
-        ),
+        Ok(list) => (list.iter().map(gpu_report).collect(), None),
         Err(error) => (Vec::new(), Some(error.to_string())),
     };
     ApiReport {
@@ -76,37 +73,29 @@ fn api_report(api: Api) -> ApiReport {
     }
 }
 
-fn gpu_report(api: Api, gpu: usize) -> GpuReport {
-    match renderer_report(api, gpu) {
-        Ok(renderer) => GpuReport {
-            gpu,
-            error: None,
-            renderer: Some(renderer),
-        },
-        Err(error) => GpuReport {
-            gpu,
-            error: Some(error.to_string()),
-            renderer: None,
-        },
+fn gpu_report(gpu: &GpuInfo) -> GpuReport {
+    let (renderer, error) = match &gpu.outcome {
+        Ok(renderer) => (Some(renderer_report(renderer)), None),
+        Err(error) => (None, Some(error.to_string())),
+    };
+    GpuReport {
+        gpu: gpu.index,
+        error,
+        renderer,
     }
 }
 
-fn renderer_report(api: Api, gpu: usize) -> Result<RendererReport, GpuError> {
-    let context = Context::headless(&ContextOptions {
-        api,
-        gpu: Some(gpu),
-    })?;
-    let limits = context.limits();
-    let side = u64::from(limits.max_texture_size);
-    Ok(RendererReport {
-        renderer: context.renderer().to_owned(),
-        version: context.version().to_owned(),
-        shading_language: context.shading_language().to_owned(),
-        software: context.is_software(),
-        max_texture_size: limits.max_texture_size,
+fn renderer_report(renderer: &Renderer) -> RendererReport {
+    let side = u64::from(renderer.limits.max_texture_size);
+    RendererReport {
+        renderer: renderer.name.clone(),
+        version: renderer.version.clone(),
+        shading_language: renderer.shading_language.clone(),
+        software: renderer.is_software,
+        max_texture_size: renderer.limits.max_texture_size,
         max_waves: (side * side).min(u64::from(MAX_WAVES)),
-        max_fragment_uniform_vectors: limits.max_fragment_uniform_vectors,
-    })
+        max_fragment_uniform_vectors: renderer.limits.max_fragment_uniform_vectors,
+    }
 }
 
 fn print_text(report: &Report) -> anyhow::Result<()> {

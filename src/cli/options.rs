@@ -35,6 +35,10 @@ impl Common {
             gpu: self.gpu,
         };
         let context = Context::headless(&options)?;
+        // A device that is there but cannot be used is told even with --quiet.
+        for reason in context.passed_over() {
+            let _ = writeln!(std::io::stderr(), "warning: passed over {reason}");
+        }
         self.note(&format!("renderer: {}", context.renderer()));
         Ok(context)
     }

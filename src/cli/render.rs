@@ -8,6 +8,7 @@ use crate::error::Error;
 use crate::experiment::median;
 use crate::offline::{self, Block, Timing};
 use crate::output::check_file;
+use crate::scene::Scene;
 use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -81,6 +82,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     let settings = arguments.options.settings(common)?;
     let scene = common.scene(&arguments.scene)?;
     let timing = timing(arguments, scene.duration())?;
+    warn_on_the_way(&scene, timing, common);
     let mut sound = Sound::load(&arguments.sound, SAMPLE_RATE).map_err(Error::from)?;
     check_file(&arguments.output)?;
     check_ending(&arguments.output, "wav")?;
@@ -128,6 +130,31 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
         return print::json(&report);
     }
     print_text(&report)
+}
+
+/// What becomes odd while things move: each kind once, with when.
+fn warn_on_the_way(scene: &Scene, timing: Timing, common: &Common) {
+    let mut told: Vec<_> = scene
+        .warnings()
+        .iter()
+        .map(std::mem::discriminant)
+        .collect();
+    if scene.duration() == 0.0 {
+        return;
+    }
+    for index in 0..timing.frames() {
+        let time = index as f64 / timing.fps;
+        for warning in scene.at(time).warnings() {
+            let kind = std::mem::discriminant(&warning);
+            if !told.contains(&kind) {
+                told.push(kind);
+                common.note(&format!(
+                    "warning: {}, at {time:.2} s: {warning}",
+                    scene.name
+                ));
+            }
+        }
+    }
 }
 
 fn timing(arguments: &Arguments, duration: f64) -> anyhow::Result<Timing> {

@@ -50,6 +50,7 @@ pub struct Limits {
 #[derive(Clone)]
 pub struct Context {
     inner: Rc<Inner>,
+    passed_over: Rc<[String]>,
 }
 
 /// What the clones of a context share.
@@ -101,7 +102,12 @@ impl Context {
             let context = Egl::on_device(device, options.api)
                 .and_then(|egl| Context::from_backend(Box::new(egl), options.api));
             match context {
-                Ok(context) => return Ok(context),
+                Ok(context) => {
+                    return Ok(Context {
+                        passed_over: reasons.into(),
+                        ..context
+                    });
+                }
                 Err(GpuError::NoContext { reason, .. }) => {
                     reasons.push(format!("GPU {index}: {reason}"))
                 }
@@ -114,6 +120,12 @@ impl Context {
         })
     }
 
+    /// Devices tried before this one, for a context that was asked for without a number, and why each was not
+    /// taken: to be told to the user, who may have meant one of them.
+    pub fn passed_over(&self) -> &[String] {
+        &self.passed_over
+    }
+
     /// Takes over a context that a library made, and leaves it current.
     pub(super) fn from_backend(backend: Box<dyn Backend>, api: Api) -> Result<Context, GpuError> {
         current::release();
@@ -124,7 +136,10 @@ impl Context {
             Ok(inner) => {
                 let inner = Rc::new(inner);
                 current::make(&inner).map_err(|reason| GpuError::NoContext { api, reason })?;
-                Ok(Context { inner })
+                Ok(Context {
+                    inner,
+                    passed_over: Rc::default(),
+                })
             }
             Err((backend, error)) => {
                 backend.release();

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::egl::{self, Egl};
-use super::{Api, Context, ContextOptions, GpuError};
+use super::{Api, Context, ContextOptions, GpuError, Limits};
 
 /// One device, and what came of making a context on it.
 #[derive(Debug)]
@@ -23,8 +23,12 @@ pub struct Renderer {
     pub vendor: String,
     /// GL_VERSION.
     pub version: String,
+    /// GL_SHADING_LANGUAGE_VERSION.
+    pub shading_language: String,
     /// Whether the processor draws.
     pub is_software: bool,
+    /// What the driver allows.
+    pub limits: Limits,
 }
 
 impl fmt::Display for GpuInfo {
@@ -83,6 +87,8 @@ fn describe(context: &Context) -> Renderer {
         name: context.renderer().into(),
         vendor: context.vendor().into(),
         version: context.version().into(),
+        shading_language: context.shading_language().into(),
         is_software: context.is_software(),
+        limits: context.limits(),
     }
 }

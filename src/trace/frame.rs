@@ -25,7 +25,8 @@ pub struct Milliseconds {
     pub pan: f64,
     /// Reading the panning texture back, and summing it on the CPU.
     pub read_back: f64,
-    /// The whole frame by the wall clock, setup included.
+    /// The whole frame by the wall clock, setup included; without compiling shaders and making
+    /// textures, which only a first frame does.
     pub total: f64,
 }
 

@@ -138,7 +138,7 @@ fn march_sources(scene: &Scene, options: Options) -> Vec<Source> {
         }
         Profile::March => {
             sources.push(("options", Cow::Owned(defines(options))));
-            sources.extend(glsl::ahead_sources(scene));
+            sources.extend(glsl::ahead_sources(scene, !options.exact_normals));
             sources.push(source!("mirror.glsl"));
             sources.push(source!("iterate_march.glsl"));
         }

@@ -58,6 +58,8 @@ struct Job<'a> {
     placement: Placement,
     placed: Placed,
     march: Rc<Program>,
+    initialise: Rc<Program>,
+    pan: Rc<Program>,
     began: Instant,
 }
 
@@ -93,8 +95,8 @@ impl Tracer {
 
     /// Traces one frame of the scene as it stands.
     ///
-    /// The first frame of a scene's structure compiles its programs; their time is in
-    /// `total`. Everything else is the same for every frame.
+    /// The first frame of a scene's structure compiles its programs, and the first of a count
+    /// of waves makes its textures; neither is in the frame's times.
     ///
     /// # Errors
     /// [`Error::Scene`] and [`Error::Trace`] for input that cannot be traced,
@@ -106,7 +108,8 @@ impl Tracer {
         self.finish(&job, initialise, march)
     }
 
-    /// Traces one frame and reads back every wave, in order.
+    /// Traces one frame and reads back every wave, in order. The frame's times are without
+    /// this reading.
     ///
     /// # Errors
     /// As [`Tracer::frame`].
@@ -117,10 +120,11 @@ impl Tracer {
     ) -> Result<(Frame, Vec<Wave>), Error> {
         let job = self.prepare(scene, settings)?;
         let initialise = self.initialise(&job)?;
-        let starts = self.read_pair()?;
+        let (starts, first_read) = timed(|| self.read_pair())?;
         let march = self.march_all(&job)?;
-        let ends = self.read_pair()?;
-        let frame = self.finish(&job, initialise, march)?;
+        let (ends, second_read) = timed(|| self.read_pair())?;
+        let mut frame = self.finish(&job, initialise, march)?;
+        frame.milliseconds.total -= first_read + second_read;
         Ok((frame, waves(&starts, &ends, job.placement.anchor)))
     }
 
@@ -166,7 +170,6 @@ impl Tracer {
     /// Checks the input, gets the program and the textures, and sets every uniform
     /// of the march that is the same for all iterations.
     fn prepare<'a>(&mut self, scene: &'a Scene, settings: &'a Settings) -> Result<Job<'a>, Error> {
-        let began = Instant::now();
         scene.validate()?;
         settings.validate()?;
         let grid = Grid::new(settings.waves);
@@ -182,12 +185,20 @@ impl Tracer {
             self.targets = Some(Targets::new(&self.context, grid)?);
         }
         let march = self.programs.march(&self.context, scene, settings)?;
+        let initialise = self
+            .programs
+            .initialise(&self.context, settings.directions)?;
+        let pan = self.programs.pan(&self.context)?;
+        // What only a first frame pays is over.
+        let began = Instant::now();
         let job = Job {
             scene,
             settings,
             placed: placement.apply(scene),
             placement,
             march,
+            initialise,
+            pan,
             began,
         };
         job.set_uniforms(grid);
@@ -224,16 +235,15 @@ impl Tracer {
         })
     }
 
-    fn initialise(&mut self, job: &Job) -> Result<f64, Error> {
-        let directions = job.settings.directions;
-        let program = self.programs.initialise(&self.context, directions)?;
+    fn initialise(&self, job: &Job) -> Result<f64, Error> {
+        let program = &job.initialise;
         let targets = self.targets()?;
-        set_grid(&program, targets.grid);
+        set_grid(program, targets.grid);
         program.set_vec3("uSource", job.placement.place(job.scene.source.position));
         program.set_f32("uStartStatus", job.start_status());
         program.set_u32("uSeed", job.settings.seed);
         program.set_vec4("uTurn", Vec4::from(random_turn(job.settings.seed)));
-        self.pass(&program, targets.grid, targets.pairs.current(), 1)
+        self.pass(program, targets.grid, targets.pairs.current(), 1)
     }
 
     /// What the initialise pass does, for directions that are given.
@@ -309,15 +319,15 @@ impl Tracer {
         })
     }
 
-    fn pan(&mut self, job: &Job) -> Result<f64, Error> {
-        let program = self.programs.pan(&self.context)?;
+    fn pan(&self, job: &Job) -> Result<f64, Error> {
+        let program = &job.pan;
         let targets = self.targets()?;
         let current = targets.pairs.current();
         program.set_texture("uOrigins", 0, &current.first);
         program.set_texture("uDirections", 1, &current.second);
         program.set_vec4("uListener", job.listener());
         program.set_vec3("uListenerRight", job.scene.listener.right());
-        self.pass(&program, targets.grid, &targets.pan, 1)
+        self.pass(program, targets.grid, &targets.pan, 1)
     }
 
     /// The sum of the contributions: on the CPU, or on the GPU if the settings say so.
@@ -444,6 +454,13 @@ impl Job<'_> {
             _ => STATUS_STARTED,
         }
     }
+}
+
+/// A result, and the milliseconds that it took.
+fn timed<T>(work: impl FnOnce() -> Result<T, Error>) -> Result<(T, f64), Error> {
+    let began = Instant::now();
+    let result = work()?;
+    Ok((result, in_milliseconds(began.elapsed())))
 }
 
 fn set_grid(program: &Program, grid: Grid) {

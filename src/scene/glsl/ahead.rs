@@ -8,8 +8,9 @@ use std::borrow::Cow;
 use std::fmt::Write;
 
 /// `distanceAhead(p, d, last, object, second)`, `gradientAhead(p, d, object)`,
-/// `land(object, d, p, normal)` and `surfaceDistance(p, object)` of a scene.
-pub fn ahead_sources(scene: &Scene) -> Vec<Source> {
+/// `land(object, d, p, normal)` of a scene, and `surfaceDistance(p, object)` where normals
+/// are taken from differences of it.
+pub fn ahead_sources(scene: &Scene, difference_normals: bool) -> Vec<Source> {
     let mut sources = vec![source!("rounding.glsl")];
     sources.extend(shape_files(scene, distance_file));
     sources.extend(land_files(scene));
@@ -22,11 +23,11 @@ pub fn ahead_sources(scene: &Scene) -> Vec<Source> {
     }));
     sources.extend(turn_file(scene));
     sources.push(source!("distance/listener.glsl"));
-    let text = uniforms_text(scene)
-        + &surface_distance(scene)
-        + &distance_ahead(scene)
-        + &gradient_ahead(scene)
-        + &land_text(scene);
+    let mut text = uniforms_text(scene);
+    if difference_normals {
+        text += &surface_distance(scene);
+    }
+    let text = text + &distance_ahead(scene) + &gradient_ahead(scene) + &land_text(scene);
     sources.push(("the scene", Cow::Owned(text)));
     sources
 }

@@ -160,8 +160,12 @@ mod tests {
     use super::*;
     use glam::{Quat, Vec3};
 
-    const TEXTS: [fn(&Scene) -> Vec<Source>; 3] =
-        [distance_sources, ahead_sources, closed_form_sources];
+    const TEXTS: [fn(&Scene) -> Vec<Source>; 4] = [
+        distance_sources,
+        |scene| ahead_sources(scene, false),
+        |scene| ahead_sources(scene, true),
+        closed_form_sources,
+    ];
 
     /// Protects specialisation: a scene's shader names no shape that is not in it.
     #[test]
