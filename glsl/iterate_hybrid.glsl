@@ -4,7 +4,7 @@
 // is no march, so there is no minimum distance, no start offset and no step bound, and what
 // a wave costs does not depend on where it goes.
 
-uniform float uMaxDistance;   // a wave counts as dead beyond this, metres
+uniform float uMaxDistance;   // a wave counts as dead beyond this, metres; far below NO_HIT
 
 bool finished(float status) {
     return status < 0.1;
@@ -13,7 +13,7 @@ bool finished(float status) {
 void iterate(inout vec4 origin, inout vec4 direction) {
     float object;
     float t = nearestHit(origin.xyz, direction.xyz, origin.w, object);
-    if (!(t < min(uMaxDistance, NO_HIT))) {
+    if (!(t < uMaxDistance)) {
         origin.w = STATUS_DEAD;
         return;
     }

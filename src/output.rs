@@ -55,14 +55,20 @@ pub fn write_whole(
         path: path.to_owned(),
         source,
     };
-    let beside = temporary_beside(path).map_err(error)?;
+    let target = &followed(path);
+    let beside = temporary_beside(target).map_err(error)?;
     let mut writer = BufWriter::new(beside.as_file());
     fill(&mut writer).map_err(error)?;
     writer.flush().map_err(error)?;
     drop(writer);
     beside.as_file().sync_all().map_err(error)?;
-    beside.persist(path).map_err(|e| error(e.error))?;
+    beside.persist(target).map_err(|e| error(e.error))?;
     Ok(())
+}
+
+/// Where a path leads: a link keeps being one, and what it names is replaced.
+pub(crate) fn followed(path: &Path) -> PathBuf {
+    std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned())
 }
 
 /// A temporary file in the folder of `target`, to be renamed to it: readable by others
@@ -149,6 +155,19 @@ mod tests {
         assert!(failed.is_err());
         assert_eq!(std::fs::read(&path).unwrap(), b"old");
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    /// Protects links: what they name is replaced, they stay.
+    #[cfg(unix)]
+    #[test]
+    fn a_link_is_followed() {
+        let folder = tempfile::tempdir().unwrap();
+        let (real, link) = (folder.path().join("real"), folder.path().join("link"));
+        std::fs::write(&real, b"old").unwrap();
+        std::os::unix::fs::symlink(&real, &link).unwrap();
+        write_whole(&link, |out| out.write_all(b"new")).unwrap();
+        assert!(link.is_symlink());
+        assert_eq!(std::fs::read(&real).unwrap(), b"new");
     }
 
     /// Protects devices and folders from being renamed over.

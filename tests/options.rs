@@ -33,6 +33,47 @@ fn fused_passes_change_no_bit() {
     }
 }
 
+/// Protects the two ways of the thesis that `march` can be told to go: without a landing
+/// ends are off by the shell, but not by much more; with difference normals a wave in
+/// hundreds takes another way, where differences straddle an edge.
+#[test]
+fn the_thesis_ways_of_march_do_what_they_say() {
+    let mut tracer = tracer();
+    let right = Settings::march().with_waves(20_000);
+    let (_, landed) = tracer.frame_with_waves(&builtin("corner"), &right).unwrap();
+    let no_landing = Settings {
+        landing: false,
+        min_distance: 1e-3,
+        ..right.clone()
+    };
+    let (_, short) = tracer
+        .frame_with_waves(&builtin("corner"), &no_landing)
+        .unwrap();
+    let mut off: Vec<f32> = landed
+        .iter()
+        .zip(&short)
+        .map(|(a, b)| a.position.distance(b.position))
+        .collect();
+    off.sort_by(f32::total_cmp);
+    // 8 hits, each up to 1 mm short.
+    let median = off[off.len() / 2];
+    assert!((1e-4..8e-3).contains(&median), "{median} m");
+
+    let differences = Settings {
+        exact_normals: false,
+        ..right
+    };
+    let (_, other) = tracer
+        .frame_with_waves(&builtin("corner"), &differences)
+        .unwrap();
+    let changed = landed
+        .iter()
+        .zip(&other)
+        .filter(|(a, b)| a.status != b.status);
+    let changed = changed.count();
+    assert!((1..200).contains(&changed), "{changed} of 20000");
+}
+
 /// Protects the sum on the GPU. Counts are whole numbers below 2^24: exact. Contributions
 /// are added by blocks of 64 in `f32`: at most 64 roundings a level, relative 64 × 2^-24 =
 /// 4e-6 each, and four levels for a million waves.

@@ -8,7 +8,7 @@ use hound::{SampleFormat, WavSpec};
 use tempfile::NamedTempFile;
 
 use super::{AudioError, SAMPLE_RATE};
-use crate::output::temporary_beside;
+use crate::output::{followed, temporary_beside};
 
 const SPEC: WavSpec = WavSpec {
     channels: 2,
@@ -54,7 +54,7 @@ impl WavWriter {
     /// # Errors
     /// [`AudioError::WriteWav`] if nothing can be written beside `target`.
     pub fn create(target: impl Into<PathBuf>) -> Result<Self, AudioError> {
-        let target = target.into();
+        let target = followed(&target.into());
         match start(&target) {
             Ok((temporary, wav)) => Ok(Self {
                 target,

@@ -80,12 +80,12 @@ struct FrameLine {
 /// Runs the subcommand.
 pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     let settings = arguments.options.settings(common)?;
+    check_ending(&arguments.output, "wav")?;
     let scene = common.scene(&arguments.scene)?;
     let timing = timing(arguments, scene.duration())?;
     warn_on_the_way(&scene, timing, common);
     let mut sound = Sound::load(&arguments.sound, SAMPLE_RATE).map_err(Error::from)?;
     check_file(&arguments.output)?;
-    check_ending(&arguments.output, "wav")?;
     let mut writer = WavWriter::create(&arguments.output).map_err(Error::from)?;
     let mut tracer = common.tracer()?;
     let mut mixer = Mixer::new(arguments.law);

@@ -60,13 +60,20 @@ mod tests {
         }
     }
 
-    /// Protects the lattice from a turn that favours some directions: the mean of one
-    /// turned axis over many seeds is 0 within five standard errors, 1 / √3N each.
+    /// Protects the lattice from a turn that favours some directions. Over many seeds the
+    /// mean of one turned axis is 0 and the mean of its squares 1/3 in each coordinate,
+    /// within five standard errors: √(1/3N), and √(4/45N) for the squares of a uniform one.
     #[test]
     fn turns_are_uniform() {
         let seeds = 20_000;
         let sum: Vec3 = (0..seeds).map(|seed| random_turn(seed) * Vec3::Y).sum();
         let standard_error = (3.0 * seeds as f32).sqrt().recip();
         assert!((sum / seeds as f32).abs().max_element() < 5.0 * standard_error);
+        let squares: Vec3 = (0..seeds)
+            .map(|seed| (random_turn(seed) * Vec3::Y).powf(2.0))
+            .sum();
+        let off = (squares / seeds as f32 - Vec3::splat(1.0 / 3.0)).abs();
+        let standard_error = (4.0 / 45.0 / seeds as f32).sqrt();
+        assert!(off.max_element() < 5.0 * standard_error);
     }
 }

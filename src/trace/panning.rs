@@ -24,7 +24,8 @@ impl Panning {
     }
 }
 
-/// How many waves ended how, and what happened to them on the way.
+/// How many waves ended how, and what happened to them on the way. Summed on the GPU, the
+/// counts of marches and evaluations are exact up to 2^24 and rounded above.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 pub struct Counts {
     /// Waves that reached the listener.

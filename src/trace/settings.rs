@@ -202,10 +202,12 @@ impl Settings {
         positive("minimum distance in metres", self.min_distance)?;
         positive("maximum distance in metres", self.max_distance)?;
         positive("step of the normals in metres", self.normal_step)?;
-        if !self.landing
-            && self.profile != Profile::Hybrid
-            && self.min_distance >= self.max_distance
-        {
+        let stops_in_a_shell = match self.profile {
+            Profile::Thesis => true,
+            Profile::March => !self.landing,
+            Profile::Hybrid => false,
+        };
+        if stops_in_a_shell && self.min_distance >= self.max_distance {
             return Err(bad(
                 "minimum distance in metres",
                 format!("less than the maximum distance of {}", self.max_distance),
@@ -323,7 +325,7 @@ mod tests {
     /// Protects the GPU from settings that make no sense.
     #[test]
     fn senseless_settings_are_refused() {
-        let spoil: [fn(&mut Settings); 8] = [
+        let spoil: [fn(&mut Settings); 10] = [
             |s| s.waves = 0,
             |s| s.waves = MAX_WAVES + 1,
             |s| s.iterations = 0,
@@ -332,6 +334,15 @@ mod tests {
             |s| s.max_distance = f32::INFINITY,
             |s| s.min_distance = 301.0,
             |s| s.start_offset = f32::NAN,
+            |s| s.lipschitz = 0.5,
+            // The constants of another profile under the thesis' name.
+            |s| {
+                *s = Settings {
+                    profile: Profile::Thesis,
+                    min_distance: 2.0 * FAR,
+                    ..Settings::march()
+                }
+            },
         ];
         assert!(Settings::thesis().validate().is_ok());
         for (index, spoil) in spoil.iter().enumerate() {

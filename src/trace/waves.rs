@@ -72,9 +72,10 @@ pub struct Wave {
     pub direction: Vec3,
     /// −1 dead, 0 at the listener, n at the n-th surface.
     pub status: f32,
-    /// Marches that ended at distance 0.
+    /// Marches that ended at distance 0. Without meaning in a frame that counts evaluations.
     pub zero_length_passes: u32,
-    /// Marches that were given up at the step bound.
+    /// Marches that were given up at the step bound. Without meaning in a frame that counts
+    /// evaluations.
     pub guard_hits: u32,
 }
 

@@ -7,7 +7,7 @@ use crate::scene::{Scene, Shape};
 use std::borrow::Cow;
 use std::fmt::Write;
 
-/// `distanceAhead(p, d, last, object, second)`, `gradientAhead(p, d, object)`,
+/// `distanceAhead(p, d, last, object, second)`, `gradientAhead(p, d, object, slack)`,
 /// `land(object, d, p, normal)` of a scene, and `surfaceDistance(p, object)` where normals
 /// are taken from differences of it.
 pub fn ahead_sources(scene: &Scene, difference_normals: bool) -> Vec<Source> {

@@ -132,7 +132,7 @@ impl Named<'_> {
     }
 }
 
-/// The file of each shape that occurs, once, and that of rotations if there are any.
+/// The file of each shape that occurs, once.
 fn shape_files(scene: &Scene, file_of: fn(&Shape) -> Source) -> Vec<Source> {
     let mut files: Vec<Source> = Vec::new();
     for surface in &scene.surfaces {

@@ -94,8 +94,8 @@ pub(super) fn value_count(surface: &Surface) -> usize {
 /// same as in `glsl/rounding.glsl`.
 const ROUNDING: f32 = 8.0 * f32::EPSILON;
 
-/// What rounding may do to the distance to a surface, in metres; never so much that a thin
-/// one would vanish in it.
+/// What rounding may do to the distance to a surface, in metres; of a box or a room never so
+/// much that a thin one would vanish in it.
 fn slack(surface: &Surface) -> f32 {
     const SHARE_OF_THICKNESS: f32 = 0.25;
     let place = surface.position.abs().max_element();
@@ -127,4 +127,20 @@ fn values(surface: &Surface, slack: f32) -> Vec<Vec4> {
 
 fn inverse(rotation: Quat) -> Vec4 {
     Vec4::from(rotation.conjugate())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::ROUNDING;
+
+    /// Protects the one idea of rounding that Rust and GLSL share.
+    #[test]
+    fn rounding_is_the_same_in_the_shader() {
+        let text = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/glsl/rounding.glsl"));
+        let line = text
+            .lines()
+            .find(|line| line.starts_with("const float ROUNDING"));
+        let value = line.and_then(|line| line.split(['=', ';']).nth(1));
+        assert_eq!(value.map(|v| v.trim().parse()), Some(Ok(ROUNDING)));
+    }
 }
