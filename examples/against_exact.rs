@@ -4,11 +4,11 @@
 //! cargo run --release --example against_exact [WAVES]
 //! ```
 
+use echomarch::glam::Vec3;
 use echomarch::gpu::{Context, ContextOptions};
 use echomarch::reference::ExactScene;
 use echomarch::trace::Fate;
 use echomarch::{Scene, Settings, Tracer};
-use glam::Vec3;
 use std::error::Error;
 
 fn main() -> Result<(), Box<dyn Error>> {

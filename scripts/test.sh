@@ -3,10 +3,17 @@
 # tests, package. No graphics card is needed; OpenGL is (llvmpipe will do).
 set -euo pipefail
 
-if (($# > 0)); then
+case "${1:-}" in
+"") ;;
+-h | --help)
+    echo "usage: scripts/test.sh"
+    exit 0
+    ;;
+*)
     echo "usage: scripts/test.sh" >&2
     exit 2
-fi
+    ;;
+esac
 
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 # shellcheck source=scripts/lib.sh

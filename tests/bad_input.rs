@@ -383,15 +383,24 @@ fn sounds_that_cannot_be_played_are_refused() {
 #[test]
 fn places_that_cannot_be_written_are_refused() {
     let folder = folder();
-    for place in ["scene.ron/x", "absent/x", "/proc/x", "/dev/null", "."] {
-        let arguments: [&[&str]; 2] = [
-            &["trace", "corner", "--dump-waves", place],
-            &["render", "corner", "-o", place],
-        ];
-        for arguments in arguments {
-            let sentence = refusal(folder.path(), arguments);
+    let commands: [(&[&str], &str); 2] = [
+        (&["trace", "corner", "--dump-waves"], "csv"),
+        (&["render", "corner", "-o"], "wav"),
+    ];
+    for (command, ending) in commands {
+        for stem in ["scene.ron/x", "absent/x", "/proc/x"] {
+            let place = format!("{stem}.{ending}");
+            let sentence = refusal(folder.path(), &[command, &[&place]].concat());
             let start = format!("cannot write {place}: ");
             assert!(sentence.starts_with(&start), "{sentence}");
+        }
+        // Neither a device nor a folder nor a scene has the ending of what is written.
+        for place in ["/dev/null", ".", "scene.ron"] {
+            let sentence = refusal(folder.path(), &[command, &[place]].concat());
+            assert!(
+                sentence.contains(&format!("must end in .{ending}")),
+                "{sentence}"
+            );
         }
     }
     for place in ["scene.ron", "scene.ron/x", "/proc/x", "/dev/null"] {

@@ -39,7 +39,7 @@ pub struct Arguments {
         value_name = "N"
     )]
     runs: u32,
-    /// Profiles to set side by side
+    /// Profiles to set side by side, separated by commas
     #[arg(long, value_delimiter = ',', value_name = "NAMES",
           default_values_t = [Profile::Thesis, Profile::March, Profile::Hybrid])]
     profiles: Vec<Profile>,

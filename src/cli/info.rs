@@ -130,7 +130,11 @@ fn print_gpu(gpu: &GpuReport) -> anyhow::Result<()> {
     ))?;
     print::line(&format!(
         "    version {}, GLSL {}",
-        renderer.version, renderer.shading_language
+        renderer.version,
+        // ES puts its name before the number.
+        renderer
+            .shading_language
+            .trim_start_matches("OpenGL ES GLSL ")
     ))?;
     print::line(&format!(
         "    textures up to {} a side, {} waves, {} uniform vectors",

@@ -59,7 +59,7 @@ enum Command {
     Accuracy(accuracy::Arguments),
     /// The hard cases: by every profile, against exact answers
     Verify(verify::Arguments),
-    /// List the renderers found, their limits, and versions
+    /// List all renderers found (whatever --gl and --gpu say), their limits, and versions
     Info(info::Arguments),
 }
 

@@ -4,10 +4,13 @@ use super::exit::BadInput;
 use crate::error::Error;
 use crate::gpu::{Api, Context, ContextOptions};
 use crate::scene::Scene;
-use crate::trace::{Directions, Profile, Settings, Tracer};
+use crate::trace::{Directions, MARCHES_PER_PASS, Profile, Settings, Tracer};
 use clap::Args;
 use std::io::Write;
 use std::path::Path;
+
+/// From about here on compiling a scene's shader takes seconds (docs/scene-format.md).
+const MANY_SURFACES: usize = 64;
 
 /// For every subcommand.
 #[derive(Args, Debug)]
@@ -52,6 +55,12 @@ impl Common {
     pub fn scene(&self, name_or_file: &str) -> Result<Scene, Error> {
         let scene = Scene::load(name_or_file)?;
         self.warn(&scene);
+        if scene.surfaces.len() > MANY_SURFACES {
+            self.note(&format!(
+                "note: {} surfaces: compiling their shader the first time can take long",
+                scene.surfaces.len()
+            ));
+        }
         Ok(scene)
     }
 
@@ -67,7 +76,10 @@ impl Common {
         let Some(seconds) = seconds else {
             return Ok(self.scene(name_or_file)?);
         };
-        check_range("--time", seconds, 0.0, f64::from(f32::MAX))?;
+        if !(seconds.is_finite() && seconds >= 0.0) {
+            let text = format!("--time must be finite and 0 or more, not {seconds}");
+            return Err(BadInput(text).into());
+        }
         let scene = Scene::load(name_or_file).map_err(Error::from)?.at(seconds);
         self.warn(&scene);
         Ok(scene)
@@ -170,6 +182,12 @@ impl TraceOptions {
             settings.iterations_per_pass = iterations;
         }
         settings.validate().map_err(Error::from)?;
+        if self.profile != Profile::Hybrid && settings.iterations_per_pass > MARCHES_PER_PASS {
+            common.note(&format!(
+                "note: --profile {} takes {MARCHES_PER_PASS} iterations in a pass at the most",
+                self.profile
+            ));
+        }
         Ok(settings)
     }
 }

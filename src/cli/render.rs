@@ -34,7 +34,7 @@ pub struct Arguments {
     /// The WAV to write: 48 kHz, 32-bit float, stereo
     #[arg(short, long, value_name = "FILE.wav")]
     output: PathBuf,
-    /// What the source plays: sine:HERTZ, noise, or a WAV file (looped)
+    /// What the source plays: sine:HERTZ, noise, noise:SEED, or a WAV file (looped)
     #[arg(long, default_value = "sine:440", value_name = "SOUND")]
     sound: SoundSpec,
     /// Length [default: the scene's longest path, or 5]
@@ -60,6 +60,9 @@ struct Report<'a> {
     scene: &'a str,
     profile: String,
     renderer: &'a str,
+    waves: u32,
+    iterations: u32,
+    seed: u32,
     output: String,
     sound: String,
     law: String,
@@ -117,6 +120,9 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
         scene: &scene.name,
         profile: settings.profile.to_string(),
         renderer: tracer.context().renderer(),
+        waves: settings.waves,
+        iterations: settings.iterations,
+        seed: settings.seed,
         output: arguments.output.display().to_string(),
         sound: arguments.sound.to_string(),
         law: arguments.law.to_string(),

@@ -13,9 +13,20 @@ Examples:
   echomarch slice obstacles -o plan.png
   echomarch slice corner -o paths.png --paths 300 --iterations 4";
 
+const LEGEND: &str = "\
+The picture: solid filled, air white with faint lines of equal distance; the source a dot, the
+listener a circle with an arrow along its gaze, key-framed paths dashed, a scale bar. Paths of
+waves: orange reached the listener, grey still on its way, green met nothing (a fading stub).
+They are drawn wherever they are in height, so one may end inside the circle: above or below
+the cut.
+
+Examples:
+  echomarch slice obstacles -o plan.png
+  echomarch slice corner -o paths.png --paths 300 --iterations 4";
+
 /// Arguments of `slice`.
 #[derive(Args, Debug)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = EXAMPLES, after_long_help = LEGEND)]
 pub struct Arguments {
     /// Built-in scene or scene file
     scene: String,
@@ -32,7 +43,7 @@ pub struct Arguments {
     #[arg(long, default_value_t = 0, value_name = "N")]
     paths: u32,
     /// Seconds on the scene's paths; without it everything stands where the file puts it
-    #[arg(long, value_name = "SECONDS")]
+    #[arg(long, allow_negative_numbers = true, value_name = "SECONDS")]
     time: Option<f64>,
     #[command(flatten)]
     options: TraceOptions,

@@ -1,6 +1,6 @@
 //! `echomarch trace`: one frame.
 
-use super::options::{Common, TraceOptions};
+use super::options::{Common, TraceOptions, check_ending};
 use super::print;
 use crate::output::{check_file, write_whole};
 use crate::scene::Scene;
@@ -13,7 +13,7 @@ use std::path::PathBuf;
 const EXAMPLES: &str = "\
 Examples:
   echomarch trace corner --iterations 4 --waves 1048576
-  echomarch trace corner --min-distance 0.001 --json
+  echomarch trace corner --profile thesis --min-distance 0.001 --json
   echomarch trace my.ron --dump-waves waves.csv";
 
 /// Arguments of `trace`.
@@ -57,6 +57,7 @@ struct Report<'a> {
 pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     let settings = arguments.options.settings(common)?;
     if let Some(path) = &arguments.dump_waves {
+        check_ending(path, "csv")?;
         check_file(path)?;
     }
     let scene = common.scene(&arguments.scene)?;

@@ -32,7 +32,7 @@ pub struct Arguments {
     #[arg(long, default_value_t = 70.0, value_name = "DEGREES")]
     fov: f32,
     /// Seconds on the scene's paths; without it everything stands where the file puts it
-    #[arg(long, value_name = "SECONDS")]
+    #[arg(long, allow_negative_numbers = true, value_name = "SECONDS")]
     time: Option<f64>,
 }
 

@@ -28,7 +28,9 @@ struct Line {
 /// Draws the waves of [`crate::Tracer::paths`]; those that reached the listener lie on top.
 pub(super) fn draw(canvas: &mut PixmapMut, plan: &Plan, scene: &Scene, states: &[Vec<Wave>]) {
     let waves = states.first().map_or(0, Vec::len);
+    // A source in a solid sends no waves: they are dead from the start.
     let lines: Vec<Line> = (0..waves)
+        .filter(|&wave| states[0][wave].fate() != Fate::Dead)
         .map(|wave| follow(plan, scene.source.position, states, wave))
         .collect();
     let unit = plan.stroke();

@@ -80,6 +80,14 @@ fn unknown(name: &str) -> SceneError {
 mod tests {
     use super::*;
 
+    /// Protects files from editors that put a byte-order mark before the text.
+    #[test]
+    fn a_byte_order_mark_is_no_part_of_the_scene() {
+        let marked = format!("\u{feff}{}", BUILTIN[0].1);
+        let scene = Scene::from_ron(&marked, "marked").unwrap();
+        assert_eq!(scene, Scene::builtin(BUILTIN[0].0).unwrap());
+    }
+
     /// Protects every file in `examples/scenes/` that ships as a built-in scene.
     #[test]
     fn built_in_scenes_load_without_a_warning() {

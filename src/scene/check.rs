@@ -96,11 +96,10 @@ impl Scene {
     /// What is odd about the scene as it stands, although it can be traced.
     pub fn warnings(&self) -> Vec<Warning> {
         let mut warnings = Vec::new();
+        let distance = self.source.position.distance(self.listener.position);
         if let Some((surface, depth)) = self.solid_at(self.source.position) {
             warnings.push(Warning::SourceInsideSurface { surface, depth });
-        }
-        let distance = self.source.position.distance(self.listener.position);
-        if distance < self.listener.radius {
+        } else if distance < self.listener.radius {
             let radius = self.listener.radius;
             warnings.push(Warning::SourceInsideListener { distance, radius });
         }
@@ -225,6 +224,10 @@ mod tests {
         scene.source.position.x = 6.0;
         assert!(matches!(&scene.warnings()[..],
             [Warning::SourceInsideSurface { surface, depth }] if surface == "surface 1 (Room)" && *depth == 1.0));
+        // Within both nothing arrives at all: only the solid is told.
+        scene.listener.position.x = 5.5;
+        assert_eq!(scene.warnings().len(), 2);
+        scene.listener.position.x = 0.0;
         scene.source.position.x = 0.5;
         assert!(matches!(
             scene.warnings()[..],

@@ -55,6 +55,8 @@ impl Scene {
 fn parse(text: &str, origin: &str) -> Result<Scene, SceneError> {
     let options =
         ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
+    // Some editors put a byte-order mark before the text.
+    let text = text.trim_start_matches('\u{feff}');
     let file: SceneFile = options.from_str(text).map_err(|error| {
         let start = error.span.start;
         SceneError::Malformed {

@@ -39,7 +39,12 @@ pub struct Counts {
     /// Marches that were given up at the step bound.
     pub guard_hits: u64,
     /// Evaluations of the distance, where they were counted; the two before are then 0.
+    #[serde(skip_serializing_if = "is_zero")]
     pub evaluations: u64,
+}
+
+fn is_zero(count: &u64) -> bool {
+    *count == 0
 }
 
 impl Counts {

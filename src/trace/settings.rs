@@ -71,7 +71,8 @@ pub struct Settings {
     /// How the start directions are chosen.
     pub directions: Directions,
     /// `thesis`: a surface is met below this distance. `march`: width of the shell about
-    /// surfaces in which Newton's steps are taken. In metres.
+    /// surfaces in which Newton's steps are taken, everywhere by default. `hybrid` has no
+    /// use for it. In metres.
     pub min_distance: f32,
     /// A wave is dead beyond this distance in one iteration, in metres.
     pub max_distance: f32,
@@ -131,7 +132,8 @@ impl Settings {
         }
     }
 
-    /// Sphere tracing done right, [`MARCHES_PER_PASS`] iterations in a pass, otherwise as
+    /// Sphere tracing done right: Newton's steps everywhere, landing, exact normals, no end
+    /// at 300 m, [`MARCHES_PER_PASS`] iterations in a pass. Otherwise as
     /// [`Settings::thesis`].
     pub fn march() -> Settings {
         Settings {
