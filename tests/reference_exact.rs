@@ -1,51 +1,18 @@
 //! The exact references against each other, against the distance functions, and
 //! against answers that were planted.
 
+mod common;
+
+use common::Random;
 use echomarch::reference::{ExactScene, Hit, ShoeboxImages};
 use echomarch::{Listener, Scene, Shape, Source, Surface};
 use glam::{DVec3, EulerRot, Quat, Vec3};
 use proptest::prelude::*;
-use std::f64::consts::TAU;
 use std::num::NonZeroUsize;
 
-/// SplitMix64 (Steele et al. 2014): the same numbers on every machine.
-struct Random(u64);
-
-impl Random {
-    /// Uniform in 0 … 1.
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut bits = self.0;
-        bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((bits ^ (bits >> 31)) >> 11) as f64 * (-53f64).exp2()
-    }
-
-    fn signed(&mut self) -> f64 {
-        2.0 * self.unit() - 1.0
-    }
-
-    /// Uniform over the unit sphere (Archimedes: its height is uniform).
-    fn direction(&mut self) -> DVec3 {
-        let height = self.signed();
-        let (sin, cos) = (TAU * self.unit()).sin_cos();
-        let ring = (1.0 - height * height).sqrt();
-        DVec3::new(ring * cos, height, ring * sin)
-    }
-
-    fn directions(&mut self, count: usize) -> Vec<Vec3> {
-        (0..count).map(|_| self.direction().as_vec3()).collect()
-    }
-
-    fn rotation(&mut self) -> Quat {
-        let [a, b, c] = std::array::from_fn(|_| (self.signed() * 3.0) as f32);
-        Quat::from_euler(EulerRot::YXZ, a, b, c)
-    }
-
-    /// Uniform in the logarithm, from 10⁻³ to 10⁴.
-    fn scale(&mut self) -> f64 {
-        10f64.powf(7.0 * self.unit() - 3.0)
-    }
+fn rotation(random: &mut Random) -> Quat {
+    let [a, b, c] = std::array::from_fn(|_| (random.signed() * 3.0) as f32);
+    Quat::from_euler(EulerRot::YXZ, a, b, c)
 }
 
 fn scene(surfaces: Vec<Surface>, source: Vec3, listener: Listener) -> Scene {
@@ -288,7 +255,7 @@ fn corners_and_edges_do_not_leak() {
     let half = size.as_dvec3() * 0.5;
     let mut random = Random(13);
     for case in 0..20_000 {
-        let turn = [Quat::IDENTITY, random.rotation()][case % 2];
+        let turn = [Quat::IDENTITY, rotation(&mut random)][case % 2];
         let into_world = turn.as_dquat().normalize();
         let room = Surface::new(Shape::Room { size }).turned(turn);
         let exact = exact(&scene(vec![room], Vec3::ZERO, nobody()));

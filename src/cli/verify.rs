@@ -97,10 +97,11 @@ fn print_table(report: &VerifyReport) -> anyhow::Result<()> {
     print::line(&format!(
         "\n{}: of {} cases pass: {passes}.\n\n\
          spread: within twice what a start {:.1e} off (of the extent, and in radians) does to \
-         the exact end,\nand {:.1e} of the extent. error: the largest among right waves, as a \
-         share of the extent. off: waves\nwith other objects or an end outside the bound; \
-         lost: dead, and should not be; heard of: of those that\nshould be heard; median: of \
-         distances from the exact end.",
+         the exact end,\nand {:.1e} of the extent, plus a unit in the last place of a world \
+         coordinate, which reading back as f32\ncosts. error: the largest among right waves, as \
+         a share of the extent or, if that is longer, of the way.\noff: waves with other objects \
+         or an end outside the bound; lost: dead, and should not be; heard of: of\nthose that \
+         should be heard; median: of distances from the exact end.",
         report.renderer,
         report.cases.len(),
         verify::START_ROUNDING,

@@ -30,7 +30,8 @@ pub enum Check {
         iterations: u32,
         /// How far off the exact answer is right.
         bound: Bound,
-        /// `march`: every distance is multiplied by this, and the steps are divided by it.
+        /// `march`: every distance is multiplied by this, and the stated Lipschitz
+        /// bound is somewhat larger than it.
         overestimate: f32,
     },
     /// Input that must be refused with a typed error, each with what is wrong with it.

@@ -1,9 +1,9 @@
 //! Edges and vertices, from within and from without.
 
-use super::super::Case;
+use super::super::{Case, Planted};
 use super::build::{aims, block, builtin, hall, nobody, scene};
 use crate::scene::Surface;
-use glam::{Quat, Vec3};
+use glam::{DVec3, Quat, Vec3};
 
 pub fn cases() -> Vec<Case> {
     vec![
@@ -28,26 +28,60 @@ fn concave_edge() -> Case {
             Vec3::new(3.0, 10.0 * a, 15.0 * b),
         ]);
     }
+    let directions = aims(source, &points);
+    let answers = unfolded(source, &directions, 4);
     Case::spread(
         "concave-edge",
         "a ray into the edge of two walls meets both at once",
         "both mirror it, in any order: it comes back parallel to itself",
         scene("hall", vec![hall()], source, nobody()),
-        aims(source, &points),
+        directions,
         4,
     )
+    .planted(1e-6, answers)
 }
 
 fn concave_vertex() -> Case {
     let source = Vec3::new(-8.0, 1.0, -8.0);
+    let directions = aims(source, &vertices(Vec3::new(15.0, 10.0, 15.0)));
+    let answers = unfolded(source, &directions, 6);
     Case::spread(
         "concave-vertex",
         "a ray into the corner of three walls meets all three at once",
         "all three mirror it: it comes back the way it came",
         scene("hall", vec![hall()], source, nobody()),
-        aims(source, &vertices(Vec3::new(15.0, 10.0, 15.0))),
+        directions,
         6,
     )
+    .planted(1e-6, answers)
+}
+
+/// Where waves are in the hall after `flights`: the room unfolded into a grid of its images,
+/// in which the way is straight and each plane of the grid ends a flight. The order of walls
+/// met at once does not matter.
+fn unfolded(source: Vec3, directions: &[Vec3], flights: usize) -> Vec<Planted> {
+    let half = DVec3::new(15.0, 10.0, 15.0);
+    let start = source.as_dvec3();
+    let answer = |direction: &Vec3| {
+        let way = direction.as_dvec3().normalize();
+        let mut ends: Vec<f64> = (0..3)
+            .flat_map(|axis| (0..flights).map(move |image| (axis, image as f64)))
+            .map(|(axis, image)| {
+                let (half, way) = (half[axis], way[axis]);
+                (half * (1.0 + 2.0 * image) - start[axis] * way.signum()) / way.abs()
+            })
+            .collect();
+        ends.sort_by(f64::total_cmp);
+        let at = start + way * ends[flights - 1];
+        let fold =
+            |at: f64, half: f64| half - ((at + half).rem_euclid(4.0 * half) - 2.0 * half).abs();
+        let end = DVec3::new(fold(at.x, half.x), fold(at.y, half.y), fold(at.z, half.z));
+        Planted {
+            objects: vec![1; flights],
+            end,
+        }
+    };
+    directions.iter().map(answer).collect()
 }
 
 fn flush_edge() -> Case {

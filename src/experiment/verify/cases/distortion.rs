@@ -15,7 +15,7 @@ fn overestimated(name: &str, factor: f32) -> Case {
     Case::spread(
         format!("{name}-overestimated-{factor}"),
         "the distance is too large by a factor: steps lead through walls",
-        "that of the scene: with the factor as the Lipschitz bound",
+        "that of the scene, with a Lipschitz bound above the factor; not with a bound of 1",
         builtin(name),
         lattice(1024),
         8,

@@ -1,9 +1,12 @@
 //! Sources where none should stand.
 
-use super::super::Case;
+use super::super::{Case, Planted};
 use super::build::{block, hall, lattice, scene};
 use crate::scene::{Listener, Scene, Shape, Surface};
 use glam::Vec3;
+
+/// Waves of each case.
+const WAVES: u32 = 256;
 
 pub fn cases() -> Vec<Case> {
     vec![
@@ -30,13 +33,15 @@ pub fn cases() -> Vec<Case> {
             "the source is 0.5 m within the solid of a block",
             "nothing sounds in there: all waves are dead",
             in_hall(Vec3::new(0.5, 0.0, 0.0)),
-        ),
+        )
+        .planted(1e-6, at_source(&[], Vec3::new(0.5, 0.0, 0.0))),
         case(
             "source-outside",
             "the source is outside of the room",
             "nothing sounds in there: all waves are dead",
             in_hall(Vec3::new(-15.5, 0.0, 0.0)),
-        ),
+        )
+        .planted(1e-6, at_source(&[], Vec3::new(-15.5, 0.0, 0.0))),
         case(
             "source-near-wall",
             "the source is within the minimum distance of a wall (0.05 of 0.1 m)",
@@ -48,12 +53,22 @@ pub fn cases() -> Vec<Case> {
             "the source is within the listener's sphere",
             "every wave arrives after 0 m, at the source",
             in_hall(Vec3::new(10.0, 0.5, 8.5)),
-        ),
+        )
+        .planted(1e-6, at_source(&[0], Vec3::new(10.0, 0.5, 8.5))),
     ]
 }
 
+/// Every wave stays at the source, having met these objects.
+fn at_source(objects: &[u32], source: Vec3) -> Vec<Planted> {
+    let answer = Planted {
+        objects: objects.into(),
+        end: source.as_dvec3(),
+    };
+    vec![answer; WAVES as usize]
+}
+
 fn case(name: &str, hard: &'static str, exact: &str, scene: Scene) -> Case {
-    Case::spread(name, hard, exact, scene, lattice(256), 4)
+    Case::spread(name, hard, exact, scene, lattice(WAVES), 4)
 }
 
 /// A hall with a block about the origin, a ball, and a listener.
