@@ -72,7 +72,7 @@ fn the_corner_is_right_but_for_the_thesis() {
         assert!(waves.sequence_differs <= 2.0 * status);
         assert!(waves.end.median <= 1e-5 && waves.end.p99 <= 1e-2);
         assert_eq!((waves.not_finite, waves.compared), (0, u64::from(WAVES)));
-        assert!(row.panning.bias.abs() < 1e-3);
+        assert!(row.panning.twin_bias.abs() < 1e-3);
     }
     assert!(thesis.waves.status_differs > 0.1 && thesis.waves.end.median > 1.0);
     assert!(hybrid.panning.efficiency > 30.0 * thesis.panning.efficiency);

@@ -9,7 +9,8 @@
 //!   distribution. A wave whose exact twin dies has no end and no error; one that dies
 //!   alone counts where it says that it is.
 //! - *Panning*: over at least 16 seeds, against the same start directions followed exactly
-//!   (bias) and against the limit of many waves (mean square error, efficiency). When
+//!   (twin bias) and against the limit of many waves (limit bias, mean square error,
+//!   efficiency). When
 //!   nothing arrives the panning is 0: that is the answer given, and it counts.
 //! - *Speed*: medians of the same frames, in turns with all other cases of as many waves,
 //!   after a frame each to warm up. Evaluations of the distance are counted in a further

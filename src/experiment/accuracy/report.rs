@@ -189,9 +189,11 @@ pub struct Quantiles {
 pub struct PanningError {
     /// Mean over the seeds.
     pub mean: f64,
+    /// The mean less the limit of many waves.
+    pub limit_bias: f64,
     /// Mean difference from the exact panning of the same start directions.
-    pub bias: f64,
-    /// Standard deviation over the seeds.
+    pub twin_bias: f64,
+    /// Standard deviation over the seeds, estimated with one less than there are.
     pub spread: f64,
     /// Root of the mean square difference from the limit.
     pub rms: f64,
