@@ -229,7 +229,7 @@ fn run_group(
         let errors = measure::wave_errors(tracer, truth, chaos, &few)?;
         let evaluations = measure::evaluations_per_segment(tracer, truth, &few)?;
         let summed = case.settings.sum_on_gpu;
-        let sum_error = summed.then(|| panning::sum_error(tracer, truth, &few));
+        let sum_error = summed.then(|| panning::sum_error(tracer, truth, &case.settings));
         waves.push((errors, evaluations, sum_error.transpose()?));
         progress.step();
     }

@@ -130,7 +130,8 @@ fn efficiency(mean_square: f64, seconds: f64) -> f64 {
     if cost > 0.0 { cost.recip() } else { 0.0 }
 }
 
-/// Relative difference of all that arrived, summed on the GPU, from the sum on the CPU.
+/// Relative difference of all that arrived, summed on the GPU, from the sum on the CPU: two
+/// frames of these settings.
 ///
 /// # Errors
 /// Those of [`Tracer::frame`].
