@@ -302,7 +302,9 @@ fn recommendation(scene: &SceneReport, error: f64) -> String {
             tell(fastest)
         ),
         (None, Some(best)) => format!("recommended: none has {wanted}; the best is {}", tell(best)),
-        (None, None) => format!("recommended: nothing; no setting has {wanted}"),
+        (None, None) => format!(
+            "recommended: nothing; no setting hears anything at {COMPARED_ITERATIONS} iterations"
+        ),
     }
 }
 

@@ -105,7 +105,7 @@ pub struct Row {
 }
 
 /// The settings of a row that are swept.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct CaseReport {
     /// Name of the profile.
     pub profile: String,

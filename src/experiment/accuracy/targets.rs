@@ -1,6 +1,7 @@
 //! The figures that the project sets itself, measured and held against their bounds.
 
 use super::measure::wave_errors;
+use super::recommend::{ITERATIONS, comparable};
 use super::report::{Chaos, Row, SceneReport, Target, WaveErrors};
 use super::sweep::BASE_WAVES;
 use super::truth::Truth;
@@ -16,9 +17,6 @@ const WAVES: u32 = 262_144;
 
 /// Waves of the target on hits by order.
 const MANY_WAVES: u32 = 1 << 20;
-
-/// Iterations of all of them.
-const ITERATIONS: u32 = 8;
 
 /// Timed frames of each profile.
 const FRAMES: usize = 5;
@@ -176,16 +174,11 @@ fn efficiencies(scene: &SceneReport) -> Option<Target> {
     ))
 }
 
-/// For information: the thesis' algorithm with whatever settings suit it best. Rows that
-/// hear nothing are left out: their answer, 0, can be near the truth by luck alone.
+/// For information: the thesis' algorithm with whatever settings suit it best.
 fn against_the_best_thesis(scene: &SceneReport) -> Option<Target> {
     let hybrid = default_row(scene, Profile::Hybrid)?;
-    let iterations = hybrid.case.iterations;
-    let thesis = scene.rows.iter().filter(|row| {
-        row.case.profile == Profile::Thesis.to_string()
-            && row.case.iterations == iterations
-            && row.waves.hits.iter().any(|&hits| hits > 0)
-    });
+    let name = Profile::Thesis.to_string();
+    let thesis = comparable(&scene.rows).filter(|row| row.case.profile == name);
     let by_efficiency = |a: &&Row, b: &&Row| a.panning.efficiency.total_cmp(&b.panning.efficiency);
     let best = thesis.max_by(by_efficiency)?;
     Some(Target {
