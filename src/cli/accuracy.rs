@@ -277,10 +277,20 @@ fn print_slopes(scene: &SceneReport) -> anyhow::Result<()> {
             .iter()
             .map(|point| format!("{}: {:.5}", point.waves, point.rms))
             .collect();
+        let left_out = slope.points.iter().filter(|point| !point.fitted);
+        let left_out: Vec<String> = left_out.map(|point| point.waves.to_string()).collect();
+        let left_out = match left_out.is_empty() {
+            true => String::new(),
+            false => format!("; not fitted, next to none heard: {}", left_out.join(", ")),
+        };
+        let law = match (slope.slope, slope.standard_error) {
+            (Some(power), Some(error)) => format!("∝ waves^({power:.2} ± {error:.2})"),
+            (Some(power), None) => format!("∝ waves^{power:.2}"),
+            (None, _) => "follows no law".to_owned(),
+        };
         print::line(&format!(
-            "hybrid, {} directions: rms panning error ∝ waves^{:.2} ({})",
+            "hybrid, {} directions: rms panning error {law} ({}{left_out})",
             slope.directions,
-            slope.slope,
             points.join(", ")
         ))?;
     }

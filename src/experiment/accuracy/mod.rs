@@ -263,6 +263,7 @@ fn run_slopes(
     progress: &mut Progress,
 ) -> Result<Vec<Slope>, Error> {
     let base = Settings::hybrid().with_iterations(COMPARED_ITERATIONS);
+    let limit = truth.limit(COMPARED_ITERATIONS);
     let mut slopes = Vec::new();
     for directions in [Directions::Random, Directions::Fibonacci] {
         let mut points = Vec::new();
@@ -275,12 +276,10 @@ fn run_slopes(
                 settings,
             };
             let frames = panning::run_in_turns(tracer, truth, &[case], options.seeds, &mut || ())?;
-            let limit = truth.limit(COMPARED_ITERATIONS).pan;
-            let rms = frames[0].mean_square(limit).sqrt();
-            points.push(SlopePoint { waves, rms });
+            points.push((waves, frames[0].mean_square(limit.pan).sqrt()));
             progress.step();
         }
-        slopes.push(directions::fitted(directions, points));
+        slopes.push(directions::fitted(directions, &points, limit.heard));
     }
     Ok(slopes)
 }

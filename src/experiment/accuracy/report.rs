@@ -211,8 +211,11 @@ pub struct Slope {
     pub directions: String,
     /// By number of waves.
     pub points: Vec<SlopePoint>,
-    /// Exponent of the number of waves: −0.5 for independent directions.
-    pub slope: f64,
+    /// Exponent of the number of waves: −0.5 for independent directions. Through the
+    /// points that are fitted; `None` for fewer than two.
+    pub slope: Option<f64>,
+    /// Standard error of the exponent; `None` for fewer than three points.
+    pub standard_error: Option<f64>,
 }
 
 /// The error at one number of waves.
@@ -222,6 +225,10 @@ pub struct SlopePoint {
     pub waves: u32,
     /// Root mean square panning error over the seeds.
     pub rms: f64,
+    /// Waves of them that are heard, by the limit's share.
+    pub heard: f64,
+    /// Whether the exponent is fitted through this point: where 10 waves are heard.
+    pub fitted: bool,
 }
 
 /// A row worth choosing.
