@@ -159,7 +159,8 @@ pub struct WaveErrors {
     pub end_within_horizon: Quantiles,
     /// Share of waves that meet more.
     pub beyond_horizon: f64,
-    /// Waves heard after 0, 1, 2 … reflections.
+    /// Waves heard after 0, 1, 2 … reflections, before they died: those that `thesis` hears
+    /// after that (it marches the dead on) count in its panning, but not here.
     pub hits: Vec<u64>,
     /// The same, exact.
     pub exact_hits: Vec<u64>,
