@@ -168,10 +168,10 @@ fn run_scene(
     options: &AccuracyOptions,
     progress: &mut Progress,
 ) -> Result<SceneReport, Error> {
-    let mut truth = Truth::new(scene)?;
+    let mut truth = Truth::new(scene, options.limit_directions)?;
     let iterations = options.cases.iter().map(|case| case.settings.iterations);
     let most = iterations.clone().max().unwrap_or(1);
-    truth.find_limits(options.limit_directions, most.max(COMPARED_ITERATIONS));
+    truth.find_limits(most.max(COMPARED_ITERATIONS));
     progress.step();
     let pairs = lattice(CHAOS_PAIRS, false);
     let chaos = chaos::measure(scene, &truth.exact, &pairs, most);
@@ -185,7 +185,7 @@ fn run_scene(
         }
     }
     let rows: Vec<Row> = rows.into_iter().flatten().collect();
-    let slopes = run_slopes(tracer, &truth, options, progress)?;
+    let slopes = run_slopes(tracer, &mut truth, options, progress)?;
     let mut limits: Vec<u32> = iterations.collect();
     limits.sort_unstable();
     limits.dedup();
@@ -258,7 +258,7 @@ fn run_group(
 /// How the panning error of `hybrid` falls with the number of waves.
 fn run_slopes(
     tracer: &mut Tracer,
-    truth: &Truth,
+    truth: &mut Truth,
     options: &AccuracyOptions,
     progress: &mut Progress,
 ) -> Result<Vec<Slope>, Error> {

@@ -89,7 +89,7 @@ fn hits_by_order(tracer: &mut Tracer, waves: u32) -> Result<Target, Error> {
 }
 
 fn single_waves(tracer: &mut Tracer, corner: &Scene) -> Result<Vec<Target>, Error> {
-    let truth = Truth::new(corner)?;
+    let truth = Truth::new(corner, WAVES.into())?;
     let mut errors_of = |settings: Settings| -> Result<WaveErrors, Error> {
         let settings = settings.with_waves(WAVES).with_iterations(ITERATIONS);
         wave_errors(tracer, &truth, &Chaos::default(), &settings)
