@@ -6,6 +6,7 @@ use echomarch::experiment::accuracy::{
 };
 use echomarch::gpu::{Context, ContextOptions};
 use echomarch::reference::ShoeboxImages;
+use echomarch::trace::Directions;
 use echomarch::{Profile, Scene, Settings, Tracer};
 use glam::Vec3;
 use std::process::{Command, Output};
@@ -153,6 +154,17 @@ fn the_sweep_varies_every_setting() {
             .count();
         assert_eq!(distances == 0, profile == Profile::Hybrid);
     }
+    let ladder = cases.iter().filter(|case| {
+        let lattice = Settings {
+            directions: Directions::Fibonacci,
+            ..Settings::hybrid().with_waves(case.settings.waves)
+        };
+        case.label == "hybrid fibonacci" && case.settings == lattice
+    });
+    assert!(
+        ladder.count() >= 6,
+        "the fastest setting, at many numbers of waves"
+    );
 }
 
 fn program(arguments: &[&str]) -> Output {
