@@ -6,6 +6,7 @@ use echomarch::experiment::accuracy::{
 };
 use echomarch::gpu::{Context, ContextOptions};
 use echomarch::reference::ShoeboxImages;
+use echomarch::trace::Directions;
 use echomarch::{Profile, Scene, Settings, Tracer};
 use glam::Vec3;
 use std::process::{Command, Output};
@@ -72,7 +73,7 @@ fn the_corner_is_right_but_for_the_thesis() {
         assert!(waves.sequence_differs <= 2.0 * status);
         assert!(waves.end.median <= 1e-5 && waves.end.p99 <= 1e-2);
         assert_eq!((waves.not_finite, waves.compared), (0, u64::from(WAVES)));
-        assert!(row.panning.bias.abs() < 1e-3);
+        assert!(row.panning.twin_bias.abs() < 1e-3);
     }
     assert!(thesis.waves.status_differs > 0.1 && thesis.waves.end.median > 1.0);
     assert!(hybrid.panning.efficiency > 30.0 * thesis.panning.efficiency);
@@ -153,6 +154,17 @@ fn the_sweep_varies_every_setting() {
             .count();
         assert_eq!(distances == 0, profile == Profile::Hybrid);
     }
+    let ladder = cases.iter().filter(|case| {
+        let lattice = Settings {
+            directions: Directions::Fibonacci,
+            ..Settings::hybrid().with_waves(case.settings.waves)
+        };
+        case.label == "hybrid fibonacci" && case.settings == lattice
+    });
+    assert!(
+        ladder.count() >= 6,
+        "the fastest setting, at many numbers of waves"
+    );
 }
 
 fn program(arguments: &[&str]) -> Output {

@@ -20,12 +20,14 @@ Examples:
   echomarch accuracy --full -o out           every setting in every built-in scene: hours";
 
 const LEGEND: &str = "\
-ms: median time of a frame. M/s: millions of waves × iterations a second. eval: evaluations of
-the distance a wave and iteration. status, sequence: share of waves that end otherwise than the
-exact ones, or meet other surfaces. end: metres from the exact wave's end (median, 99 %, largest);
-within: the same, 99 %, of waves within the horizon of chaos. Hits: heard, less those of the exact
-waves, by order of reflection. bias: against the exact panning of the same waves; spread: over the
-seeds; rms: from the limit of many waves; efficiency: 1 / (rms² × seconds).";
+ms: median time of a frame. M/s: millions of waves × iterations a second. eval: evaluations of the
+distance a wave and iteration. Waves one by one: the first 65,536 at most. status, sequence: share
+of waves that end otherwise than the exact ones, or meet other surfaces. end: metres from the
+exact wave's end (median, 99 %, largest); within: the same, 99 % and largest, of waves within the
+horizon of chaos. Hits: heard, less those of the exact waves, by order of reflection, without
+waves that thesis hears after they died. limit bias: the mean less the limit of many waves; twin
+bias: against the exact panning of the same waves; spread: over the seeds; rms: root of the mean
+square error from the limit, MSE = (mean − limit)² + spread²; efficiency: 1 / (MSE × seconds).";
 
 /// The scenes of the thesis' tables.
 const ROOMS: [&str; 2] = ["corner", "obstacles"];
@@ -190,6 +192,7 @@ fn waves_table(scene: &SceneReport) -> comfy_table::Table {
         "99 %",
         "largest",
         "within: 99 %",
+        "largest",
         "NaN",
     ]);
     for row in &scene.rows {
@@ -198,7 +201,7 @@ fn waves_table(scene: &SceneReport) -> comfy_table::Table {
     printed
 }
 
-fn waves_cells(row: &Row) -> [String; 13] {
+fn waves_cells(row: &Row) -> [String; 14] {
     let (speed, waves) = (&row.speed, &row.waves);
     let Quantiles { median, p99, max } = waves.end;
     [
@@ -214,6 +217,7 @@ fn waves_cells(row: &Row) -> [String; 13] {
         format!("{p99:.1e}"),
         format!("{max:.1e}"),
         format!("{:.1e}", waves.end_within_horizon.p99),
+        format!("{:.1e}", waves.end_within_horizon.max),
         waves.not_finite.to_string(),
     ]
 }
@@ -226,7 +230,8 @@ fn panning_table(scene: &SceneReport) -> comfy_table::Table {
         "exact hits",
         "hits, less exact by order",
         "pan",
-        "bias",
+        "limit bias",
+        "twin bias",
         "spread",
         "rms",
         "efficiency",
@@ -238,7 +243,7 @@ fn panning_table(scene: &SceneReport) -> comfy_table::Table {
     printed
 }
 
-fn panning_cells(row: &Row) -> [String; 11] {
+fn panning_cells(row: &Row) -> [String; 12] {
     let (panning, waves) = (&row.panning, &row.waves);
     let pairs = waves.hits.iter().zip(&waves.exact_hits);
     let off: Vec<String> = pairs
@@ -259,7 +264,8 @@ fn panning_cells(row: &Row) -> [String; 11] {
         waves.exact_hits.iter().sum::<u64>().to_string(),
         off.join(" "),
         format!("{:+.4}", panning.mean),
-        format!("{:+.4}", panning.bias),
+        format!("{:+.4}", panning.limit_bias),
+        format!("{:+.4}", panning.twin_bias),
         format!("{:.4}", panning.spread),
         format!("{:.4}", panning.rms),
         format!("{:.0}", panning.efficiency),
@@ -274,10 +280,20 @@ fn print_slopes(scene: &SceneReport) -> anyhow::Result<()> {
             .iter()
             .map(|point| format!("{}: {:.5}", point.waves, point.rms))
             .collect();
+        let left_out = slope.points.iter().filter(|point| !point.fitted);
+        let left_out: Vec<String> = left_out.map(|point| point.waves.to_string()).collect();
+        let left_out = match left_out.is_empty() {
+            true => String::new(),
+            false => format!("; not fitted, next to none heard: {}", left_out.join(", ")),
+        };
+        let law = match (slope.slope, slope.standard_error) {
+            (Some(power), Some(error)) => format!("∝ waves^({power:.2} ± {error:.2})"),
+            (Some(power), None) => format!("∝ waves^{power:.2}"),
+            (None, _) => "follows no law".to_owned(),
+        };
         print::line(&format!(
-            "hybrid, {} directions: rms panning error ∝ waves^{:.2} ({})",
+            "hybrid, {} directions: rms panning error {law} ({}{left_out})",
             slope.directions,
-            slope.slope,
             points.join(", ")
         ))?;
     }
@@ -299,7 +315,9 @@ fn recommendation(scene: &SceneReport, error: f64) -> String {
             tell(fastest)
         ),
         (None, Some(best)) => format!("recommended: none has {wanted}; the best is {}", tell(best)),
-        (None, None) => format!("recommended: nothing; no setting has {wanted}"),
+        (None, None) => format!(
+            "recommended: nothing; no setting hears anything at {COMPARED_ITERATIONS} iterations"
+        ),
     }
 }
 

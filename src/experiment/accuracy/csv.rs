@@ -4,7 +4,7 @@ use super::report::{AccuracyReport, Row, SceneReport};
 use std::io::{self, Write};
 
 /// The first line: times in milliseconds, distances in metres, shares from 0 to 1.
-pub const COLUMNS: [&str; 38] = [
+pub const COLUMNS: [&str; 39] = [
     "scene",
     "setting",
     "profile",
@@ -36,7 +36,8 @@ pub const COLUMNS: [&str; 38] = [
     "exact_hits_by_order",
     "pan_mean",
     "pan_limit",
-    "pan_bias",
+    "pan_limit_bias",
+    "pan_twin_bias",
     "pan_spread",
     "pan_rms",
     "efficiency",
@@ -124,7 +125,8 @@ fn panning(scene: &SceneReport, row: &Row) -> Vec<String> {
         limit
             .map(|limit| format!("{:.7}", limit.pan))
             .unwrap_or_default(),
-        format!("{:.4e}", panning.bias),
+        format!("{:.4e}", panning.limit_bias),
+        format!("{:.4e}", panning.twin_bias),
         format!("{:.4e}", panning.spread),
         format!("{:.4e}", panning.rms),
         format!("{:.5e}", panning.efficiency),

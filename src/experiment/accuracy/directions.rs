@@ -26,10 +26,15 @@ pub fn lattice(count: u64, turned: bool) -> Vec<Vec3> {
     (0..count).map(direction).collect()
 }
 
-/// The exponent that the errors fall with: the least-squares line through their
-/// logarithms. Errors of 0 are left out; 0 for fewer than two points.
-pub fn slope(points: &[SlopePoint]) -> f64 {
-    let shown = points.iter().filter(|point| point.rms > 0.0);
+/// Waves that have to be heard for a point to count: with fewer, frames that hear nothing
+/// and answer 0 decide on the error.
+const LEAST_HEARD: f64 = 10.0;
+
+/// The exponent that the errors fall with, and its standard error: the least-squares line
+/// through their logarithms. Points that are not `fitted` are left out; nothing for fewer
+/// than two, and no error for fewer than three.
+pub fn slope(points: &[SlopePoint]) -> (Option<f64>, Option<f64>) {
+    let shown = points.iter().filter(|point| point.fitted);
     let logs: Vec<(f64, f64)> = shown
         .map(|point| (f64::from(point.waves).ln(), point.rms.ln()))
         .collect();
@@ -40,15 +45,35 @@ pub fn slope(points: &[SlopePoint]) -> f64 {
     let (x, y) = (x / count, y / count);
     let across: f64 = logs.iter().map(|log| (log.0 - x) * (log.1 - y)).sum();
     let along: f64 = logs.iter().map(|log| (log.0 - x).powi(2)).sum();
-    if along > 0.0 { across / along } else { 0.0 }
+    if along.is_nan() || along <= 0.0 {
+        return (None, None);
+    }
+    let slope = across / along;
+    let off = |log: &(f64, f64)| (log.1 - y - slope * (log.0 - x)).powi(2);
+    let squares: f64 = logs.iter().map(off).sum();
+    let error = (logs.len() > 2).then(|| (squares / (count - 2.0) / along).sqrt());
+    (Some(slope), error)
 }
 
-/// Points with the line through them.
-pub fn fitted(directions: Directions, points: Vec<SlopePoint>) -> Slope {
+/// Points (waves, error) with the line through those at which enough is heard, when so
+/// great a share of all waves is.
+pub fn fitted(directions: Directions, errors: &[(u32, f64)], heard: f64) -> Slope {
+    let point = |&(waves, rms): &(u32, f64)| {
+        let heard = heard * f64::from(waves);
+        SlopePoint {
+            waves,
+            rms,
+            heard,
+            fitted: heard >= LEAST_HEARD && rms > 0.0,
+        }
+    };
+    let points: Vec<SlopePoint> = errors.iter().map(point).collect();
+    let (slope, standard_error) = slope(&points);
     Slope {
         directions: directions.to_string(),
-        slope: slope(&points),
         points,
+        slope,
+        standard_error,
     }
 }
 
@@ -56,16 +81,49 @@ pub fn fitted(directions: Directions, points: Vec<SlopePoint>) -> Slope {
 mod tests {
     use super::*;
 
+    fn fit(errors: &[(u32, f64)], heard: f64) -> Slope {
+        fitted(Directions::Random, errors, heard)
+    }
+
     /// Protects the exponents in the report.
     #[test]
     fn a_power_law_has_its_exponent() {
-        let point = |waves: u32| SlopePoint {
-            waves,
-            rms: 3.0 * f64::from(waves).powf(-0.75),
-        };
-        assert!((slope(&[1024, 4096, 65_536].map(point)) + 0.75).abs() < 1e-12);
-        assert_eq!(slope(&[point(7)]), 0.0);
-        assert_eq!(slope(&[]), 0.0);
+        let point = |waves: u32| (waves, 3.0 * f64::from(waves).powf(-0.75));
+        let law = fit(&[1024, 4096, 65_536].map(point), 1.0);
+        assert!((law.slope.unwrap() + 0.75).abs() < 1e-12);
+        assert!(law.standard_error.unwrap() < 1e-12);
+        let two = fit(&[1024, 4096].map(point), 1.0);
+        assert!(two.slope.is_some() && two.standard_error.is_none());
+        for few in [&[][..], &[point(1024)]] {
+            let few = fit(few, 1.0);
+            assert_eq!((few.slope, few.standard_error), (None, None));
+        }
+    }
+
+    /// Protects the exponents' uncertainty: logarithms 0, 1, 0 in steps of ln 10 have a level
+    /// line with squares of 2/3 about it, over 1 degree of freedom and 2 (ln 10)² along.
+    #[test]
+    fn the_standard_error_is_that_of_least_squares() {
+        let points = [(1, 0.0), (10, 1.0), (100, 0.0)];
+        let fit = fit(
+            &points.map(|(waves, log): (u32, f64)| (waves, log.exp())),
+            100.0,
+        );
+        assert!(fit.slope.unwrap().abs() < 1e-12);
+        let error = (2.0f64 / 3.0 / 2.0).sqrt() / 10f64.ln();
+        assert!((fit.standard_error.unwrap() - error).abs() < 1e-12);
+    }
+
+    /// Protects the exponents from numbers of waves of which next to none are heard.
+    #[test]
+    fn points_that_hear_too_little_are_left_out() {
+        let fit = fit(
+            &[(100, 1.0), (1000, 0.5), (100_000, 0.05), (1 << 20, 0.0)],
+            0.01,
+        );
+        let fitted: Vec<bool> = fit.points.iter().map(|point| point.fitted).collect();
+        assert_eq!(fitted, [false, true, true, false]);
+        assert!((fit.slope.unwrap() + 0.5).abs() < 1e-12);
     }
 
     /// Protects the limit from a lattice that is not even: its mean is 0, and so is that of

@@ -9,7 +9,8 @@
 //!   distribution. A wave whose exact twin dies has no end and no error; one that dies
 //!   alone counts where it says that it is.
 //! - *Panning*: over at least 16 seeds, against the same start directions followed exactly
-//!   (bias) and against the limit of many waves (mean square error, efficiency). When
+//!   (twin bias) and against the limit of many waves (limit bias, mean square error,
+//!   efficiency). When
 //!   nothing arrives the panning is 0: that is the answer given, and it counts.
 //! - *Speed*: medians of the same frames, in turns with all other cases of as many waves,
 //!   after a frame each to warm up. Evaluations of the distance are counted in a further
@@ -167,10 +168,10 @@ fn run_scene(
     options: &AccuracyOptions,
     progress: &mut Progress,
 ) -> Result<SceneReport, Error> {
-    let mut truth = Truth::new(scene)?;
+    let mut truth = Truth::new(scene, options.limit_directions)?;
     let iterations = options.cases.iter().map(|case| case.settings.iterations);
     let most = iterations.clone().max().unwrap_or(1);
-    truth.find_limits(options.limit_directions, most.max(COMPARED_ITERATIONS));
+    truth.find_limits(most.max(COMPARED_ITERATIONS));
     progress.step();
     let pairs = lattice(CHAOS_PAIRS, false);
     let chaos = chaos::measure(scene, &truth.exact, &pairs, most);
@@ -184,7 +185,7 @@ fn run_scene(
         }
     }
     let rows: Vec<Row> = rows.into_iter().flatten().collect();
-    let slopes = run_slopes(tracer, &truth, options, progress)?;
+    let slopes = run_slopes(tracer, &mut truth, options, progress)?;
     let mut limits: Vec<u32> = iterations.collect();
     limits.sort_unstable();
     limits.dedup();
@@ -228,7 +229,7 @@ fn run_group(
         let errors = measure::wave_errors(tracer, truth, chaos, &few)?;
         let evaluations = measure::evaluations_per_segment(tracer, truth, &few)?;
         let summed = case.settings.sum_on_gpu;
-        let sum_error = summed.then(|| panning::sum_error(tracer, truth, &few));
+        let sum_error = summed.then(|| panning::sum_error(tracer, truth, &case.settings));
         waves.push((errors, evaluations, sum_error.transpose()?));
         progress.step();
     }
@@ -257,11 +258,12 @@ fn run_group(
 /// How the panning error of `hybrid` falls with the number of waves.
 fn run_slopes(
     tracer: &mut Tracer,
-    truth: &Truth,
+    truth: &mut Truth,
     options: &AccuracyOptions,
     progress: &mut Progress,
 ) -> Result<Vec<Slope>, Error> {
     let base = Settings::hybrid().with_iterations(COMPARED_ITERATIONS);
+    let limit = truth.limit(COMPARED_ITERATIONS);
     let mut slopes = Vec::new();
     for directions in [Directions::Random, Directions::Fibonacci] {
         let mut points = Vec::new();
@@ -274,12 +276,10 @@ fn run_slopes(
                 settings,
             };
             let frames = panning::run_in_turns(tracer, truth, &[case], options.seeds, &mut || ())?;
-            let limit = truth.limit(COMPARED_ITERATIONS).pan;
-            let rms = frames[0].mean_square(limit).sqrt();
-            points.push(SlopePoint { waves, rms });
+            points.push((waves, frames[0].mean_square(limit.pan).sqrt()));
             progress.step();
         }
-        slopes.push(directions::fitted(directions, points));
+        slopes.push(directions::fitted(directions, &points, limit.heard));
     }
     Ok(slopes)
 }

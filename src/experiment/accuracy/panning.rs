@@ -1,10 +1,13 @@
-//! The panning of many frames against the exact geometry's: bias, spread, efficiency; and
+//! The panning of many frames against the exact geometry's: biases, spread, efficiency; and
 //! the frames' times, since they are the same frames.
 //!
 //! # Theory
 //! A frame's panning is a Monte Carlo estimate. Its mean square error from the limit of
-//! many waves is bias² + spread²; more waves lower the second alone. What a frame is worth
-//! is its *efficiency*, 1 ÷ (mean square error × time): it does not change with the number
+//! many waves is MSE = (mean − limit)² + spread²; more waves lower the second alone. (Over
+//! n frames the spread is the estimate with n − 1, the error a plain mean: spread² counts
+//! (n − 1) ÷ n times in it.) The first, the *limit bias*, is only known to spread ÷ √n. The
+//! *twin bias* is against the exact panning of the same start directions and so free of
+//! their chance; it tells of the tracing alone. What a frame is worth is its *efficiency*, 1 ÷ (mean square error × time): it does not change with the number
 //! of waves while the spread of independent directions dominates (Veach 1997, section
 //! 2.4.1), and falls with it once bias does.
 
@@ -105,7 +108,8 @@ impl Frames {
         let seconds = 1e-3 * median(self.total_ms.iter().copied());
         PanningError {
             mean,
-            bias: mean_of(&mut pairs.map(|(pan, exact)| pan - exact)),
+            limit_bias: mean - limit,
+            twin_bias: mean_of(&mut pairs.map(|(pan, exact)| pan - exact)),
             spread: (variance * frames / (frames - 1.0).max(1.0)).sqrt(),
             rms: mean_square.sqrt(),
             efficiency: efficiency(mean_square, seconds),
@@ -126,7 +130,8 @@ fn efficiency(mean_square: f64, seconds: f64) -> f64 {
     if cost > 0.0 { cost.recip() } else { 0.0 }
 }
 
-/// Relative difference of all that arrived, summed on the GPU, from the sum on the CPU.
+/// Relative difference of all that arrived, summed on the GPU, from the sum on the CPU: two
+/// frames of these settings.
 ///
 /// # Errors
 /// Those of [`Tracer::frame`].
@@ -146,9 +151,9 @@ pub fn sum_error(tracer: &mut Tracer, truth: &Truth, settings: &Settings) -> Res
 mod tests {
     use super::*;
 
-    /// Protects the three errors of a panning value from being mixed up.
+    /// Protects the four errors of a panning value from being mixed up.
     #[test]
-    fn bias_spread_and_error_are_told_apart() {
+    fn biases_spread_and_error_are_told_apart() {
         let frames = Frames {
             total_ms: vec![10.0; 2],
             march_ms: vec![5.0; 2],
@@ -156,10 +161,15 @@ mod tests {
             exact_pans: vec![0.0, 0.2],
         };
         let error = frames.panning(0.2);
-        assert!((error.bias - 0.1).abs() < 1e-12);
+        assert!((error.twin_bias - 0.1).abs() < 1e-12);
+        assert!(error.limit_bias.abs() < 1e-12);
         assert!((error.spread - 0.02f64.sqrt()).abs() < 1e-12);
         assert!((error.rms - 0.1).abs() < 1e-12);
         assert!((error.efficiency - 1e4).abs() < 1e-6);
+        let error = frames.panning(0.15);
+        assert!((error.limit_bias - 0.05).abs() < 1e-12);
+        let square = error.limit_bias.powi(2) + error.spread.powi(2) / 2.0;
+        assert!((error.rms.powi(2) - square).abs() < 1e-12);
         let speed = frames.speed(&Settings::thesis().with_waves(1000).with_iterations(10));
         assert!((speed.million_per_second - 1.0).abs() < 1e-12);
     }

@@ -116,7 +116,7 @@ fn plot(
     Ok(())
 }
 
-/// The rows of a profile; those that a logarithm cannot show are left out.
+/// The [`comparable`] rows of a profile; those that a logarithm cannot show are left out.
 fn dots(scene: &SceneReport, profile: Profile, error: impl Fn(&Row) -> f64) -> Vec<Dot> {
     let name = profile.to_string();
     comparable(&scene.rows)

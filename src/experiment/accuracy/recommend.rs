@@ -6,9 +6,13 @@ use super::report::{Recommendation, Row};
 /// another one.
 pub const ITERATIONS: u32 = 8;
 
-/// The rows that recommendations and pictures are of.
+/// The rows that recommendations, pictures and targets are of. Those that hear nothing are
+/// left out: their answer, 0, can be near the truth by luck alone.
 pub fn comparable(rows: &[Row]) -> impl Iterator<Item = &Row> {
-    rows.iter().filter(|row| row.case.iterations == ITERATIONS)
+    rows.iter().filter(|row| {
+        let hears = row.waves.hits.iter().any(|&hits| hits > 0);
+        hears && row.case.iterations == ITERATIONS
+    })
 }
 
 /// The fastest row whose panning error is at most `error`.
@@ -49,6 +53,47 @@ pub fn pareto_front(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::experiment::accuracy::{CaseReport, PanningError, Speed, WaveErrors};
+
+    fn row(label: &str, hits: u64, total_ms: f64, rms: f64) -> Row {
+        Row {
+            label: label.to_owned(),
+            case: CaseReport {
+                iterations: ITERATIONS,
+                ..CaseReport::default()
+            },
+            speed: Speed {
+                total_ms,
+                ..Speed::default()
+            },
+            waves: WaveErrors {
+                hits: vec![0, hits],
+                ..WaveErrors::default()
+            },
+            panning: PanningError {
+                rms,
+                ..PanningError::default()
+            },
+        }
+    }
+
+    /// Protects the recommendation from rows that know nothing, or are slower than need be.
+    #[test]
+    fn the_fastest_good_row_that_hears_is_recommended() {
+        let deaf = row("deaf", 0, 1.0, 0.001);
+        let slow = row("slow", 9, 20.0, 0.005);
+        let good = row("good", 9, 10.0, 0.01);
+        let rows = [deaf, slow, good];
+        let label = |of: Option<Recommendation>| of.map(|of| of.label);
+        assert_eq!(label(fastest(&rows, 0.02)).as_deref(), Some("good"));
+        assert_eq!(label(fastest(&rows, 0.007)).as_deref(), Some("slow"));
+        assert_eq!(label(fastest(&rows, 0.002)), None);
+        assert_eq!(label(best(&rows)).as_deref(), Some("slow"));
+        assert_eq!(label(best(&rows[..1])), None);
+        let mut longer = rows[2].clone();
+        longer.case.iterations = 2 * ITERATIONS;
+        assert_eq!(label(fastest(&[longer], 0.02)), None);
+    }
 
     /// Protects the front from points that another one beats, and from losing any.
     #[test]

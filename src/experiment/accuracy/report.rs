@@ -105,7 +105,7 @@ pub struct Row {
 }
 
 /// The settings of a row that are swept.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct CaseReport {
     /// Name of the profile.
     pub profile: String,
@@ -159,7 +159,8 @@ pub struct WaveErrors {
     pub end_within_horizon: Quantiles,
     /// Share of waves that meet more.
     pub beyond_horizon: f64,
-    /// Waves heard after 0, 1, 2 … reflections.
+    /// Waves heard after 0, 1, 2 … reflections, before they died: those that `thesis` hears
+    /// after that (it marches the dead on) count in its panning, but not here.
     pub hits: Vec<u64>,
     /// The same, exact.
     pub exact_hits: Vec<u64>,
@@ -189,9 +190,11 @@ pub struct Quantiles {
 pub struct PanningError {
     /// Mean over the seeds.
     pub mean: f64,
+    /// The mean less the limit of many waves.
+    pub limit_bias: f64,
     /// Mean difference from the exact panning of the same start directions.
-    pub bias: f64,
-    /// Standard deviation over the seeds.
+    pub twin_bias: f64,
+    /// Standard deviation over the seeds, estimated with one less than there are.
     pub spread: f64,
     /// Root of the mean square difference from the limit.
     pub rms: f64,
@@ -209,8 +212,11 @@ pub struct Slope {
     pub directions: String,
     /// By number of waves.
     pub points: Vec<SlopePoint>,
-    /// Exponent of the number of waves: −0.5 for independent directions.
-    pub slope: f64,
+    /// Exponent of the number of waves: −0.5 for independent directions. Through the
+    /// points that are fitted; `None` for fewer than two.
+    pub slope: Option<f64>,
+    /// Standard error of the exponent; `None` for fewer than three points.
+    pub standard_error: Option<f64>,
 }
 
 /// The error at one number of waves.
@@ -220,6 +226,10 @@ pub struct SlopePoint {
     pub waves: u32,
     /// Root mean square panning error over the seeds.
     pub rms: f64,
+    /// Waves of them that are heard, by the limit's share.
+    pub heard: f64,
+    /// Whether the exponent is fitted through this point: where 10 waves are heard.
+    pub fitted: bool,
 }
 
 /// A row worth choosing.

@@ -1,11 +1,13 @@
 //! The figures that the project sets itself, measured and held against their bounds.
 
 use super::measure::wave_errors;
+use super::recommend::{ITERATIONS, comparable};
 use super::report::{Chaos, Row, SceneReport, Target, WaveErrors};
 use super::sweep::BASE_WAVES;
 use super::truth::Truth;
 use crate::error::Error;
 use crate::experiment::median;
+use crate::reference::ShoeboxImages;
 use crate::scene::Scene;
 use crate::trace::{Profile, Settings, Tracer};
 use glam::Vec3;
@@ -15,9 +17,6 @@ const WAVES: u32 = 262_144;
 
 /// Waves of the target on hits by order.
 const MANY_WAVES: u32 = 1 << 20;
-
-/// Iterations of all of them.
-const ITERATIONS: u32 = 8;
 
 /// Timed frames of each profile.
 const FRAMES: usize = 5;
@@ -65,10 +64,10 @@ impl Target {
     }
 }
 
-/// Waves heard in each iteration, from frames of one iteration more each.
+/// Waves heard in each iteration, from frames of one iteration more each, against the image
+/// sources.
 fn hits_by_order(tracer: &mut Tracer, waves: u32) -> Result<Target, Error> {
     let scene = Scene::builtin("shoebox")?;
-    let truth = Truth::new(&scene)?;
     let settings = Settings::hybrid().with_waves(waves);
     let mut heard = vec![0];
     for iterations in 1..=ITERATIONS {
@@ -77,23 +76,20 @@ fn hits_by_order(tracer: &mut Tracer, waves: u32) -> Result<Target, Error> {
     }
     let (_, starts) = tracer.frame_with_waves(&scene, &settings.with_iterations(1))?;
     let starts: Vec<Vec3> = starts.iter().map(|wave| wave.start_direction).collect();
-    let mut exact = vec![0_u64; ITERATIONS as usize];
-    for wave in truth.waves(&starts, ITERATIONS) {
-        if wave.status == 0 {
-            exact[wave.order as usize] += 1;
-        }
-    }
-    let by_order = heard.windows(2).map(|pair| pair[1].saturating_sub(pair[0]));
-    let worst = by_order.zip(exact).map(|(a, b)| a.abs_diff(b)).max();
+    let images = ShoeboxImages::new(&scene);
+    let exact = images.map(|images| images.hits_by_order(&starts, ITERATIONS));
+    let by_order = heard.windows(2).map(|pair| pair[1].abs_diff(pair[0]));
+    let pairs = by_order.zip(exact.iter().flatten());
+    let worst = pairs.map(|(hits, &images)| hits.abs_diff(images)).max();
     Ok(Target::at_most(
-        format!("hybrid, shoebox, {waves} waves: largest difference of hits in any order"),
-        worst.unwrap_or(u64::MAX) as f64,
+        format!("hybrid, shoebox, {waves} waves: hits off the image sources' in any order"),
+        worst.map_or(f64::NAN, |worst| worst as f64),
         2.0,
     ))
 }
 
 fn single_waves(tracer: &mut Tracer, corner: &Scene) -> Result<Vec<Target>, Error> {
-    let truth = Truth::new(corner)?;
+    let truth = Truth::new(corner, WAVES.into())?;
     let mut errors_of = |settings: Settings| -> Result<WaveErrors, Error> {
         let settings = settings.with_waves(WAVES).with_iterations(ITERATIONS);
         wave_errors(tracer, &truth, &Chaos::default(), &settings)
@@ -178,16 +174,11 @@ fn efficiencies(scene: &SceneReport) -> Option<Target> {
     ))
 }
 
-/// For information: the thesis' algorithm with whatever settings suit it best. Rows that
-/// hear nothing are left out: their answer, 0, can be near the truth by luck alone.
+/// For information: the thesis' algorithm with whatever settings suit it best.
 fn against_the_best_thesis(scene: &SceneReport) -> Option<Target> {
     let hybrid = default_row(scene, Profile::Hybrid)?;
-    let iterations = hybrid.case.iterations;
-    let thesis = scene.rows.iter().filter(|row| {
-        row.case.profile == Profile::Thesis.to_string()
-            && row.case.iterations == iterations
-            && row.waves.hits.iter().any(|&hits| hits > 0)
-    });
+    let name = Profile::Thesis.to_string();
+    let thesis = comparable(&scene.rows).filter(|row| row.case.profile == name);
     let by_efficiency = |a: &&Row, b: &&Row| a.panning.efficiency.total_cmp(&b.panning.efficiency);
     let best = thesis.max_by(by_efficiency)?;
     Some(Target {

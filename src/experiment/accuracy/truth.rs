@@ -18,7 +18,10 @@ pub struct Truth<'a> {
     pub scene: &'a Scene,
     /// The same in closed form.
     pub exact: ExactScene,
-    limits: HashMap<u32, Limit>,
+    /// Directions that the limits are taken over.
+    limit_directions: u64,
+    /// By iterations, from 0: as far as they were asked for.
+    limits: Vec<Limit>,
     /// By set of directions, number of waves and seed: the panning by iterations.
     twins: HashMap<(Directions, u32, u32), Vec<f64>>,
 }
@@ -30,15 +33,17 @@ struct Arrivals {
 }
 
 impl<'a> Truth<'a> {
-    /// The truth about `scene`, nothing of it known yet.
+    /// The truth about `scene`, nothing of it known yet; limits will be taken over so many
+    /// directions.
     ///
     /// # Errors
     /// [`Error::Scene`] for a scene that is not valid.
-    pub fn new(scene: &'a Scene) -> Result<Truth<'a>, Error> {
+    pub fn new(scene: &'a Scene, limit_directions: u64) -> Result<Truth<'a>, Error> {
         Ok(Truth {
             scene,
             exact: ExactScene::new(scene)?,
-            limits: HashMap::new(),
+            limit_directions,
+            limits: Vec::new(),
             twins: HashMap::new(),
         })
     }
@@ -49,37 +54,32 @@ impl<'a> Truth<'a> {
         self.exact.trace_all(start, directions, iterations)
     }
 
-    /// Finds the panning of many waves for each number of iterations up to `most`: from
-    /// two lattices of half of `directions` each.
-    pub fn find_limits(&mut self, directions: u64, most: u32) {
-        let half = (directions / 2).max(1);
+    /// Finds the panning of many waves for each number of iterations up to `most`, as
+    /// [`Truth::limit`] would: all at once, for the price of one. From two lattices of half
+    /// of the directions each.
+    pub fn find_limits(&mut self, most: u32) {
+        let half = (self.limit_directions / 2).max(1);
         let [upright, turned] = [false, true].map(|t| self.arrivals(&lattice(half, t), most));
-        for iterations in 1..=most {
+        let limit = |iterations| {
             let (a, b) = (upright.pan(iterations), turned.pan(iterations));
             let heard = upright.heard(iterations) + turned.heard(iterations);
-            let limit = Limit {
+            Limit {
                 iterations,
                 directions: 2 * half,
                 pan: 0.5 * (a + b),
                 uncertainty: 0.5 * (a - b).abs(),
                 heard: heard as f64 / (2 * half) as f64,
-            };
-            self.limits.insert(iterations, limit);
-        }
+            }
+        };
+        self.limits = (0..=most).map(limit).collect();
     }
 
-    /// The panning of many waves; [`Truth::find_limits`] has to have found it.
-    pub fn limit(&self, iterations: u32) -> Limit {
-        self.limits.get(&iterations).copied().unwrap_or_else(|| {
-            debug_assert!(false, "no limit for {iterations} iterations");
-            Limit {
-                iterations,
-                directions: 0,
-                pan: 0.0,
-                uncertainty: f64::INFINITY,
-                heard: 0.0,
-            }
-        })
+    /// The panning of many waves: traced unless [`Truth::find_limits`] went as far.
+    pub fn limit(&mut self, iterations: u32) -> Limit {
+        if self.limits.len() <= iterations as usize {
+            self.find_limits(iterations);
+        }
+        self.limits[iterations as usize]
     }
 
     /// The exact panning of the very waves that the GPU starts with these settings.
@@ -155,4 +155,28 @@ fn start_directions(
     first.iterations = 1;
     let (_, waves) = tracer.frame_with_waves(scene, &first)?;
     Ok(waves.iter().map(|wave| wave.start_direction).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reference::ShoeboxImages;
+
+    /// Protects the limit: of the same directions it hears what the image sources do.
+    #[test]
+    fn the_limit_of_the_shoebox_is_that_of_its_images() {
+        let scene = Scene::builtin("shoebox").unwrap();
+        let directions = [false, true].map(|turned| lattice(50_000, turned)).concat();
+        let images = ShoeboxImages::new(&scene).unwrap();
+        let hits = images.hits_by_order(&directions, 8);
+        let mut truth = Truth::new(&scene, 100_000).unwrap();
+        truth.find_limits(3);
+        for iterations in [0, 1, 3, 8] {
+            let heard: u64 = hits[..iterations as usize].iter().sum();
+            let limit = truth.limit(iterations);
+            assert_eq!((limit.iterations, limit.directions), (iterations, 100_000));
+            assert_eq!(limit.heard, heard as f64 / 1e5);
+        }
+        assert!(truth.limit(8).heard > 0.0);
+    }
 }
