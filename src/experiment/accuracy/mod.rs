@@ -17,8 +17,8 @@
 //!   frame and divided by waves × iterations; the thesis' dead waves march on and count.
 //!
 //! The limit is the exact panning over two Fibonacci lattices of directions; half of what
-//! they differ by is its uncertainty. What is chaos and not error is in [`chaos`]'s header,
-//! what efficiency means in [`panning`]'s.
+//! they differ by is its uncertainty. What is chaos and not error is in `chaos`'s header,
+//! what efficiency means in `panning`'s.
 //!
 //! # Deviations from the thesis
 //! Sjöberg (2011) measures time alone and judges the sound by ear.
