@@ -2,15 +2,14 @@
 
 use super::options::{Common, check_range};
 use super::print;
+use super::report::Experiment;
 use crate::experiment::accuracy::{
     self, AccuracyOptions, AccuracyReport, COMPARED_ITERATIONS, Quantiles, Recommendation, Row,
     SceneReport, plot_svg, write_csv,
 };
-use crate::output::{prepare_folder, write_whole};
 use crate::scene::BUILTIN_NAMES;
-use anyhow::anyhow;
 use clap::Args;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -58,28 +57,16 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     check_range("--error", arguments.error, 1e-9, 2.0)?;
     check_range("--seeds", f64::from(arguments.seeds), 16.0, 1000.0)?;
     let options = options(arguments, common)?;
-    if let Some(folder) = &arguments.output {
-        prepare_folder(folder)?;
-    }
-    let mut tracer = common.tracer()?;
-    let bar = print::progress(common, 0, "steps");
-    let report = accuracy::run(&mut tracer, &options, &mut |done, total| {
-        bar.set_length(total);
-        bar.set_position(done);
-    })?;
-    bar.finish_and_clear();
-    if let Some(folder) = &arguments.output {
-        write_files(folder, &report)?;
-    }
-    if common.json {
-        return print::json(&report);
-    }
-    print_report(&report)?;
-    if let Some(folder) = &arguments.output {
-        let folder = folder.display();
-        print::line(&format!("\nwritten: {folder}/accuracy.csv, .json, .svg"))?;
-    }
-    Ok(())
+    let experiment = Experiment {
+        name: "accuracy",
+        unit: "steps",
+        print: print_report,
+        write_csv,
+        plot_svg,
+    };
+    experiment.run(common, arguments.output.as_deref(), |tracer, progress| {
+        accuracy::run(tracer, &options, progress)
+    })
 }
 
 fn options(arguments: &Arguments, common: &Common) -> anyhow::Result<AccuracyOptions> {
@@ -99,18 +86,6 @@ fn options(arguments: &Arguments, common: &Common) -> anyhow::Result<AccuracyOpt
         targets: ROOMS.iter().all(|room| names.contains(room)),
         ..options
     })
-}
-
-fn write_files(folder: &Path, report: &AccuracyReport) -> anyhow::Result<()> {
-    write_whole(&folder.join("accuracy.csv"), |out| write_csv(report, out))?;
-    write_whole(&folder.join("accuracy.json"), |out| {
-        Ok(serde_json::to_writer_pretty(out, report)?)
-    })?;
-    let svg = plot_svg(report).map_err(|e| anyhow!("cannot draw the plot: {e}"))?;
-    write_whole(&folder.join("accuracy.svg"), |out| {
-        out.write_all(svg.as_bytes())
-    })?;
-    Ok(())
 }
 
 fn print_report(report: &AccuracyReport) -> anyhow::Result<()> {

@@ -2,15 +2,14 @@
 
 use super::options::{Common, check_range};
 use super::print;
+use super::report::Experiment;
 use crate::experiment::WAVE_COUNTS;
 use crate::experiment::figures::{
     self, FigureRow, FigureTable, FiguresOptions, FiguresReport, plot_svg, write_csv,
 };
-use crate::output::{prepare_folder, write_whole};
 use crate::trace::{Profile, Settings};
-use anyhow::anyhow;
 use clap::Args;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -70,40 +69,16 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
         max_waves: arguments.max_waves,
         runs: arguments.runs,
     };
-    if let Some(folder) = &arguments.output {
-        prepare_folder(folder)?;
-    }
-    let mut tracer = common.tracer()?;
-    let bar = print::progress(common, 0, "rows");
-    let report = figures::run(&mut tracer, &options, &mut |done, total| {
-        bar.set_length(total);
-        bar.set_position(done);
-    })?;
-    bar.finish_and_clear();
-    if let Some(folder) = &arguments.output {
-        write_files(folder, &report)?;
-    }
-    if common.json {
-        return print::json(&report);
-    }
-    print_tables(&report)?;
-    if let Some(folder) = &arguments.output {
-        let folder = folder.display();
-        print::line(&format!("\nwritten: {folder}/figures.csv, .json, .svg"))?;
-    }
-    Ok(())
-}
-
-fn write_files(folder: &Path, report: &FiguresReport) -> anyhow::Result<()> {
-    write_whole(&folder.join("figures.csv"), |out| write_csv(report, out))?;
-    write_whole(&folder.join("figures.json"), |out| {
-        Ok(serde_json::to_writer_pretty(out, report)?)
-    })?;
-    let svg = plot_svg(report).map_err(|e| anyhow!("cannot draw the plot: {e}"))?;
-    write_whole(&folder.join("figures.svg"), |out| {
-        out.write_all(svg.as_bytes())
-    })?;
-    Ok(())
+    let experiment = Experiment {
+        name: "figures",
+        unit: "rows",
+        print: print_tables,
+        write_csv,
+        plot_svg,
+    };
+    experiment.run(common, arguments.output.as_deref(), |tracer, progress| {
+        figures::run(tracer, &options, progress)
+    })
 }
 
 fn print_tables(report: &FiguresReport) -> anyhow::Result<()> {

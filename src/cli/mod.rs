@@ -10,6 +10,7 @@ mod info;
 mod options;
 mod print;
 mod render;
+mod report;
 mod slice;
 mod trace;
 mod verify;

@@ -4,14 +4,11 @@ use super::PictureError;
 use crate::error::Error;
 use crate::gpu::{Context, Picture, Program, full_screen_pass_rows};
 use crate::scene::{Scene, glsl};
-use crate::trace::TraceError;
+use crate::trace::check_surfaces;
 use image::RgbaImage;
 
 /// Pixels in one draw call at the most: see [`full_screen_pass_rows`].
 const PIXELS_PER_DRAW: u32 = 1 << 17;
-
-/// Uniform vectors that the shaders need beside those of the surfaces.
-const OWN_UNIFORM_VECTORS: usize = 16;
 
 /// The program of a picture's shader around the distance functions of `scene`, whose
 /// numbers are set.
@@ -21,7 +18,7 @@ pub(super) fn program(
     shader: glsl::Source,
 ) -> Result<Program, Error> {
     scene.validate()?;
-    check_uniforms(context, scene)?;
+    check_surfaces(context, scene)?;
     let label = format!("{} of {}", shader.0, scene.name);
     let mut sources = glsl::distance_sources(scene);
     sources.push(glsl::source!("view/colour.glsl"));
@@ -70,18 +67,4 @@ pub(super) fn draw(
         limit: context.limits().max_texture_size,
     };
     Ok(RgbaImage::from_raw(width, height, pixels).ok_or(size)?)
-}
-
-fn check_uniforms(context: &Context, scene: &Scene) -> Result<(), TraceError> {
-    let needed = glsl::uniform_count(scene) + OWN_UNIFORM_VECTORS;
-    let limit = context.limits().max_fragment_uniform_vectors as usize;
-    if needed <= limit {
-        return Ok(());
-    }
-    Err(TraceError::TooManySurfaces {
-        surfaces: scene.surfaces.len(),
-        needed,
-        limit,
-        renderer: context.renderer().to_owned(),
-    })
 }

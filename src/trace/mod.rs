@@ -28,5 +28,7 @@ pub use settings::{
     Directions, MARCHES_PER_PASS, MAX_ITERATIONS, MAX_STEPS, MAX_WAVES, Profile, Settings,
 };
 pub use tracer::Tracer;
+#[cfg(feature = "experiment")]
+pub(crate) use tracer::check_surfaces;
 pub(crate) use waves::STATUS_STARTED;
 pub use waves::{Fate, Grid, STATUS_DEAD, STATUS_LISTENER, Wave};

@@ -29,7 +29,7 @@ const WAVES_PER_DRAW: u64 = 1 << 20;
 /// OpenGL 3.3.
 const EVALUATIONS_PER_DRAW: u64 = 1 << 33;
 
-/// Uniform vectors that the shaders need beside those of the surfaces.
+/// Uniform vectors that any of the shaders needs at the most beside those of the surfaces.
 const OWN_UNIFORM_VECTORS: usize = 16;
 
 /// Traces frames. Programs and textures are kept from frame to frame: a frame that
@@ -178,7 +178,7 @@ impl Tracer {
             Profile::March | Profile::Hybrid => Placement::anchored(scene),
         };
         self.check_waves(grid)?;
-        self.check_surfaces(scene)?;
+        check_surfaces(&self.context, scene)?;
         if self.targets.as_ref().is_none_or(|t| t.grid != grid) {
             // The old textures go before the new ones come.
             self.targets = None;
@@ -216,21 +216,6 @@ impl Tracer {
             side: grid.width,
             limit,
             most: u64::from(limit) * u64::from(limit),
-            renderer: self.context.renderer().to_owned(),
-        })
-    }
-
-    /// So are surfaces that do not fit in the uniforms.
-    fn check_surfaces(&self, scene: &Scene) -> Result<(), TraceError> {
-        let needed = glsl::uniform_count(scene) + OWN_UNIFORM_VECTORS;
-        let limit = self.context.limits().max_fragment_uniform_vectors as usize;
-        if needed <= limit {
-            return Ok(());
-        }
-        Err(TraceError::TooManySurfaces {
-            surfaces: scene.surfaces.len(),
-            needed,
-            limit,
             renderer: self.context.renderer().to_owned(),
         })
     }
@@ -454,6 +439,21 @@ impl Job<'_> {
             _ => STATUS_STARTED,
         }
     }
+}
+
+/// Surfaces that do not fit in the uniforms are told before anything is compiled.
+pub(crate) fn check_surfaces(context: &Context, scene: &Scene) -> Result<(), TraceError> {
+    let needed = glsl::uniform_count(scene) + OWN_UNIFORM_VECTORS;
+    let limit = context.limits().max_fragment_uniform_vectors as usize;
+    if needed <= limit {
+        return Ok(());
+    }
+    Err(TraceError::TooManySurfaces {
+        surfaces: scene.surfaces.len(),
+        needed,
+        limit,
+        renderer: context.renderer().to_owned(),
+    })
 }
 
 /// A result, and the milliseconds that it took.
