@@ -8,25 +8,34 @@
 use super::programs::Programs;
 use super::{Counts, Grid, Panning};
 use crate::error::Error;
-use crate::gpu::{Context, GpuError, Texture, TexturePair, full_screen_pass};
+use crate::gpu::{Context, Program, Texture, TexturePair, full_screen_pass};
+use std::rc::Rc;
 
 /// Side of a block in texels: 64 texels to one.
 const BLOCK: u32 = 8;
 
-/// The textures of each pass, the last of one texel.
+/// The programs, and the textures of each pass, the last of one texel.
 pub(super) struct Sum {
+    first: Rc<Program>,
+    further: Rc<Program>,
     levels: Vec<TexturePair>,
 }
 
 impl Sum {
-    pub fn new(context: &Context, grid: Grid) -> Result<Sum, GpuError> {
+    pub fn new(context: &Context, programs: &mut Programs, grid: Grid) -> Result<Sum, Error> {
+        let first = programs.sum_contributions(context)?;
+        let further = programs.sum(context)?;
         let (mut width, mut height) = (grid.width, grid.height);
         let mut levels = Vec::new();
         loop {
             (width, height) = (width.div_ceil(BLOCK), height.div_ceil(BLOCK));
             levels.push(TexturePair::new(context, width, height)?);
             if width == 1 && height == 1 {
-                return Ok(Sum { levels });
+                return Ok(Sum {
+                    first,
+                    further,
+                    levels,
+                });
             }
         }
     }
@@ -35,25 +44,24 @@ impl Sum {
     pub fn draw(
         &self,
         context: &Context,
-        programs: &mut Programs,
         contributions: &Texture,
         grid: Grid,
     ) -> Result<(), Error> {
-        let program = programs.sum_contributions(context)?;
+        let program = &self.first;
         program.set_texture("uContributions", 0, contributions);
         program.set_u32("uWaveCount", grid.waves);
         program.set_u32("uGridWidth", grid.width);
         program.set_i32("uBlock", BLOCK as i32);
         let size = |level: &TexturePair| (level.target.width(), level.target.height());
         let (width, height) = size(&self.levels[0]);
-        full_screen_pass(context, &program, &self.levels[0], width, height)?;
-        let program = programs.sum(context)?;
+        full_screen_pass(context, program, &self.levels[0], width, height)?;
+        let program = &self.further;
         program.set_i32("uBlock", BLOCK as i32);
         for pair in self.levels.windows(2) {
             program.set_texture("uHeard", 0, &pair[0].first);
             program.set_texture("uPasses", 1, &pair[0].second);
             let (width, height) = size(&pair[1]);
-            full_screen_pass(context, &program, &pair[1], width, height)?;
+            full_screen_pass(context, program, &pair[1], width, height)?;
         }
         Ok(())
     }

@@ -48,7 +48,8 @@ struct Targets {
     pairs: PingPong,
     contributions: Texture,
     pan: RenderTarget,
-    sum: Sum,
+    /// Made for the first frame that is summed on the GPU.
+    sum: Option<Sum>,
 }
 
 /// One frame's input, checked, with what follows from it.
@@ -189,6 +190,12 @@ impl Tracer {
             .programs
             .initialise(&self.context, settings.directions)?;
         let pan = self.programs.pan(&self.context)?;
+        if settings.sum_on_gpu
+            && let Some(targets) = &mut self.targets
+            && targets.sum.is_none()
+        {
+            targets.sum = Some(Sum::new(&self.context, &mut self.programs, grid)?);
+        }
         // What only a first frame pays is over.
         let began = Instant::now();
         let job = Job {
@@ -232,7 +239,7 @@ impl Tracer {
     }
 
     /// What the initialise pass does, for directions that are given.
-    fn upload_starts(&mut self, job: &Job, directions: &[Vec3]) -> Result<(), Error> {
+    fn upload_starts(&self, job: &Job, directions: &[Vec3]) -> Result<(), Error> {
         let targets = self.targets()?;
         let texels = (targets.grid.width * targets.grid.height) as usize;
         let start = job.placement.place(job.scene.source.position);
@@ -322,12 +329,11 @@ impl Tracer {
         };
         let grid = targets.grid;
         let are_evaluations = settings.count_evaluations;
-        if settings.sum_on_gpu {
-            let contributions = &targets.contributions;
-            targets
-                .sum
-                .draw(&self.context, &mut self.programs, contributions, grid)?;
-            return targets.sum.read(grid, are_evaluations);
+        if settings.sum_on_gpu
+            && let Some(sum) = &targets.sum
+        {
+            sum.draw(&self.context, &targets.contributions, grid)?;
+            return sum.read(grid, are_evaluations);
         }
         let texels = &mut self.contributions;
         targets.pan.read_into(0, grid.width, grid.height, texels)?;
@@ -384,7 +390,7 @@ impl Targets {
             pairs: PingPong::new(context, grid.width, grid.height)?,
             pan: RenderTarget::new(context, &[&contributions])?,
             contributions,
-            sum: Sum::new(context, grid)?,
+            sum: None,
         })
     }
 }

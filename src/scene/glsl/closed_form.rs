@@ -8,7 +8,11 @@ use std::fmt::Write;
 
 /// `nearestHit(p, d, last, object)` and `land(object, d, p, normal)` of a scene.
 pub fn closed_form_sources(scene: &Scene) -> Vec<Source> {
-    let mut sources = vec![source!("rounding.glsl"), source!("hit/none.glsl")];
+    let mut sources = vec![
+        source!("rounding.glsl"),
+        source!("hit/none.glsl"),
+        source!("hit/ball.glsl"),
+    ];
     let slabs = |shape: &Shape| matches!(shape, Shape::Box { .. } | Shape::Room { .. });
     if scene.surfaces.iter().any(|s| slabs(&s.shape)) {
         sources.push(source!("hit/safe_inverse.glsl"));
