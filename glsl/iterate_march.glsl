@@ -95,6 +95,20 @@ void iterate(inout vec4 origin, inout vec4 direction) {
     float object;
     bool guardHit;
     float t = traceWave(origin.xyz, direction.xyz, origin.w, object, guardHit);
+#if MARCHES_FIELDS
+    // Where the basic shapes gave up, nothing is known of what lies ahead.
+    float fieldMet;
+    bool fieldGuardHit = false;
+    float limit = t < 0.0 ? uMaxDistance : t;
+    float marched = guardHit ? -1.0
+        : marchFields(origin.xyz, direction.xyz, origin.w, limit, fieldMet, fieldGuardHit);
+    guardHit = guardHit || fieldGuardHit;
+    if (marched >= 0.0) {
+        t = marched;
+        object = fieldMet;
+    }
+    t = guardHit ? -1.0 : t;
+#endif
     float counters = countPass(direction.w, t == 0.0, guardHit);
     if (t < 0.0) {
         origin = vec4(origin.xyz, STATUS_DEAD);

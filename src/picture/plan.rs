@@ -1,8 +1,8 @@
 //! Which part of the world a slice shows, and where a point of it lies in the picture.
 
 use super::PictureError;
-use crate::scene::{Scene, Shape, Surface};
-use glam::{Vec2, Vec3};
+use crate::scene::{Field, Scene, Shape, Surface};
+use glam::{DMat3, Vec2, Vec3};
 
 /// The share of the longer side that is left free around what is shown.
 const MARGIN: f32 = 0.05;
@@ -80,6 +80,7 @@ pub(super) fn flat(point: Vec3) -> Vec2 {
 fn extent(surface: &Surface, height: f32) -> Option<Bounds> {
     match surface.shape {
         Shape::Plane => None,
+        Shape::Field(ref field) => field_extent(surface, field, height),
         Shape::Box { size } | Shape::Room { size } => {
             let corners = corners(surface, size);
             let heights = corners.map(|corner| corner.y);
@@ -111,6 +112,20 @@ fn extent(surface: &Surface, height: f32) -> Option<Bounds> {
             Some(Bounds::around(centre, radius / axis.y.abs()))
         }
     }
+}
+
+/// What ends of a field along x and z, if the cut meets its bounds.
+fn field_extent(surface: &Surface, field: &Field, height: f32) -> Option<Bounds> {
+    let rotation = DMat3::from_quat(surface.rotation.as_dquat());
+    let bounds = field.properties().bounds.turned(rotation);
+    let world = bounds.moved(surface.position.as_dvec3());
+    let meets = world.min.y <= f64::from(height) && f64::from(height) <= world.max.y;
+    let ends = [world.min.x, world.max.x, world.min.z, world.max.z];
+    let is_finite = ends.iter().all(|end| end.is_finite());
+    (meets && is_finite && !bounds.is_empty()).then(|| Bounds {
+        min: Vec2::new(world.min.x as f32, world.min.z as f32),
+        max: Vec2::new(world.max.x as f32, world.max.z as f32),
+    })
 }
 
 fn corners(surface: &Surface, size: Vec3) -> [Vec3; 8] {

@@ -2,7 +2,7 @@
 
 use super::PictureError;
 use crate::error::Error;
-use crate::gpu::{Context, Picture, Program, full_screen_pass_rows};
+use crate::gpu::{Context, DataTexture, Picture, Program, full_screen_pass_rows};
 use crate::scene::{Scene, glsl};
 use crate::trace::check_surfaces;
 use image::RgbaImage;
@@ -10,13 +10,19 @@ use image::RgbaImage;
 /// Pixels in one draw call at the most: see [`full_screen_pass_rows`].
 const PIXELS_PER_DRAW: u32 = 1 << 17;
 
+/// A picture's program, and the scene's data that it reads.
+pub(super) struct Shader {
+    pub program: Program,
+    data: DataTexture,
+}
+
 /// The program of a picture's shader around the distance functions of `scene`, whose
 /// numbers are set.
 pub(super) fn program(
     context: &Context,
     scene: &Scene,
     shader: glsl::Source,
-) -> Result<Program, Error> {
+) -> Result<Shader, Error> {
     scene.validate()?;
     check_surfaces(context, scene)?;
     let label = format!("{} of {}", shader.0, scene.name);
@@ -24,13 +30,15 @@ pub(super) fn program(
     sources.push(glsl::source!("view/colour.glsl"));
     sources.push(shader);
     let program = Program::fragment(context, &label, &glsl::join(&sources))?;
+    let mut data = DataTexture::new(context, glsl::DATA_WIDTH)?;
+    data.set(&glsl::scene_data(scene))?;
     program.set_vec4_array(
         "uSurfaces",
         &glsl::Placement::world().apply(scene).uniform_values(),
     );
     let listener = &scene.listener;
     program.set_vec4("uListener", listener.position.extend(listener.radius));
-    Ok(program)
+    Ok(Shader { program, data })
 }
 
 /// Refuses sizes that cannot be drawn, before anything is allocated.
@@ -49,11 +57,13 @@ pub(super) fn check_size(context: &Context, width: u32, height: u32) -> Result<(
 /// Draws the program over a picture of that size, whose upper row comes first.
 pub(super) fn draw(
     context: &Context,
-    program: &Program,
+    shader: &Shader,
     width: u32,
     height: u32,
 ) -> Result<RgbaImage, Error> {
     check_size(context, width, height)?;
+    let Shader { program, data } = shader;
+    program.set_texture("uSceneData", 0, data.texture());
     let picture = Picture::new(context, width, height)?;
     let rows = (PIXELS_PER_DRAW / width).max(1);
     for start in (0..height).step_by(rows as usize) {

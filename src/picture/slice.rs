@@ -81,14 +81,15 @@ pub fn slice(
 
 fn cut(context: &Context, scene: &Scene, height: f32, plan: &Plan) -> Result<RgbaImage, Error> {
     shader::check_size(context, plan.width, plan.height)?;
-    let program = shader::program(context, scene, glsl::source!("view/slice.frag"))?;
+    let shader = shader::program(context, scene, glsl::source!("view/slice.frag"))?;
+    let program = &shader.program;
     program.set_vec2("uCorner", plan.corner);
     program.set_f32("uMetres", plan.metres);
     program.set_f32("uHeight", height);
     program.set_f32("uRows", plan.height as f32);
     program.set_f32("uLine", 1.6 * plan.stroke());
     program.set_f32("uIsoline", isoline(plan.metres));
-    shader::draw(context, &program, plan.width, plan.height)
+    shader::draw(context, &shader, plan.width, plan.height)
 }
 
 /// Metres between two lines of equal distance: 1, or what leaves 12 pixels between them.

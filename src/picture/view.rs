@@ -53,7 +53,8 @@ pub fn first_person(
         let degrees = options.field_of_view.to_degrees();
         return Err(PictureError::FieldOfView { degrees }.into());
     }
-    let program = shader::program(context, scene, glsl::source!("view/first_person.frag"))?;
+    let shader = shader::program(context, scene, glsl::source!("view/first_person.frag"))?;
+    let program = &shader.program;
     let listener = &scene.listener;
     program.set_vec3("uRight", listener.right());
     program.set_vec3("uUp", listener.up());
@@ -62,5 +63,5 @@ pub fn first_person(
     program.set_vec4("uSource", ball);
     program.set_vec2("uSize", Vec2::new(width as f32, height as f32));
     program.set_f32("uPixel", 2.0 * half_height / height as f32);
-    shader::draw(context, &program, width, height)
+    shader::draw(context, &shader, width, height)
 }

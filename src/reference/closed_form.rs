@@ -4,11 +4,13 @@
 //! as much as `slack` metres; it then meets the surface at once if it goes further
 //! in, and leaves it otherwise.
 
+use super::marched::MarchedField;
 use crate::scene::{Shape, Surface};
 use glam::{DMat3, DQuat, DVec2, DVec3};
+use std::sync::Arc;
 
 /// A shape with its sizes in metres.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 enum Form {
     Plane,
     /// `sealed` faces lie on or behind a wall: [negative, positive] for each axis.
@@ -25,10 +27,11 @@ enum Form {
     Cylinder {
         radius: f64,
     },
+    Field(Arc<MarchedField>),
 }
 
 /// A shape where it stands in the world.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Placed {
     form: Form,
     position: DVec3,
@@ -69,6 +72,7 @@ impl Placed {
             Shape::Cylinder { radius } => Form::Cylinder {
                 radius: radius.into(),
             },
+            Shape::Field(ref field) => Form::Field(Arc::new(MarchedField::new(field))),
         };
         let [x, y, z, w] = surface.rotation.to_array().map(f64::from);
         let rotation = DQuat::from_xyzw(x, y, z, w).normalize();
@@ -134,9 +138,21 @@ impl Placed {
         matches!(self.form, Form::Room { .. })
     }
 
+    /// Whether a wave that leaves it cannot meet it next.
+    pub fn is_convex(&self) -> bool {
+        match &self.form {
+            Form::Room { .. } => false,
+            Form::Field(field) => field.is_convex(),
+            _ => true,
+        }
+    }
+
     /// Whether it spreads waves, and with them their errors.
     pub fn is_curved(&self) -> bool {
-        matches!(self.form, Form::Sphere { .. } | Form::Cylinder { .. })
+        matches!(
+            self.form,
+            Form::Sphere { .. } | Form::Cylinder { .. } | Form::Field(_)
+        )
     }
 
     /// The largest coordinate that belongs to it, in metres.
@@ -145,6 +161,7 @@ impl Placed {
             Form::Plane => 0.0,
             Form::Box { half, .. } | Form::Room { half } => half.max_element(),
             Form::Sphere { radius } | Form::Cylinder { radius } => radius,
+            Form::Field(ref field) => field.extent(),
         };
         self.position.abs().max_element() + size
     }
@@ -158,6 +175,7 @@ impl Placed {
             Form::Room { half } => -box_distance(p, half),
             Form::Sphere { radius } => p.length() - radius,
             Form::Cylinder { radius } => DVec2::new(p.x, p.z).length() - radius,
+            Form::Field(ref field) => field.distance(p),
         }
     }
 
@@ -180,6 +198,7 @@ impl Placed {
             Form::Room { half } => meet_room(half, o, d, left),
             Form::Sphere { radius } => meet_sphere(radius, o, d).map(smooth),
             Form::Cylinder { radius } => meet_cylinder(radius, o, d).map(smooth),
+            Form::Field(ref field) => field.meet(o, d).map(smooth),
         };
         meeting.filter(|meeting| meeting.t.is_finite())
     }
@@ -188,16 +207,17 @@ impl Placed {
     /// there, out of the solid.
     pub fn land(&self, origin: DVec3, direction: DVec3, meeting: Meeting) -> (DVec3, DVec3) {
         let p = self.local(origin + direction * meeting.t - self.position);
-        let (point, normal) = match (self.form, meeting.face) {
-            (Form::Box { half, .. }, Some(face)) => land_on_face(half, p, face, 1.0),
-            (Form::Room { half }, Some(face)) => land_on_face(half, p, face, -1.0),
+        let (point, normal) = match (&self.form, meeting.face) {
+            (Form::Field(field), _) => field.land(p, self.local(direction)),
+            (Form::Box { half, .. }, Some(face)) => land_on_face(*half, p, face, 1.0),
+            (Form::Room { half }, Some(face)) => land_on_face(*half, p, face, -1.0),
             (Form::Sphere { radius }, _) => {
                 let normal = p.normalize_or(DVec3::Y);
-                (normal * radius, normal)
+                (normal * *radius, normal)
             }
             (Form::Cylinder { radius }, _) => {
                 let normal = DVec3::new(p.x, 0.0, p.z).normalize_or(DVec3::X);
-                (normal * radius + DVec3::Y * p.y, normal)
+                (normal * *radius + DVec3::Y * p.y, normal)
             }
             _ => (DVec3::new(p.x, 0.0, p.z), DVec3::Y),
         };

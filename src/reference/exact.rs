@@ -278,7 +278,7 @@ impl ExactScene {
         for (index, surface) in self.surfaces.iter().enumerate() {
             let left_face = match left {
                 Some((last, face)) if last == index && surface.is_room() => face,
-                Some((last, _)) if last == index => continue,
+                Some((last, _)) if last == index && surface.is_convex() => continue,
                 _ => None,
             };
             let Some(meeting) = surface.meet(origin, direction, left_face, self.slack) else {

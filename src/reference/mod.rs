@@ -36,6 +36,7 @@ mod closed_form;
 mod exact;
 mod image_source;
 pub mod march32;
+mod marched;
 
 pub use exact::{ExactScene, ExactWave, Hit, PathVertex, sequence_hash};
 pub use image_source::{Arrival, ShoeboxImages};

@@ -1,6 +1,6 @@
 //! Scenes that cannot be traced, and scenes that can but hardly mean to.
 
-use super::{Scene, SceneError, Shape, Surface};
+use super::{Motion, Scene, SceneError, Shape, Surface};
 use glam::Vec3;
 use std::fmt;
 
@@ -125,7 +125,13 @@ impl Scene {
             let what = format!("{label}: rotation");
             return Err(self.bad_number(&what, "a unit quaternion", rotation));
         }
+        self.validate_drivers(label, surface)?;
         match surface.shape {
+            Shape::Field(ref field) => field.validate().map_err(|why| SceneError::BadField {
+                scene: self.name.clone(),
+                surface: label.to_owned(),
+                why,
+            }),
             Shape::Plane => Ok(()),
             Shape::Box { size } | Shape::Room { size } => {
                 let what = format!("{label}: size in metres");
@@ -139,6 +145,40 @@ impl Scene {
                 self.positive(&format!("{label}: radius in metres"), radius)
             }
         }
+    }
+
+    /// Every driver drives a number that is there, and its keys are in order.
+    fn validate_drivers(&self, label: &str, surface: &Surface) -> Result<(), SceneError> {
+        if surface.drivers.is_empty() {
+            return Ok(());
+        }
+        let mut parameters = surface.clone();
+        let known: Vec<String> = parameters
+            .parameters_mut()
+            .into_iter()
+            .map(|(name, _)| name)
+            .collect();
+        for driver in &surface.drivers {
+            if !known.contains(&driver.parameter) {
+                return Err(SceneError::UnknownParameter {
+                    scene: self.name.clone(),
+                    surface: label.to_owned(),
+                    parameter: driver.parameter.clone(),
+                    known: known.join(", "),
+                });
+            }
+            let Motion::Keys(keys) = &driver.motion else {
+                continue;
+            };
+            let increasing = keys.windows(2).all(|pair| pair[0].0 < pair[1].0);
+            let finite = keys.iter().all(|(t, v)| t.is_finite() && v.is_finite());
+            if keys.is_empty() || !increasing || !finite {
+                let what = format!("{label}: the keys of {}", driver.parameter);
+                let must = "finite, at least one, with times that increase";
+                return Err(self.bad_number(&what, must, format!("{keys:?}")));
+            }
+        }
+        Ok(())
     }
 
     fn finite(&self, what: &str, value: Vec3) -> Result<(), SceneError> {

@@ -68,7 +68,8 @@ impl Listener {
 }
 
 impl Shape {
-    /// Signed distance from a point in the shape's own axes, in metres.
+    /// Signed distance from a point in the shape's own axes, in metres; of a field, what it
+    /// knows of it: its value, divided by its Lipschitz constant.
     pub fn distance(&self, p: Vec3) -> f32 {
         match *self {
             Shape::Plane => p.y,
@@ -76,6 +77,9 @@ impl Shape {
             Shape::Room { size } => (size * 0.5 - p.abs()).min_element(),
             Shape::Sphere { radius } => p.length() - radius,
             Shape::Cylinder { radius } => Vec2::new(p.x, p.z).length() - radius,
+            Shape::Field(ref field) => {
+                (field.value(p.as_dvec3()) / field.properties().lipschitz) as f32
+            }
         }
     }
 }

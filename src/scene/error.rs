@@ -42,6 +42,40 @@ pub enum SceneError {
         /// The scene's name.
         scene: String,
     },
+    /// A field that cannot be.
+    #[error("scene {scene:?}: {surface}: {why}")]
+    BadField {
+        /// The scene's name.
+        scene: String,
+        /// Which surface.
+        surface: String,
+        /// What is wrong, and what would be right.
+        why: String,
+    },
+    /// A driver of a number that is not there.
+    #[error(
+        "scene {scene:?}: {surface} has no number {parameter:?} that could be driven; it has: {known}"
+    )]
+    UnknownParameter {
+        /// The scene's name.
+        scene: String,
+        /// Which surface.
+        surface: String,
+        /// What was asked for.
+        parameter: String,
+        /// The names there are.
+        known: String,
+    },
+    /// A named value that the scene does not use.
+    #[error("scene {scene:?} has no value named {name:?}; it has: {known}")]
+    UnknownValue {
+        /// The scene's name.
+        scene: String,
+        /// What was asked for.
+        name: String,
+        /// The names there are.
+        known: String,
+    },
     /// A number that makes no sense where it stands.
     #[error("scene {scene:?}: {what} must be {must}, not {value}")]
     BadNumber {

@@ -286,6 +286,8 @@ impl From<SurfaceFile> for Surface {
             position: file.position.0,
             rotation: file.rotation.0,
             turns: file.turns,
+            angles: Vec3::ZERO,
+            drivers: Vec::new(),
         }
     }
 }

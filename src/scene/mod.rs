@@ -12,8 +12,10 @@ mod builtin;
 mod check;
 mod distance;
 mod error;
+mod field;
 mod file;
 pub mod glsl;
+mod motion;
 mod path;
 mod seal;
 mod surface;
@@ -22,6 +24,10 @@ pub use builtin::BUILTIN_NAMES;
 pub use check::Warning;
 pub use distance::Nearest;
 pub use error::SceneError;
+pub use field::{
+    Bounds3, Copies, Exactness, Field, HeightImage, Node, Properties, UserField, UserSamples,
+};
+pub use motion::{Driver, Motion};
 pub use path::{Key, Path};
 pub use surface::{Shape, Surface};
 
@@ -76,15 +82,16 @@ impl Scene {
             posed.listener.yaw = key.yaw;
             posed.listener.pitch = key.pitch;
         }
+        posed.drive_to(seconds);
         posed
     }
 
     /// Length of the longest path in seconds; 0 when nothing moves.
     pub fn duration(&self) -> f64 {
-        self.source
-            .path
-            .duration()
-            .max(self.listener.path.duration())
+        let drivers = self.surfaces.iter().flat_map(|s| &s.drivers);
+        let driven = drivers.map(|driver| driver.motion.duration());
+        let paths = [&self.source.path, &self.listener.path].map(Path::duration);
+        driven.chain(paths).fold(0.0, f64::max)
     }
 }
 

@@ -1,5 +1,6 @@
 //! A surface: a shape, and where it stands.
 
+use super::{Driver, Field, Node};
 use glam::{Quat, Vec3};
 
 /// A shape placed in the world.
@@ -19,10 +20,14 @@ pub struct Surface {
     /// is turned, or says here that it will be, takes its rotation from a uniform,
     /// so that turning it never compiles a shader.
     pub turns: bool,
+    /// The angles in radians, about x, then y, then z, that a driven rotation is made of.
+    pub angles: Vec3,
+    /// What moves its numbers; empty when nothing does.
+    pub drivers: Vec<Driver>,
 }
 
 /// The forms a surface can have. Air is where the distance is positive.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Shape {
     /// The plane y = 0 of its own axes; air above, solid below.
     Plane,
@@ -46,17 +51,33 @@ pub enum Shape {
         /// Radius in metres.
         radius: f32,
     },
+    /// Any other shape, or operators on shapes.
+    Field(Field),
+}
+
+impl From<Node> for Shape {
+    fn from(node: Node) -> Shape {
+        Shape::Field(Field::from(node))
+    }
+}
+
+impl From<Field> for Shape {
+    fn from(field: Field) -> Shape {
+        Shape::Field(field)
+    }
 }
 
 impl Surface {
     /// A shape at the world's origin, not turned.
-    pub fn new(shape: Shape) -> Surface {
+    pub fn new(shape: impl Into<Shape>) -> Surface {
         Surface {
             name: None,
-            shape,
+            shape: shape.into(),
             position: Vec3::ZERO,
             rotation: Quat::IDENTITY,
             turns: false,
+            angles: Vec3::ZERO,
+            drivers: Vec::new(),
         }
     }
 
@@ -87,7 +108,11 @@ impl Surface {
 impl Shape {
     /// Whether the solid is convex: a wave that was mirrored at it cannot meet it next.
     pub fn is_convex(&self) -> bool {
-        !matches!(self, Shape::Room { .. })
+        match self {
+            Shape::Room { .. } => false,
+            Shape::Field(field) => field.properties().convex,
+            _ => true,
+        }
     }
 
     /// The name that scene files and reports use.
@@ -98,6 +123,15 @@ impl Shape {
             Shape::Room { .. } => "Room",
             Shape::Sphere { .. } => "Sphere",
             Shape::Cylinder { .. } => "Cylinder",
+            Shape::Field(field) => field.node.name(),
+        }
+    }
+
+    /// The field, if it is no basic shape.
+    pub fn field(&self) -> Option<&Field> {
+        match self {
+            Shape::Field(field) => Some(field),
+            _ => None,
         }
     }
 }

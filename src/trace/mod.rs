@@ -25,7 +25,8 @@ pub use error::TraceError;
 pub use frame::{Frame, Milliseconds};
 pub use panning::{Counts, Panning};
 pub use settings::{
-    Directions, MARCHES_PER_PASS, MAX_ITERATIONS, MAX_STEPS, MAX_WAVES, Profile, Settings,
+    Directions, MARCHES_PER_PASS, MAX_FIELD_STEPS, MAX_ITERATIONS, MAX_STEPS, MAX_WAVES, Profile,
+    Settings,
 };
 pub use tracer::Tracer;
 #[cfg(feature = "experiment")]

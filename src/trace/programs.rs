@@ -137,12 +137,18 @@ fn march_sources(scene: &Scene, options: Options) -> Vec<Source> {
             sources.push(source!("iterate_thesis.glsl"));
         }
         Profile::March => {
-            sources.push(("options", Cow::Owned(defines(options))));
+            sources.push((
+                Cow::Borrowed("options"),
+                Cow::Owned(defines(options, scene)),
+            ));
             sources.extend(glsl::ahead_sources(scene, !options.exact_normals));
             sources.push(source!("mirror.glsl"));
             sources.push(source!("iterate_march.glsl"));
         }
         Profile::Hybrid => {
+            let marches = u8::from(glsl::marches_some_fields(scene));
+            let options = format!("#define MARCHES_FIELDS {marches}\n");
+            sources.push((Cow::Borrowed("options"), Cow::Owned(options)));
             sources.extend(glsl::closed_form_sources(scene));
             sources.push(source!("mirror.glsl"));
             sources.push(source!("iterate_hybrid.glsl"));
@@ -152,10 +158,11 @@ fn march_sources(scene: &Scene, options: Options) -> Vec<Source> {
     sources
 }
 
-fn defines(options: Options) -> String {
+fn defines(options: Options, scene: &Scene) -> String {
     format!(
-        "#define EXACT_NORMALS {}\n#define LANDING {}\n",
+        "#define EXACT_NORMALS {}\n#define LANDING {}\n#define MARCHES_FIELDS {}\n",
         u8::from(options.exact_normals),
-        u8::from(options.landing)
+        u8::from(options.landing),
+        u8::from(glsl::marches_all_fields(scene))
     )
 }

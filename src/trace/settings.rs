@@ -17,6 +17,10 @@ pub const MAX_ITERATIONS: u32 = 4095;
 /// above that and keeps any other setting from hanging the GPU.
 pub const MAX_STEPS: u32 = 4096;
 
+/// Evaluations of the fields in one march, at the most. Relaxed steps and Newton's at the end
+/// take some tens of them; what takes more grazes a surface.
+pub const MAX_FIELD_STEPS: u32 = 1024;
+
 /// Where a wave of `march` and `hybrid` counts as gone, in metres: far beyond what a
 /// listener hears of, and well inside what `f32` can square.
 const FAR: f32 = 1e9;

@@ -6,12 +6,12 @@ use super::programs::Programs;
 use super::sum::Sum;
 use super::waves::{STATUS_DEAD, STATUS_STARTED, waves};
 use super::{
-    Counts, Frame, Grid, MARCHES_PER_PASS, Milliseconds, Panning, Profile, Settings, TraceError,
-    Wave, panning,
+    Counts, Frame, Grid, MARCHES_PER_PASS, MAX_FIELD_STEPS, Milliseconds, Panning, Profile,
+    Settings, TraceError, Wave, panning,
 };
 use crate::error::Error;
 use crate::gpu::{
-    Clock, Context, GpuError, PingPong, Program, RenderTarget, Target, Texture,
+    Clock, Context, DataTexture, GpuError, PingPong, Program, RenderTarget, Target, Texture,
     full_screen_pass_rows,
 };
 use crate::scene::Scene;
@@ -40,6 +40,7 @@ pub struct Tracer {
     programs: Programs,
     targets: Option<Targets>,
     contributions: Vec<f32>,
+    scene_data: DataTexture,
 }
 
 /// The textures for one count of waves.
@@ -76,6 +77,7 @@ impl Tracer {
             programs: Programs::default(),
             targets: None,
             contributions: Vec::new(),
+            scene_data: DataTexture::new(context, glsl::DATA_WIDTH)?,
         })
     }
 
@@ -196,6 +198,7 @@ impl Tracer {
         {
             targets.sum = Some(Sum::new(&self.context, &mut self.programs, grid)?);
         }
+        self.scene_data.set(&glsl::scene_data(scene))?;
         // What only a first frame pays is over.
         let began = Instant::now();
         let job = Job {
@@ -285,6 +288,8 @@ impl Tracer {
         let current = targets.pairs.current();
         job.march.set_texture("uOrigins", 0, &current.first);
         job.march.set_texture("uDirections", 1, &current.second);
+        job.march
+            .set_texture("uSceneData", 2, self.scene_data.texture());
         job.march.set_i32("uIterationsInPass", iterations as i32);
         let evaluations = job.evaluations(iterations);
         let time = self.pass(&job.march, targets.grid, targets.pairs.next(), evaluations)?;
@@ -409,11 +414,14 @@ impl Job<'_> {
         program.set_f32("uLipschitz", settings.lipschitz);
         program.set_f32("uDistanceFactor", settings.distance_factor);
         program.set_i32("uStepBound", settings.step_bound() as i32);
+        program.set_i32("uFieldSteps", MAX_FIELD_STEPS as i32);
     }
 
     fn iterations_per_pass(&self) -> u32 {
         match self.settings.profile {
-            Profile::Hybrid => self.settings.iterations_per_pass,
+            Profile::Hybrid if !glsl::marches_some_fields(self.scene) => {
+                self.settings.iterations_per_pass
+            }
             _ => self.settings.iterations_per_pass.min(MARCHES_PER_PASS),
         }
     }
@@ -421,7 +429,8 @@ impl Job<'_> {
     /// Evaluations of one surface that a wave may take in so many iterations.
     fn evaluations(&self, iterations: u32) -> u64 {
         let steps = match self.settings.profile {
-            Profile::Hybrid => 1,
+            Profile::Hybrid if !glsl::marches_some_fields(self.scene) => 1,
+            Profile::Hybrid => MAX_FIELD_STEPS,
             _ => self.settings.step_bound(),
         };
         let objects = self.scene.surfaces.len() as u64 + 1;

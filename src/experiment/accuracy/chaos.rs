@@ -97,7 +97,10 @@ fn is_curved(scene: &Scene, object: u32) -> bool {
     let index = object.checked_sub(1).map(|index| index as usize);
     index.is_some_and(|index| {
         let shape = &scene.surfaces[index].shape;
-        matches!(shape, Shape::Sphere { .. } | Shape::Cylinder { .. })
+        matches!(
+            shape,
+            Shape::Sphere { .. } | Shape::Cylinder { .. } | Shape::Field(_)
+        )
     })
 }
 

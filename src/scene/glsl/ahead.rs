@@ -1,8 +1,10 @@
 //! The distance to what can be met ahead, and its gradient: for a march that is right.
 
 use super::distance::{distance_file, surface_distance};
+use super::field::{field_files, gradient_text, value_text};
+use super::fields_ahead::{Marched, fields_ahead};
 use super::land::{land_files, land_text};
-use super::{Source, named, shape_files, source, turn_file, uniforms_text};
+use super::{Source, Text, add_once, named, shape_files, source, turn_file, uniforms_text};
 use crate::scene::{Scene, Shape};
 use std::borrow::Cow;
 use std::fmt::Write;
@@ -14,22 +16,40 @@ pub fn ahead_sources(scene: &Scene, difference_normals: bool) -> Vec<Source> {
     let mut sources = vec![source!("rounding.glsl")];
     sources.extend(shape_files(scene, distance_file));
     sources.extend(land_files(scene));
-    sources.extend(shape_files(scene, |shape| match shape {
-        Shape::Plane => source!("gradient/plane.glsl"),
-        Shape::Box { .. } => source!("gradient/box.glsl"),
-        Shape::Room { .. } => source!("gradient/room.glsl"),
-        Shape::Sphere { .. } => source!("gradient/sphere.glsl"),
-        Shape::Cylinder { .. } => source!("gradient/cylinder.glsl"),
+    sources.extend(shape_files(scene, |shape| {
+        Some(match shape {
+            Shape::Plane => source!("gradient/plane.glsl"),
+            Shape::Box { .. } => source!("gradient/box.glsl"),
+            Shape::Room { .. } => source!("gradient/room.glsl"),
+            Shape::Sphere { .. } => source!("gradient/sphere.glsl"),
+            Shape::Cylinder { .. } => source!("gradient/cylinder.glsl"),
+            Shape::Field(_) => return None,
+        })
     }));
+    let text = Text::new(scene);
+    add_once(&mut sources, field_files(text.fields(), true, &text.assets));
     sources.extend(turn_file(scene));
     sources.push(source!("distance/listener.glsl"));
-    let mut text = uniforms_text(scene);
+    let mut out = uniforms_text(scene);
+    out += &text.of_fields(|_| true, value_text);
+    out += &text.of_fields(|_| true, gradient_text);
     if difference_normals {
-        text += &surface_distance(scene);
+        out += &surface_distance(scene);
     }
-    let text = text + &distance_ahead(scene) + &gradient_ahead(scene) + &land_text(scene);
-    sources.push(("the scene", Cow::Owned(text)));
+    out += &distance_ahead(scene);
+    out += &gradient_ahead(scene);
+    out += &land_text(scene);
+    out += &fields_ahead(&text, Marched::All);
+    sources.push((Cow::Borrowed("the scene"), Cow::Owned(out)));
+    if marches_all_fields(scene) {
+        sources.push(source!("march_fields.glsl"));
+    }
     sources
+}
+
+/// Whether the scene has fields: the march takes all of them.
+pub fn marches_all_fields(scene: &Scene) -> bool {
+    scene.surfaces.iter().any(|s| s.shape.field().is_some())
 }
 
 fn distance_ahead(scene: &Scene) -> String {
@@ -45,6 +65,7 @@ fn distance_ahead(scene: &Scene) -> String {
         let number = named.number;
         let (shape, point, size) = (named.shape(), named.point("p"), named.size());
         let distance = match named.surface.shape {
+            Shape::Field(_) => continue,
             Shape::Room { .. } => {
                 format!("sdRoomAhead({point}, {}{size})", named.vector("d"))
             }
@@ -69,6 +90,7 @@ fn gradient_ahead(scene: &Scene) -> String {
     for named in named(scene) {
         let (shape, point, size) = (named.shape(), named.point("p"), named.size());
         let gradient = match named.surface.shape {
+            Shape::Field(_) => continue,
             Shape::Room { .. } => {
                 format!("gradientRoomAhead({point}, {}{size})", named.vector("d"))
             }

@@ -1,7 +1,11 @@
 //! Where a line meets each surface: no march at all.
 
+use super::field::{
+    field_files, files_of_hits, gradient_text, has_closed_form, hit_text, value_text,
+};
+use super::fields_ahead::{Marched, fields_ahead};
 use super::land::{land_files, land_text};
-use super::{Source, named, shape_files, source, turn_file, uniforms_text};
+use super::{Named, Source, Text, add_once, named, shape_files, source, turn_file, uniforms_text};
 use crate::scene::{Scene, Shape};
 use std::borrow::Cow;
 use std::fmt::Write;
@@ -17,20 +21,44 @@ pub fn closed_form_sources(scene: &Scene) -> Vec<Source> {
     if scene.surfaces.iter().any(|s| slabs(&s.shape)) {
         sources.push(source!("hit/safe_inverse.glsl"));
     }
-    sources.extend(shape_files(scene, |shape| match shape {
-        Shape::Plane => source!("hit/plane.glsl"),
-        Shape::Box { .. } => source!("hit/box.glsl"),
-        Shape::Room { .. } => source!("hit/room.glsl"),
-        Shape::Sphere { .. } => source!("hit/sphere.glsl"),
-        Shape::Cylinder { .. } => source!("hit/cylinder.glsl"),
+    sources.extend(shape_files(scene, |shape| {
+        Some(match shape {
+            Shape::Plane => source!("hit/plane.glsl"),
+            Shape::Box { .. } => source!("hit/box.glsl"),
+            Shape::Room { .. } => source!("hit/room.glsl"),
+            Shape::Sphere { .. } => source!("hit/sphere.glsl"),
+            Shape::Cylinder { .. } => source!("hit/cylinder.glsl"),
+            Shape::Field(_) => return None,
+        })
     }));
+    let text = Text::new(scene);
+    for field in text.fields().filter(|field| has_closed_form(field)) {
+        add_once(&mut sources, files_of_hits(field));
+    }
+    add_once(&mut sources, field_files(text.fields(), true, &text.assets));
     sources.extend(land_files(scene));
     sources.extend(turn_file(scene));
     sources.push(source!("distance/listener.glsl"));
     sources.push(source!("hit/listener.glsl"));
-    let text = uniforms_text(scene) + &nearest_hit(scene) + &land_text(scene);
-    sources.push(("the scene", Cow::Owned(text)));
+    let closed = |named: &Named| named.surface.shape.field().is_some_and(has_closed_form);
+    let mut out = uniforms_text(scene);
+    out += &text.of_fields(closed, hit_text);
+    out += &text.of_fields(|named| Marched::Others.takes(named), value_text);
+    out += &text.of_fields(|_| true, gradient_text);
+    out += &nearest_hit(scene);
+    out += &land_text(scene);
+    out += &fields_ahead(&text, Marched::Others);
+    sources.push((Cow::Borrowed("the scene"), Cow::Owned(out)));
+    if marches_some_fields(scene) {
+        sources.push(source!("march_fields.glsl"));
+    }
     sources
+}
+
+/// Whether the scene has fields without a closed form.
+pub fn marches_some_fields(scene: &Scene) -> bool {
+    let mut fields = scene.surfaces.iter().filter_map(|s| s.shape.field());
+    fields.any(|field| !has_closed_form(field))
 }
 
 fn nearest_hit(scene: &Scene) -> String {
@@ -42,6 +70,12 @@ fn nearest_hit(scene: &Scene) -> String {
          float nearest = hitListener(p, d);\n    object = 0.0;\n    float candidate;\n",
     );
     for named in named(scene) {
+        if let Shape::Field(field) = &named.surface.shape {
+            if has_closed_form(field) {
+                text += &hit_field(&named);
+            }
+            continue;
+        }
         let size = match named.surface.shape {
             Shape::Box { .. } => format!(", uSurfaces[{}]", named.first + 1),
             _ => named.size(),
@@ -66,4 +100,23 @@ fn nearest_hit(scene: &Scene) -> String {
     }
     text.push_str("    return nearest;\n}\n\n");
     text
+}
+
+fn hit_field(named: &Named) -> String {
+    let number = named.number;
+    let hit = format!(
+        "hit{number}({}, {}, {})",
+        named.point("p"),
+        named.vector("d"),
+        named.slack()
+    );
+    let candidate = match named.surface.shape.is_convex() {
+        true => format!("last == {number}.0 ? NO_HIT : {hit}"),
+        false => hit,
+    };
+    format!(
+        "    // {}\n    candidate = {candidate};\n    \
+         if (candidate < nearest) {{ nearest = candidate; object = {number}.0; }}\n",
+        named.label
+    )
 }

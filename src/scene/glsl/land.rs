@@ -1,17 +1,20 @@
 //! The landing: the point met, put onto the surface met, and the normal there.
 
-use super::{Source, named, shape_files, source};
+use super::{Named, Source, named, shape_files, source};
 use crate::scene::{Scene, Shape};
 use std::fmt::Write;
 
 /// The files that [`land_text`] calls.
 pub(super) fn land_files(scene: &Scene) -> Vec<Source> {
-    shape_files(scene, |shape| match shape {
-        Shape::Plane => source!("land/plane.glsl"),
-        Shape::Box { .. } => source!("land/box.glsl"),
-        Shape::Room { .. } => source!("land/room.glsl"),
-        Shape::Sphere { .. } => source!("land/sphere.glsl"),
-        Shape::Cylinder { .. } => source!("land/cylinder.glsl"),
+    shape_files(scene, |shape| {
+        Some(match shape {
+            Shape::Plane => source!("land/plane.glsl"),
+            Shape::Box { .. } => source!("land/box.glsl"),
+            Shape::Room { .. } => source!("land/room.glsl"),
+            Shape::Sphere { .. } => source!("land/sphere.glsl"),
+            Shape::Cylinder { .. } => source!("land/cylinder.glsl"),
+            Shape::Field(_) => source!("land/field.glsl"),
+        })
     })
 }
 
@@ -23,9 +26,13 @@ pub(super) fn land_text(scene: &Scene) -> String {
          normal = -d;\n",
     );
     for named in named(scene) {
+        if matches!(named.surface.shape, Shape::Field(_)) {
+            text += &land_on_field(&named);
+            continue;
+        }
         let direction = match named.surface.shape {
             Shape::Box { .. } | Shape::Room { .. } => format!(", {}", named.vector("d")),
-            Shape::Plane | Shape::Sphere { .. } | Shape::Cylinder { .. } => String::new(),
+            _ => String::new(),
         };
         let _ = writeln!(
             text,
@@ -53,4 +60,21 @@ pub(super) fn land_text(scene: &Scene) -> String {
     }
     text.push_str("}\n\n");
     text
+}
+
+/// A Newton step onto the field's surface, and the gradient there.
+fn land_on_field(named: &Named) -> String {
+    let number = named.number;
+    format!(
+        "    if (object == {number}.0) {{ // {}\n        q = {};\n        \
+         q = ontoField(q, gradient{number}(q));\n        \
+         normal = facing(gradient{number}(q).xyz, {});\n        \
+         p = {} + uSurfaces[{}].xyz;\n        normal = {};\n    }}\n",
+        named.label,
+        named.point("p"),
+        named.vector("d"),
+        named.outward("q"),
+        named.first,
+        named.outward("normal")
+    )
 }

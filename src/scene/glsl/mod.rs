@@ -1,8 +1,11 @@
 //! A scene as shader text and uniform values.
 //!
-//! Only the shapes that occur in the scene are in the text, one evaluation a surface,
-//! unrolled. Every number (positions, sizes, rotations, the listener) is a uniform, so
-//! the text depends on the [`Structure`] alone: moving things never compiles a shader
+//! Only the shapes and operators that occur in the scene are in the text, one evaluation a
+//! surface, unrolled. What the shader reads relative to the listener is a uniform, for it
+//! changes with every step of the listener: where surfaces and the listener are, and, for
+//! they lie in the same vectors and are sealed against each other, the sizes of basic
+//! shapes. The numbers of fields are literals, but for those that a driver moves. So the
+//! text depends on the [`Structure`] alone, and moving things never compiles a shader
 //! again. Three texts can be had, by what a wave needs to know:
 //!
 //! - [`distance_sources`]: the signed distance to everything (the thesis' march, pictures);
@@ -11,31 +14,47 @@
 
 mod ahead;
 mod closed_form;
+mod data;
 mod distance;
+mod field;
+mod fields_ahead;
 mod land;
 mod placement;
 mod source;
 
-pub use ahead::ahead_sources;
-pub use closed_form::closed_form_sources;
+pub use ahead::{ahead_sources, marches_all_fields};
+pub use closed_form::{closed_form_sources, marches_some_fields};
+pub use data::{DATA_WIDTH, scene_data};
 pub use distance::distance_sources;
 pub use placement::{Placed, Placement, uniform_count};
 pub(crate) use source::source;
 pub use source::{Source, join};
 
-use super::{Scene, Shape, Surface};
+use super::{Field, Scene, Shape, Surface};
 use placement::value_count;
+use std::fmt::Write;
 
 /// What the shader text of a scene depends on: each surface's shape, and whether it
 /// has a rotation. Two scenes of one structure share their programs.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Structure {
-    surfaces: Vec<(&'static str, bool)>,
+    surfaces: Vec<SurfaceStructure>,
+}
+
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+struct SurfaceStructure {
+    name: &'static str,
+    has_rotation: bool,
+    field: Option<field::Signature>,
 }
 
 /// The text's structure; see [`Structure`].
 pub fn structure(scene: &Scene) -> Structure {
-    let describe = |surface: &Surface| (surface.shape.name(), surface.has_rotation());
+    let describe = |surface: &Surface| SurfaceStructure {
+        name: surface.shape.name(),
+        has_rotation: surface.has_rotation(),
+        field: surface.shape.field().map(|f| field::signature(surface, f)),
+    };
     Structure {
         surfaces: scene.surfaces.iter().map(describe).collect(),
     }
@@ -56,6 +75,51 @@ struct Named<'a> {
 /// carry the comment on to the next line.
 fn no_comment(character: char) -> bool {
     character == '\\' || !(character.is_ascii_graphic() || character == ' ')
+}
+
+/// What the text of a scene is written from.
+struct Text<'a> {
+    scene: &'a Scene,
+    named: Vec<Named<'a>>,
+    assets: field::Assets,
+}
+
+impl<'a> Text<'a> {
+    fn new(scene: &'a Scene) -> Text<'a> {
+        let mut assets = field::Assets::default();
+        for field in scene.surfaces.iter().filter_map(|s| s.shape.field()) {
+            assets.add(field);
+        }
+        Text {
+            scene,
+            named: named(scene),
+            assets,
+        }
+    }
+
+    fn fields(&self) -> impl Iterator<Item = &'a Field> {
+        self.scene.surfaces.iter().filter_map(|s| s.shape.field())
+    }
+
+    /// Writes something for each field: its number, what moves, the vector of its first
+    /// moving number, the scene's assets.
+    fn of_fields(
+        &self,
+        wanted: impl Fn(&Named) -> bool,
+        write: fn(&Field, usize, &[bool], usize, &field::Assets) -> String,
+    ) -> String {
+        let mut text = String::new();
+        for named in self.named.iter().filter(|n| wanted(n)) {
+            let Some(field) = named.surface.shape.field() else {
+                continue;
+            };
+            let moving = named.surface.moving_nodes(field);
+            let first = named.first + 1 + usize::from(named.surface.has_rotation());
+            let _ = writeln!(text, "// {}", named.label);
+            text += &write(field, named.number, &moving, first, &self.assets);
+        }
+        text
+    }
 }
 
 /// All surfaces in order, with their places in `uSurfaces`.
@@ -97,10 +161,15 @@ impl Named<'_> {
         }
     }
 
+    /// The value of a field at a world point.
+    fn field_value(&self, p: &str) -> String {
+        format!("field{}({})", self.number, self.point(p))
+    }
+
     /// The size that the shape's functions take last, with a comma before it.
     fn size(&self) -> String {
         match self.surface.shape {
-            Shape::Plane => String::new(),
+            Shape::Plane | Shape::Field(_) => String::new(),
             Shape::Box { .. } | Shape::Room { .. } => {
                 format!(", uSurfaces[{}].xyz", self.first + 1)
             }
@@ -114,7 +183,7 @@ impl Named<'_> {
     fn slack(&self) -> String {
         let first = self.first;
         match self.surface.shape {
-            Shape::Plane => format!("uSurfaces[{first}].w"),
+            Shape::Plane | Shape::Field(_) => format!("uSurfaces[{first}].w"),
             Shape::Box { .. } | Shape::Room { .. } => format!("uSurfaces[{}].w", first + 1),
             Shape::Sphere { .. } | Shape::Cylinder { .. } => {
                 format!("roundSlack(uSurfaces[{first}])")
@@ -123,8 +192,11 @@ impl Named<'_> {
     }
 
     fn rotation(&self) -> Option<usize> {
-        let last = self.first + value_count(self.surface) - 1;
-        self.surface.has_rotation().then_some(last)
+        let place = match self.surface.shape {
+            Shape::Field(_) => 1,
+            _ => value_count(self.surface) - 1,
+        };
+        self.surface.has_rotation().then_some(self.first + place)
     }
 
     fn shape(&self) -> &'static str {
@@ -132,16 +204,22 @@ impl Named<'_> {
     }
 }
 
-/// The file of each shape that occurs, once.
-fn shape_files(scene: &Scene, file_of: fn(&Shape) -> Source) -> Vec<Source> {
+/// The file of each basic shape that occurs, once.
+fn shape_files(scene: &Scene, file_of: fn(&Shape) -> Option<Source>) -> Vec<Source> {
     let mut files: Vec<Source> = Vec::new();
     for surface in &scene.surfaces {
-        let file = file_of(&surface.shape);
-        if !files.contains(&file) {
-            files.push(file);
-        }
+        add_once(&mut files, file_of(&surface.shape));
     }
     files
+}
+
+/// Adds the sources that are not yet there.
+fn add_once(files: &mut Vec<Source>, more: impl IntoIterator<Item = Source>) {
+    for source in more {
+        if !files.contains(&source) {
+            files.push(source);
+        }
+    }
 }
 
 /// The rotation's function, where a surface has one.

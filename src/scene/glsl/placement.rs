@@ -5,8 +5,9 @@
 //! bits, and with box faces that are covered by another solid *sealed*: pushed into that
 //! solid, so that rounding at the seam cannot open a gap between the two.
 
+use super::field::moving_values;
 use crate::scene::seal::sealed;
-use crate::scene::{Scene, Shape, Surface};
+use crate::scene::{Field, Scene, Shape, Surface};
 use glam::{Quat, Vec3, Vec4};
 
 /// How world coordinates become a shader's.
@@ -101,6 +102,7 @@ fn slack(surface: &Surface) -> f32 {
     let place = surface.position.abs().max_element();
     match surface.shape {
         Shape::Plane => ROUNDING * place,
+        Shape::Field(ref field) => ROUNDING * (place + extent(field)),
         Shape::Box { size } | Shape::Room { size } => (ROUNDING
             * (place + 0.5 * size.max_element()))
         .min(SHARE_OF_THICKNESS * size.min_element()),
@@ -110,10 +112,23 @@ fn slack(surface: &Surface) -> f32 {
     }
 }
 
+/// The largest length that the value of a field is computed from, in metres: that of its
+/// bounds where it ends, else the largest of its own numbers.
+fn extent(field: &Field) -> f32 {
+    let bounds = field.properties().bounds;
+    if bounds.is_finite() && !bounds.is_empty() {
+        return bounds.min.abs().max(bounds.max.abs()).max_element() as f32;
+    }
+    let nodes = field.nodes().into_iter();
+    let numbers = nodes.flat_map(|node| node.shader_numbers());
+    let finite = numbers.filter(|number| number.abs() < 1e9);
+    finite.fold(0.0, |most: f32, number| most.max(number.abs() as f32))
+}
+
 fn values(surface: &Surface, slack: f32) -> Vec<Vec4> {
     let place = |w: f32| surface.position.extend(w);
     let mut values = match surface.shape {
-        Shape::Plane => vec![place(slack)],
+        Shape::Plane | Shape::Field(_) => vec![place(slack)],
         Shape::Box { size } | Shape::Room { size } => {
             vec![place(0.0), (size * 0.5).extend(slack)]
         }
@@ -121,6 +136,14 @@ fn values(surface: &Surface, slack: f32) -> Vec<Vec4> {
     };
     if surface.has_rotation() {
         values.push(inverse(surface.rotation));
+    }
+    if let Shape::Field(field) = &surface.shape {
+        let numbers = moving_values(surface, field);
+        let vectors = numbers.chunks(4).map(|four| {
+            let at = |index: usize| four.get(index).copied().unwrap_or(0.0);
+            Vec4::new(at(0), at(1), at(2), at(3))
+        });
+        values.extend(vectors);
     }
     values
 }

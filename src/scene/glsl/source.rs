@@ -4,13 +4,13 @@ use std::borrow::Cow;
 use std::fmt::Write;
 
 /// One piece of shader text: the file it stands in, and the text itself.
-pub type Source = (&'static str, Cow<'static, str>);
+pub type Source = (Cow<'static, str>, Cow<'static, str>);
 
 /// A [`Source`] out of a file under `glsl/`.
 macro_rules! source {
     ($file:literal) => {
         (
-            concat!("glsl/", $file),
+            std::borrow::Cow::Borrowed(concat!("glsl/", $file)),
             std::borrow::Cow::Borrowed(include_str!(concat!(
                 env!("CARGO_MANIFEST_DIR"),
                 "/glsl/",

@@ -29,7 +29,7 @@ fn scaled(name: &str, exponent: i32) -> Case {
     for surface in &mut scene.surfaces {
         surface.position *= factor;
         match &mut surface.shape {
-            Shape::Plane => {}
+            Shape::Plane | Shape::Field(_) => {}
             Shape::Box { size } | Shape::Room { size } => *size *= factor,
             Shape::Sphere { radius } | Shape::Cylinder { radius } => *radius *= factor,
         }

@@ -1,0 +1,24 @@
+// A triangle a b c of positive sense in the xy plane, extruded along z. Exact.
+vec3 triangleDistance(vec2 p, vec2 a, vec2 b, vec2 c) {
+    vec2 ab = fromSegment(p, a, b);
+    vec2 bc = fromSegment(p, b, c);
+    vec2 ca = fromSegment(p, c, a);
+    vec2 outAb = normalize(vec2(b.y - a.y, a.x - b.x));
+    vec2 outBc = normalize(vec2(c.y - b.y, b.x - c.x));
+    vec2 outCa = normalize(vec2(a.y - c.y, c.x - a.x));
+    vec3 beyond = vec3(dot(outAb, p - a), dot(outBc, p - b), dot(outCa, p - c));
+    float most = max(beyond.x, max(beyond.y, beyond.z));
+    vec2 face = most == beyond.x ? outAb : most == beyond.y ? outBc : outCa;
+    if (most <= 0.0) {
+        return vec3(face, most);
+    }
+    vec2 way = dot(ab, ab) < dot(bc, bc) ? ab : bc;
+    way = dot(ca, ca) < dot(way, way) ? ca : way;
+    float off = length(way);
+    return vec3(off > 1e-6 * length(b - a) ? way / off : face, off);
+}
+
+float sdPrism(vec3 p, vec2 a, vec2 b, vec2 c, float halfDepth) {
+    float flat_ = triangleDistance(p.xy, a, b, c).z;
+    return sdCorner(vec2(flat_, abs(p.z) - halfDepth));
+}

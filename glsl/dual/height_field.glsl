@@ -1,0 +1,10 @@
+vec4 gdHeightField(vec3 p, vec3 halfSize, float inverseGrowth, int first, ivec2 size) {
+    vec3 held = clamp(p, -halfSize, halfSize);
+    vec3 ground = groundAt(held, halfSize, first, size);
+    float above = (held.y - ground.z) * inverseGrowth;
+    float outside = sdBox(p, halfSize);
+    if (outside > above) {
+        return vec4(gradientBox(p, halfSize), outside);
+    }
+    return vec4(vec3(-ground.x, 1.0, -ground.y) * inverseGrowth, above);
+}

@@ -1,0 +1,1 @@
+vec4 opIntersection(vec4 a, vec4 b) { return a.w > b.w ? a : b; }

@@ -1,0 +1,1 @@
+vec4 opOffset(vec4 a, float by) { return a - vec4(0.0, 0.0, 0.0, by); }

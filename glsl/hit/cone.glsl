@@ -1,0 +1,22 @@
+// Where a ray meets a cone about y that ends: its side is a quadric of which the part between
+// tip and base counts, its base a disc.
+float hitCone(vec3 p, vec3 d, float radius, float halfHeight, float slack) {
+    float nearest = NO_HIT;
+    float below = -halfHeight - p.y;
+    if (d.y > 0.0 && below >= -slack) {
+        float t = max(below, 0.0) / d.y;
+        vec2 at = p.xz + t * d.xz;
+        if (dot(at, at) <= radius * radius) {
+            nearest = t;
+        }
+    }
+    float slope = radius / (2.0 * halfHeight);
+    float narrowing = slope * slope;
+    float tip = p.y - halfHeight;
+    float a = dot(d.xz, d.xz) - narrowing * d.y * d.y;
+    float b = dot(p.xz, d.xz) - narrowing * tip * d.y;
+    float c = dot(p.xz, p.xz) - narrowing * tip * tip;
+    float t = fallingRoot(a, b, c);
+    float y = p.y + t * d.y;
+    return t < nearest && abs(y) <= halfHeight ? t : nearest;
+}

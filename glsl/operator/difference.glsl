@@ -1,0 +1,1 @@
+float opDifference(float a, float b) { return max(a, -b); }

@@ -1,0 +1,1 @@
+float opIntersection(float a, float b) { return max(a, b); }

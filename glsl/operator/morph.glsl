@@ -1,0 +1,1 @@
+float opMorph(float a, float b, float amount) { return mix(a, b, amount); }

@@ -1,0 +1,1 @@
+float opOffset(float a, float by) { return a - by; }

@@ -1,0 +1,1 @@
+float opShell(float a, float halfThickness) { return abs(a) - halfThickness; }

@@ -1,0 +1,1 @@
+float opUnion(float a, float b) { return min(a, b); }

@@ -1,0 +1,119 @@
+//! A line against a field, in `f64`: sphere tracing down to the last bits.
+//!
+//! A field has no closed form in general, so its truth is a march too, but one that shares
+//! nothing with the shader's: plain steps of the value divided by the Lipschitz constant,
+//! until the value is `TOUCH` of the field's extent. A place where the value is that small
+//! counts as a hit only if the line goes into the solid there; a line that leaves the
+//! surface is led away from it by steps of at least [`LEAST_STEP`].
+
+use crate::scene::Field;
+use glam::DVec3;
+
+/// A value that counts as the surface, as a share of the extent.
+const TOUCH: f64 = 1e-12;
+
+/// The shortest step, as a share of the extent: the least that still moves a place whose
+/// coordinates are a thousand extents.
+const LEAST_STEP: f64 = 1e-12;
+
+/// Half the step of difference quotients, as a share of the extent: their error is then
+/// about 1e-10, of rounding and curvature alike.
+const DIFFERENCE: f64 = 1e-5;
+
+/// Steps of one march at the most. A line that grazes a surface takes thousands.
+const STEPS: usize = 200_000;
+
+/// How many extents away a line is given up.
+const FAR: f64 = 1e6;
+
+/// A field with what its march needs.
+#[derive(Clone, Debug)]
+pub(super) struct MarchedField {
+    field: Field,
+    inverse_lipschitz: f64,
+    extent: f64,
+    convex: bool,
+}
+
+impl MarchedField {
+    pub fn new(field: &Field) -> MarchedField {
+        let properties = field.properties();
+        let bounds = properties.bounds;
+        let extent = if bounds.is_finite() && !bounds.is_empty() {
+            bounds.min.abs().max(bounds.max.abs()).max_element()
+        } else {
+            let nodes = field.nodes().into_iter();
+            let numbers = nodes.flat_map(|node| node.shader_numbers());
+            let finite = numbers.filter(|number| number.abs() < 1e9);
+            finite.fold(1.0, |most: f64, number| most.max(number.abs()))
+        };
+        MarchedField {
+            field: field.clone(),
+            inverse_lipschitz: 1.0 / properties.lipschitz,
+            extent,
+            convex: properties.convex,
+        }
+    }
+
+    /// Whether a wave that leaves it cannot meet it next.
+    pub fn is_convex(&self) -> bool {
+        self.convex
+    }
+
+    /// The largest coordinate that belongs to it, in metres.
+    pub fn extent(&self) -> f64 {
+        self.extent
+    }
+
+    /// Never more than the distance, in metres.
+    pub fn distance(&self, p: DVec3) -> f64 {
+        self.field.value(p) * self.inverse_lipschitz
+    }
+
+    /// Metres along the unit vector `d` from `o`, which is in the air or on the surface.
+    pub fn meet(&self, o: DVec3, d: DVec3) -> Option<f64> {
+        let touch = TOUCH * self.extent.max(o.abs().max_element());
+        let least = LEAST_STEP * self.extent.max(o.abs().max_element());
+        let mut t = 0.0;
+        for _ in 0..STEPS {
+            let p = o + t * d;
+            let distance = self.distance(p);
+            if distance <= touch {
+                if self.goes_in(p, d) {
+                    return Some(t);
+                }
+                t += distance.abs().max(least);
+            } else {
+                t += distance;
+            }
+            if t > FAR * self.extent {
+                return None;
+            }
+        }
+        None
+    }
+
+    fn goes_in(&self, p: DVec3, d: DVec3) -> bool {
+        self.gradient(p).dot(d) < 0.0
+    }
+
+    fn gradient(&self, p: DVec3) -> DVec3 {
+        let step = DIFFERENCE * self.extent;
+        let along = |axis: DVec3| {
+            let growth = self.distance(p + axis * step) - self.distance(p - axis * step);
+            growth / (2.0 * step)
+        };
+        DVec3::new(along(DVec3::X), along(DVec3::Y), along(DVec3::Z))
+    }
+
+    /// A place next to the surface, set onto it, and the unit normal there.
+    pub fn land(&self, p: DVec3, d: DVec3) -> (DVec3, DVec3) {
+        let gradient = self.gradient(p);
+        let squared = gradient.length_squared();
+        if squared == 0.0 {
+            return (p, -d);
+        }
+        let point = p - gradient * (self.distance(p) / squared);
+        (point, self.gradient(point).normalize_or(-d))
+    }
+}

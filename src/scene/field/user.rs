@@ -1,0 +1,230 @@
+//! A field of one's own: GLSL text with a `float field(vec3 p)` in it.
+//!
+//! Only a GPU can evaluate it. What the CPU needs to know (whether the source is buried,
+//! where a walker may go) it has from samples, which are taken once on the GPU when the
+//! field is checked; see `crate::trace`.
+
+use glam::{DVec3, Vec3};
+use std::path::PathBuf;
+use std::sync::OnceLock;
+
+/// A user's field, and what is promised of it.
+#[derive(Debug)]
+pub struct UserField {
+    /// The file that the text came from, or what reports call it.
+    pub file: PathBuf,
+    /// GLSL with a `float field(vec3 p)`; helpers, constants and macros beside it are fine.
+    pub text: String,
+    /// Full size in metres of the box about the origin that it fills: it is cut off there,
+    /// and never evaluated beyond.
+    pub size: Vec3,
+    /// How fast its value may grow at the most, in metres a metre.
+    pub lipschitz: f32,
+    samples: OnceLock<UserSamples>,
+}
+
+/// The values of a field on a grid over its box, edges included.
+#[derive(Clone, Debug, PartialEq)]
+pub struct UserSamples {
+    /// Samples along each side.
+    pub side: usize,
+    /// The values: x runs fastest, then y, then z.
+    pub values: Vec<f32>,
+}
+
+impl UserField {
+    /// A field from text; `file` is what reports call it.
+    pub fn new(file: impl Into<PathBuf>, text: String, size: Vec3, lipschitz: f32) -> UserField {
+        UserField {
+            file: file.into(),
+            text,
+            size,
+            lipschitz,
+            samples: OnceLock::new(),
+        }
+    }
+
+    /// Keeps what the GPU answered; the first answer stays.
+    pub fn set_samples(&self, samples: UserSamples) {
+        // The same text over the same box has the same samples.
+        let _ = self.samples.set(samples);
+    }
+
+    /// What the GPU answered, once it was asked.
+    pub fn samples(&self) -> Option<&UserSamples> {
+        self.samples.get()
+    }
+
+    /// The value as the samples have it (trilinear), held at the box; 0 before there are any.
+    pub fn value(&self, point: DVec3) -> f64 {
+        let Some(samples) = self.samples.get() else {
+            return 0.0;
+        };
+        let share = point / self.size.as_dvec3() + 0.5;
+        samples.at(share)
+    }
+
+    /// The names that the text defines outside of functions: they are renamed when it is
+    /// taken into a shader, so that two fields never clash.
+    pub fn names(&self) -> Vec<String> {
+        global_names(&self.text)
+    }
+}
+
+impl PartialEq for UserField {
+    fn eq(&self, other: &UserField) -> bool {
+        let same = |a: &UserField, b: &UserField| {
+            a.text == b.text && a.size == b.size && a.lipschitz == b.lipschitz
+        };
+        same(self, other) && self.file == other.file
+    }
+}
+
+impl UserSamples {
+    /// Trilinear value at 0 to 1 along each side, held at the edges.
+    fn at(&self, share: DVec3) -> f64 {
+        let last = (self.side - 1) as f64;
+        let place = (share * last).clamp(DVec3::ZERO, DVec3::splat(last));
+        let cell = place.floor().min(DVec3::splat(last - 1.0));
+        let within = place - cell;
+        let [x, y, z] = cell.to_array().map(|c| c as usize);
+        let mut value = 0.0;
+        for corner in 0..8 {
+            let bit = |axis: usize| (corner >> axis) & 1;
+            let weight = |axis: usize| {
+                if bit(axis) == 1 {
+                    within[axis]
+                } else {
+                    1.0 - within[axis]
+                }
+            };
+            let index = ((z + bit(2)) * self.side + y + bit(1)) * self.side + x + bit(0);
+            value += weight(0) * weight(1) * weight(2) * f64::from(self.values[index]);
+        }
+        value
+    }
+}
+
+/// Whether a piece of text is one GLSL identifier.
+fn is_identifier(word: &str) -> bool {
+    let mut characters = word.chars();
+    let starts = characters
+        .next()
+        .is_some_and(|c| c.is_ascii_alphabetic() || c == '_');
+    starts && characters.all(|c| c.is_ascii_alphanumeric() || c == '_')
+}
+
+/// Names of functions, structures, constants and macros at the outermost level.
+///
+/// A light reading, not a parser: comments are passed over; outside of braces and
+/// parentheses, a word that follows a word and is followed by `(`, `=`, `;`, `[`, `,` or
+/// `{` is a definition.
+fn global_names(text: &str) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    let mut keep = |name: &str| {
+        if is_identifier(name) && !names.iter().any(|n| n == name) {
+            names.push(name.to_owned());
+        }
+    };
+    let mut code = String::new();
+    for line in without_comments(text).lines() {
+        let Some(directive) = line.trim_start().strip_prefix('#') else {
+            code.push_str(line);
+            code.push('\n');
+            continue;
+        };
+        if let Some(macro_name) = directive.trim_start().strip_prefix("define") {
+            let word: String = macro_name
+                .trim_start()
+                .chars()
+                .take_while(|c| c.is_ascii_alphanumeric() || *c == '_')
+                .collect();
+            keep(&word);
+        }
+    }
+    let mut depth = 0i32;
+    let mut before = String::new();
+    let tokens = tokens(&code);
+    for (index, token) in tokens.iter().enumerate() {
+        match token.as_str() {
+            "{" | "(" => depth += 1,
+            "}" | ")" => depth -= 1,
+            word if depth == 0 && is_identifier(word) => {
+                let next = tokens.get(index + 1).map_or("", String::as_str);
+                let after_type = is_identifier(&before) && before != "return";
+                if after_type && matches!(next, "(" | "=" | ";" | "[" | "," | "{") {
+                    keep(word);
+                }
+            }
+            _ => (),
+        }
+        before.clone_from(token);
+    }
+    names
+}
+
+fn tokens(code: &str) -> Vec<String> {
+    let mut all = Vec::new();
+    let mut word = String::new();
+    for character in code.chars() {
+        if character.is_ascii_alphanumeric() || character == '_' || character == '.' {
+            word.push(character);
+            continue;
+        }
+        if !word.is_empty() {
+            all.push(std::mem::take(&mut word));
+        }
+        if !character.is_whitespace() {
+            all.push(character.to_string());
+        }
+    }
+    all.push(word);
+    all
+}
+
+/// The text with comments blanked, line breaks kept.
+fn without_comments(text: &str) -> String {
+    let mut out = String::new();
+    let mut rest = text;
+    while let Some(start) = rest.find("//").into_iter().chain(rest.find("/*")).min() {
+        out.push_str(&rest[..start]);
+        let is_line = rest[start..].starts_with("//");
+        let end = if is_line { "\n" } else { "*/" };
+        let body = &rest[start + 2..];
+        let length = body.find(end).map_or(body.len(), |at| at);
+        out.extend(body[..length].chars().filter(|c| *c == '\n'));
+        rest = &body[length..];
+        if !is_line {
+            rest = rest.strip_prefix("*/").unwrap_or("");
+        }
+    }
+    out.push_str(rest);
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects the renaming: all that a text defines is found, and nothing else.
+    #[test]
+    fn the_names_that_a_text_defines_are_found() {
+        let text = "// float not(vec3 p)\n#define PI 3.14\nconst float A = 1.0, B[2];\n\
+            struct Ray { vec3 o; };\nmat2 rot(float a) { float c = cos(a); return mat2(c); }\n\
+            /* vec3\n no(); */ float field(vec3 p) { return length(p) - A; }\n";
+        assert_eq!(global_names(text), ["PI", "A", "Ray", "rot", "field"]);
+    }
+
+    /// Protects the CPU's idea of a field: the samples, interpolated.
+    #[test]
+    fn samples_are_interpolated() {
+        let size = Vec3::new(2.0, 4.0, 8.0);
+        let field = UserField::new("x", String::new(), size, 1.0);
+        assert_eq!(field.value(DVec3::ZERO), 0.0);
+        let values = (0..8).map(|i| [0.0, 1.0][i & 1]).collect();
+        field.set_samples(UserSamples { side: 2, values });
+        assert_eq!(field.value(DVec3::ZERO), 0.5);
+        assert_eq!(field.value(DVec3::X * 5.0), 1.0);
+        assert_eq!(field.value(DVec3::new(-0.5, 2.0, 1.0)), 0.25);
+    }
+}

@@ -1,0 +1,306 @@
+//! The files under `glsl/` that the text of fields calls, each once, callees first.
+
+use super::Assets;
+use crate::scene::glsl::{Source, source};
+use crate::scene::{Field, Node, UserField};
+use std::borrow::Cow;
+use std::fmt::Write;
+
+/// What the fields' values need, and their gradients if these are asked for.
+pub(in crate::scene::glsl) fn field_files<'a>(
+    fields: impl IntoIterator<Item = &'a Field>,
+    gradients: bool,
+    assets: &Assets,
+) -> Vec<Source> {
+    let mut files = Files::default();
+    for field in fields {
+        for node in field.nodes() {
+            files.shape(&node.node, gradients);
+            files.operator(node, gradients);
+        }
+    }
+    for (index, user) in assets.users.iter().enumerate() {
+        files.user(user, index, gradients);
+    }
+    files.0
+}
+
+#[derive(Default)]
+struct Files(Vec<Source>);
+
+impl Files {
+    fn take(&mut self, sources: impl IntoIterator<Item = Source>) {
+        for source in sources {
+            if !self.0.contains(&source) {
+                self.0.push(source);
+            }
+        }
+    }
+
+    fn shape(&mut self, node: &Node, gradients: bool) {
+        let Some(files) = shape_files(node) else {
+            return;
+        };
+        self.take(files.values);
+        if gradients {
+            self.take(files.gradients);
+        }
+    }
+
+    fn operator(&mut self, field: &Field, gradients: bool) {
+        let (values, duals) = operator_files(field);
+        self.take(values);
+        if gradients {
+            self.take(duals);
+        }
+    }
+
+    /// The user's own text, between what renames its names and what calls it.
+    fn user(&mut self, user: &UserField, index: usize, gradients: bool) {
+        self.take([source!("distance/box.glsl")]);
+        if gradients {
+            self.take([source!("gradient/box.glsl")]);
+        }
+        let mut names = user.names();
+        if !names.iter().any(|name| name == "field") {
+            names.push("field".to_owned());
+        }
+        let shown = user.file.display().to_string();
+        let mut before = String::new();
+        let mut after = String::new();
+        for name in &names {
+            let _ = writeln!(before, "#define {name} user{index}_{name}");
+            let _ = writeln!(after, "#undef {name}");
+        }
+        // What the text itself defines as a macro needs no other name.
+        let macros = defined_macros(&user.text);
+        before = before
+            .lines()
+            .filter(|line| !macros.iter().any(|m| line.split(' ').nth(1) == Some(m)))
+            .fold(String::new(), |all, line| all + line + "\n");
+        after += &user_functions(index, gradients);
+        self.0
+            .push((Cow::Owned(format!("names of {shown}")), Cow::Owned(before)));
+        self.0.push((
+            Cow::Owned(shown.clone()),
+            Cow::Owned(user.text.clone() + "\n"),
+        ));
+        self.0
+            .push((Cow::Owned(format!("use of {shown}")), Cow::Owned(after)));
+    }
+}
+
+fn defined_macros(text: &str) -> Vec<&str> {
+    let definitions = text.lines().filter_map(|line| {
+        let directive = line.trim_start().strip_prefix('#')?.trim_start();
+        let rest = directive.strip_prefix("define")?.trim_start();
+        rest.split(|c: char| !(c.is_ascii_alphanumeric() || c == '_'))
+            .next()
+    });
+    definitions.collect()
+}
+
+fn user_functions(index: usize, gradients: bool) -> String {
+    let mut text = format!(
+        "// The user's field {index}, cut off at its box, and never evaluated beyond.\n\
+         float sdUser{index}(vec3 p, vec3 halfSize, float inverseLipschitz) {{\n    \
+         float inside = user{index}_field(clamp(p, -halfSize, halfSize)) * inverseLipschitz;\n    \
+         return max(inside, sdBox(p, halfSize));\n}}\n"
+    );
+    if gradients {
+        let _ = write!(
+            text,
+            "\n// Its gradient by differences over a tetrahedron: nobody can say it.\n\
+             vec4 gdUser{index}(vec3 p, vec3 halfSize, float inverseLipschitz) {{\n    \
+             float value = sdUser{index}(p, halfSize, inverseLipschitz);\n    \
+             float outside = sdBox(p, halfSize);\n    \
+             if (outside >= value) {{\n        \
+             return vec4(gradientBox(p, halfSize), outside);\n    }}\n    \
+             // A step of 2^-12 of the size: rounding and curvature weigh about the same.\n    \
+             float step_ = 4.8828125e-4 * max(halfSize.x, max(halfSize.y, halfSize.z));\n    \
+             vec2 e = vec2(step_, -step_);\n    \
+             vec3 growth = e.xyy * sdUser{index}(p + e.xyy, halfSize, inverseLipschitz)\n        \
+             + e.yyx * sdUser{index}(p + e.yyx, halfSize, inverseLipschitz)\n        \
+             + e.yxy * sdUser{index}(p + e.yxy, halfSize, inverseLipschitz)\n        \
+             + e.xxx * sdUser{index}(p + e.xxx, halfSize, inverseLipschitz);\n    \
+             return vec4(growth / (4.0 * step_ * step_), value);\n}}\n"
+        );
+    }
+    text
+}
+
+struct ShapeFiles {
+    values: Vec<Source>,
+    gradients: Vec<Source>,
+}
+
+fn shape_files(node: &Node) -> Option<ShapeFiles> {
+    let (values, gradients) = match node {
+        Node::Plane => (
+            vec![source!("distance/plane.glsl")],
+            vec![source!("dual/plane.glsl")],
+        ),
+        Node::HalfSpace { .. } => (
+            vec![source!("distance/half_space.glsl")],
+            vec![source!("dual/half_space.glsl")],
+        ),
+        Node::Box { .. } => (
+            vec![source!("distance/box.glsl")],
+            vec![source!("gradient/box.glsl"), source!("dual/box.glsl")],
+        ),
+        Node::Room { .. } => (
+            vec![source!("distance/room.glsl")],
+            vec![source!("dual/room.glsl")],
+        ),
+        Node::RoundedBox { .. } => (
+            vec![
+                source!("distance/box.glsl"),
+                source!("distance/rounded_box.glsl"),
+            ],
+            vec![
+                source!("gradient/box.glsl"),
+                source!("dual/rounded_box.glsl"),
+            ],
+        ),
+        Node::Sphere { .. } => (
+            vec![source!("distance/sphere.glsl")],
+            vec![source!("dual/sphere.glsl")],
+        ),
+        Node::Cylinder { .. } => (
+            vec![source!("distance/cylinder.glsl")],
+            vec![source!("dual/cylinder.glsl")],
+        ),
+        Node::CappedCylinder { .. } => (
+            vec![
+                source!("distance/corner.glsl"),
+                source!("distance/capped_cylinder.glsl"),
+            ],
+            vec![
+                source!("dual/corner.glsl"),
+                source!("dual/capped_cylinder.glsl"),
+            ],
+        ),
+        Node::Capsule { .. } => (
+            vec![source!("distance/capsule.glsl")],
+            vec![source!("dual/capsule.glsl")],
+        ),
+        Node::Torus { .. } => (
+            vec![source!("distance/torus.glsl")],
+            vec![source!("dual/torus.glsl")],
+        ),
+        Node::Cone { .. } => (
+            vec![
+                source!("distance/segment.glsl"),
+                source!("distance/cone.glsl"),
+            ],
+            vec![source!("dual/cone.glsl")],
+        ),
+        Node::Prism { .. } => (
+            vec![
+                source!("distance/corner.glsl"),
+                source!("distance/segment.glsl"),
+                source!("distance/prism.glsl"),
+            ],
+            vec![source!("dual/corner.glsl"), source!("dual/prism.glsl")],
+        ),
+        Node::HeightField { .. } => (
+            vec![
+                source!("scene_data.glsl"),
+                source!("distance/box.glsl"),
+                source!("distance/height_field.glsl"),
+            ],
+            vec![
+                source!("gradient/box.glsl"),
+                source!("dual/height_field.glsl"),
+            ],
+        ),
+        _ => return quadric_files(node),
+    };
+    Some(ShapeFiles { values, gradients })
+}
+
+fn quadric_files(node: &Node) -> Option<ShapeFiles> {
+    let (value, gradient) = match node {
+        Node::Ellipsoid { .. } => (
+            source!("distance/ellipsoid.glsl"),
+            source!("dual/ellipsoid.glsl"),
+        ),
+        Node::Paraboloid { .. } => (
+            source!("distance/paraboloid.glsl"),
+            source!("dual/paraboloid.glsl"),
+        ),
+        Node::Hyperboloid { .. } => (
+            source!("distance/hyperboloid.glsl"),
+            source!("dual/hyperboloid.glsl"),
+        ),
+        Node::Quadric { .. } => (
+            source!("distance/quadric.glsl"),
+            source!("dual/quadric.glsl"),
+        ),
+        _ => return None,
+    };
+    Some(ShapeFiles {
+        values: vec![source!("distance/quadric_distance.glsl"), value],
+        gradients: vec![source!("dual/quadric_distance.glsl"), gradient],
+    })
+}
+
+/// For values, and for gradients beside these.
+fn operator_files(field: &Field) -> (Vec<Source>, Vec<Source>) {
+    let several = field.of.len() > 1;
+    match &field.node {
+        Node::Union if several => (
+            vec![source!("operator/union.glsl")],
+            vec![source!("dual/op_union.glsl")],
+        ),
+        Node::Intersection if several => (
+            vec![source!("operator/intersection.glsl")],
+            vec![source!("dual/op_intersection.glsl")],
+        ),
+        Node::Difference => (
+            vec![source!("operator/difference.glsl")],
+            vec![source!("dual/op_difference.glsl")],
+        ),
+        Node::SmoothUnion { .. } if several => (
+            vec![source!("operator/smooth_union.glsl")],
+            vec![source!("dual/op_smooth_union.glsl")],
+        ),
+        Node::Morph { .. } => (
+            vec![source!("operator/morph.glsl")],
+            vec![source!("dual/op_morph.glsl")],
+        ),
+        Node::Shell { .. } => (
+            vec![source!("operator/shell.glsl")],
+            vec![source!("dual/op_shell.glsl")],
+        ),
+        Node::Offset { .. } => (
+            vec![source!("operator/offset.glsl")],
+            vec![source!("dual/op_offset.glsl")],
+        ),
+        Node::Repeat { .. } => {
+            let copies = field.copies().unwrap_or([crate::scene::Copies::Own; 3]);
+            let mut files = vec![source!("operator/repeat.glsl")];
+            let mut duals = Vec::new();
+            if copies.iter().any(|c| c.count() > 1) {
+                files.push(source!("operator/union.glsl"));
+                duals.push(source!("dual/op_union.glsl"));
+            }
+            (files, duals)
+        }
+        Node::Twist { .. } => (
+            vec![
+                source!("operator/turning.glsl"),
+                source!("operator/twist.glsl"),
+            ],
+            vec![source!("dual/op_twist.glsl")],
+        ),
+        Node::Bend { .. } => (
+            vec![
+                source!("operator/turning.glsl"),
+                source!("operator/bend.glsl"),
+            ],
+            vec![source!("dual/op_bend.glsl")],
+        ),
+        _ => (Vec::new(), Vec::new()),
+    }
+}

@@ -1,0 +1,172 @@
+//! Where a line meets a field, for those that have a closed form.
+//!
+//! A quadric's value along a line, A t² + 2 B t + C, goes from air to solid at no more than
+//! one place: where its growth 2 (A t + B) is negative, t = (−B − √(B² − A C)) / A. That one
+//! formula serves outside and inside, convex or not, and never finds the place that a wave
+//! leaves. Moving, turning and scaling carry the line along; a union is met at the nearest.
+
+use super::Assets;
+use super::Writer;
+use super::text::arguments;
+use crate::scene::glsl::{Source, source};
+use crate::scene::{Field, Node};
+
+/// Whether [`hit_text`] can be written for it.
+pub(in crate::scene::glsl) fn has_closed_form(field: &Field) -> bool {
+    match &field.node {
+        Node::Translate { .. } | Node::Rotate { .. } | Node::Scale { .. } => {
+            has_closed_form(&field.of[0])
+        }
+        Node::Union => field.of.iter().all(has_closed_form),
+        Node::Complement => inside_out(&field.of[0]).is_some(),
+        node => field.of.is_empty() && hit_files(node).is_some(),
+    }
+}
+
+/// The field whose complement has a closed form, seen through moves.
+fn inside_out(field: &Field) -> Option<&'static str> {
+    match &field.node {
+        Node::Translate { .. } | Node::Rotate { .. } | Node::Scale { .. } => {
+            inside_out(&field.of[0])
+        }
+        Node::Ellipsoid { .. } => Some("Ellipsoid"),
+        Node::Paraboloid { .. } => Some("Paraboloid"),
+        Node::Hyperboloid { .. } => Some("Hyperboloid"),
+        Node::Quadric { .. } => Some("Quadric"),
+        Node::Box { .. } => Some("Room"),
+        _ => None,
+    }
+}
+
+/// `float hit<number>(vec3 p, vec3 d, float slack)`: metres along the unit vector d from p,
+/// which is in the air, or NO_HIT. `slack` is what rounding may do to p.
+pub(in crate::scene::glsl) fn hit_text(
+    field: &Field,
+    number: usize,
+    moving: &[bool],
+    first: usize,
+    assets: &Assets,
+) -> String {
+    let mut writer = Writer::new(number, moving, first, assets);
+    let result = writer.hit(field, "p", "d", false);
+    format!(
+        "float hit{number}(vec3 p, vec3 d, float slack) {{\n{}    return {result};\n}}\n\n",
+        writer.body
+    )
+}
+
+impl Writer<'_> {
+    fn hit(&mut self, field: &Field, p: &str, d: &str, inside_out: bool) -> String {
+        let n = self.numbers.next(field);
+        match &field.node {
+            Node::Translate { .. } => {
+                let q = self.point(&format!("{p} - vec3({}, {}, {})", n[0], n[1], n[2]));
+                self.hit(&field.of[0], &q, d, inside_out)
+            }
+            Node::Rotate { .. } => {
+                let turn = format!("mat3({})", n.join(", "));
+                let q = self.point(&format!("{turn} * {p}"));
+                let e = self.point(&format!("{turn} * {d}"));
+                self.hit(&field.of[0], &q, &e, inside_out)
+            }
+            Node::Scale { .. } => {
+                let q = self.point(&format!("{p} / {}", n[0]));
+                let t = self.hit(&field.of[0], &q, d, inside_out);
+                self.length(&format!("{t} < NO_HIT ? {t} * {} : NO_HIT", n[0]))
+            }
+            Node::Complement => self.hit(&field.of[0], p, d, true),
+            Node::Union => {
+                let mut nearest = self.hit(&field.of[0], p, d, inside_out);
+                for child in &field.of[1..] {
+                    let other = self.hit(child, p, d, inside_out);
+                    nearest = self.length(&format!("min({nearest}, {other})"));
+                }
+                nearest
+            }
+            node => self.hit_shape(node, p, d, &n, inside_out),
+        }
+    }
+
+    fn hit_shape(&mut self, node: &Node, p: &str, d: &str, n: &[String], out: bool) -> String {
+        let quadric = matches!(
+            node,
+            Node::Ellipsoid { .. }
+                | Node::Paraboloid { .. }
+                | Node::Hyperboloid { .. }
+                | Node::Quadric { .. }
+        );
+        if quadric {
+            let sign = if out { "-1.0" } else { "1.0" };
+            let name = node.name();
+            let arguments = arguments(node, &n[..n.len() - 1]);
+            return self.length(&format!("hit{name}({p}, {d}, {sign}{arguments})"));
+        }
+        match node {
+            Node::Box { .. } if out => {
+                self.length(&format!("hitRoom({p}, {d}{})", arguments(node, n)))
+            }
+            Node::Box { .. } => {
+                self.length(&format!("hitBox({p}, {d}, vec4({}, slack))", n.join(", ")))
+            }
+            Node::Plane | Node::Room { .. } | Node::Sphere { .. } | Node::Cylinder { .. } => {
+                let name = node.name();
+                self.length(&format!("hit{name}({p}, {d}{})", arguments(node, n)))
+            }
+            _ => {
+                let name = node.name();
+                self.length(&format!("hit{name}({p}, {d}{}, slack)", arguments(node, n)))
+            }
+        }
+    }
+
+    fn length(&mut self, expression: &str) -> String {
+        let name = self.name("t");
+        self.line(&format!("float {name} = {expression};"));
+        name
+    }
+}
+
+/// The files of all hits in a field that has a closed form.
+pub(in crate::scene::glsl) fn files_of_hits(field: &Field) -> Vec<Source> {
+    let mut files = Vec::new();
+    for node in field.nodes() {
+        files.extend(hit_files(&node.node).unwrap_or_default());
+        if node.node == Node::Complement && inside_out(&node.of[0]) == Some("Room") {
+            files.extend([source!("hit/safe_inverse.glsl"), source!("hit/room.glsl")]);
+        }
+    }
+    files
+}
+
+fn hit_files(node: &Node) -> Option<Vec<Source>> {
+    let quadric = |file| Some(vec![source!("hit/quadric_line.glsl"), file]);
+    match node {
+        Node::Plane => Some(vec![source!("hit/plane.glsl")]),
+        Node::HalfSpace { .. } => Some(vec![source!("hit/half_space.glsl")]),
+        Node::Box { .. } => Some(vec![
+            source!("hit/safe_inverse.glsl"),
+            source!("hit/box.glsl"),
+        ]),
+        Node::Room { .. } => Some(vec![
+            source!("hit/safe_inverse.glsl"),
+            source!("hit/room.glsl"),
+        ]),
+        Node::Sphere { .. } => Some(vec![source!("hit/sphere.glsl")]),
+        Node::Cylinder { .. } => Some(vec![source!("hit/cylinder.glsl")]),
+        Node::CappedCylinder { .. } => Some(vec![
+            source!("hit/chord.glsl"),
+            source!("hit/capped_cylinder.glsl"),
+        ]),
+        Node::Capsule { .. } => Some(vec![source!("hit/capsule.glsl")]),
+        Node::Cone { .. } => Some(vec![
+            source!("hit/quadric_line.glsl"),
+            source!("hit/cone.glsl"),
+        ]),
+        Node::Prism { .. } => Some(vec![source!("hit/chord.glsl"), source!("hit/prism.glsl")]),
+        Node::Ellipsoid { .. } => quadric(source!("hit/ellipsoid.glsl")),
+        Node::Paraboloid { .. } => quadric(source!("hit/paraboloid.glsl")),
+        Node::Hyperboloid { .. } => quadric(source!("hit/hyperboloid.glsl")),
+        Node::Quadric { .. } => quadric(source!("hit/quadric.glsl")),
+        _ => None,
+    }
+}

@@ -1,0 +1,87 @@
+//! A field as shader text: its value, its gradient, and where a line meets it.
+//!
+//! Each tree becomes straight-line code, one statement a node, in functions that are named
+//! after the surface's number: `field3(p)`, `gradient3(p)` (the gradient, and in its last
+//! component the value) and, where there is a closed form, `hit3(p, d, slack)`. Value and
+//! gradient are the same text over two types: `float`, and `vec4` for a value with its
+//! gradient, which the operators take along (forward differentiation).
+//!
+//! Numbers are literals. Those of a node that something moves are uniforms instead, all of
+//! them at once, because several follow from one parameter (a rotation's nine).
+
+mod files;
+mod hit;
+mod numbers;
+mod signature;
+mod text;
+
+pub(super) use files::field_files;
+pub(super) use hit::{files_of_hits, has_closed_form, hit_text};
+pub(super) use numbers::moving_values;
+pub(super) use signature::{Signature, signature};
+pub(super) use text::{gradient_text, value_text};
+
+use crate::scene::Field;
+use numbers::Numbers;
+
+/// What the text of one field is written with.
+pub(super) struct Writer<'a> {
+    numbers: Numbers<'a>,
+    /// The surface's number: what its functions are called after.
+    number: usize,
+    /// Where each height image and user's field of the scene lies.
+    assets: &'a Assets,
+    next_name: usize,
+    /// Functions that the one being written calls.
+    functions: String,
+    body: String,
+}
+
+/// Things of a scene that its text refers to by number, each once.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Assets {
+    /// Index of the first height of each image in the scene's data.
+    pub images: Vec<(std::sync::Arc<crate::scene::HeightImage>, usize)>,
+    /// Users' fields, numbered by their place.
+    pub users: Vec<std::sync::Arc<crate::scene::UserField>>,
+}
+
+impl Assets {
+    /// Takes in those of one more field.
+    pub fn add(&mut self, field: &Field) {
+        use crate::scene::Node;
+        use std::sync::Arc;
+        for node in field.nodes() {
+            match &node.node {
+                Node::HeightField { image, .. } => {
+                    if self.image(image).is_none() {
+                        let first = self.data_length();
+                        self.images.push((Arc::clone(image), first));
+                    }
+                }
+                Node::User { field } => {
+                    if self.user(field).is_none() {
+                        self.users.push(Arc::clone(field));
+                    }
+                }
+                _ => (),
+            }
+        }
+    }
+
+    /// Vectors of scene data that the images take.
+    pub fn data_length(&self) -> usize {
+        self.images
+            .last()
+            .map_or(0, |(image, first)| first + image.heights().len())
+    }
+
+    fn image(&self, image: &crate::scene::HeightImage) -> Option<usize> {
+        let known = self.images.iter().find(|(known, _)| **known == *image);
+        known.map(|(_, first)| *first)
+    }
+
+    fn user(&self, field: &crate::scene::UserField) -> Option<usize> {
+        self.users.iter().position(|known| **known == *field)
+    }
+}

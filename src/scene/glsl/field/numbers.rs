@@ -1,0 +1,82 @@
+//! Where the numbers of a field stand: in the text, or in `uSurfaces`.
+
+use crate::scene::{Field, Surface};
+
+/// The numbers of a tree, node by node in the order of [`Field::nodes`].
+pub(super) struct Numbers<'a> {
+    /// Nodes whose numbers move, by their place in that order.
+    moving: &'a [bool],
+    /// The vector of `uSurfaces` that the first moving number lies in.
+    first: usize,
+    /// Moving numbers so far.
+    taken: usize,
+    node: usize,
+}
+
+impl<'a> Numbers<'a> {
+    pub fn new(moving: &'a [bool], first: usize) -> Numbers<'a> {
+        Numbers {
+            moving,
+            first,
+            taken: 0,
+            node: 0,
+        }
+    }
+
+    /// The next node's numbers as expressions.
+    pub fn next(&mut self, field: &Field) -> Vec<String> {
+        let moves = self.moving.get(self.node).copied().unwrap_or(false);
+        self.node += 1;
+        let numbers = field.shader_numbers();
+        if !moves {
+            return numbers.into_iter().map(literal).collect();
+        }
+        let taken = numbers.iter().map(|_| self.take());
+        taken.collect()
+    }
+
+    /// What the whole value is divided by, or nothing where that is 1.
+    pub fn lipschitz(&mut self, field: &Field) -> Option<String> {
+        let lipschitz = field.properties().lipschitz;
+        if self.moving.contains(&true) && divides(field) {
+            return Some(self.take());
+        }
+        (lipschitz > 1.0).then(|| literal(1.0 / lipschitz))
+    }
+
+    fn take(&mut self) -> String {
+        let (vector, component) = (self.first + self.taken / 4, self.taken % 4);
+        self.taken += 1;
+        format!("uSurfaces[{vector}].{}", ["x", "y", "z", "w"][component])
+    }
+}
+
+/// Whether a node of it may make its value grow faster than the distance.
+fn divides(field: &Field) -> bool {
+    use crate::scene::Node;
+    let turns = |f: &&Field| matches!(f.node, Node::Twist { .. } | Node::Bend { .. });
+    field.nodes().iter().any(turns)
+}
+
+/// The numbers that move, as they stand: what [`Numbers`] refers to, in its order.
+pub(in crate::scene::glsl) fn moving_values(surface: &Surface, field: &Field) -> Vec<f32> {
+    let moving = surface.moving_nodes(field);
+    let nodes = field.nodes();
+    let of_moving = nodes.iter().zip(&moving).filter(|(_, moves)| **moves);
+    let mut values: Vec<f32> = of_moving
+        .flat_map(|(node, _)| node.shader_numbers())
+        .map(|number| number as f32)
+        .collect();
+    if moving.contains(&true) && divides(field) {
+        values.push((1.0 / field.properties().lipschitz) as f32);
+    }
+    values
+}
+
+/// A number as GLSL reads it back to the same bits.
+pub(super) fn literal(number: f64) -> String {
+    let number = number as f32;
+    // An endless size stands for itself within what GLSL can write.
+    let held = number.clamp(-1e30, 1e30);
+    format!("{held:?}")
+}

@@ -1,0 +1,91 @@
+//! What the text of a field depends on.
+
+use crate::scene::{Field, HeightImage, Node, Surface, UserField};
+use std::hash::{Hash, Hasher};
+use std::sync::Arc;
+
+/// Two fields with the same signature have the same text: the tree, its literals, and which
+/// nodes move.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(in crate::scene::glsl) struct Signature {
+    nodes: Vec<NodeSignature>,
+}
+
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+struct NodeSignature {
+    name: &'static str,
+    operands: usize,
+    choices: [u32; 3],
+    /// Bits of the literals; `None` for a node that moves.
+    literals: Option<Vec<u32>>,
+    asset: Option<Asset>,
+}
+
+/// A large thing that the text depends on.
+#[derive(Clone, Debug)]
+enum Asset {
+    Image(Arc<HeightImage>),
+    User(Arc<UserField>),
+}
+
+/// See [`Signature`].
+pub(in crate::scene::glsl) fn signature(surface: &Surface, field: &Field) -> Signature {
+    let moving = surface.moving_nodes(field);
+    let nodes = field.nodes().into_iter().zip(moving);
+    Signature {
+        nodes: nodes.map(|(node, moves)| of_node(node, moves)).collect(),
+    }
+}
+
+fn of_node(field: &Field, moves: bool) -> NodeSignature {
+    let bits = |numbers: Vec<f64>| {
+        let literals = numbers.into_iter().map(|number| (number as f32).to_bits());
+        literals.collect()
+    };
+    NodeSignature {
+        name: field.node.name(),
+        operands: field.of.len(),
+        choices: choices(field),
+        literals: (!moves).then(|| bits(field.shader_numbers())),
+        asset: match &field.node {
+            Node::HeightField { image, .. } => Some(Asset::Image(Arc::clone(image))),
+            Node::User { field } => Some(Asset::User(Arc::clone(field))),
+            _ => None,
+        },
+    }
+}
+
+/// What is no number, and yet in the text.
+fn choices(field: &Field) -> [u32; 3] {
+    match &field.node {
+        Node::Mirror { axes } => axes.map(u32::from),
+        Node::Hyperboloid { two_sheets, .. } => [u32::from(*two_sheets), 0, 0],
+        Node::Repeat { count, .. } => {
+            let copies = field.copies().unwrap_or([crate::scene::Copies::None; 3]);
+            // Counts are below 2^24, copies at most 64.
+            [0, 1, 2].map(|axis| (count[axis] << 8) | copies[axis].count())
+        }
+        _ => [0; 3],
+    }
+}
+
+impl PartialEq for Asset {
+    fn eq(&self, other: &Asset) -> bool {
+        match (self, other) {
+            (Asset::Image(a), Asset::Image(b)) => Arc::ptr_eq(a, b) || a == b,
+            (Asset::User(a), Asset::User(b)) => Arc::ptr_eq(a, b) || a == b,
+            _ => false,
+        }
+    }
+}
+
+impl Eq for Asset {}
+
+impl Hash for Asset {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        match self {
+            Asset::Image(image) => image.size().hash(state),
+            Asset::User(user) => user.text.hash(state),
+        }
+    }
+}

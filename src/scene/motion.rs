@@ -1,0 +1,240 @@
+//! What moves a number of a surface: key frames in time, or a named value from the API.
+//!
+//! The numbers themselves stay where they are, plain and current. A [`Driver`] stands
+//! beside them and says which one it sets, and from what. What is driven is a uniform in
+//! the shader, so that setting it compiles nothing.
+
+use super::{Field, Scene, SceneError, Shape, Surface};
+use glam::{EulerRot, Quat, Vec3};
+
+/// Says where a number of a surface comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Driver {
+    /// The number's name: `position.x`, `rotation.y`, `radius`, `0.by.z` …; see
+    /// [`Surface::parameters_mut`].
+    pub parameter: String,
+    /// What sets it.
+    pub motion: Motion,
+}
+
+/// How a number changes. Lengths are in metres, angles in radians.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Motion {
+    /// Key frames (seconds, value), times strictly increasing: linear between them, held
+    /// before the first and after the last.
+    Keys(Vec<(f64, f32)>),
+    /// Whatever [`Scene::set_value`] says for this name.
+    Named(String),
+}
+
+impl Motion {
+    /// The value at `seconds`; `None` for a named one.
+    fn at(&self, seconds: f64) -> Option<f32> {
+        let Motion::Keys(keys) = self else {
+            return None;
+        };
+        let after = keys.partition_point(|(time, _)| *time <= seconds);
+        let Some(from) = after.checked_sub(1).map(|index| keys[index]) else {
+            return keys.first().map(|(_, value)| *value);
+        };
+        let Some(to) = keys.get(after) else {
+            return Some(from.1);
+        };
+        let share = (seconds - from.0) / (to.0 - from.0);
+        Some(from.1 + (to.1 - from.1) * share as f32)
+    }
+
+    /// Seconds of the last key; 0 for a named value.
+    pub fn duration(&self) -> f64 {
+        match self {
+            Motion::Keys(keys) => keys.last().map_or(0.0, |(time, _)| time.max(0.0)),
+            Motion::Named(_) => 0.0,
+        }
+    }
+}
+
+impl Surface {
+    /// Every number that may be driven, by name: `position.x` …, the shape's own
+    /// (`radius`, `size.x` …), and those of the fields below it ([`Field::parameters_mut`]).
+    /// The rotation's, `rotation.x` … in radians, go by [`Surface::angles`].
+    pub fn parameters_mut(&mut self) -> Vec<(String, &mut f32)> {
+        let Vec3 { x, y, z } = &mut self.position;
+        let mut all = vec![
+            ("position.x".to_owned(), x),
+            ("position.y".to_owned(), y),
+            ("position.z".to_owned(), z),
+        ];
+        let Vec3 { x, y, z } = &mut self.angles;
+        all.extend([
+            ("rotation.x".to_owned(), x),
+            ("rotation.y".to_owned(), y),
+            ("rotation.z".to_owned(), z),
+        ]);
+        all.extend(self.shape.parameters_mut());
+        all
+    }
+
+    /// The same surface with one of its numbers driven.
+    pub fn driven(mut self, parameter: &str, motion: Motion) -> Surface {
+        let parameter = parameter.to_owned();
+        self.turns |= parameter.starts_with("rotation.");
+        self.drivers.push(Driver { parameter, motion });
+        self
+    }
+
+    /// Sets the numbers whose driver answers.
+    fn drive(&mut self, value: impl Fn(&Motion) -> Option<f32>) {
+        let drivers = std::mem::take(&mut self.drivers);
+        let mut turned = false;
+        for driver in &drivers {
+            let Some(value) = value(&driver.motion) else {
+                continue;
+            };
+            turned |= driver.parameter.starts_with("rotation.");
+            let mut parameters = self.parameters_mut();
+            let driven = parameters
+                .iter_mut()
+                .find(|(name, _)| *name == driver.parameter);
+            if let Some((_, number)) = driven {
+                **number = value;
+            }
+        }
+        if turned {
+            let Vec3 { x, y, z } = self.angles;
+            self.rotation = Quat::from_euler(EulerRot::XYZEx, x, y, z);
+        }
+        self.drivers = drivers;
+    }
+
+    /// For each node of the surface's field, in the order of [`Field::nodes`]: whether a
+    /// driver moves one of its numbers.
+    pub(crate) fn moving_nodes(&self, field: &Field) -> Vec<bool> {
+        let mut moving = vec![false; field.nodes().len()];
+        for driver in &self.drivers {
+            if driver.parameter.starts_with("position.")
+                || driver.parameter.starts_with("rotation.")
+            {
+                continue;
+            }
+            mark(field, &driver.parameter, &mut moving);
+        }
+        moving
+    }
+}
+
+/// Marks the node that a parameter's name leads to, and whatever its change changes: the
+/// numbers of a twist or a bend follow from the bounds of what is below.
+fn mark(field: &Field, parameter: &str, moving: &mut [bool]) {
+    let mut node = field;
+    let mut place = 0;
+    let mut rest = parameter;
+    loop {
+        if matches!(
+            node.node,
+            super::Node::Twist { .. } | super::Node::Bend { .. }
+        ) {
+            moving[place] = true;
+        }
+        let step = rest.split_once('.').and_then(|(first, after)| {
+            let index: usize = first.parse().ok()?;
+            Some((index, after))
+        });
+        let Some((index, after)) = step.filter(|(index, _)| *index < node.of.len()) else {
+            break;
+        };
+        let before = node.of[..index].iter().map(|f| f.nodes().len());
+        place += 1 + before.sum::<usize>();
+        node = &node.of[index];
+        rest = after;
+    }
+    moving[place] = true;
+}
+
+impl Shape {
+    /// The shape's numbers by name; see [`Surface::parameters_mut`].
+    pub fn parameters_mut(&mut self) -> Vec<(String, &mut f32)> {
+        match self {
+            Shape::Plane => Vec::new(),
+            Shape::Box { size } | Shape::Room { size } => {
+                let Vec3 { x, y, z } = size;
+                vec![
+                    ("size.x".to_owned(), x),
+                    ("size.y".to_owned(), y),
+                    ("size.z".to_owned(), z),
+                ]
+            }
+            Shape::Sphere { radius } | Shape::Cylinder { radius } => {
+                vec![("radius".to_owned(), radius)]
+            }
+            Shape::Field(field) => field.parameters_mut(),
+        }
+    }
+}
+
+impl Scene {
+    /// Sets a named value wherever the scene uses it: metres, or radians for an angle.
+    ///
+    /// ```
+    /// use echomarch::{Listener, Scene, Shape, Source, Surface, scene::Motion};
+    /// use glam::Vec3;
+    /// let door = Surface::new(Shape::Sphere { radius: 1.0 })
+    ///     .driven("position.x", Motion::Named("door".into()));
+    /// let mut scene = Scene {
+    ///     name: "hall".into(),
+    ///     surfaces: vec![door],
+    ///     source: Source::at(Vec3::Y * 5.0),
+    ///     listener: Listener::at(Vec3::Z * 5.0, 0.5),
+    /// };
+    /// scene.set_value("door", 3.0)?;
+    /// assert_eq!(scene.surfaces[0].position.x, 3.0);
+    /// assert!(scene.set_value("window", 1.0).is_err());
+    /// # Ok::<(), echomarch::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`SceneError::UnknownValue`] when nothing in the scene has that name.
+    pub fn set_value(&mut self, name: &str, value: f32) -> Result<(), SceneError> {
+        let names = self.value_names();
+        if !names.iter().any(|known| known == name) {
+            return Err(SceneError::UnknownValue {
+                scene: self.name.clone(),
+                name: name.to_owned(),
+                known: match names.len() {
+                    0 => "none".to_owned(),
+                    _ => names.join(", "),
+                },
+            });
+        }
+        let named = |motion: &Motion| match motion {
+            Motion::Named(driven) if driven == name => Some(value),
+            _ => None,
+        };
+        for surface in &mut self.surfaces {
+            surface.drive(named);
+        }
+        Ok(())
+    }
+
+    /// The names that [`Scene::set_value`] takes, each once, in alphabetic order.
+    pub fn value_names(&self) -> Vec<String> {
+        let drivers = self.surfaces.iter().flat_map(|s| &s.drivers);
+        let mut names: Vec<String> = drivers
+            .filter_map(|driver| match &driver.motion {
+                Motion::Named(name) => Some(name.clone()),
+                Motion::Keys(_) => None,
+            })
+            .collect();
+        names.sort();
+        names.dedup();
+        names
+    }
+
+    /// Sets what follows key frames to where it is at `seconds`.
+    pub(super) fn drive_to(&mut self, seconds: f64) {
+        for surface in &mut self.surfaces {
+            if !surface.drivers.is_empty() {
+                surface.drive(|motion| motion.at(seconds));
+            }
+        }
+    }
+}
