@@ -16,6 +16,7 @@ mod error;
 mod frame;
 mod panning;
 mod programs;
+mod scene_data;
 mod settings;
 mod sum;
 mod tracer;
@@ -24,6 +25,8 @@ mod waves;
 pub use error::TraceError;
 pub use frame::{Frame, Milliseconds};
 pub use panning::{Counts, Panning};
+#[cfg(feature = "experiment")]
+pub(crate) use scene_data::SceneData;
 pub use settings::{
     Directions, MARCHES_PER_PASS, MAX_FIELD_STEPS, MAX_ITERATIONS, MAX_STEPS, MAX_WAVES, Profile,
     Settings,

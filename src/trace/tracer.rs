@@ -3,6 +3,7 @@
 use super::directions::{random_turn, unit_directions};
 use super::frame::in_milliseconds;
 use super::programs::Programs;
+use super::scene_data::SceneData;
 use super::sum::Sum;
 use super::waves::{STATUS_DEAD, STATUS_STARTED, waves};
 use super::{
@@ -11,10 +12,11 @@ use super::{
 };
 use crate::error::Error;
 use crate::gpu::{
-    Clock, Context, DataTexture, GpuError, PingPong, Program, RenderTarget, Target, Texture,
+    Clock, Context, GpuError, PingPong, Program, RenderTarget, Target, Texture,
     full_screen_pass_rows,
 };
 use crate::scene::Scene;
+use crate::scene::cells::Lists;
 use crate::scene::glsl::{self, Placed, Placement};
 use glam::{Vec3, Vec4};
 use std::rc::Rc;
@@ -40,7 +42,7 @@ pub struct Tracer {
     programs: Programs,
     targets: Option<Targets>,
     contributions: Vec<f32>,
-    scene_data: DataTexture,
+    scene_data: SceneData,
 }
 
 /// The textures for one count of waves.
@@ -77,7 +79,7 @@ impl Tracer {
             programs: Programs::default(),
             targets: None,
             contributions: Vec::new(),
-            scene_data: DataTexture::new(context, glsl::DATA_WIDTH)?,
+            scene_data: SceneData::new(context)?,
         })
     }
 
@@ -198,13 +200,18 @@ impl Tracer {
         {
             targets.sum = Some(Sum::new(&self.context, &mut self.programs, grid)?);
         }
-        self.scene_data.set(&glsl::scene_data(scene))?;
         // What only a first frame pays is over.
         let began = Instant::now();
+        let placed = placement.apply(scene);
+        let lists = match settings.profile {
+            Profile::Thesis => Lists::Near,
+            Profile::March | Profile::Hybrid => Lists::Touching,
+        };
+        self.scene_data.set(scene, &placement, &placed, lists)?;
         let job = Job {
             scene,
             settings,
-            placed: placement.apply(scene),
+            placed,
             placement,
             march,
             initialise,
@@ -212,6 +219,7 @@ impl Tracer {
             began,
         };
         job.set_uniforms(grid);
+        self.scene_data.set_uniforms(&job.march);
         Ok(job)
     }
 
@@ -288,8 +296,7 @@ impl Tracer {
         let current = targets.pairs.current();
         job.march.set_texture("uOrigins", 0, &current.first);
         job.march.set_texture("uDirections", 1, &current.second);
-        job.march
-            .set_texture("uSceneData", 2, self.scene_data.texture());
+        self.scene_data.bind(&job.march, 2);
         job.march.set_i32("uIterationsInPass", iterations as i32);
         let evaluations = job.evaluations(iterations);
         let time = self.pass(&job.march, targets.grid, targets.pairs.next(), evaluations)?;
@@ -417,11 +424,14 @@ impl Job<'_> {
         program.set_i32("uFieldSteps", MAX_FIELD_STEPS as i32);
     }
 
+    /// Whether a wave of this frame takes steps.
+    fn marches(&self) -> bool {
+        self.settings.profile != Profile::Hybrid || glsl::marches_fields(self.scene, false)
+    }
+
     fn iterations_per_pass(&self) -> u32 {
         match self.settings.profile {
-            Profile::Hybrid if !glsl::marches_some_fields(self.scene) => {
-                self.settings.iterations_per_pass
-            }
+            Profile::Hybrid if !self.marches() => self.settings.iterations_per_pass,
             _ => self.settings.iterations_per_pass.min(MARCHES_PER_PASS),
         }
     }
@@ -429,7 +439,7 @@ impl Job<'_> {
     /// Evaluations of one surface that a wave may take in so many iterations.
     fn evaluations(&self, iterations: u32) -> u64 {
         let steps = match self.settings.profile {
-            Profile::Hybrid if !glsl::marches_some_fields(self.scene) => 1,
+            Profile::Hybrid if !self.marches() => 1,
             Profile::Hybrid => MAX_FIELD_STEPS,
             _ => self.settings.step_bound(),
         };

@@ -5,9 +5,8 @@
 //! formula serves outside and inside, convex or not, and never finds the place that a wave
 //! leaves. Moving, turning and scaling carry the line along; a union is met at the nearest.
 
-use super::Assets;
-use super::Writer;
 use super::text::arguments;
+use super::{Assets, Place, Writer};
 use crate::scene::glsl::{Source, source};
 use crate::scene::{Field, Node};
 
@@ -40,18 +39,12 @@ fn inside_out(field: &Field) -> Option<&'static str> {
 
 /// `float hit<number>(vec3 p, vec3 d, float slack)`: metres along the unit vector d from p,
 /// which is in the air, or NO_HIT. `slack` is what rounding may do to p.
-pub(in crate::scene::glsl) fn hit_text(
-    field: &Field,
-    number: usize,
-    moving: &[bool],
-    first: usize,
-    assets: &Assets,
-) -> String {
-    let mut writer = Writer::new(number, moving, first, assets);
+pub(in crate::scene::glsl) fn hit_text(field: &Field, place: &Place, assets: &Assets) -> String {
+    let mut writer = Writer::new(place, assets);
     let result = writer.hit(field, "p", "d", false);
     format!(
-        "float hit{number}(vec3 p, vec3 d, float slack) {{\n{}    return {result};\n}}\n\n",
-        writer.body
+        "float hit{}(vec3 p, vec3 d, float slack{}) {{\n{}    return {result};\n}}\n\n",
+        place.tag, place.parameter, writer.body
     )
 }
 

@@ -1,6 +1,6 @@
 //! What the text of a field depends on.
 
-use crate::scene::{Field, HeightImage, Node, Surface, UserField};
+use crate::scene::{Field, HeightImage, Node, UserField};
 use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 
@@ -29,11 +29,10 @@ enum Asset {
 }
 
 /// See [`Signature`].
-pub(in crate::scene::glsl) fn signature(surface: &Surface, field: &Field) -> Signature {
-    let moving = surface.moving_nodes(field);
+pub(in crate::scene::glsl) fn signature(field: &Field, moving: &[bool]) -> Signature {
     let nodes = field.nodes().into_iter().zip(moving);
     Signature {
-        nodes: nodes.map(|(node, moves)| of_node(node, moves)).collect(),
+        nodes: nodes.map(|(node, moves)| of_node(node, *moves)).collect(),
     }
 }
 

@@ -1,0 +1,36 @@
+// A line through the cells (Amanatides and Woo 1987). The faces that it crosses next are
+// computed from their number each time: sums would drift.
+vec3 nextFaces(vec3 p, vec3 inverse, vec3 place) {
+    vec3 ahead = vec3(inverse.x > 0.0 ? 1.0 : 0.0, inverse.y > 0.0 ? 1.0 : 0.0, inverse.z > 0.0 ? 1.0 : 0.0);
+    return (uCellOrigin + (place + ahead) * uCellSize - p) * inverse;
+}
+
+// Where the line enters the grid and leaves it.
+vec2 throughGrid(vec3 p, vec3 inverse) {
+    vec3 a = (uCellOrigin - p) * inverse;
+    vec3 b = (uCellOrigin + uCellCount * uCellSize - p) * inverse;
+    vec3 enters = min(a, b);
+    vec3 leaves = max(a, b);
+    return vec2(
+        max(max(enters.x, max(enters.y, enters.z)), 0.0),
+        min(leaves.x, min(leaves.y, leaves.z)));
+}
+
+// What lies ahead of p along d: its cell if it is in the grid, and how far that, or the way
+// to the grid, reaches.
+bool cellAhead(vec3 p, vec3 d, out vec4 cell, out float reach) {
+    vec3 inverse = safeInverse(d);
+    vec3 place;
+    // What a step must add to be beyond a face for sure.
+    float beyond = ROUNDING * (largest(p) + largest(uCellSize));
+    cell = vec4(0.0);
+    if (!cellOf(p, place)) {
+        vec2 span = throughGrid(p, inverse);
+        reach = span.x < span.y ? span.x + beyond : 1e30;
+        return false;
+    }
+    vec3 faces = nextFaces(p, inverse, place);
+    reach = max(min(faces.x, min(faces.y, faces.z)), 0.0) + beyond;
+    cell = cellAt(place);
+    return true;
+}
