@@ -16,21 +16,26 @@ vec2 throughGrid(vec3 p, vec3 inverse) {
         min(leaves.x, min(leaves.y, leaves.z)));
 }
 
+// How far a step goes beyond a face, as a share of a cell: so far that a line that hardly
+// moves across the face has left it for sure, and half as far as what the lists are made for.
+const float BEYOND = 5e-4;
+
 // What lies ahead of p along d: its cell if it is in the grid, and how far that, or the way
 // to the grid, reaches.
 bool cellAhead(vec3 p, vec3 d, out vec4 cell, out float reach) {
     vec3 inverse = safeInverse(d);
+    vec3 over = BEYOND * uCellSize * abs(inverse);
     vec3 place;
-    // What a step must add to be beyond a face for sure.
-    float beyond = ROUNDING * (largest(p) + largest(uCellSize));
     cell = vec4(0.0);
     if (!cellOf(p, place)) {
         vec2 span = throughGrid(p, inverse);
-        reach = span.x < span.y ? span.x + beyond : 1e30;
+        // The border of the grid is free: who hardly touches it meets nothing.
+        float entered = span.x + max(over.x, max(over.y, over.z));
+        reach = entered < span.y ? entered : 1e30;
         return false;
     }
-    vec3 faces = nextFaces(p, inverse, place);
-    reach = max(min(faces.x, min(faces.y, faces.z)), 0.0) + beyond;
+    vec3 faces = nextFaces(p, inverse, place) + over;
+    reach = min(faces.x, min(faces.y, faces.z));
     cell = cellAt(place);
     return true;
 }
