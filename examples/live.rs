@@ -6,6 +6,7 @@
 
 use echomarch::audio::live::{Live, LiveOptions, list_devices};
 use std::path::PathBuf;
+use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 const USAGE: &str = "\
@@ -30,10 +31,17 @@ struct Arguments {
     options: LiveOptions,
 }
 
-fn main() -> Result<(), Failure> {
-    let Some(arguments) = read_arguments()? else {
-        return Ok(());
-    };
+fn main() -> ExitCode {
+    match read_arguments().and_then(|arguments| arguments.map_or(Ok(()), play)) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("{error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn play(arguments: Arguments) -> Result<(), Failure> {
     let live = Live::start(arguments.sound.parse()?, arguments.options);
     if let Some(path) = &arguments.record {
         live.start_recording(path)?;

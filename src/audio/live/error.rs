@@ -16,7 +16,7 @@ pub enum LiveError {
         reason: String,
     },
     /// No output device of that name.
-    #[error("no sound device is called `{name}`: there are {known}")]
+    #[error("no sound device is called `{name}` (known: {known})")]
     UnknownDevice {
         /// The name that was asked for.
         name: String,
