@@ -111,7 +111,7 @@ struct FormArguments {
           default_values_t = [Profile::Hybrid])]
     profiles: Vec<Profile>,
     /// Numbers of waves, separated by commas
-    #[arg(long, value_delimiter = ',', value_name = "N", default_values_t = [1024, 65_536])]
+    #[arg(long, value_delimiter = ',', value_name = "N", default_values_t = [4096, 65_536])]
     waves: Vec<u32>,
     /// Numbers of iterations, separated by commas
     #[arg(long, value_delimiter = ',', value_name = "N", default_values_t = [4, 8])]
