@@ -12,6 +12,12 @@ readonly -a NEEDED=(
     "libOSMesa.so.8       libosmesa6        OpenGL in memory, without EGL (--gl osmesa)"
 )
 
+# The same for what only the tests need, over and above.
+readonly -a NEEDED_BY_TESTS=(
+    "command:chromium     chromium          fills in the localisation form"
+    "command:chromedriver chromium-driver   steers it"
+)
+
 say() {
     printf '%s\n' "$*"
 }
@@ -72,11 +78,12 @@ install_packages() {
         apt-get install -y --no-install-recommends "$@"
 }
 
-# Installs what building, and OpenGL without a window, need and the machine lacks.
+# Installs what building, and OpenGL without a window, need and the machine lacks; and what
+# the further entries name.
 provide_packages() {
     local -a missing=()
     local entry library package purpose
-    for entry in "${NEEDED[@]}"; do
+    for entry in "${NEEDED[@]}" "$@"; do
         read -r library package purpose <<<"$entry"
         if ! is_there "$library"; then
             say "missing: $package ($purpose)"

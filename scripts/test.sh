@@ -38,7 +38,7 @@ check_package() {
     say "the package holds $(wc -l <<<"$list") files"
 }
 
-provide_packages
+provide_packages "${NEEDED_BY_TESTS[@]}"
 need_cargo fmt clippy
 
 run cargo fmt --check

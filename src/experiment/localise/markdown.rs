@@ -3,7 +3,13 @@
 use super::report::{Cell, LocaliseReport, Plateau, SceneReport};
 use super::statistics::ErrorFigures;
 use crate::experiment::{THESIS_TABLES, WAVE_COUNTS};
+use crate::trace::Profile;
 use std::fmt::Write;
+
+/// The plateaus that are shown: along waves with these iterations, the thesis' own …
+const PLATEAU_ITERATIONS: [u32; 2] = [4, 8];
+/// … and along iterations with so many waves.
+const PLATEAU_WAVES: u32 = 65_536;
 
 /// The whole report: what people read, and what the program prints.
 pub fn markdown(report: &LocaliseReport) -> String {
@@ -177,19 +183,22 @@ fn write_plateaus(report: &LocaliseReport, out: &mut String) -> std::fmt::Result
     writeln!(out, "## Where more stops helping\n")?;
     writeln!(
         out,
-        "The smallest count from which on the median error is within the interval of the largest \
-         count's,\nor below it. None: at the largest count half of the trials hear nothing. The \
-         first sound.\n"
+        "From: the smallest count from which on the median error is within the interval of the \
+         largest count's, or\nbelow it; a count at which half of the trials hear nothing does \
+         not qualify. Best: the count with the smallest\nmedian error. The first sound; along \
+         waves with the thesis' iterations, along iterations with {PLATEAU_WAVES} waves,\nthe \
+         rest in the JSON file.\n"
     )?;
     header(
         out,
         &[
             "scene",
-            "profile",
             "error from",
             "along",
-            "at",
+            "with",
+            "profile",
             "from",
+            "best",
             "of",
             "error there",
             "interval",
@@ -197,82 +206,104 @@ fn write_plateaus(report: &LocaliseReport, out: &mut String) -> std::fmt::Result
     )?;
     let first = report.scenes.first().and_then(|scene| scene.cells.first());
     let first = first.map(|cell| cell.sound.as_str());
-    let shown = |plateau: &&Plateau| Some(plateau.sound.as_str()) == first;
-    for plateau in report.plateaus.iter().filter(shown) {
-        let other = match plateau.along {
-            "waves" => "iterations",
-            _ => "waves",
+    let shown = |plateau: &&Plateau| {
+        let is_shown = match plateau.along {
+            "waves" => PLATEAU_ITERATIONS.contains(&plateau.fixed),
+            _ => plateau.fixed == PLATEAU_WAVES,
         };
-        let count = plateau.count.map(|count| count.to_string());
-        writeln!(
-            out,
-            "| {} | {} | {} | {} | {} {other} | {} | {} | {:.1} | {} |",
-            plateau.scene,
-            plateau.profile,
-            plateau.against,
-            plateau.along,
-            plateau.fixed,
-            count.unwrap_or_else(|| "none".to_owned()),
-            plateau.largest,
-            plateau.error.median_abs_deg,
-            interval(&plateau.error),
-        )?;
+        is_shown && Some(plateau.sound.as_str()) == first
+    };
+    let mut shown: Vec<&Plateau> = report.plateaus.iter().filter(shown).collect();
+    let place = |of: &Plateau| {
+        report
+            .scenes
+            .iter()
+            .position(|scene| scene.scene == of.scene)
+    };
+    // The profiles side by side.
+    shown.sort_by_key(|of| (place(of), of.against, of.along, of.fixed));
+    for plateau in shown {
+        write_plateau(plateau, out)?;
     }
     writeln!(out)
 }
 
-/// Trials in which nothing arrives: the answer is then the middle, whatever the truth.
-fn write_unheard(report: &LocaliseReport, out: &mut String) -> std::fmt::Result {
-    writeln!(out, "## Where nothing is heard\n")?;
+fn write_plateau(plateau: &Plateau, out: &mut String) -> std::fmt::Result {
+    let other = match plateau.along {
+        "waves" => "iterations",
+        _ => "waves",
+    };
+    let told = |count: Option<u32>| count.map_or_else(|| "none".to_owned(), |n| n.to_string());
     writeln!(
         out,
-        "Settings in which a trial in ten or more hears no wave; the sound then stays in the \
-         middle. Thesis: the count\nof its figures 11.1 to 11.4.\n"
+        "| {} | {} | {} | {} {other} | {} | {} | {} | {} | {:.1} | {} |",
+        plateau.scene,
+        plateau.against,
+        plateau.along,
+        plateau.fixed,
+        plateau.profile,
+        told(plateau.count),
+        told(plateau.best),
+        plateau.largest,
+        plateau.error.median_abs_deg,
+        interval(&plateau.error),
+    )
+}
+
+/// Trials in which nothing arrives: the answer is then the middle, whatever the truth.
+fn write_unheard(report: &LocaliseReport, out: &mut String) -> std::fmt::Result {
+    writeln!(out, "## What is heard at all\n")?;
+    writeln!(
+        out,
+        "Waves that arrive, mean of the trials, and the share of trials in which none does: the \
+         sound then stays in\nthe middle, wherever the source is. Printed: figures 11.1 to 11.4 of the thesis.\n"
     )?;
     header(
         out,
         &[
-            "scene",
-            "profile",
-            "waves",
-            "it.",
-            "hits",
-            "thesis",
-            "unheard",
-            "error from source",
+            "scene", "it.", "waves", "printed", "thesis", "march", "hybrid",
         ],
     )?;
-    for scene in &report.scenes {
-        for cell in first_sound(scene) {
-            let thesis = thesis_hits(&scene.scene, cell);
-            let thesis_alone = cell.profile == "thesis" && thesis.is_some();
-            if cell.unheard < 0.1 && !(thesis_alone && cell.waves == 1 << 20) {
+    for table in &THESIS_TABLES {
+        let Some(scene) = report
+            .scenes
+            .iter()
+            .find(|scene| scene.scene == table.scene)
+        else {
+            continue;
+        };
+        for (waves, row) in WAVE_COUNTS.into_iter().zip(&table.rows) {
+            let heard = Profile::ALL.map(|profile| {
+                let is = |cell: &&Cell| {
+                    (cell.waves, cell.iterations) == (waves, table.iterations)
+                        && cell.profile == profile.to_string()
+                };
+                let cell = first_sound(scene).find(is);
+                cell.map(|cell| format!("{:.1}{}", cell.hits, none_in(cell.unheard)))
+            });
+            let [hybrid, march, thesis] = heard.map(Option::unwrap_or_default);
+            if [&hybrid, &march, &thesis]
+                .iter()
+                .all(|text| text.is_empty())
+            {
                 continue;
             }
+            let (name, iterations) = (table.scene, table.iterations);
+            let printed = row.listener_hits;
             writeln!(
                 out,
-                "| {} | {} | {} | {} | {:.1} | {} | {:.0} % | {:.1} |",
-                scene.scene,
-                cell.profile,
-                cell.waves,
-                cell.iterations,
-                cell.hits,
-                thesis.map(|hits| hits.to_string()).unwrap_or_default(),
-                100.0 * cell.unheard,
-                cell.source.median_abs_deg
+                "| {name} | {iterations} | {waves} | {printed} | {thesis} | {march} | {hybrid} |"
             )?;
         }
     }
     writeln!(out)
 }
 
-/// What the thesis counted with these settings, if it did.
-fn thesis_hits(scene: &str, cell: &Cell) -> Option<u64> {
-    let table = THESIS_TABLES
-        .iter()
-        .find(|table| table.scene == scene && table.iterations == cell.iterations)?;
-    let row = WAVE_COUNTS.iter().position(|&waves| waves == cell.waves)?;
-    Some(table.rows[row].listener_hits)
+fn none_in(unheard: f64) -> String {
+    match unheard {
+        0.0 => String::new(),
+        share => format!(" (none in {:.0} %)", 100.0 * share),
+    }
 }
 
 fn write_limits_of_levels(report: &LocaliseReport, out: &mut String) -> std::fmt::Result {

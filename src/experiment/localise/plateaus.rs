@@ -19,7 +19,7 @@ const TRUTHS: [Truth; 2] = [
     ("limit", |cell| &cell.limit),
 ];
 
-/// More unheard trials than this say nothing of where.
+/// A count says nothing of where from this share of unheard trials on.
 const MOST_UNHEARD: f64 = 0.5;
 
 /// The plateaus of every scene, sound and profile, along waves and along iterations: one for
@@ -68,7 +68,7 @@ fn along(scene: &str, cells: &[&Cell], axis: &Axis, truth: &Truth) -> Vec<Platea
         let last = (row.len() >= LEAST_COUNTS).then(|| row.last().copied())??;
         let steps: Vec<Step> = row
             .iter()
-            .map(|cell| step(growing(cell), truth.1(cell)))
+            .map(|cell| step(growing(cell), cell, truth.1(cell)))
             .collect();
         Some(Plateau {
             scene: scene.to_owned(),
@@ -77,7 +77,8 @@ fn along(scene: &str, cells: &[&Cell], axis: &Axis, truth: &Truth) -> Vec<Platea
             against: truth.0,
             along: name,
             fixed: value,
-            count: plateau(&steps).filter(|_| last.unheard < MOST_UNHEARD),
+            count: plateau(&steps),
+            best: best(&steps),
             largest: growing(last),
             error: *truth.1(last),
         })
@@ -85,10 +86,18 @@ fn along(scene: &str, cells: &[&Cell], axis: &Axis, truth: &Truth) -> Vec<Platea
     values.into_iter().filter_map(plateau_at).collect()
 }
 
-fn step(count: u32, error: &ErrorFigures) -> Step {
+fn step(count: u32, cell: &Cell, error: &ErrorFigures) -> Step {
     Step {
         count,
         median_deg: error.median_abs_deg,
         interval_deg: (error.low_deg, error.high_deg),
+        heard: cell.unheard < MOST_UNHEARD,
     }
+}
+
+/// The count with the smallest median error, of those that are heard.
+fn best(steps: &[Step]) -> Option<u32> {
+    let heard = steps.iter().filter(|step| step.heard);
+    let best = heard.min_by(|a, b| a.median_deg.total_cmp(&b.median_deg));
+    best.map(|step| step.count)
 }

@@ -34,6 +34,8 @@ type Point = (f64, ErrorFigures);
 struct Line {
     name: String,
     colour: RGBColor,
+    /// In pixels: `march` is wide, since `hybrid` mostly lies on it.
+    width: u32,
     points: Vec<Point>,
 }
 
@@ -74,6 +76,7 @@ fn plot_open(panel: &Panel, report: &LocaliseReport) -> Result<(), PlotError> {
         Line {
             name: format!("{}, {} waves{heard}", open.profile, open.waves),
             colour,
+            width: width(&open.profile),
             points: points.collect(),
         }
     };
@@ -125,6 +128,7 @@ fn lines(scene: &SceneReport, pick: impl Fn(&Cell) -> Option<(u32, ErrorFigures)
     let line = |(name, colour): (&str, RGBColor)| Line {
         name: name.to_owned(),
         colour,
+        width: width(name),
         points: first_sound(scene)
             .filter(|cell| cell.profile == name)
             .filter_map(&pick)
@@ -175,15 +179,17 @@ fn plot_lines(
         .light_line_style(BLACK.mix(0.04))
         .draw()?;
     for line in lines.iter().filter(|line| !line.points.is_empty()) {
-        let colour = line.colour;
+        let (colour, width) = (line.colour, line.width);
         let middle = line
             .points
             .iter()
             .map(|(x, error)| (place(*x), error.median_abs_deg));
         chart
-            .draw_series(LineSeries::new(middle.clone(), colour.stroke_width(2)).point_size(3))?
+            .draw_series(LineSeries::new(middle.clone(), colour.stroke_width(width)).point_size(3))?
             .label(&line.name)
-            .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], colour.stroke_width(2)));
+            .legend(move |(x, y)| {
+                PathElement::new([(x, y), (x + 18, y)], colour.stroke_width(width))
+            });
         let bars = line.points.iter().map(|(x, error)| {
             let ends = [(place(*x), error.low_deg), (place(*x), error.high_deg)];
             PathElement::new(ends, colour.mix(0.5).stroke_width(4))
@@ -192,7 +198,11 @@ fn plot_lines(
     }
     chart
         .configure_series_labels()
-        .position(SeriesLabelPosition::UpperRight)
+        .position(if by_powers {
+            SeriesLabelPosition::UpperRight
+        } else {
+            SeriesLabelPosition::UpperMiddle
+        })
         .background_style(WHITE.mix(0.85))
         .border_style(BLACK.mix(0.2))
         .draw()?;
@@ -202,4 +212,8 @@ fn plot_lines(
 fn colour(profile: &str) -> RGBColor {
     let known = COLOURS.iter().find(|(name, _)| *name == profile);
     known.map_or(GROUND, |(_, colour)| *colour)
+}
+
+fn width(profile: &str) -> u32 {
+    if profile == "march" { 6 } else { 2 }
 }

@@ -145,8 +145,12 @@ pub struct Plateau {
     /// The other of the two, which does not.
     pub fixed: u32,
     /// The smallest count from which the median error stays within the interval of the
-    /// largest count's; none if half of the trials at the largest count hear nothing.
+    /// largest count's, or below it, with more than half of the trials hearing something;
+    /// none if that is not so at the largest.
     pub count: Option<u32>,
+    /// The count with the smallest median error, of those that hear something in more than
+    /// half of their trials.
+    pub best: Option<u32>,
     /// The largest count there was.
     pub largest: u32,
     /// Median error at the largest count, with its interval, in degrees.

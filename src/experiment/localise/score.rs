@@ -9,7 +9,7 @@ use super::answers::{Answer, AnswersError, Session, StimulusInfo, TrialAnswer};
 use super::observer::{Side, folded_deg};
 use super::statistics::{ErrorFigures, Pair, figures, mean};
 use serde::Serialize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// All answers, scored.
 #[derive(Clone, Debug, Serialize)]
@@ -149,10 +149,10 @@ fn merge(files: &[PathBuf], notes: &mut Vec<String>) -> Result<Vec<Merged>, Answ
 }
 
 impl Merged {
-    fn add(&mut self, file: &PathBuf, other: Session) -> Result<(), AnswersError> {
+    fn add(&mut self, file: &Path, other: Session) -> Result<(), AnswersError> {
         let contradiction = |number| AnswersError::Contradiction {
             first: self.files[0].clone(),
-            second: file.clone(),
+            second: file.to_path_buf(),
             session: other.session.clone(),
             number,
         };
@@ -168,7 +168,7 @@ impl Merged {
                 mine.answer.clone_from(&its.answer);
             }
         }
-        self.files.push(file.clone());
+        self.files.push(file.to_path_buf());
         Ok(())
     }
 }

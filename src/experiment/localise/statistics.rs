@@ -137,10 +137,14 @@ pub struct Step {
     pub median_deg: f64,
     /// The median's interval, in degrees.
     pub interval_deg: (f64, f64),
+    /// Whether there was enough to hear for the error to mean anything.
+    pub heard: bool,
 }
 
 /// The smallest count from which on every median is within the interval of the largest
-/// count's, or below it: from there on more does not help. `steps` in order of the count.
+/// count's, or below it: from there on more does not help. `steps` in order of the count;
+/// one that is not heard ends the plateau, so that silence, which is answered with the
+/// middle, is never as good as an answer.
 pub fn plateau(steps: &[Step]) -> Option<u32> {
     // Rounding is no improvement.
     const ROUNDING_DEG: f64 = 1e-6;
@@ -148,7 +152,7 @@ pub fn plateau(steps: &[Step]) -> Option<u32> {
     let settled = steps
         .iter()
         .rev()
-        .take_while(|step| step.median_deg <= highest);
+        .take_while(|step| step.heard && step.median_deg <= highest);
     settled.last().map(|step| step.count)
 }
 
@@ -207,9 +211,14 @@ mod tests {
             count,
             median_deg,
             interval_deg: (median_deg - 1.0, median_deg + 1.0),
+            heard: true,
         };
-        let steps = [step(1, 5.5), step(2, 9.0), step(4, 5.9), step(8, 5.0)];
+        let mut steps = [step(1, 5.5), step(2, 9.0), step(4, 5.9), step(8, 5.0)];
         assert_eq!(plateau(&steps), Some(4));
+        steps[2].heard = false;
+        assert_eq!(plateau(&steps), Some(8));
+        steps[3].heard = false;
+        assert_eq!(plateau(&steps), None);
         assert_eq!(plateau(&steps[..1]), Some(1));
         assert_eq!(plateau(&[]), None);
     }
