@@ -79,6 +79,43 @@ fn score(files: &[&Path]) -> serde_json::Value {
     json(&[&["localise", "score", "-q"], files.as_slice()].concat())
 }
 
+/// Answers one trial, looks back at it, and saves.
+fn begin(browser: &Browser, page: &Path, downloads: &Path) -> PathBuf {
+    browser.go(page);
+    assert_eq!(browser.text("#count"), TRIALS.to_string());
+    browser.type_into("#participant", "p1");
+    browser.click("#begin");
+    browser.wait_for("#number", "Sound 1 of 3");
+    answer(browser, 90, 0, "right", 4);
+    browser.wait_for("#number", "Sound 2 of 3");
+    // Looking back shows the answer and lets nothing be changed.
+    browser.click("#back");
+    browser.wait_for("#missing", "locked");
+    browser.click_at("#plan", -90, 0);
+    browser.wait_for("#clicked", "to the right");
+    let open = "return document.querySelectorAll('#trial input:not(:disabled)').length";
+    assert_eq!(browser.run(open), 0);
+    let file = save(browser, downloads);
+    let fetched = "return performance.getEntriesByType('resource').map(e => e.name)\
+                   .filter(name => !/^(data|blob):/.test(name))";
+    assert_eq!(browser.run(fetched), serde_json::json!([]));
+    assert_eq!(browser.errors(), Vec::<String>::new());
+    file
+}
+
+/// Goes on where [`begin`] broke off, to the end, and saves.
+fn go_on(browser: &Browser, page: &Path, downloads: &Path) -> PathBuf {
+    browser.go(page);
+    assert!(browser.text("#sessions").contains("p1, begun"));
+    browser.click("#sessions .continue");
+    browser.wait_for("#number", "Sound 2 of 3");
+    answer(browser, 0, -40, "centre", 1);
+    browser.wait_for("#number", "Sound 3 of 3");
+    answer(browser, -90, 10, "left", 5);
+    browser.wait_for("#end", "Thank you");
+    save(browser, downloads)
+}
+
 /// From the first sound to the score, with a break: nothing answered is lost or changed, and
 /// nothing is asked of a network.
 #[test]
@@ -90,29 +127,7 @@ fn a_session_is_answered_broken_off_taken_up_and_scored() {
     fs::create_dir(&downloads).unwrap();
     let driver = Driver::start();
 
-    let first = {
-        let browser = driver.open(&home, &downloads);
-        browser.go(&page);
-        assert_eq!(browser.text("#count"), TRIALS.to_string());
-        browser.type_into("#participant", "p1");
-        browser.click("#begin");
-        browser.wait_for("#number", "Sound 1 of 3");
-        answer(&browser, 90, 0, "right", 4);
-        browser.wait_for("#number", "Sound 2 of 3");
-        // Looking back shows the answer and lets nothing be changed.
-        browser.click("#back");
-        browser.wait_for("#missing", "locked");
-        browser.click_at("#plan", -90, 0);
-        browser.wait_for("#clicked", "to the right");
-        let open = "return document.querySelectorAll('#trial input:not(:disabled)').length";
-        assert_eq!(browser.run(open), 0);
-        let file = save(&browser, &downloads);
-        let fetched = "return performance.getEntriesByType('resource').map(e => e.name)\
-                       .filter(name => !/^(data|blob):/.test(name))";
-        assert_eq!(browser.run(fetched), serde_json::json!([]));
-        assert_eq!(browser.errors(), Vec::<String>::new());
-        file
-    };
+    let first = begin(&driver.open(&home, &downloads), &page, &downloads);
     let found = score(&[&first]);
     assert_eq!(found["sessions"][0]["answered"], 1);
     assert_eq!(found["sessions"][0]["trials"], 3);
@@ -120,18 +135,7 @@ fn a_session_is_answered_broken_off_taken_up_and_scored() {
     assert!(found["notes"][0].as_str().unwrap().contains("broken off"));
 
     // The same browser, later.
-    let whole = {
-        let browser = driver.open(&home, &downloads);
-        browser.go(&page);
-        assert!(browser.text("#sessions").contains("p1, begun"));
-        browser.click("#sessions .continue");
-        browser.wait_for("#number", "Sound 2 of 3");
-        answer(&browser, 0, -40, "centre", 1);
-        browser.wait_for("#number", "Sound 3 of 3");
-        answer(&browser, -90, 10, "left", 5);
-        browser.wait_for("#end", "Thank you");
-        save(&browser, &downloads)
-    };
+    let whole = go_on(&driver.open(&home, &downloads), &page, &downloads);
     assert_ne!(first, whole);
     assert!(first.exists(), "saving replaces nothing");
     let found = score(&[&first, &whole]);

@@ -5,6 +5,7 @@ use super::markdown::first_sound;
 use super::report::{Cell, LocaliseReport, SceneReport};
 use super::statistics::ErrorFigures;
 use plotters::coord::Shift;
+use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
 type PlotError = Box<dyn std::error::Error + Send + Sync>;
@@ -179,22 +180,7 @@ fn plot_lines(
         .light_line_style(BLACK.mix(0.04))
         .draw()?;
     for line in lines.iter().filter(|line| !line.points.is_empty()) {
-        let (colour, width) = (line.colour, line.width);
-        let middle = line
-            .points
-            .iter()
-            .map(|(x, error)| (place(*x), error.median_abs_deg));
-        chart
-            .draw_series(LineSeries::new(middle.clone(), colour.stroke_width(width)).point_size(3))?
-            .label(&line.name)
-            .legend(move |(x, y)| {
-                PathElement::new([(x, y), (x + 18, y)], colour.stroke_width(width))
-            });
-        let bars = line.points.iter().map(|(x, error)| {
-            let ends = [(place(*x), error.low_deg), (place(*x), error.high_deg)];
-            PathElement::new(ends, colour.mix(0.5).stroke_width(4))
-        });
-        chart.draw_series(bars)?;
+        draw_line(&mut chart, line, place)?;
     }
     chart
         .configure_series_labels()
@@ -206,6 +192,27 @@ fn plot_lines(
         .background_style(WHITE.mix(0.85))
         .border_style(BLACK.mix(0.2))
         .draw()?;
+    Ok(())
+}
+
+type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+
+/// The medians, joined, and their intervals as bars.
+fn draw_line(chart: &mut Chart, line: &Line, place: impl Fn(f64) -> f64) -> Result<(), PlotError> {
+    let (colour, width) = (line.colour, line.width);
+    let middle = line
+        .points
+        .iter()
+        .map(|(x, error)| (place(*x), error.median_abs_deg));
+    chart
+        .draw_series(LineSeries::new(middle.clone(), colour.stroke_width(width)).point_size(3))?
+        .label(&line.name)
+        .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], colour.stroke_width(width)));
+    let bars = line.points.iter().map(|(x, error)| {
+        let ends = [(place(*x), error.low_deg), (place(*x), error.high_deg)];
+        PathElement::new(ends, colour.mix(0.5).stroke_width(4))
+    });
+    chart.draw_series(bars)?;
     Ok(())
 }
 
