@@ -37,7 +37,9 @@ pub mod score;
 pub mod statistics;
 mod sweep;
 
-pub use answers::{Answer, AnswersError, Session, StimulusInfo, TrialAnswer};
+pub use answers::{
+    Answer, AnswersError, FORMAT, MOST_CONFIDENT, Session, StimulusInfo, TrialAnswer, VERSION,
+};
 pub use csv::{COLUMNS, write_csv};
 pub use listen::{Converged, Heard, LoadedSound, converge, facings, listen, observe, source_at};
 pub use markdown::markdown;
