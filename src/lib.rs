@@ -43,6 +43,7 @@
 //! | feature | default | what it adds |
 //! | --- | --- | --- |
 //! | `cli` | yes | the program `echomarch`; brings `experiment` |
+//! | `audio` | yes | live output through a sound card, in [`audio`] |
 //! | `experiment` | with `cli` | tables as data, CSV and SVG; pictures as PNG |
 //!
 //! A library user without the program takes `default-features = false`.

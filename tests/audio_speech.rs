@@ -33,9 +33,9 @@ fn level_db(samples: &[f32]) -> f64 {
 
 #[test]
 fn the_energy_lies_where_speech_has_it() {
-    for rate in [8_000, 22_050, SAMPLE_RATE, 96_000] {
+    for rate in [8_000, 22_050, SAMPLE_RATE] {
         for seed in 0..4 {
-            let voice = pull(&format!("speech:{seed}"), rate, rate as usize * 20);
+            let voice = pull(&format!("speech:{seed}"), rate, rate as usize * 10);
             let share = share(&voice, rate, 200.0, 1000.0);
             println!("{rate} Hz, seed {seed}: {:.1} %", 100.0 * share);
             assert!(share > 0.7, "{rate} Hz, seed {seed}: {share}");
@@ -49,7 +49,7 @@ fn it_is_as_loud_as_the_other_sounds_and_never_clips() {
     let noise = 20.0 * f64::from(NOISE_AMPLITUDE / 3f32.sqrt()).log10();
     for rate in [1_000, 4_000, 11_025, SAMPLE_RATE, 192_000] {
         for seed in 0..4 {
-            let voice = pull(&format!("speech:{seed}"), rate, rate as usize * 30);
+            let voice = pull(&format!("speech:{seed}"), rate, rate as usize * 10);
             let peak = voice.iter().fold(0.0f32, |peak, s| peak.max(s.abs()));
             assert!(peak <= SPEECH_PEAK, "{rate} Hz: {peak}");
             let level = level_db(&voice);

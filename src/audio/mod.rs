@@ -43,6 +43,8 @@
 mod clip;
 mod error;
 mod frames;
+#[cfg(feature = "audio")]
+pub mod live;
 mod mixer;
 mod noise;
 mod panning;
