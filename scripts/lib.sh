@@ -15,11 +15,13 @@ readonly -a NEEDED=(
     "command:pkg-config   pkg-config        tells where that is"
 )
 
-# What only the tests need: a sound server whose loudspeaker is a file.
+# What only the tests need: a sound server whose loudspeaker is a file, and a browser.
 # shellcheck disable=SC2034 # Used by test.sh.
 readonly -a NEEDED_TO_TEST=(
     "command:pulseaudio   pulseaudio        a sound server that needs no sound card"
     "command:parec        pulseaudio-utils  records what it plays"
+    "command:chromium     chromium          fills in the localisation form"
+    "command:chromedriver chromium-driver   steers it"
 )
 
 say() {

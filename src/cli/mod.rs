@@ -7,6 +7,7 @@ mod accuracy;
 mod exit;
 mod figures;
 mod info;
+mod localise;
 mod options;
 mod print;
 mod render;
@@ -29,6 +30,7 @@ Examples:
   echomarch view corner -o view.png          what the listener sees
   echomarch slice corner --paths 200 -o plan.png
   echomarch verify                           the hard cases, pass or fail
+  echomarch localise form -o form            where is the source? a form for people
   echomarch info                             the renderers there are
 
 Scenes: corner, obstacles, open-field, open-pillars, shoebox, or a file (.ron).";
@@ -60,6 +62,8 @@ enum Command {
     Accuracy(accuracy::Arguments),
     /// The hard cases: by every profile, against exact answers
     Verify(verify::Arguments),
+    /// Where is the source? The localisation experiment, for an observer and for people
+    Localise(localise::Arguments),
     /// List all renderers found (whatever --gl and --gpu say), their limits, and versions
     Info(info::Arguments),
 }
@@ -75,6 +79,7 @@ pub fn run() -> ExitCode {
         Command::Figures(arguments) => figures::run(arguments, &cli.common),
         Command::Accuracy(arguments) => accuracy::run(arguments, &cli.common),
         Command::Verify(arguments) => verify::run(arguments, &cli.common),
+        Command::Localise(arguments) => localise::run(arguments, &cli.common),
         Command::Info(arguments) => info::run(arguments, &cli.common),
     };
     match result {
