@@ -14,7 +14,7 @@
 
 use super::layout::Layout;
 use super::{Bounds3, Exactness, Scene, Surface};
-use glam::{DVec3, UVec3, Vec3};
+use glam::{BVec3, DVec3, UVec3, Vec3};
 use std::num::NonZeroUsize;
 
 /// Cells for each surface, about.
@@ -324,12 +324,11 @@ impl Member {
         if self.is_told_by_value(columns) {
             return f64::from(self.surface.distance(middle.as_vec3()));
         }
-        let mut flat = self.bounds;
-        for axis in 0..3 {
-            if columns[axis] {
-                (flat.min[axis], flat.max[axis]) = (f64::NEG_INFINITY, f64::INFINITY);
-            }
-        }
+        let mask = BVec3::from_array(columns);
+        let flat = Bounds3 {
+            min: DVec3::select(mask, DVec3::NEG_INFINITY, self.bounds.min),
+            max: DVec3::select(mask, DVec3::INFINITY, self.bounds.max),
+        };
         flat.distance(middle)
     }
 
@@ -351,25 +350,16 @@ impl Member {
 
 /// The middle of a box, 0 along columns.
 fn middle(bounds: Bounds3, columns: [bool; 3]) -> DVec3 {
-    let mut middle = 0.5 * (bounds.min + bounds.max);
-    for axis in 0..3 {
-        if columns[axis] {
-            middle[axis] = 0.0;
-        }
-    }
-    middle
+    let middle = 0.5 * (bounds.min + bounds.max);
+    DVec3::select(BVec3::from_array(columns), DVec3::ZERO, middle)
 }
 
 /// Half the diagonal of a box, what columns add left out, and what `f32` rounds a distance
 /// by.
 fn radius(bounds: Bounds3, columns: [bool; 3]) -> f64 {
-    let mut half = 0.5 * (bounds.max - bounds.min);
-    let mut place = bounds.min.abs().max(bounds.max.abs());
-    for axis in 0..3 {
-        if columns[axis] {
-            (half[axis], place[axis]) = (0.0, 0.0);
-        }
-    }
+    let flat = |v: DVec3| DVec3::select(BVec3::from_array(columns), DVec3::ZERO, v);
+    let half = flat(0.5 * (bounds.max - bounds.min));
+    let place = flat(bounds.min.abs().max(bounds.max.abs()));
     half.length() + 8.0 * f64::from(f32::EPSILON) * place.max_element()
 }
 
@@ -382,13 +372,12 @@ fn members(scene: &Scene, layout: &Layout) -> Vec<Member> {
 /// What holds all members; without end along columns.
 fn hull(members: &[Member], columns: [bool; 3]) -> Bounds3 {
     let all = members.iter().map(|m| m.bounds).reduce(Bounds3::hull);
-    let mut hull = all.unwrap_or(Bounds3::EVERYWHERE);
-    for axis in 0..3 {
-        if columns[axis] {
-            (hull.min[axis], hull.max[axis]) = (-ENDLESS, ENDLESS);
-        }
+    let hull = all.unwrap_or(Bounds3::EVERYWHERE);
+    let mask = BVec3::from_array(columns);
+    Bounds3 {
+        min: DVec3::select(mask, DVec3::splat(-ENDLESS), hull.min),
+        max: DVec3::select(mask, DVec3::splat(ENDLESS), hull.max),
     }
-    hull
 }
 
 impl Grid {

@@ -287,10 +287,7 @@ fn offset(of: Properties, by: f64) -> Properties {
 fn mirrored(of: Properties, axes: [bool; 3]) -> Properties {
     let mut result = of;
     result.convex = of.convex && axes == [false; 3];
-    for axis in 0..3 {
-        if !axes[axis] {
-            continue;
-        }
+    for (axis, _) in axes.iter().enumerate().filter(|(_, mirrors)| **mirrors) {
         result.symmetric[axis] = true;
         let far = of.bounds.max[axis];
         (result.bounds.min[axis], result.bounds.max[axis]) = (-far, far);
