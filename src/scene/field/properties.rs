@@ -322,8 +322,8 @@ fn offset(of: Properties, by: f64, slowness: f64) -> Properties {
 fn mirrored(of: Properties, axes: [bool; 3]) -> Properties {
     let mut result = of;
     result.convex = of.convex && axes == [false; 3];
-    for axis in 0..3 {
-        if !axes[axis] {
+    for (axis, mirrors) in axes.into_iter().enumerate() {
+        if !mirrors {
             continue;
         }
         result.symmetric[axis] = true;
