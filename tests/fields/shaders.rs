@@ -245,7 +245,7 @@ const VALUE_ULPS: f64 = 16.0;
 
 /// By how much gradients may part: where the CPU's own differences change by 0.01 within the
 /// rounding of the place, they are no edge yet. (llvmpipe: 1.1e-3 at the most; the longest is
-/// 1.016, a user's at an edge within the step that it is taken over.)
+/// 1.016.)
 const GRADIENT: f64 = 0.03;
 
 /// With every number of the field in uniforms instead of literals.
@@ -319,7 +319,8 @@ fn shaders_and_cpu_agree_on_random_trees() {
 }
 
 /// Units of the place by which hits may part, over the cosine of the incidence: those
-/// of the value, through a discriminant whose terms cancel. (llvmpipe: 26 at the most.)
+/// of the value, through a discriminant whose terms cancel. (llvmpipe: 26 at
+/// the most where the cosine is above 0.1.)
 const HIT_ULPS: f64 = 64.0;
 
 /// Protects closed forms: a line meets a field where the march in f64 meets it, from the air
