@@ -8,7 +8,7 @@
 use super::field::moving_values;
 use crate::scene::layout::Layout;
 use crate::scene::seal::sealed;
-use crate::scene::{Field, Scene, Shape, Surface};
+use crate::scene::{Scene, Shape, Surface};
 use glam::{Quat, Vec3, Vec4};
 
 /// How world coordinates become a shader's.
@@ -119,7 +119,7 @@ fn slack(surface: &Surface) -> f32 {
     let place = surface.position.abs().max_element();
     match surface.shape {
         Shape::Plane => ROUNDING * place,
-        Shape::Field(ref field) => ROUNDING * (place + extent(field)),
+        Shape::Field(ref field) => ROUNDING * (place + field.extent() as f32),
         Shape::Box { size } | Shape::Room { size } => (ROUNDING
             * (place + 0.5 * size.max_element()))
         .min(SHARE_OF_THICKNESS * size.min_element()),
@@ -127,19 +127,6 @@ fn slack(surface: &Surface) -> f32 {
             (ROUNDING * (place + radius)).min(SHARE_OF_THICKNESS * radius)
         }
     }
-}
-
-/// The largest length that the value of a field is computed from, in metres: that of its
-/// bounds where it ends, else the largest of its own numbers.
-fn extent(field: &Field) -> f32 {
-    let bounds = field.properties().bounds;
-    if bounds.is_finite() && !bounds.is_empty() {
-        return bounds.min.abs().max(bounds.max.abs()).max_element() as f32;
-    }
-    let nodes = field.nodes().into_iter();
-    let numbers = nodes.flat_map(|node| node.shader_numbers());
-    let finite = numbers.filter(|number| number.abs() < 1e9);
-    finite.fold(0.0, |most: f32, number| most.max(number.abs() as f32))
 }
 
 /// The values of one surface; of a field that is data all numbers move.

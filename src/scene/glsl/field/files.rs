@@ -285,6 +285,10 @@ fn operator_files(field: &Field) -> (Vec<Source>, Vec<Source>) {
                 files.push(source!("operator/union.glsl"));
                 duals.push(source!("dual/op_union.glsl"));
             }
+            if field.cap().is_some() {
+                files.push(source!("operator/repeat_cap.glsl"));
+                duals.push(source!("dual/op_repeat_cap.glsl"));
+            }
             (files, duals)
         }
         Node::Twist { .. } => (

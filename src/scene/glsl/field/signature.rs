@@ -62,7 +62,8 @@ fn choices(field: &Field) -> [u32; 3] {
         Node::Repeat { count, .. } => {
             let copies = field.copies().unwrap_or([crate::scene::Copies::None; 3]);
             // Counts are below 2^24, copies at most 64.
-            [0, 1, 2].map(|axis| (count[axis] << 8) | copies[axis].count())
+            let capped = u32::from(field.cap().is_some()) << 7;
+            [0, 1, 2].map(|axis| (count[axis] << 8) | capped | copies[axis].count())
         }
         _ => [0; 3],
     }

@@ -250,7 +250,16 @@ impl<'a> Writer<'a> {
         };
         let result = self.result(kind, none);
         self.copies_loop(&axes, &child, &result);
-        result
+        let [_, _, _, x, y, z, near, inverse] = periods else {
+            return result;
+        };
+        let prefix = kind.prefix();
+        self.result(
+            kind,
+            &format!(
+                "opUnion({result}, {prefix}RepeatCap({p}, vec3({x}, {y}, {z}), {near}, {inverse}))"
+            ),
+        )
     }
 
     /// One call of the child for each copy.
@@ -282,7 +291,8 @@ impl<'a> Writer<'a> {
 
     /// A field as a function of its own, for who calls it more than once.
     fn child_function(&mut self, field: &Field, kind: Kind) -> String {
-        let name = format!("{}{}_{}", kind.function(), self.place.tag, self.next_name);
+        // Two repetitions right after each other have used no name in between.
+        let name = self.name(&format!("{}{}_", kind.function(), self.place.tag));
         let outer = std::mem::take(&mut self.body);
         let result = self.node(field, kind, "p");
         let body = std::mem::replace(&mut self.body, outer);
