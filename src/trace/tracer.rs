@@ -1,5 +1,7 @@
 //! One frame after the other on one context.
 
+mod pending;
+
 use super::directions::{random_turn, unit_directions};
 use super::frame::in_milliseconds;
 use super::programs::Programs;
@@ -40,6 +42,8 @@ pub struct Tracer {
     programs: Programs,
     targets: Option<Targets>,
     contributions: Vec<f32>,
+    /// The frame begun and not yet collected, and what is kept from one to the next.
+    pending: pending::Pending,
 }
 
 /// The textures for one count of waves.
@@ -76,6 +80,7 @@ impl Tracer {
             programs: Programs::default(),
             targets: None,
             contributions: Vec::new(),
+            pending: pending::Pending::new(context),
         })
     }
 
@@ -372,6 +377,10 @@ impl Tracer {
             }
             Ok::<(), Error>(())
         };
+        if self.pending.is_beginning() {
+            // Its parts are told apart by marks, which nothing waits for.
+            return draw().map(|()| 0.0);
+        }
         let (drawn, time) = self.clock.measure(draw)?;
         drawn?;
         Ok(in_milliseconds(time))
