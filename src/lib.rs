@@ -45,6 +45,7 @@
 //! | --- | --- | --- |
 //! | `cli` | yes | the program `echomarch`; brings `experiment` |
 //! | `demo` | yes | the window `echomarch demo`; brings `cli` |
+//! | `audio` | yes | live output through a sound card, in [`audio`] |
 //! | `experiment` | with `cli` | tables as data, CSV and SVG; pictures as PNG |
 //!
 //! A library user without the program takes `default-features = false`.

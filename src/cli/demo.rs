@@ -39,8 +39,8 @@ pub struct Arguments {
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Sound")]
 struct SoundOptions {
-    /// What the source plays: FILE.wav, sine:440, noise
-    #[arg(long, default_value = "noise", value_name = "SOUND")]
+    /// What the source plays: FILE.wav, sine:440, noise, speech
+    #[arg(long, default_value = "speech", value_name = "SOUND")]
     sound: String,
     /// Loudness, 0 to 1
     #[arg(long, allow_negative_numbers = true, default_value_t = 0.5)]
@@ -119,7 +119,7 @@ struct WindowOptions {
 /// Runs the subcommand.
 pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     if arguments.sound.list_devices {
-        return list_devices();
+        return list_devices(common);
     }
     let options = options(arguments, common)?;
     common.scene(&arguments.scene)?;
@@ -130,8 +130,28 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     print_text(&report)
 }
 
-fn list_devices() -> anyhow::Result<()> {
+#[cfg(not(feature = "audio"))]
+fn list_devices(_: &Common) -> anyhow::Result<()> {
     print::line("no sound devices: built without sound")
+}
+
+#[cfg(feature = "audio")]
+fn list_devices(common: &Common) -> anyhow::Result<()> {
+    let devices = crate::audio::live::list_devices();
+    if common.json {
+        let described = devices.iter().map(|device| {
+            serde_json::json!({ "name": device.name, "id": device.id, "default": device.default })
+        });
+        return print::json(&described.collect::<Vec<_>>());
+    }
+    if devices.is_empty() {
+        return print::line("no sound devices");
+    }
+    for device in &devices {
+        let mark = if device.default { "*" } else { " " };
+        print::line(&format!("{mark} {}", device.name))?;
+    }
+    Ok(())
 }
 
 fn options(arguments: &Arguments, common: &Common) -> anyhow::Result<DemoOptions> {

@@ -34,7 +34,7 @@ pub struct Arguments {
     /// The WAV to write: 48 kHz, 32-bit float, stereo
     #[arg(short, long, value_name = "FILE.wav")]
     output: PathBuf,
-    /// What the source plays: sine:HERTZ, noise, noise:SEED, or a WAV file (looped)
+    /// What the source plays: sine:HERTZ, noise, noise:SEED, speech, speech:SEED, or a WAV file (looped)
     #[arg(long, default_value = "sine:440", value_name = "SOUND")]
     sound: SoundSpec,
     /// Length [default: the scene's longest path, or 5]

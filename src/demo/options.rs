@@ -63,7 +63,7 @@ impl Default for DemoOptions {
             picture_scale: None,
             width: 960,
             height: 540,
-            sound: "noise".into(),
+            sound: "speech".into(),
             volume: 0.5,
             law: PanningLaw::Linear,
             device: None,
