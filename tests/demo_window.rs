@@ -7,7 +7,7 @@ mod common;
 
 use common::cli::{argument, command, echomarch, stderr, succeed};
 use serde_json::Value;
-use std::io::{BufRead, BufReader, Read};
+use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::{Mutex, MutexGuard};
@@ -32,7 +32,8 @@ impl Display {
     fn new() -> Display {
         let alone = ONE_AT_A_TIME.lock().unwrap_or_else(|e| e.into_inner());
         let mut server = Command::new("Xvfb")
-            .args(["-displayfd", "1", "-screen", "0", "1280x800x24"])
+            // Without -noreset it starts over, and refuses clients, when the last window goes.
+            .args(["-noreset", "-displayfd", "1", "-screen", "0", "1280x800x24"])
             .stdout(Stdio::piped())
             .stderr(Stdio::null())
             .spawn()
@@ -224,15 +225,9 @@ fn keys_walk_and_walls_stop() {
 fn keys_switch_the_profile() {
     let display = Display::new();
     let demo = display.demo(&["corner"]);
-    for (key, name) in [
-        ("1", "thesis"),
-        ("2", "march"),
-        ("3", "hybrid"),
-        ("1", "thesis"),
-    ] {
+    for key in ["1", "2", "3", "1"] {
         demo.key(key);
-        sleep(Duration::from_millis(700));
-        assert!(!name.is_empty());
+        sleep(Duration::from_millis(900));
     }
     let (report, _, _) = demo.quit();
     assert_eq!(report["profile"], "thesis");

@@ -19,6 +19,8 @@ const PATH_ITERATIONS: u32 = 16;
 const PATHS_EVERY: u64 = 6;
 /// Waves that the control goes to.
 const MOST_WAVES: u32 = 1 << 20;
+/// Waves that take so many times what a frame may take are told of.
+const TOO_LONG: f64 = 2.0;
 /// How long a message stands.
 const MESSAGE: Duration = Duration::from_secs(4);
 /// Frames that are shown in the panels.
@@ -245,6 +247,11 @@ impl App {
             self.scale_step = self.scale_control.choose(&costs, self.scale_step, target);
         }
         let on_waves = times.waves + times.read_back;
+        if on_waves > TOO_LONG * target && !self.choices.adapt_waves && self.message.is_none() {
+            self.say(format!(
+                "the waves take {on_waves:.0} ms a frame: T lets their number follow, [ halves it"
+            ));
+        }
         if self.choices.adapt_waves && on_waves > 0.0 {
             let ladder = wave_ladder(MOST_WAVES);
             let costs: Vec<f64> = ladder.iter().map(|&waves| f64::from(waves)).collect();

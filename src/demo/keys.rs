@@ -134,9 +134,12 @@ pub fn action(key: KeyCode, control: bool) -> Option<Action> {
 pub struct Held(HashSet<KeyCode>);
 
 impl Held {
-    /// A key goes down.
+    /// A key goes down. With a control key it is a command and holds nothing, whichever of
+    /// the two goes up first.
     pub fn press(&mut self, key: KeyCode) {
-        self.0.insert(key);
+        if !self.control() {
+            self.0.insert(key);
+        }
     }
 
     /// A key goes up.
@@ -194,6 +197,9 @@ mod tests {
         held.press(KeyCode::ControlLeft);
         assert!(held.wish().is_rest());
         assert_eq!(action(KeyCode::KeyS, held.control()), Some(Action::Save));
+        held.press(KeyCode::KeyD);
+        held.release(KeyCode::ControlLeft);
+        assert_eq!(held.wish().right, 0.0);
         held.clear();
         assert!(held.wish().is_rest() && !held.control());
     }

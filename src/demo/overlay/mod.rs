@@ -85,7 +85,7 @@ fn right(ui: &Ui, facts: &Facts, chosen: &mut Choices, actions: &mut Vec<Action>
     style::panel(ui, "right", Align2::RIGHT_TOP, offset, |ui| {
         ui.set_width(style::RIGHT);
         let height = facts.window[1] as f32 / ui.ctx().pixels_per_point();
-        let most = height - style::TIMES - 6.0 * MARGIN;
+        let most = height - style::TIMES - 4.5 * MARGIN;
         egui::ScrollArea::vertical()
             .max_height(most.max(80.0))
             .show(ui, |ui| choices::draw(ui, facts, chosen, actions));
