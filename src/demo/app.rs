@@ -290,11 +290,11 @@ impl ApplicationHandler for App {
                 self.held.clear();
                 self.look_by_mouse(false);
             }
-            WindowEvent::KeyboardInput { event, .. } => {
-                // A key that goes up always counts, whoever saw it go down.
-                if !is_theirs || event.state == ElementState::Released {
-                    self.key(&event);
-                }
+            // A key that goes up always counts, whoever saw it go down.
+            WindowEvent::KeyboardInput { event, .. }
+                if !is_theirs || event.state == ElementState::Released =>
+            {
+                self.key(&event);
             }
             WindowEvent::MouseInput {
                 state: ElementState::Pressed,

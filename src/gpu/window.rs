@@ -75,9 +75,7 @@ impl WindowDisplay {
 
     /// The X11 visual that the window must be made with.
     pub fn x11_visual(&self) -> Option<u64> {
-        self.config
-            .x11_visual()
-            .map(|visual| visual.visual_id() as u64)
+        self.config.x11_visual().map(|visual| visual.visual_id())
     }
 
     /// A context of OpenGL 3.3 core on a window of this display, of that size in pixels; it is left current. The
