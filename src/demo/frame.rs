@@ -81,8 +81,11 @@ impl App {
         times: &mut FrameTimes,
     ) -> Result<(), DemoError> {
         self.waves(stage, times)?;
-        let scale = self.choices.picture_scale;
-        let scale = scale.unwrap_or(SCALES[self.scale_step]);
+        let scale = match self.choices.picture_scale {
+            // Whoever fixes the size gets that size.
+            Some(fixed) => (fixed, false),
+            None => (SCALES[self.scale_step], true),
+        };
         let drawing = Instant::now();
         let gl = &stage.window.gl;
         self.drawn = stage.view.draw(gl, &self.world.now, size, scale)?;

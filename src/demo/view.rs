@@ -70,7 +70,7 @@ impl View {
     }
 
     /// Draws the scene as its listener sees it, at `scale` of the window's size, and puts
-    /// it into the window.
+    /// it into the window; `refines` says that it may be drawn finer where all stands still.
     ///
     /// # Errors
     /// [`Error::Trace`] for a scene that does not fit, [`Error::Gpu`] when the renderer fails.
@@ -79,7 +79,7 @@ impl View {
         window: &WindowContext,
         scene: &Scene,
         [width, height]: [u32; 2],
-        scale: f32,
+        (scale, refines): (f32, bool),
     ) -> Result<Drawn, Error> {
         let side = |pixels: u32| ((pixels as f32 * scale).round() as u32).clamp(1, pixels.max(1));
         let size = [side(width), side(height)];
@@ -110,7 +110,7 @@ impl View {
             self.still += 1;
         }
         let full = [width, height];
-        let refines = self.still > STILL && scale < 1.0;
+        let refines = refines && self.still > STILL && scale < 1.0;
         if refines && self.refined < height {
             self.refine(scene, full)?;
         }
