@@ -21,6 +21,8 @@ use egui::{Align2, Id, RichText, Ui, Vec2};
 
 /// Space between panels and the window's edge, in points.
 const MARGIN: f32 = 8.0;
+/// From one line of text in the middle to the one above it, in points.
+const ABOVE: f32 = 25.0;
 
 /// What the panels show and nobody changes there.
 pub struct Facts<'a> {
@@ -87,6 +89,8 @@ fn right(ui: &Ui, facts: &Facts, chosen: &mut Choices, actions: &mut Vec<Action>
         let height = facts.window[1] as f32 / ui.ctx().pixels_per_point();
         let most = height - style::TIMES - 4.5 * MARGIN;
         egui::ScrollArea::vertical()
+            // Else it would keep the height of the first frame's content.
+            .min_scrolled_height(most.max(80.0))
             .max_height(most.max(80.0))
             .show(ui, |ui| choices::draw(ui, facts, chosen, actions));
     });
@@ -101,21 +105,22 @@ fn lower(ui: &Ui, facts: &Facts) {
 
 /// The line that is always there, and the last message above it.
 fn hint(ui: &Ui, facts: &Facts) {
-    let offset = Vec2::new(0.0, -MARGIN);
-    let area = egui::Area::new(Id::unique("hint"))
-        .anchor(Align2::CENTER_BOTTOM, offset)
-        .interactable(false);
-    area.show(ui.ctx(), |ui| {
-        ui.vertical_centered(|ui| {
-            if let Some(message) = facts.message {
-                style::label(ui, RichText::new(message).color(style::BRIGHT));
-            }
-            let text = if facts.mouse_looks {
-                "the mouse looks about: Esc or a click frees it    WASD walk    F1 help"
-            } else {
-                HINT
-            };
-            style::label(ui, RichText::new(text).color(style::TEXT));
-        });
-    });
+    let text = if facts.mouse_looks {
+        "the mouse looks about: Esc or a click frees it    WASD walk    F1 help"
+    } else {
+        HINT
+    };
+    line(ui, "hint", MARGIN, RichText::new(text).color(style::TEXT));
+    if let Some(message) = facts.message {
+        let text = RichText::new(message).color(style::BRIGHT);
+        line(ui, "message", MARGIN + ABOVE, text);
+    }
+}
+
+/// A line of text in the middle, that far from the lower edge.
+fn line(ui: &Ui, name: &str, up: f32, text: RichText) {
+    egui::Area::new(Id::unique(name))
+        .anchor(Align2::CENTER_BOTTOM, Vec2::new(0.0, -up))
+        .interactable(false)
+        .show(ui.ctx(), |ui| style::label(ui, text));
 }
