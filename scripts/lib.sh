@@ -13,15 +13,23 @@ readonly -a NEEDED=(
     "libasound.so.2       libasound2        sound cards"
     "file:/usr/include/alsa/asoundlib.h libasound2-dev what sound cards are linked against"
     "command:pkg-config   pkg-config        tells where that is"
+    "libX11.so.6          libx11-6          the window (echomarch demo): the display"
+    "libX11-xcb.so.1      libx11-xcb1       the window: the display, the other way"
+    "libXcursor.so.1      libxcursor1       the window: the mouse's shape"
+    "libXi.so.6           libxi6            the window: the mouse's movement"
+    "libxkbcommon-x11.so.0 libxkbcommon-x11-0 the window: the keyboard"
 )
 
-# What only the tests need: a sound server whose loudspeaker is a file, and a browser.
+# What only the tests need: a sound server whose loudspeaker is a file, a browser, a display
+# without a screen, and fingers.
 # shellcheck disable=SC2034 # Used by test.sh.
 readonly -a NEEDED_TO_TEST=(
     "command:pulseaudio   pulseaudio        a sound server that needs no sound card"
     "command:parec        pulseaudio-utils  records what it plays"
     "command:chromium     chromium          fills in the localisation form"
     "command:chromedriver chromium-driver   steers it"
+    "command:Xvfb         xvfb              a display without a screen, for the window"
+    "command:xdotool      xdotool           presses the window's keys"
 )
 
 say() {

@@ -4,6 +4,8 @@
 //! for machines), everything else to standard error.
 
 mod accuracy;
+#[cfg(feature = "demo")]
+mod demo;
 mod exit;
 mod figures;
 mod info;
@@ -22,6 +24,7 @@ use std::process::ExitCode;
 
 const EXAMPLES: &str = "\
 Examples:
+  echomarch demo                             the window: walk and listen
   echomarch figures -o out                   the thesis' four tables, CSV and plot
   echomarch accuracy -o out                  what is how fast, and how wrong
   echomarch trace corner                     one frame of a built-in scene
@@ -48,6 +51,9 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    /// The window: walk through a scene and hear it
+    #[cfg(feature = "demo")]
+    Demo(demo::Arguments),
     /// Trace one frame: what arrives, from where, how fast
     Trace(trace::Arguments),
     /// Render a WAV of what the listener hears
@@ -72,6 +78,8 @@ enum Command {
 pub fn run() -> ExitCode {
     let cli = Cli::parse();
     let result = match &cli.command {
+        #[cfg(feature = "demo")]
+        Command::Demo(arguments) => demo::run(arguments, &cli.common),
         Command::Trace(arguments) => trace::run(arguments, &cli.common),
         Command::Render(arguments) => render::run(arguments, &cli.common),
         Command::View(arguments) => view::run(arguments, &cli.common),

@@ -1,5 +1,7 @@
 //! One frame after the other on one context.
 
+mod pending;
+
 use super::directions::{random_turn, unit_directions};
 use super::frame::in_milliseconds;
 use super::programs::Programs;
@@ -43,6 +45,8 @@ pub struct Tracer {
     targets: Option<Targets>,
     contributions: Vec<f32>,
     scene_data: SceneData,
+    /// The frame begun and not yet collected, and what is kept from one to the next.
+    pending: pending::Pending,
 }
 
 /// The textures for one count of waves.
@@ -80,6 +84,7 @@ impl Tracer {
             targets: None,
             contributions: Vec::new(),
             scene_data: SceneData::new(context)?,
+            pending: pending::Pending::new(context),
         })
     }
 
@@ -384,6 +389,10 @@ impl Tracer {
             }
             Ok::<(), Error>(())
         };
+        if self.pending.is_beginning() {
+            // Its parts are told apart by marks, which nothing waits for.
+            return draw().map(|()| 0.0);
+        }
         let (drawn, time) = self.clock.measure(draw)?;
         drawn?;
         Ok(in_milliseconds(time))

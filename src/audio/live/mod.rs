@@ -79,6 +79,8 @@ pub struct LiveStatus {
     /// Milliseconds from when a sample is made to when it is heard, as the sound system tells it
     /// for the first sample of a block; none if it does not.
     pub latency_ms: Option<f64>,
+    /// Milliseconds that the last pan waited until a block was made with it; none before the first.
+    pub pan_waited_ms: Option<f64>,
     /// Times that the sound system said it ran dry. PulseAudio never says so.
     pub under_runs: u64,
     /// Times that a block was asked for later than the length of two blocks after the one before:
@@ -176,6 +178,7 @@ impl Live {
             sample_rate: state.rate_hz,
             buffer_frames: shared.callback_frames.load(Relaxed),
             latency_ms: shared.latency_ms(),
+            pan_waited_ms: shared.pan_waited_ms(),
             under_runs: shared.under_runs.load(Relaxed),
             late_callbacks: shared.late_callbacks.load(Relaxed),
             restarts: state.restarts,

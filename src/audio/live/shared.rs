@@ -2,9 +2,11 @@
 
 use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU32, AtomicU64, Ordering::Relaxed};
 
+use std::time::Instant;
+
 use crate::audio::{Gains, PanningLaw};
 
-/// Latency that was not told.
+/// Latency that was not told, or not measured yet.
 const NO_LATENCY: u64 = u64::MAX;
 
 /// Each value stands for itself, so the order in which they are seen does not matter.
@@ -12,6 +14,12 @@ const NO_LATENCY: u64 = u64::MAX;
 pub(super) struct Shared {
     /// −1 to 1, as the bits of an `f32`.
     pan: AtomicU32,
+    /// What the times of pans are counted from.
+    epoch: Instant,
+    /// Microseconds when the oldest pan was set that no callback has taken yet; 0 without one.
+    pan_set_us: AtomicU64,
+    /// Microseconds that the last pan waited for a callback to take it.
+    pan_waited_us: AtomicU64,
     /// 0 to 1, as the bits of an `f32`.
     volume: AtomicU32,
     law: AtomicU8,
@@ -37,6 +45,9 @@ impl Shared {
     pub(super) fn new(law: PanningLaw) -> Self {
         let shared = Self {
             pan: AtomicU32::new(0f32.to_bits()),
+            epoch: Instant::now(),
+            pan_set_us: AtomicU64::new(0),
+            pan_waited_us: AtomicU64::new(NO_LATENCY),
             volume: AtomicU32::new(1f32.to_bits()),
             law: AtomicU8::new(0),
             is_muted: AtomicBool::new(false),
@@ -54,6 +65,28 @@ impl Shared {
 
     pub(super) fn set_pan(&self, pan: f32) {
         self.pan.store(pan.to_bits(), Relaxed);
+        // One that is set before the last was taken is taken sooner: the oldest counts.
+        let now = self.now_us();
+        let _ = self.pan_set_us.compare_exchange(0, now, Relaxed, Relaxed);
+    }
+
+    /// Microseconds, never 0.
+    fn now_us(&self) -> u64 {
+        self.epoch.elapsed().as_micros() as u64 + 1
+    }
+
+    /// Called when the pan is taken.
+    fn measure_wait(&self) {
+        let set = self.pan_set_us.swap(0, Relaxed);
+        if set != 0 {
+            let waited = self.now_us().saturating_sub(set);
+            self.pan_waited_us.store(waited, Relaxed);
+        }
+    }
+
+    /// Milliseconds that the last pan waited for a callback to take it; none before the first.
+    pub(super) fn pan_waited_ms(&self) -> Option<f64> {
+        told(self.pan_waited_us.load(Relaxed))
     }
 
     pub(super) fn set_volume(&self, volume: f32) {
@@ -78,6 +111,7 @@ impl Shared {
 
     /// The gains that are wanted now.
     pub(super) fn target(&self) -> Gains {
+        self.measure_wait();
         if self.is_muted.load(Relaxed) {
             return Gains::SILENT;
         }
@@ -106,7 +140,11 @@ impl Shared {
 
     /// In milliseconds.
     pub(super) fn latency_ms(&self) -> Option<f64> {
-        let latency_us = self.latency_us.load(Relaxed);
-        (latency_us != NO_LATENCY).then_some(latency_us as f64 / 1000.0)
+        told(self.latency_us.load(Relaxed))
     }
+}
+
+/// In milliseconds, if it was told at all.
+fn told(microseconds: u64) -> Option<f64> {
+    (microseconds != NO_LATENCY).then_some(microseconds as f64 / 1000.0)
 }
