@@ -32,7 +32,7 @@ const SHAPES: &[Picture] = &[
     ("plane", "Plane", Outside),
     (
         "half-space",
-        "HalfSpace(normal: (1, 2, 1), offset: -0.4)",
+        "HalfSpace(normal: (1, 2, 0), offset: -1.2)",
         Outside,
     ),
     ("box", "Box(size: (2.4, 1.6, 1.6))", Outside),
@@ -176,9 +176,9 @@ const SCENES: &[(&str, Option<(Vec3, f32, f32)>)] = &[
         Some((Vec3::new(2.0, 6.0, 22.0), -3.0, -15.0)),
     ),
     ("colonnade", Some((Vec3::new(0.5, 1.0, 8.0), -18.0, -6.0))),
-    ("cave", None),
+    ("cave", Some((Vec3::new(-10.8, 0.8, 2.6), 65.0, -6.0))),
     ("morphing-room", None),
-    ("menger", None),
+    ("menger", Some((Vec3::new(5.5, 2.2, 5.0), -46.0, -15.0))),
 ];
 
 fn main() -> Result<(), Error> {
@@ -198,14 +198,14 @@ fn main() -> Result<(), Error> {
         Ok::<(), Error>(save_png(&path, &picture)?)
     };
     for (name, shape, eye) in SHAPES.iter().filter(|(name, ..)| is_wanted(name)) {
-        save(&stage(shape, *eye)?, &format!("shapes/{name}"), (240, 180))?;
+        save(&stage(shape, *eye)?, &format!("shapes/{name}"), (200, 150))?;
     }
     if is_wanted("height-field") {
         let mut scene = stage("Plane", Far)?;
         let size = Vec3::new(7.0, 1.6, 7.0);
         let image = Arc::new(hills());
         scene.surfaces[0] = Surface::new(Field::from(Node::HeightField { image, size }));
-        save(&scene, "shapes/height-field", (240, 180))?;
+        save(&scene, "shapes/height-field", (200, 150))?;
     }
     for (name, eye) in SCENES.iter().filter(|(name, ..)| is_wanted(name)) {
         let mut scene = Scene::builtin(name)?.at(2.0);
@@ -241,8 +241,8 @@ fn stage(shape: &str, eye: Eye) -> Result<Scene, SceneError> {
             false,
         ),
     };
-    // A plane of its own would hide in the floor.
-    let floor = match floor && shape != "Plane" && !shape.starts_with("HalfSpace") {
+    // A plane of its own would hide the floor.
+    let floor = match floor && shape != "Plane" {
         true => ", Surface(shape: Plane, position: (0, -1.3, 0))",
         false => "",
     };
