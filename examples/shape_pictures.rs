@@ -165,8 +165,11 @@ const SHAPES: &[Picture] = &[
     ),
 ];
 
-/// Built-in scenes, and the eye's position, yaw and pitch where it is not the listener's.
-const SCENES: &[(&str, Option<(Vec3, f32, f32)>)] = &[
+/// The eye's position (metres), yaw and pitch (degrees).
+type Gaze = (Vec3, f32, f32);
+
+/// Built-in scenes, and the eye where it is not the listener's.
+const SCENES: &[(&str, Option<Gaze>)] = &[
     (
         "whispering-gallery",
         Some((Vec3::new(9.0, 1.0, 0.0), -90.0, -5.0)),
