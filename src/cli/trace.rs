@@ -1,6 +1,6 @@
 //! `echomarch trace`: one frame.
 
-use super::options::{Common, TraceOptions, check_ending};
+use super::options::{Common, TraceOptions, Values, check_ending};
 use super::print;
 use crate::output::{check_file, write_whole};
 use crate::scene::Scene;
@@ -22,6 +22,8 @@ Examples:
 pub struct Arguments {
     /// Built-in scene or scene file
     scene: String,
+    #[command(flatten)]
+    values: Values,
     #[command(flatten)]
     options: TraceOptions,
     /// Write every wave's start, end, direction and status as CSV
@@ -60,7 +62,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
         check_ending(path, "csv")?;
         check_file(path)?;
     }
-    let scene = common.scene(&arguments.scene)?;
+    let scene = common.scene_with(&arguments.scene, &arguments.values)?;
     let mut tracer = common.tracer()?;
     let frame = match &arguments.dump_waves {
         None => tracer.frame(&scene, &settings)?,

@@ -93,6 +93,27 @@ impl Scene {
         Ok(())
     }
 
+    /// [`Scene::validate`], and each surface at every time of its key frames.
+    ///
+    /// # Errors
+    /// Those of [`Scene::validate`]; [`SceneError::At`] for what is wrong only later.
+    pub fn validate_moving(&self) -> Result<(), SceneError> {
+        self.validate()?;
+        for (index, surface) in self.surfaces.iter().enumerate() {
+            let mut posed = surface.clone();
+            for seconds in surface.key_times() {
+                posed.drive_to(seconds);
+                let label = posed.label(index);
+                let checked = self.validate_surface(&label, &posed);
+                checked.map_err(|refused| SceneError::At {
+                    seconds,
+                    refused: Box::new(refused),
+                })?;
+            }
+        }
+        Ok(())
+    }
+
     /// What is odd about the scene as it stands, although it can be traced.
     pub fn warnings(&self) -> Vec<Warning> {
         let mut warnings = Vec::new();
