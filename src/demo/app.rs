@@ -136,7 +136,7 @@ impl App {
             self.scale_step = step_of(&SCALES, FIRST_SCALE);
         }
         self.stage = Some(Stage {
-            view: View::new(&context),
+            view: View::new(&context)?,
             tracer: Tracer::new(&context)?,
             path_tracer: Tracer::new(&context)?,
             window,

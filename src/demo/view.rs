@@ -6,8 +6,9 @@
 
 use crate::error::Error;
 use crate::gpu::{Context, Marks, Picture, Program, WindowContext, full_screen_pass_rows};
+use crate::scene::cells::Lists;
 use crate::scene::{Scene, glsl};
-use crate::trace::check_surfaces;
+use crate::trace::{SceneData, check_surfaces};
 use glam::Vec2;
 use std::collections::HashMap;
 use std::rc::Rc;
@@ -31,6 +32,7 @@ type Shown = (Scene, [u32; 2]);
 pub struct View {
     context: Context,
     programs: HashMap<glsl::Structure, Rc<Program>>,
+    data: SceneData,
     marks: Marks,
     coarse: Option<Picture>,
     fine: Option<Picture>,
@@ -55,10 +57,14 @@ pub struct Drawn {
 
 impl View {
     /// A view that has drawn nothing yet.
-    pub fn new(context: &Context) -> View {
-        View {
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] when the renderer fails.
+    pub fn new(context: &Context) -> Result<View, Error> {
+        Ok(View {
             context: context.clone(),
             programs: HashMap::new(),
+            data: SceneData::new(context)?,
             marks: Marks::new(context),
             coarse: None,
             fine: None,
@@ -66,7 +72,7 @@ impl View {
             still: 0,
             refined: 0,
             pace: 2.0,
-        }
+        })
     }
 
     /// Draws the scene as its listener sees it, at `scale` of the window's size, and puts
@@ -91,8 +97,8 @@ impl View {
             milliseconds: 0.0,
         };
         if anew {
+            let program = self.program(scene)?;
             let picture = sized(&self.context, &mut self.coarse, size)?;
-            let program = program(&self.context, &mut self.programs, scene)?;
             aim(&program, scene, size);
             self.marks.restart()?;
             full_screen_pass_rows(
@@ -130,8 +136,8 @@ impl View {
 
     /// Draws the next rows at full size.
     fn refine(&mut self, scene: &Scene, full: [u32; 2]) -> Result<(), Error> {
+        let program = self.program(scene)?;
         let picture = sized(&self.context, &mut self.fine, full)?;
-        let program = program(&self.context, &mut self.programs, scene)?;
         aim(&program, scene, full);
         let rows = ((REFINING * self.pace) as u32).max(4);
         let band = self.refined..self.refined + rows;
@@ -142,6 +148,32 @@ impl View {
         self.pace = f64::from(rows) / took.max(0.05);
         self.refined += rows;
         Ok(())
+    }
+
+    /// The program of the scene's structure, with the numbers of its surfaces set.
+    fn program(&mut self, scene: &Scene) -> Result<Rc<Program>, Error> {
+        let structure = glsl::structure(scene);
+        let program = match self.programs.get(&structure) {
+            Some(program) => program.clone(),
+            None => {
+                check_surfaces(&self.context, scene)?;
+                let mut sources = glsl::distance_sources(scene);
+                sources.push(glsl::source!("view/colour.glsl"));
+                sources.push(glsl::source!("view/walk.frag"));
+                let label = format!("the view of {}", scene.name);
+                let text = glsl::join(&sources);
+                let program = Rc::new(Program::fragment(&self.context, &label, &text)?);
+                self.programs.insert(structure, program.clone());
+                program
+            }
+        };
+        let placement = glsl::Placement::world();
+        let placed = placement.apply(scene);
+        self.data.set(scene, &placement, &placed, Lists::Near)?;
+        self.data.set_uniforms(&program);
+        self.data.bind(&program, 0);
+        program.set_vec4_array("uSurfaces", &placed.uniform_values());
+        Ok(program)
     }
 
     /// Draws anew whatever comes: the window's size or the scene has changed.
@@ -178,31 +210,6 @@ fn sized<'a>(
         Some(picture) => Ok(picture),
         None => Ok(picture.insert(Picture::new(context, width, height)?)),
     }
-}
-
-/// The program of the scene's structure, with the numbers of its surfaces set.
-fn program(
-    context: &Context,
-    programs: &mut HashMap<glsl::Structure, Rc<Program>>,
-    scene: &Scene,
-) -> Result<Rc<Program>, Error> {
-    let structure = glsl::structure(scene);
-    let program = match programs.get(&structure) {
-        Some(program) => program.clone(),
-        None => {
-            check_surfaces(context, scene)?;
-            let mut sources = glsl::distance_sources(scene);
-            sources.push(glsl::source!("view/colour.glsl"));
-            sources.push(glsl::source!("view/walk.frag"));
-            let label = format!("the view of {}", scene.name);
-            let program = Rc::new(Program::fragment(context, &label, &glsl::join(&sources))?);
-            programs.insert(structure, program.clone());
-            program
-        }
-    };
-    let placed = glsl::Placement::world().apply(scene);
-    program.set_vec4_array("uSurfaces", &placed.uniform_values());
-    Ok(program)
 }
 
 /// Sets eye, gaze, source and size.

@@ -29,7 +29,7 @@ const BUILTIN: &[(&str, &str)] = built_in![
 ];
 
 /// The GLSL fields that they name.
-const FIELDS: &[(&str, &str)] = &[(
+pub(super) const FIELDS: &[(&str, &str)] = &[(
     "menger.glsl",
     include_str!("../../examples/scenes/menger.glsl"),
 )];
@@ -63,6 +63,12 @@ impl Scene {
             }
             None => Err(unknown(name)),
         }
+    }
+
+    /// The RON text of a built-in scene.
+    pub fn builtin_text(name: &str) -> Option<&'static str> {
+        let known = BUILTIN.iter().find(|(known, _)| *known == name);
+        known.map(|(_, text)| *text)
     }
 
     /// A built-in scene by its name, or else a scene file.

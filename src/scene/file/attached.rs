@@ -1,5 +1,6 @@
 //! Files that a scene file names: height images and GLSL fields.
 
+use crate::scene::builtin::FIELDS;
 use crate::scene::{HeightImage, SceneError, UserField};
 use glam::Vec3;
 use std::cell::RefCell;
@@ -95,11 +96,17 @@ impl Attached {
 
     fn text(&self, name: &str) -> Result<String, String> {
         match &self.place {
-            Place::Folder(folder) => read_text(&folder.join(name)),
-            Place::Embedded(texts) => match texts.iter().find(|(known, _)| *known == name) {
-                Some((_, text)) => Ok((*text).to_owned()),
-                None => Err("it is not within the program".to_owned()),
-            },
+            Place::Folder(folder) => {
+                let path = folder.join(name);
+                // A built-in scene that was saved elsewhere still finds its field.
+                match (path.exists(), embedded(FIELDS, name)) {
+                    (false, Some(text)) => Ok(text),
+                    _ => read_text(&path),
+                }
+            }
+            Place::Embedded(texts) => {
+                embedded(texts, name).ok_or_else(|| "it is not within the program".to_owned())
+            }
         }
     }
 
@@ -109,6 +116,11 @@ impl Attached {
             why,
         }
     }
+}
+
+fn embedded(texts: &[(&str, &str)], name: &str) -> Option<String> {
+    let known = texts.iter().find(|(known, _)| *known == name);
+    known.map(|(_, text)| (*text).to_owned())
 }
 
 fn read_text(path: &Path) -> Result<String, String> {
