@@ -265,6 +265,10 @@ fn shaders_and_cpu_name_the_same_nearest_object() {
     for_each_api(|context| {
         for name in echomarch::scene::BUILTIN_NAMES {
             let scene = builtin(name);
+            // Fields have a table of their own, tests/fields.
+            if scene.surfaces.iter().any(|s| s.shape.field().is_some()) {
+                continue;
+            }
             let program = shader(context, &scene);
             let mut points: Vec<Vec3> = scene.surfaces.iter().flat_map(points).collect();
             let around = directions().into_iter();

@@ -88,6 +88,13 @@ impl Scene {
         posed
     }
 
+    /// Whether a user's GLSL is among its fields: what it is, only a GPU can say.
+    pub fn has_user_fields(&self) -> bool {
+        let fields = self.surfaces.iter().filter_map(|s| s.shape.field());
+        let mut nodes = fields.flat_map(Field::nodes);
+        nodes.any(|field| matches!(field.node, Node::User { .. }))
+    }
+
     /// Length of the longest path in seconds; 0 when nothing moves.
     pub fn duration(&self) -> f64 {
         let drivers = self.surfaces.iter().flat_map(|s| &s.drivers);
