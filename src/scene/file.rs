@@ -25,7 +25,7 @@ impl Scene {
         {
             scene.name = stem.to_string_lossy().into_owned();
         }
-        scene.validate()?;
+        scene.check()?;
         Ok(scene)
     }
 
@@ -46,7 +46,7 @@ impl Scene {
     /// [`SceneError::Malformed`] with line and column, or [`SceneError::Empty`].
     pub fn from_ron(text: &str, origin: &str) -> Result<Scene, SceneError> {
         let scene = parse(text, origin)?;
-        scene.validate()?;
+        scene.check()?;
         Ok(scene)
     }
 }

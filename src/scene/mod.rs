@@ -24,6 +24,7 @@ pub use builtin::BUILTIN_NAMES;
 pub use check::Warning;
 pub use distance::Nearest;
 pub use error::SceneError;
+pub(crate) use field::halton;
 pub use field::{
     Bounds3, Copies, Exactness, Field, HeightImage, Node, Properties, UserField, UserSamples,
 };
@@ -32,6 +33,8 @@ pub use path::{Key, Path};
 pub use surface::{Shape, Surface};
 
 use glam::Vec3;
+use std::path::PathBuf;
+use std::sync::Arc;
 
 /// A world to hear: surfaces, one source and one listener.
 #[derive(Clone, Debug, PartialEq)]
@@ -92,6 +95,28 @@ impl Scene {
         let driven = drivers.map(|driver| driver.motion.duration());
         let paths = [&self.source.path, &self.listener.path].map(Path::duration);
         driven.chain(paths).fold(0.0, f64::max)
+    }
+}
+
+impl Scene {
+    /// The users' fields of all surfaces, in order.
+    pub fn user_fields(&self) -> impl Iterator<Item = &Arc<UserField>> {
+        self.field_nodes().filter_map(Node::user)
+    }
+
+    /// The files beside its own that the scene was made from: users' fields and images.
+    pub fn files(&self) -> Vec<PathBuf> {
+        let file = |node: &Node| match node {
+            Node::User { field } => Some(field.file.clone()),
+            Node::HeightField { image, .. } => Some(PathBuf::from(image.name())),
+            _ => None,
+        };
+        self.field_nodes().filter_map(file).collect()
+    }
+
+    fn field_nodes(&self) -> impl Iterator<Item = &Node> {
+        let fields = self.surfaces.iter().filter_map(|s| s.shape.field());
+        fields.flat_map(|field| field.nodes().into_iter().map(|f| &f.node))
     }
 }
 

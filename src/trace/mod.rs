@@ -19,11 +19,13 @@ mod programs;
 mod settings;
 mod sum;
 mod tracer;
+mod user_fields;
 mod waves;
 
 pub use error::TraceError;
 pub use frame::{Frame, Milliseconds};
 pub use panning::{Counts, Panning};
+pub use programs::{Pass, shader_text};
 pub use settings::{
     Directions, MARCHES_PER_PASS, MAX_FIELD_STEPS, MAX_ITERATIONS, MAX_STEPS, MAX_WAVES, Profile,
     Settings,
@@ -31,5 +33,7 @@ pub use settings::{
 pub use tracer::Tracer;
 #[cfg(feature = "experiment")]
 pub(crate) use tracer::check_surfaces;
+#[cfg(feature = "experiment")]
+pub(crate) use user_fields::UserFields;
 pub(crate) use waves::STATUS_STARTED;
 pub use waves::{Fate, Grid, STATUS_DEAD, STATUS_LISTENER, Wave};

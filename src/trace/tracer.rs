@@ -4,6 +4,7 @@ use super::directions::{random_turn, unit_directions};
 use super::frame::in_milliseconds;
 use super::programs::Programs;
 use super::sum::Sum;
+use super::user_fields::UserFields;
 use super::waves::{STATUS_DEAD, STATUS_STARTED, waves};
 use super::{
     Counts, Frame, Grid, MARCHES_PER_PASS, MAX_FIELD_STEPS, Milliseconds, Panning, Profile,
@@ -38,6 +39,7 @@ pub struct Tracer {
     context: Context,
     clock: Clock,
     programs: Programs,
+    user_fields: UserFields,
     targets: Option<Targets>,
     contributions: Vec<f32>,
     scene_data: DataTexture,
@@ -75,6 +77,7 @@ impl Tracer {
             context: context.clone(),
             clock: Clock::for_context(context)?,
             programs: Programs::default(),
+            user_fields: UserFields::default(),
             targets: None,
             contributions: Vec::new(),
             scene_data: DataTexture::new(context, glsl::DATA_WIDTH)?,
@@ -94,6 +97,20 @@ impl Tracer {
     /// Programs compiled since the tracer was made.
     pub fn programs_compiled(&self) -> usize {
         self.programs.compiled()
+    }
+
+    /// Checks all that a frame needs, users' fields included, and compiles its programs, but
+    /// traces nothing. What passes can be traced with these settings.
+    ///
+    /// # Errors
+    /// As [`Tracer::frame`].
+    pub fn check(&mut self, scene: &Scene, settings: &Settings) -> Result<(), Error> {
+        self.check_input(scene, settings)?;
+        self.programs.march(&self.context, scene, settings)?;
+        self.programs
+            .initialise(&self.context, settings.directions)?;
+        self.programs.pan(&self.context)?;
+        Ok(())
     }
 
     /// Traces one frame of the scene as it stands.
@@ -173,15 +190,12 @@ impl Tracer {
     /// Checks the input, gets the program and the textures, and sets every uniform
     /// of the march that is the same for all iterations.
     fn prepare<'a>(&mut self, scene: &'a Scene, settings: &'a Settings) -> Result<Job<'a>, Error> {
-        scene.validate()?;
-        settings.validate()?;
+        self.check_input(scene, settings)?;
         let grid = Grid::new(settings.waves);
         let placement = match settings.profile {
             Profile::Thesis => Placement::world(),
             Profile::March | Profile::Hybrid => Placement::anchored(scene),
         };
-        self.check_waves(grid)?;
-        check_surfaces(&self.context, scene)?;
         if self.targets.as_ref().is_none_or(|t| t.grid != grid) {
             // The old textures go before the new ones come.
             self.targets = None;
@@ -213,6 +227,15 @@ impl Tracer {
         };
         job.set_uniforms(grid);
         Ok(job)
+    }
+
+    /// What is checked before every frame, and of users' fields before the first.
+    fn check_input(&mut self, scene: &Scene, settings: &Settings) -> Result<(), Error> {
+        scene.validate()?;
+        settings.validate()?;
+        self.check_waves(Grid::new(settings.waves))?;
+        check_surfaces(&self.context, scene)?;
+        self.user_fields.check(&self.context, scene)
     }
 
     /// Waves that do not fit in a texture are told before anything is allocated.

@@ -21,6 +21,7 @@ mod fields_ahead;
 mod land;
 mod placement;
 mod source;
+mod user;
 
 pub use ahead::{ahead_sources, marches_all_fields};
 pub use closed_form::{closed_form_sources, marches_some_fields};
@@ -29,6 +30,7 @@ pub use distance::distance_sources;
 pub use placement::{Placed, Placement, uniform_count};
 pub(crate) use source::source;
 pub use source::{Source, join};
+pub(crate) use user::{USER_FILE, user_sources};
 
 use super::{Field, Scene, Shape, Surface};
 use placement::value_count;

@@ -15,7 +15,7 @@ mod numbers;
 mod signature;
 mod text;
 
-pub(super) use files::field_files;
+pub(super) use files::{field_files, user_text};
 pub(super) use hit::{files_of_hits, has_closed_form, hit_text};
 pub(super) use numbers::moving_values;
 pub(super) use signature::{Signature, signature};
