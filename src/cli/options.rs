@@ -54,7 +54,7 @@ impl Common {
     /// Loads a scene and tells what is odd about it.
     pub fn scene(&self, name_or_file: &str) -> Result<Scene, Error> {
         let scene = Scene::load(name_or_file)?;
-        self.warn(&scene);
+        self.warn_when_known(&scene, false);
         if scene.surfaces.len() > MANY_SURFACES {
             self.note(&format!(
                 "note: {} surfaces: compiling their shader the first time can take long",
@@ -64,8 +64,20 @@ impl Common {
         Ok(scene)
     }
 
+    /// Tells what is odd about a scene that the renderer has checked, unless it was already
+    /// told when it was loaded: of users' fields nothing is known before.
+    pub fn warn_checked(&self, scene: &Scene) {
+        self.warn_when_known(scene, true);
+    }
+
+    fn warn_when_known(&self, scene: &Scene, is_checked: bool) {
+        if is_checked == scene.user_fields().next().is_some() {
+            self.warn(scene);
+        }
+    }
+
     /// Tells what is odd about a scene as it stands.
-    fn warn(&self, scene: &Scene) {
+    pub fn warn(&self, scene: &Scene) {
         for warning in scene.warnings() {
             self.note(&format!("warning: {}: {warning}", scene.name));
         }
@@ -81,7 +93,7 @@ impl Common {
             return Err(BadInput(text).into());
         }
         let scene = Scene::load(name_or_file).map_err(Error::from)?.at(seconds);
-        self.warn(&scene);
+        self.warn_when_known(&scene, false);
         Ok(scene)
     }
 

@@ -21,6 +21,9 @@ const BUILTIN: [(&str, &str); 5] = [
     ("shoebox", include_str!("../../examples/scenes/shoebox.ron")),
 ];
 
+/// The GLSL fields that they name.
+const FIELDS: [(&str, &str); 0] = [];
+
 /// The names that [`Scene::builtin`] knows.
 pub const BUILTIN_NAMES: [&str; BUILTIN.len()] = {
     let mut names = [""; BUILTIN.len()];
@@ -45,7 +48,9 @@ impl Scene {
     /// [`SceneError::Unknown`] for any other name.
     pub fn builtin(name: &str) -> Result<Scene, SceneError> {
         match BUILTIN.iter().find(|(known, _)| *known == name) {
-            Some((_, text)) => Scene::from_ron(text, &format!("built-in scene {name}")),
+            Some((_, text)) => {
+                Scene::from_embedded(text, &format!("built-in scene {name}"), &FIELDS)
+            }
             None => Err(unknown(name)),
         }
     }

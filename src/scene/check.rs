@@ -83,22 +83,26 @@ impl fmt::Display for Warning {
 }
 
 impl Scene {
-    /// Checks the scene as [`Scene::validate`] does, and every field as [`Field::check`]
-    /// does: some milliseconds for each that states how fast it grows. Scene files are
-    /// checked like this when they are read, and a tracer does so with every new structure.
-    /// The text of users' fields is compiled later, by the tracer.
+    /// [`Scene::validate_moving`], and every field as [`Field::check`] does: some
+    /// milliseconds for each that states how fast it grows. Scene files are checked like
+    /// this when they are read, and a tracer does so with every new structure. The text of
+    /// users' fields is compiled later, by the tracer.
     ///
     /// # Errors
-    /// As [`Scene::validate`].
+    /// As [`Scene::validate_moving`].
     pub fn check(&self) -> Result<(), SceneError> {
-        self.validate()?;
+        self.validate_moving()?;
         for (index, surface) in self.surfaces.iter().enumerate() {
-            if let Some(field) = surface.shape.field() {
-                let label = surface.label(index);
-                field.check().map_err(|why| self.bad_field(&label, why))?;
-            }
+            self.check_field(&surface.label(index), surface)?;
         }
-        Ok(())
+        self.at_every_key(Scene::check_field)
+    }
+
+    fn check_field(&self, label: &str, surface: &Surface) -> Result<(), SceneError> {
+        let Some(field) = surface.shape.field() else {
+            return Ok(());
+        };
+        field.check().map_err(|why| self.bad_field(label, why))
     }
 
     /// Checks every number: cheap, for every frame of a scene that moves or was written in
@@ -131,6 +135,34 @@ impl Scene {
             self.finite("a path's position", key.position)?;
             let turn_and_time = Vec3::new(key.yaw, key.pitch, key.time as f32);
             self.finite("a path's yaw, pitch and time", turn_and_time)?;
+        }
+        Ok(())
+    }
+
+    /// [`Scene::validate`], and each surface at every time of its key frames.
+    ///
+    /// # Errors
+    /// Those of [`Scene::validate`]; [`SceneError::At`] for what is wrong only later.
+    pub fn validate_moving(&self) -> Result<(), SceneError> {
+        self.validate()?;
+        self.at_every_key(Scene::validate_surface)
+    }
+
+    /// Tries each surface as it stands at every time of its key frames.
+    fn at_every_key(
+        &self,
+        check: fn(&Scene, &str, &Surface) -> Result<(), SceneError>,
+    ) -> Result<(), SceneError> {
+        for (index, surface) in self.surfaces.iter().enumerate() {
+            let mut posed = surface.clone();
+            for seconds in surface.key_times() {
+                posed.drive_to(seconds);
+                let label = posed.label(index);
+                check(self, &label, &posed).map_err(|refused| SceneError::At {
+                    seconds,
+                    refused: Box::new(refused),
+                })?;
+            }
         }
         Ok(())
     }

@@ -36,6 +36,22 @@ pub enum SceneError {
         /// What is wrong there.
         message: String,
     },
+    /// A file that the scene names cannot be used.
+    #[error("{origin}: {why}")]
+    Attached {
+        /// The scene file, or what stands for it.
+        origin: String,
+        /// What is wrong, with the file.
+        why: String,
+    },
+    /// What is refused at a time of its key frames, and not before.
+    #[error("at {seconds} s, {refused}")]
+    At {
+        /// The time of a key.
+        seconds: f64,
+        /// What is wrong there.
+        refused: Box<SceneError>,
+    },
     /// No surface at all.
     #[error("scene {scene:?} has no surfaces: there is nothing for a wave to meet")]
     Empty {

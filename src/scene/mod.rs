@@ -19,6 +19,7 @@ mod motion;
 mod path;
 mod seal;
 mod surface;
+mod watch;
 
 pub use builtin::BUILTIN_NAMES;
 pub use check::Warning;
@@ -31,6 +32,7 @@ pub use field::{
 pub use motion::{Driver, Motion};
 pub use path::{Key, Path};
 pub use surface::{Shape, Surface};
+pub use watch::SceneWatch;
 
 use glam::Vec3;
 use std::path::PathBuf;

@@ -29,7 +29,7 @@ pub enum Motion {
 
 impl Motion {
     /// The value at `seconds`; `None` for a named one.
-    fn at(&self, seconds: f64) -> Option<f32> {
+    pub fn at(&self, seconds: f64) -> Option<f32> {
         let Motion::Keys(keys) = self else {
             return None;
         };
@@ -104,6 +104,26 @@ impl Surface {
             self.rotation = Quat::from_euler(EulerRot::XYZEx, x, y, z);
         }
         self.drivers = drivers;
+    }
+
+    /// Sets what follows key frames to where it is at `seconds`.
+    pub(super) fn drive_to(&mut self, seconds: f64) {
+        if !self.drivers.is_empty() {
+            self.drive(|motion| motion.at(seconds));
+        }
+    }
+
+    /// The times of all keys in seconds, in order, each once.
+    pub(super) fn key_times(&self) -> Vec<f64> {
+        let mut times = Vec::new();
+        for driver in &self.drivers {
+            if let Motion::Keys(keys) = &driver.motion {
+                times.extend(keys.iter().map(|(time, _)| *time));
+            }
+        }
+        times.sort_by(f64::total_cmp);
+        times.dedup();
+        times
     }
 
     /// For each node of the surface's field, in the order of [`Field::nodes`]: whether a
@@ -232,9 +252,7 @@ impl Scene {
     /// Sets what follows key frames to where it is at `seconds`.
     pub(super) fn drive_to(&mut self, seconds: f64) {
         for surface in &mut self.surfaces {
-            if !surface.drivers.is_empty() {
-                surface.drive(|motion| motion.at(seconds));
-            }
+            surface.drive_to(seconds);
         }
     }
 }

@@ -16,6 +16,7 @@ mod error;
 mod frame;
 mod panning;
 mod programs;
+mod reload;
 mod settings;
 mod sum;
 mod tracer;
@@ -26,6 +27,7 @@ pub use error::TraceError;
 pub use frame::{Frame, Milliseconds};
 pub use panning::{Counts, Panning};
 pub use programs::{Pass, shader_text};
+pub use reload::{Reload, Reloading};
 pub use settings::{
     Directions, MARCHES_PER_PASS, MAX_FIELD_STEPS, MAX_ITERATIONS, MAX_STEPS, MAX_WAVES, Profile,
     Settings,

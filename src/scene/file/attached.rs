@@ -1,0 +1,120 @@
+//! Files that a scene file names: height images and GLSL fields.
+
+use crate::scene::{HeightImage, SceneError, UserField};
+use glam::Vec3;
+use std::cell::RefCell;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Bytes of a GLSL field at the most: what is larger is no field that was meant.
+const LARGEST_FIELD: u64 = 1 << 20;
+
+/// Where the files of one scene lie; each is read once.
+pub(super) struct Attached {
+    /// What errors call the scene's text.
+    origin: String,
+    place: Place,
+    images: RefCell<Vec<(String, Arc<HeightImage>)>>,
+    fields: RefCell<Vec<Arc<UserField>>>,
+}
+
+enum Place {
+    /// Beside the scene file.
+    Folder(PathBuf),
+    /// Within the program: names and texts.
+    Embedded(&'static [(&'static str, &'static str)]),
+}
+
+impl Attached {
+    /// Files beside a scene file, or beneath the current folder.
+    pub fn in_folder(origin: &str, folder: &Path) -> Attached {
+        Attached::new(origin, Place::Folder(folder.to_owned()))
+    }
+
+    /// Texts within the program.
+    pub fn embedded(origin: &str, texts: &'static [(&'static str, &'static str)]) -> Attached {
+        Attached::new(origin, Place::Embedded(texts))
+    }
+
+    fn new(origin: &str, place: Place) -> Attached {
+        Attached {
+            origin: origin.to_owned(),
+            place,
+            images: RefCell::default(),
+            fields: RefCell::default(),
+        }
+    }
+
+    /// What errors call the scene's text.
+    pub fn origin(&self) -> &str {
+        &self.origin
+    }
+
+    /// A height image by the name that the scene has for it.
+    pub fn heights(&self, name: &str) -> Result<Arc<HeightImage>, SceneError> {
+        let known = self.images.borrow();
+        if let Some((_, image)) = known.iter().find(|(known, _)| known == name) {
+            return Ok(image.clone());
+        }
+        drop(known);
+        let image = HeightImage::from_file(&self.path(name)).map_err(|why| self.refused(why))?;
+        let image = Arc::new(image);
+        let read = (name.to_owned(), image.clone());
+        self.images.borrow_mut().push(read);
+        Ok(image)
+    }
+
+    /// A GLSL field by the name that the scene has for its file.
+    pub fn field(
+        &self,
+        name: &str,
+        size: Vec3,
+        lipschitz: f32,
+    ) -> Result<Arc<UserField>, SceneError> {
+        let path = self.path(name);
+        let same = |field: &&Arc<UserField>| {
+            field.file == path && field.size == size && field.lipschitz == lipschitz
+        };
+        if let Some(field) = self.fields.borrow().iter().find(same) {
+            return Ok(field.clone());
+        }
+        let text = self.text(name).map_err(|why| {
+            self.refused(format!("cannot read the field {}: {why}", path.display()))
+        })?;
+        let field = Arc::new(UserField::new(path, text, size, lipschitz));
+        self.fields.borrow_mut().push(field.clone());
+        Ok(field)
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        match &self.place {
+            Place::Folder(folder) => folder.join(name),
+            Place::Embedded(_) => PathBuf::from(name),
+        }
+    }
+
+    fn text(&self, name: &str) -> Result<String, String> {
+        match &self.place {
+            Place::Folder(folder) => read_text(&folder.join(name)),
+            Place::Embedded(texts) => match texts.iter().find(|(known, _)| *known == name) {
+                Some((_, text)) => Ok((*text).to_owned()),
+                None => Err("it is not within the program".to_owned()),
+            },
+        }
+    }
+
+    fn refused(&self, why: String) -> SceneError {
+        SceneError::Attached {
+            origin: self.origin.clone(),
+            why,
+        }
+    }
+}
+
+fn read_text(path: &Path) -> Result<String, String> {
+    let about = std::fs::metadata(path).map_err(|error| error.to_string())?;
+    if about.len() > LARGEST_FIELD {
+        return Err(format!("it is larger than {LARGEST_FIELD} bytes"));
+    }
+    std::fs::read_to_string(path).map_err(|error| error.to_string())
+}
