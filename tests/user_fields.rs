@@ -175,7 +175,6 @@ fn fields_that_grow_just_as_fast_as_they_say_are_taken() {
             300.0,
         ),
     ];
-    // A lattice of balls is continuous, but folded at the cells' faces.
     for_each_api(|context| {
         let mut tracer = Tracer::new(context).unwrap();
         for (text, lipschitz) in honest
@@ -252,12 +251,14 @@ fn fields_may_use_the_same_names() {
     };
     for_each_api(|context| {
         let (small, large) = (user(&text("0.25"), 1.0), user(&text("0.6"), 1.0));
-        let scene = scene(&[small, large]);
+        // The same text again, which promises less.
+        let again = user(&text("0.6"), 2.0);
+        let scene = scene(&[small, large, again]);
         let mut tracer = Tracer::new(context).unwrap();
         for profile in Profile::ALL {
             tracer.frame(&scene, &settings(profile)).unwrap();
         }
-        for (index, radius) in [(1, 0.5), (2, 1.2)] {
+        for (index, radius) in [(1, 0.5), (2, 1.2), (3, 0.6)] {
             let value = scene.surfaces[index].distance(scene.surfaces[index].position);
             assert!((value + radius).abs() < 0.03, "{value}");
         }

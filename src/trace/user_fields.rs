@@ -43,6 +43,9 @@ const ROW: usize = 1024;
 /// Rows in one draw call.
 const ROWS_PER_DRAW: u32 = 64;
 
+/// Steps along the way between two points where something is amiss.
+const CLOSER: usize = 256;
+
 /// Fields remembered at the most: an editor makes a new one with each change.
 const KNOWN: usize = 64;
 
@@ -119,7 +122,9 @@ fn first_error(log: &str) -> (Option<u32>, String) {
     let errors = log_errors(log);
     // What the text defines has another name in the shader.
     let plain = |message: &str| message.replace("user0_", "");
-    if let Some(error) = errors.iter().find(|error| error.file == USER_FILE) {
+    // Mesa loses the number of what a macro stands for, and keeps the line.
+    let is_users = |file: u32| file == USER_FILE || file == 0;
+    if let Some(error) = errors.iter().find(|error| is_users(error.file)) {
         return (Some(error.line), plain(&error.message));
     }
     match errors.first() {
@@ -150,21 +155,20 @@ impl Probe<'_> {
         let points: Vec<Vec3> = (0..SIDE * SIDE * SIDE).map(place).collect();
         let values = self.values(&points)?;
         let mut steepest = self.steepest();
-        for (axis, stride) in [1, SIDE, SIDE * SIDE].into_iter().enumerate() {
+        for stride in [1, SIDE, SIDE * SIDE] {
             for index in 0..points.len() - stride {
                 // The last of a row has no neighbour.
                 if index / stride % SIDE < SIDE - 1 {
                     let pair = [index, index + stride];
-                    let way = size[axis] / (SIDE - 1) as f32;
-                    steepest.take(points[index], pair.map(|i| values[i]), way);
+                    steepest.take(pair.map(|i| points[i]), pair.map(|i| values[i]));
                 }
             }
         }
-        self.judge(&steepest)?;
+        self.judge(steepest)?;
         Ok(UserSamples { side: SIDE, values })
     }
 
-    /// Tries short steps along the gradient, at points spread over the box.
+    /// Tries short steps along the axes and the gradient, at points spread over the box.
     fn check_growth(&self) -> Result<(), Error> {
         let half = 0.5 * self.field.size;
         let least = self.field.size.min_element();
@@ -173,7 +177,7 @@ impl Probe<'_> {
         for index in 1..=TRIES {
             // From a ten-thousandth to a hundredth of the size.
             let width = least * 1e-4 * 100f32.powf((index % 64) as f32 / 63.0);
-            let inside = (half - 2.0 * width).max(Vec3::ZERO);
+            let inside = half - 2.0 * width;
             let centre = inside * (2.0 * halton(index).as_vec3() - 1.0);
             centres.push((centre, width));
             for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
@@ -181,46 +185,48 @@ impl Probe<'_> {
             }
         }
         let values = self.values(&points)?;
-        let mut steepest = self.steepest();
         let mut ends = Vec::with_capacity(2 * TRIES);
         for (&(centre, width), of) in centres.iter().zip(values.chunks(6)) {
-            for pair in of.chunks(2) {
-                steepest.take(centre, [pair[0], pair[1]], 2.0 * width);
-            }
             let gradient = Vec3::new(of[1] - of[0], of[3] - of[2], of[5] - of[4]);
             let way = gradient.normalize_or_zero() * width;
             ends.extend([centre - way, centre + way]);
         }
-        self.judge(&steepest)?;
-        let values = self.values(&ends)?;
-        for (pair, ends) in values.chunks(2).zip(ends.chunks(2)) {
-            let (way, centre) = (ends[0].distance(ends[1]), ends[0].midpoint(ends[1]));
-            steepest.take(centre, [pair[0], pair[1]], way);
+        let mut steepest = self.steepest();
+        steepest.take_pairs(&points, &values);
+        steepest.take_pairs(&ends, &self.values(&ends)?);
+        self.judge(steepest)
+    }
+
+    /// Refuses what grows too fast, after a closer look at where it does so.
+    fn judge(&self, steepest: Steepest) -> Result<(), Error> {
+        let stated = self.field.lipschitz;
+        if steepest.growth <= stated * (1.0 + TOLERANCE) {
+            return Ok(());
         }
-        self.judge(&steepest)
+        let [from, to] = steepest.ends;
+        let along = (0..=CLOSER).map(|step| from.lerp(to, step as f32 / CLOSER as f32));
+        let points: Vec<Vec3> = along.collect();
+        let values = self.values(&points)?;
+        let mut closer = steepest;
+        for (ends, pair) in points.windows(2).zip(values.windows(2)) {
+            closer.take([ends[0], ends[1]], [pair[0], pair[1]]);
+        }
+        Err(TraceError::FieldGrows {
+            file: self.field.file.display().to_string(),
+            place: closer.ends[0].midpoint(closer.ends[1]),
+            growth: closer.growth,
+            stated,
+        }
+        .into())
     }
 
     /// Nothing found yet.
     fn steepest(&self) -> Steepest {
         Steepest {
             growth: 0.0,
-            place: Vec3::ZERO,
+            ends: [Vec3::ZERO; 2],
             rounding: ROUNDING * self.field.lipschitz * self.field.size.max_element(),
         }
-    }
-
-    fn judge(&self, steepest: &Steepest) -> Result<(), Error> {
-        let stated = self.field.lipschitz;
-        if steepest.growth <= stated * (1.0 + TOLERANCE) {
-            return Ok(());
-        }
-        Err(TraceError::FieldGrows {
-            file: self.field.file.display().to_string(),
-            place: steepest.place,
-            growth: steepest.growth,
-            stated,
-        }
-        .into())
     }
 
     /// The values at some points, all of them finite.
@@ -251,21 +257,28 @@ impl Probe<'_> {
     }
 }
 
-/// The pair of values with the most growth between them, and where it lies.
+/// The two points with the most growth between them.
 struct Steepest {
     growth: f32,
-    place: Vec3,
+    ends: [Vec3; 2],
     /// What rounding can make of two values that are equal: it is taken off.
     rounding: f32,
 }
 
 impl Steepest {
-    fn take(&mut self, place: Vec3, pair: [f32; 2], way: f32) {
-        let growth = ((pair[1] - pair[0]).abs() - self.rounding) / way;
+    fn take(&mut self, ends: [Vec3; 2], values: [f32; 2]) {
+        let way = ends[0].distance(ends[1]);
+        let growth = ((values[1] - values[0]).abs() - self.rounding) / way;
         // A gradient of 0 has no way.
         if way > 0.0 && growth > self.growth {
             self.growth = growth;
-            self.place = place;
+            self.ends = ends;
+        }
+    }
+
+    fn take_pairs(&mut self, points: &[Vec3], values: &[f32]) {
+        for (ends, pair) in points.chunks_exact(2).zip(values.chunks_exact(2)) {
+            self.take([ends[0], ends[1]], [pair[0], pair[1]]);
         }
     }
 }

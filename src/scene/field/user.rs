@@ -83,7 +83,7 @@ impl UserField {
     /// The names that the text defines outside of functions: they are renamed when it is
     /// taken into a shader, so that two fields never clash.
     pub fn names(&self) -> Vec<String> {
-        text::global_names(&self.text)
+        text::global_names(&self.shader_text())
     }
 }
 

@@ -62,7 +62,7 @@ impl Files {
             self.take([source!("gradient/box.glsl")]);
         }
         self.0.extend(user_text(user, index));
-        let use_of = format!("use of {}", shown_name(user));
+        let use_of = format!("use of {}, field {index}", shown_name(user));
         let functions = user_functions(index, gradients);
         self.0.push((Cow::Owned(use_of), Cow::Owned(functions)));
     }
@@ -88,9 +88,9 @@ pub(in crate::scene::glsl) fn user_text(user: &UserField, index: usize) -> [Sour
     let shown = shown_name(user);
     let source = |name: String, text: String| (Cow::Owned(name), Cow::Owned(text));
     [
-        source(format!("names of {shown}"), before),
+        source(format!("names of {shown}, field {index}"), before),
         source(shown.clone(), user.shader_text()),
-        source(format!("end of {shown}"), after),
+        source(format!("end of {shown}, field {index}"), after),
     ]
 }
 
