@@ -58,7 +58,7 @@ pub enum TraceError {
     },
     /// A user's field whose value is not a number somewhere.
     #[error(
-        "{file}: the value at ({}, {}, {}) is {value}: it must be finite everywhere in its box",
+        "{file}: the value at ({:.3}, {:.3}, {:.3}) is {value}: it must be finite everywhere in its box",
         place.x, place.y, place.z
     )]
     FieldNotFinite {
@@ -71,7 +71,7 @@ pub enum TraceError {
     },
     /// A user's field that grows faster than it promises.
     #[error(
-        "{file}: the value grows by {growth:.3} a metre at ({}, {}, {}), more than the stated lipschitz of {stated}: {}",
+        "{file}: the value grows by {growth:.3} a metre at ({:.3}, {:.3}, {:.3}), more than the stated lipschitz of {stated}: {}",
         place.x, place.y, place.z, remedy(*growth, *stated)
     )]
     FieldGrows {
@@ -103,5 +103,5 @@ fn remedy(growth: f32, stated: f32) -> String {
     if growth > JUMP * stated {
         return "it seems to jump there, and a field must be continuous".to_owned();
     }
-    format!("state at least {:.3}", 1.05 * growth)
+    format!("state at least {:.3}", 1.01 * growth)
 }

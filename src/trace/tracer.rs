@@ -1,7 +1,7 @@
 //! One frame after the other on one context.
 
 use super::directions::{random_turn, unit_directions};
-use super::frame::in_milliseconds;
+use super::frame::{in_milliseconds, timed};
 use super::programs::Programs;
 use super::sum::Sum;
 use super::user_fields::UserFields;
@@ -492,13 +492,6 @@ pub(crate) fn check_surfaces(context: &Context, scene: &Scene) -> Result<(), Tra
         limit,
         renderer: context.renderer().to_owned(),
     })
-}
-
-/// A result, and the milliseconds that it took.
-fn timed<T>(work: impl FnOnce() -> Result<T, Error>) -> Result<(T, f64), Error> {
-    let began = Instant::now();
-    let result = work()?;
-    Ok((result, in_milliseconds(began.elapsed())))
 }
 
 fn set_grid(program: &Program, grid: Grid) {

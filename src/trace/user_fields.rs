@@ -9,7 +9,7 @@
 //!
 //! # Cost
 //! Once for each context and field: one short program, and some 400,000 evaluations in four
-//! passes. With Mesa's llvmpipe on two cores that is a quarter of a second for a Menger
+//! passes. With Mesa's llvmpipe on two cores that is a tenth of a second for a Menger
 //! sponge of five levels, on a graphics card a few milliseconds. A frame whose fields are
 //! known compares pointers.
 

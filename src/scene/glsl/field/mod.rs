@@ -53,16 +53,12 @@ impl Assets {
         use std::sync::Arc;
         for node in field.nodes() {
             match &node.node {
-                Node::HeightField { image, .. } => {
-                    if self.image(image).is_none() {
-                        let first = self.data_length();
-                        self.images.push((Arc::clone(image), first));
-                    }
+                Node::HeightField { image, .. } if self.image(image).is_none() => {
+                    let first = self.data_length();
+                    self.images.push((Arc::clone(image), first));
                 }
-                Node::User { field } => {
-                    if self.user(field).is_none() {
-                        self.users.push(Arc::clone(field));
-                    }
+                Node::User { field } if self.user(field).is_none() => {
+                    self.users.push(Arc::clone(field));
                 }
                 _ => (),
             }
