@@ -10,6 +10,26 @@ readonly -a NEEDED=(
     "libEGL_mesa.so.0     libegl-mesa0      Mesa's share of EGL, for the renderer below"
     "dri:swrast           libgl1-mesa-dri   the drivers, among them the software renderer llvmpipe"
     "libOSMesa.so.8       libosmesa6        OpenGL in memory, without EGL (--gl osmesa)"
+    "libasound.so.2       libasound2        sound cards"
+    "file:/usr/include/alsa/asoundlib.h libasound2-dev what sound cards are linked against"
+    "command:pkg-config   pkg-config        tells where that is"
+    "libX11.so.6          libx11-6          the window (echomarch demo): the display"
+    "libX11-xcb.so.1      libx11-xcb1       the window: the display, the other way"
+    "libXcursor.so.1      libxcursor1       the window: the mouse's shape"
+    "libXi.so.6           libxi6            the window: the mouse's movement"
+    "libxkbcommon-x11.so.0 libxkbcommon-x11-0 the window: the keyboard"
+)
+
+# What only the tests need: a sound server whose loudspeaker is a file, a browser, a display
+# without a screen, and fingers.
+# shellcheck disable=SC2034 # Used by test.sh.
+readonly -a NEEDED_TO_TEST=(
+    "command:pulseaudio   pulseaudio        a sound server that needs no sound card"
+    "command:parec        pulseaudio-utils  records what it plays"
+    "command:chromium     chromium          fills in the localisation form"
+    "command:chromedriver chromium-driver   steers it"
+    "command:Xvfb         xvfb              a display without a screen, for the window"
+    "command:xdotool      xdotool           presses the window's keys"
 )
 
 say() {
@@ -51,6 +71,7 @@ has_start_code() {
 is_there() {
     case "$1" in
     command:*) command -v "${1#command:}" >/dev/null ;;
+    file:*) [[ -e "${1#file:}" ]] ;;
     start:*) has_start_code "${1#start:}" ;;
     dri:*) has_dri_driver "${1#dri:}" ;;
     *) has_library "$1" ;;
@@ -72,11 +93,12 @@ install_packages() {
         apt-get install -y --no-install-recommends "$@"
 }
 
-# Installs what building, and OpenGL without a window, need and the machine lacks.
+# Installs what building, OpenGL without a window, and sound need and the machine lacks, and
+# what else is named, in lines as above.
 provide_packages() {
-    local -a missing=()
+    local -a needed=("${NEEDED[@]}" "$@") missing=()
     local entry library package purpose
-    for entry in "${NEEDED[@]}"; do
+    for entry in "${needed[@]}"; do
         read -r library package purpose <<<"$entry"
         if ! is_there "$library"; then
             say "missing: $package ($purpose)"

@@ -38,12 +38,13 @@ check_package() {
     say "the package holds $(wc -l <<<"$list") files"
 }
 
-provide_packages
+provide_packages "${NEEDED_TO_TEST[@]}"
 need_cargo fmt clippy
 
 run cargo fmt --check
 run cargo clippy --locked --all-targets -- -D warnings
 run cargo clippy --locked --no-default-features --lib -- -D warnings
+run cargo clippy --locked --no-default-features --features cli -- -D warnings
 run env RUSTDOCFLAGS="-D warnings" cargo doc --locked --no-deps
 run cargo test --locked
 run check_package

@@ -37,12 +37,15 @@
 //! | [`mod@reference`] | the same and the exact waves on the CPU, to check against |
 //! | `picture` | what the listener sees, and the plan with paths (feature `experiment`) |
 //! | `experiment` | the thesis' tables, run for real (feature `experiment`) |
+//! | `demo` | the window: walk through a scene and hear it (feature `demo`) |
 //! | [`output`] | files that are there whole or not at all |
 //!
 //! # Features
 //! | feature | default | what it adds |
 //! | --- | --- | --- |
 //! | `cli` | yes | the program `echomarch`; brings `experiment` |
+//! | `demo` | yes | the window `echomarch demo`; brings `cli` |
+//! | `audio` | yes | live output through a sound card, in [`audio`] |
 //! | `experiment` | with `cli` | tables as data, CSV and SVG; pictures as PNG |
 //!
 //! A library user without the program takes `default-features = false`.
@@ -54,6 +57,8 @@
 pub mod audio;
 #[cfg(feature = "cli")]
 pub mod cli;
+#[cfg(feature = "demo")]
+pub mod demo;
 pub mod error;
 #[cfg(feature = "experiment")]
 pub mod experiment;

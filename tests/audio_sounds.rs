@@ -72,6 +72,8 @@ fn specs_are_read_and_shown() {
         ("sine:440.5", sine),
         ("noise", SoundSpec::Noise { seed: 0 }),
         ("noise:7", SoundSpec::Noise { seed: 7 }),
+        ("speech", SoundSpec::Speech { seed: 0 }),
+        ("speech:9", SoundSpec::Speech { seed: 9 }),
         (
             "a b/c.WAV",
             SoundSpec::Wav {
@@ -94,6 +96,8 @@ fn unknown_sounds_are_refused() {
         "sine:a",
         "noise:-1",
         "noise:1.5",
+        "speech:",
+        "speech:a",
         "x.mp3",
         "tone:3",
     ] {
@@ -218,6 +222,27 @@ fn resampling_keeps_frequency_level_and_length() {
         let level = amplitude_at(1000.0, &samples[24_000..72_000]);
         assert!((level / 0.5 - 1.0).abs() < 1e-4, "{rate} Hz: {level}");
     }
+}
+
+#[test]
+fn any_sample_can_be_sought() {
+    let dir = TempDir::new().unwrap();
+    let ramp: Vec<f32> = (0..500).map(|i| i as f32 / 500.0).collect();
+    let path = write(&dir, float(1, SAMPLE_RATE), &ramp);
+    for text in ["sine:997", "noise:2", "speech", path.to_str().unwrap()] {
+        let whole = pull(&mut Sound::parse(text, SAMPLE_RATE).unwrap(), 2000);
+        let mut sound = Sound::parse(text, SAMPLE_RATE).unwrap();
+        for start in [1234, 0, 777] {
+            sound.seek(start as u64);
+            for (a, b) in pull(&mut sound, 700).iter().zip(&whole[start..]) {
+                assert!((a - b).abs() < 1e-6, "{text} from {start}");
+            }
+        }
+    }
+    let mut clip = load(&path).unwrap();
+    clip.set_looping(false);
+    clip.seek(1234);
+    assert!(clip.is_finished());
 }
 
 /// A short pulse without high frequencies is known at every time, its beginning included.

@@ -339,6 +339,61 @@ fn unknown_words_are_refused_with_those_there_are() {
     }
 }
 
+/// Protects named values: one that the scene does not have is refused with those it has, one
+/// that cannot be with what it would be, and nothing is drawn or traced.
+#[test]
+fn values_that_cannot_be_set_are_refused() {
+    let folder = folder();
+    let scene = SCENE.replace("radius: 1), pos", "radius: Value(\"globe\", 1)), pos");
+    assert_ne!(scene, SCENE);
+    std::fs::write(folder.path().join("moving.ron"), scene).unwrap();
+    let commands: [&[&str]; 4] = [
+        &["trace", "moving.ron"],
+        &["render", "moving.ron", "-o", "x.wav"],
+        &["view", "moving.ron", "-o", "x.png", "--time", "1"],
+        &["slice", "moving.ron", "-o", "x.png"],
+    ];
+    for command in commands {
+        let unknown = refusal(folder.path(), &[command, &["--set", "glob=2"]].concat());
+        assert!(unknown.contains("\"glob\"; it has: globe"), "{unknown}");
+        let negative = refusal(folder.path(), &[command, &["--set", "globe=-2"]].concat());
+        assert!(negative.contains("greater than 0") && negative.contains("-2"));
+        for said in ["globe", "globe=", "globe=two", "globe=inf"] {
+            usage_refusal(folder.path(), &[command, &["--set", said]].concat());
+        }
+    }
+    let none = refusal(folder.path(), &["trace", "corner", "--set", "globe=2"]);
+    assert!(none.contains("it has: none"), "{none}");
+    let file = folder.path().join("moving.ron");
+    let hits =
+        |set: &[&str]| json(&[&["trace", argument(&file)], set].concat())["listener_hits"].clone();
+    assert_eq!(hits(&[]), hits(&["--set", "globe=1"]));
+    assert_ne!(hits(&[]), hits(&["--set", "globe=6"]));
+}
+
+/// Protects scenes that name files: a missing one is refused with its path.
+#[test]
+fn files_of_a_scene_that_are_missing_are_refused() {
+    let shapes = [
+        (
+            "Field(file: \"no.glsl\", lipschitz: 1, size: (1, 1, 1))",
+            "no.glsl",
+        ),
+        ("HeightField(image: \"no.png\", size: (1, 1, 1))", "no.png"),
+    ];
+    for (shape, file) in shapes {
+        let sentence = scene_refusal(&SCENE.replace("Sphere(radius: 1)", shape));
+        assert!(
+            sentence.starts_with("scene.ron: cannot read the "),
+            "{sentence}"
+        );
+        assert!(
+            sentence.contains(&format!("{file}: No such file")),
+            "{sentence}"
+        );
+    }
+}
+
 /// Protects `render` from sounds that cannot be played.
 #[test]
 fn sounds_that_cannot_be_played_are_refused() {

@@ -29,6 +29,7 @@ fn kind(shape: &Shape) -> usize {
         Shape::Room { .. } => 2,
         Shape::Sphere { .. } => 3,
         Shape::Cylinder { .. } => 4,
+        Shape::Field(_) => unreachable!("fields have a table of their own, tests/fields"),
     }
 }
 
@@ -106,6 +107,7 @@ fn directions() -> Vec<Vec3> {
 
 fn on_surface(shape: &Shape, direction: Vec3) -> Vec3 {
     match *shape {
+        Shape::Field(_) => unreachable!("fields have a table of their own, tests/fields"),
         Shape::Plane => direction.with_y(0.0) * 10.0,
         Shape::Box { size } | Shape::Room { size } => {
             let half = size * 0.5;
@@ -151,7 +153,7 @@ void main() {
 
 fn shader(context: &Context, scene: &Scene) -> Program {
     let mut sources = glsl::distance_sources(scene);
-    sources.push(("evaluate", EVALUATE.into()));
+    sources.push(("evaluate".into(), EVALUATE.into()));
     Program::fragment(context, "evaluate", &glsl::join(&sources)).unwrap()
 }
 
@@ -184,7 +186,7 @@ fn evaluate(context: &Context, program: &Program, scene: &Scene, points: &[Vec3]
 /// One unit in the last place of the largest number that an evaluation at `point` meets.
 fn unit(surface: &Surface, point: Vec3) -> f32 {
     let size = match surface.shape {
-        Shape::Plane => 0.0,
+        Shape::Plane | Shape::Field(_) => 0.0,
         Shape::Box { size } | Shape::Room { size } => 0.5 * size.length(),
         Shape::Sphere { radius } | Shape::Cylinder { radius } => radius,
     };

@@ -402,7 +402,7 @@ proptest! {
         prop_assert_eq!(hit.object, planted.object);
         // The line itself is only known to the rounding of its start.
         let size = match scene.surfaces[0].shape {
-            Shape::Plane => 0.0,
+            Shape::Plane | Shape::Field(_) => 0.0,
             Shape::Box { size } | Shape::Room { size } => f64::from(size.max_element()),
             Shape::Sphere { radius } | Shape::Cylinder { radius } => radius.into(),
         };

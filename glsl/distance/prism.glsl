@@ -1,4 +1,8 @@
 // A triangle a b c of positive sense in the xy plane, extruded along z. Exact.
+bool isBeside(vec2 p, vec2 a, vec2 b) {
+    return dot(p - a, b - a) >= 0.0 && dot(p - b, b - a) <= 0.0;
+}
+
 vec3 triangleDistance(vec2 p, vec2 a, vec2 b, vec2 c) {
     vec2 ab = fromSegment(p, a, b);
     vec2 bc = fromSegment(p, b, c);
@@ -12,10 +16,20 @@ vec3 triangleDistance(vec2 p, vec2 a, vec2 b, vec2 c) {
     if (most <= 0.0) {
         return vec3(face, most);
     }
+    // Beside an edge its normal is the way, which rounding cannot turn next to the surface.
+    if (beyond.x > 0.0 && isBeside(p, a, b)) {
+        return vec3(outAb, beyond.x);
+    }
+    if (beyond.y > 0.0 && isBeside(p, b, c)) {
+        return vec3(outBc, beyond.y);
+    }
+    if (beyond.z > 0.0 && isBeside(p, c, a)) {
+        return vec3(outCa, beyond.z);
+    }
     vec2 way = dot(ab, ab) < dot(bc, bc) ? ab : bc;
     way = dot(ca, ca) < dot(way, way) ? ca : way;
     float off = length(way);
-    return vec3(off > 1e-6 * length(b - a) ? way / off : face, off);
+    return vec3(off > 0.0 ? way / off : face, off);
 }
 
 float sdPrism(vec3 p, vec2 a, vec2 b, vec2 c, float halfDepth) {

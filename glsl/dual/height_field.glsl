@@ -6,5 +6,7 @@ vec4 gdHeightField(vec3 p, vec3 halfSize, float inverseGrowth, int first, ivec2 
     if (outside > above) {
         return vec4(gradientBox(p, halfSize), outside);
     }
-    return vec4(vec3(-ground.x, 1.0, -ground.y) * inverseGrowth, above);
+    // Held at the box, the ground does not change beyond it.
+    vec3 growth = vec3(-ground.x, 1.0, -ground.y) * step(abs(p), halfSize);
+    return vec4(growth * inverseGrowth, above);
 }

@@ -1,11 +1,19 @@
 // The gradient in the outer axes, from that at the turned point q.
 vec4 unbend(vec4 g, vec3 p, vec3 q, float rate, float beyond, float lipschitz) {
-    if (beyond > 0.0) {
-        vec2 outward = lipschitz * normalize(p.xy);
-        return vec4(outward, 0.0, beyondTurning(g.w, beyond, lipschitz));
-    }
-    float s = sin(rate * p.x);
-    float c = cos(rate * p.x);
+    float radius = length(p.xy);
+    float kept = beyond > 0.0 ? 1.0 - beyond / radius : 1.0;
+    float s = sin(rate * p.x * kept);
+    float c = cos(rate * p.x * kept);
     float turning = rate * (q.x * g.y - q.y * g.x);
-    return vec4(c * g.x + s * g.y + turning, c * g.y - s * g.x, g.z, g.w);
+    vec4 held = vec4(c * g.x + s * g.y + turning, c * g.y - s * g.x, g.z, g.w);
+    if (beyond > 0.0) {
+        // What is held changes around the axis and along it, not away from it.
+        vec2 outward = p.xy / radius;
+        float value = max(g.w, 0.0);
+        float far = beyondTurning(g.w, beyond, lipschitz);
+        held.xy = kept * (held.xy - dot(held.xy, outward) * outward);
+        vec3 way = lipschitz * lipschitz * beyond * vec3(outward, 0.0);
+        return vec4((value * held.xyz + way) / far, far);
+    }
+    return held;
 }

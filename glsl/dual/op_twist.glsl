@@ -1,10 +1,19 @@
 // The gradient in the outer axes, from that at the turned point q.
 vec4 untwist(vec4 g, vec3 p, vec3 q, float rate, float beyond, float lipschitz) {
-    if (beyond > 0.0) {
-        vec2 outward = lipschitz * normalize(p.xz);
-        return vec4(outward.x, 0.0, outward.y, beyondTurning(g.w, beyond, lipschitz));
-    }
     float s = sin(rate * p.y);
     float c = cos(rate * p.y);
-    return vec4(c * g.x + s * g.z, g.y + rate * (q.x * g.z - q.z * g.x), c * g.z - s * g.x, g.w);
+    float turning = rate * (q.x * g.z - q.z * g.x);
+    vec4 held = vec4(c * g.x + s * g.z, g.y + turning, c * g.z - s * g.x, g.w);
+    if (beyond > 0.0) {
+        // What is held changes around the axis and along it, not away from it.
+        float radius = length(p.xz);
+        vec2 outward = p.xz / radius;
+        float value = max(g.w, 0.0);
+        float far = beyondTurning(g.w, beyond, lipschitz);
+        float kept = 1.0 - beyond / radius;
+        held.xz = kept * (held.xz - dot(held.xz, outward) * outward);
+        vec3 way = lipschitz * lipschitz * beyond * vec3(outward.x, 0.0, outward.y);
+        return vec4((value * held.xyz + way) / far, far);
+    }
+    return held;
 }

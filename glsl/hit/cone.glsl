@@ -16,6 +16,11 @@ float hitCone(vec3 p, vec3 d, float radius, float halfHeight, float slack) {
     float a = dot(d.xz, d.xz) - narrowing * d.y * d.y;
     float b = dot(p.xz, d.xz) - narrowing * tip * d.y;
     float c = dot(p.xz, p.xz) - narrowing * tip * tip;
+    // A wave that leaves the base is inside of the side's cone, and not on its way into it.
+    float beyond = length(p.xz) + slope * tip;
+    if (b < 0.0 && beyond < -2.0 * slack * (1.0 + slope)) {
+        return nearest;
+    }
     float t = fallingRoot(a, b, c);
     float y = p.y + t * d.y;
     return t < nearest && abs(y) <= halfHeight ? t : nearest;

@@ -32,8 +32,14 @@ impl Clip {
         !self.looping && self.next == self.samples.len()
     }
 
-    pub(super) fn rewind(&mut self) {
-        self.next = 0;
+    /// Makes the sample with this number the next one; a looping clip's numbers go on past its end.
+    pub(super) fn seek(&mut self, index: u64) {
+        let length = self.samples.len() as u64;
+        self.next = if self.looping {
+            index % length
+        } else {
+            index.min(length)
+        } as usize;
     }
 
     pub(super) fn fill(&mut self, mut out: &mut [f32]) {

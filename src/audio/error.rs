@@ -97,8 +97,8 @@ pub enum AudioError {
     },
     /// A sound's description that says nothing known.
     #[error(
-        "unknown sound `{spec}`: write `sine:HERTZ`, `noise`, `noise:SEED` with a whole number, \
-         or the path of a .wav file"
+        "unknown sound `{spec}`: write `sine:HERTZ`, `noise`, `speech`, `noise:SEED` or \
+         `speech:SEED` with a whole number, or the path of a .wav file"
     )]
     UnknownSound {
         /// The description that was given.

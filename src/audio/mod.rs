@@ -43,6 +43,8 @@
 mod clip;
 mod error;
 mod frames;
+#[cfg(feature = "audio")]
+pub mod live;
 mod mixer;
 mod noise;
 mod panning;
@@ -50,6 +52,7 @@ mod resample;
 mod sine;
 mod sound;
 mod spec;
+mod speech;
 mod wav_read;
 mod wav_write;
 
@@ -61,6 +64,7 @@ pub use panning::{Gains, PanningLaw};
 pub use sine::SINE_AMPLITUDE;
 pub use sound::Sound;
 pub use spec::SoundSpec;
+pub use speech::SPEECH_PEAK;
 pub use wav_write::WavWriter;
 
 /// Samples a second on each channel of everything that is played or written, in hertz.

@@ -22,8 +22,9 @@ impl Noise {
         }
     }
 
-    pub(super) fn rewind(&mut self) {
-        self.index = 0;
+    /// Makes the sample with this number the next one.
+    pub(super) fn seek(&mut self, index: u64) {
+        self.index = index;
     }
 }
 
@@ -35,7 +36,7 @@ fn noise_at(seed: u64, index: u64) -> f32 {
 }
 
 /// SplitMix64 (Steele, Lea and Flood, 2014): one counter in, 64 well mixed bits out.
-fn hash(counter: u64) -> u64 {
+pub(super) fn hash(counter: u64) -> u64 {
     let mut z = counter.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);

@@ -39,8 +39,9 @@ impl Sine {
         }
     }
 
-    pub(super) fn rewind(&mut self) {
-        self.phase_turns = 0.0;
+    /// Makes the sample with this number the next one.
+    pub(super) fn seek(&mut self, index: u64) {
+        self.phase_turns = (self.step_turns * index as f64).fract();
     }
 
     fn advance(&mut self) {

@@ -3,11 +3,12 @@
 use super::clip::Clip;
 use super::noise::Noise;
 use super::sine::Sine;
+use super::speech::Speech;
 use super::{AudioError, SAMPLE_RATES, SoundSpec, resample, wav_read};
 
 /// A mono sound that is read forwards, sample by sample; 1 is full scale.
 ///
-/// A sine and noise never end. A WAV clip starts over at its end, without a cross-fade, unless
+/// A sine, noise and speech never end. A WAV clip starts over at its end, without a cross-fade, unless
 /// [`set_looping`](Self::set_looping) turned that off: then it ends in silence.
 #[derive(Debug, Clone)]
 pub struct Sound {
@@ -18,6 +19,8 @@ pub struct Sound {
 enum Kind {
     Sine(Sine),
     Noise(Noise),
+    // Boxed: it holds tables of some hundred bytes.
+    Speech(Box<Speech>),
     Clip(Clip),
 }
 
@@ -50,6 +53,7 @@ impl Sound {
         let kind = match spec {
             SoundSpec::Sine { frequency_hz } => Kind::Sine(Sine::new(*frequency_hz, sample_rate)?),
             SoundSpec::Noise { seed } => Kind::Noise(Noise::new(*seed)),
+            SoundSpec::Speech { seed } => Kind::Speech(Box::new(Speech::new(*seed, sample_rate))),
             SoundSpec::Wav { path } => {
                 let wav = wav_read::read_mono(path)?;
                 let samples =
@@ -75,32 +79,42 @@ impl Sound {
         match &mut self.kind {
             Kind::Sine(sine) => sine.fill(out),
             Kind::Noise(noise) => noise.fill(out),
+            Kind::Speech(speech) => speech.fill(out),
             Kind::Clip(clip) => clip.fill(out),
         }
     }
 
     /// Goes back to the first sample.
     pub fn rewind(&mut self) {
+        self.seek(0);
+    }
+
+    /// Makes the sample with this number, counted from 0, the next one. Allocates nothing.
+    ///
+    /// In a looping clip the numbers go on past its end; without looping, all that lies there is
+    /// silence.
+    pub fn seek(&mut self, sample: u64) {
         match &mut self.kind {
-            Kind::Sine(sine) => sine.rewind(),
-            Kind::Noise(noise) => noise.rewind(),
-            Kind::Clip(clip) => clip.rewind(),
+            Kind::Sine(sine) => sine.seek(sample),
+            Kind::Noise(noise) => noise.seek(sample),
+            Kind::Speech(speech) => speech.seek(sample),
+            Kind::Clip(clip) => clip.seek(sample),
         }
     }
 
     /// Chooses whether a clip starts over at its end (as it does when loaded) or falls silent.
-    /// A sine and noise have no end, and ignore this.
+    /// The other sounds have no end, and ignore this.
     pub fn set_looping(&mut self, looping: bool) {
         if let Kind::Clip(clip) = &mut self.kind {
             clip.set_looping(looping);
         }
     }
 
-    /// The number of samples until a clip's end, from its start; none for a sine and noise.
+    /// The number of samples until a clip's end, from its start; none for the other sounds.
     pub fn clip_len(&self) -> Option<usize> {
         match &self.kind {
             Kind::Clip(clip) => Some(clip.len()),
-            Kind::Sine(_) | Kind::Noise(_) => None,
+            Kind::Sine(_) | Kind::Noise(_) | Kind::Speech(_) => None,
         }
     }
 
@@ -108,7 +122,7 @@ impl Sound {
     pub fn is_finished(&self) -> bool {
         match &self.kind {
             Kind::Clip(clip) => clip.is_finished(),
-            Kind::Sine(_) | Kind::Noise(_) => false,
+            Kind::Sine(_) | Kind::Noise(_) | Kind::Speech(_) => false,
         }
     }
 }

@@ -13,6 +13,8 @@ use super::AudioError;
 /// | `sine:440` | a sine, its frequency in hertz |
 /// | `noise` | white noise with seed 0 |
 /// | `noise:7` | white noise with another seed |
+/// | `speech` | a synthetic voice with seed 0 |
+/// | `speech:7` | the voice with another seed: other syllables |
 /// | `drum.wav` | a WAV file, known by its ending `.wav` in either case |
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
@@ -25,6 +27,11 @@ pub enum SoundSpec {
     /// White noise.
     Noise {
         /// The same seed gives the same noise.
+        seed: u64,
+    },
+    /// A synthetic voice without words.
+    Speech {
+        /// The same seed gives the same syllables.
         seed: u64,
     },
     /// A WAV file.
@@ -56,11 +63,17 @@ fn known(text: &str) -> Option<SoundSpec> {
     if text == "noise" {
         return Some(SoundSpec::Noise { seed: 0 });
     }
+    if text == "speech" {
+        return Some(SoundSpec::Speech { seed: 0 });
+    }
     match text.split_once(':')? {
         ("sine", hertz) => Some(SoundSpec::Sine {
             frequency_hz: hertz.parse().ok()?,
         }),
         ("noise", seed) => Some(SoundSpec::Noise {
+            seed: seed.parse().ok()?,
+        }),
+        ("speech", seed) => Some(SoundSpec::Speech {
             seed: seed.parse().ok()?,
         }),
         _ => None,
@@ -72,6 +85,7 @@ impl fmt::Display for SoundSpec {
         match self {
             Self::Sine { frequency_hz } => write!(f, "sine:{frequency_hz}"),
             Self::Noise { seed } => write!(f, "noise:{seed}"),
+            Self::Speech { seed } => write!(f, "speech:{seed}"),
             Self::Wav { path } => path.display().fmt(f),
         }
     }

@@ -10,20 +10,13 @@ use tempfile::NamedTempFile;
 use super::{AudioError, SAMPLE_RATE};
 use crate::output::{followed, temporary_beside};
 
-const SPEC: WavSpec = WavSpec {
-    channels: 2,
-    sample_rate: SAMPLE_RATE,
-    bits_per_sample: 32,
-    sample_format: SampleFormat::Float,
-};
-
 /// Bytes of one left and one right sample.
 const FRAME_BYTES: u64 = 8;
 
 /// A WAV file counts its bytes in 32 bits, its header's included; this leaves room for that.
 const MAX_FRAMES: u64 = (u32::MAX as u64 - 1024) / FRAME_BYTES;
 
-/// Writes a stereo WAV file: [`SAMPLE_RATE`], 32-bit float, up to 3.1 hours.
+/// Writes a stereo WAV file of 32-bit float samples, up to 3.1 hours at [`SAMPLE_RATE`].
 ///
 /// The sound goes to a temporary file in the target's directory, which takes the target's name
 /// in [`finish`](Self::finish). Until then an older file of that name stays whole, and a writer
@@ -31,6 +24,7 @@ const MAX_FRAMES: u64 = (u32::MAX as u64 - 1024) / FRAME_BYTES;
 #[derive(Debug)]
 pub struct WavWriter {
     target: PathBuf,
+    rate_hz: u32,
     // Dropped in this order: the sound's end is written before the file goes.
     wav: Wav,
     temporary: NamedTempFile,
@@ -49,15 +43,26 @@ impl std::fmt::Debug for Wav {
 }
 
 impl WavWriter {
-    /// Starts a file that will replace `target`, whose directory must exist.
+    /// Starts a file at [`SAMPLE_RATE`] that will replace `target`, whose directory must exist.
     ///
     /// # Errors
     /// [`AudioError::WriteWav`] if nothing can be written beside `target`.
     pub fn create(target: impl Into<PathBuf>) -> Result<Self, AudioError> {
+        Self::create_at(target, SAMPLE_RATE)
+    }
+
+    /// As [`create`](Self::create), at `rate_hz` samples a second.
+    ///
+    /// # Errors
+    /// Also [`AudioError::BadSampleRate`] if `rate_hz` is outside
+    /// [`SAMPLE_RATES`](super::SAMPLE_RATES).
+    pub fn create_at(target: impl Into<PathBuf>, rate_hz: u32) -> Result<Self, AudioError> {
+        super::sound::check_rate(rate_hz)?;
         let target = followed(&target.into());
-        match start(&target) {
+        match start(&target, rate_hz) {
             Ok((temporary, wav)) => Ok(Self {
                 target,
+                rate_hz,
                 wav: Wav(wav),
                 temporary,
                 frames: 0,
@@ -69,7 +74,7 @@ impl WavWriter {
     /// Appends interleaved samples (left, right, …); 1 is full scale, and more is kept.
     ///
     /// # Errors
-    /// [`AudioError::WriteWav`] if the disk refuses, [`AudioError::WavTooLong`] past 3.1 hours.
+    /// [`AudioError::WriteWav`] if the disk refuses, [`AudioError::WavTooLong`] past 4 GiB.
     ///
     /// # Panics
     /// If the number of samples is odd.
@@ -82,7 +87,7 @@ impl WavWriter {
         if frames > MAX_FRAMES {
             return Err(AudioError::WavTooLong {
                 path: self.target.clone(),
-                limit_s: MAX_FRAMES / u64::from(SAMPLE_RATE),
+                limit_s: MAX_FRAMES / u64::from(self.rate_hz),
             });
         }
         for &sample in interleaved {
@@ -120,10 +125,19 @@ impl WavWriter {
     }
 }
 
-fn start(target: &Path) -> io::Result<(NamedTempFile, hound::WavWriter<BufWriter<File>>)> {
+fn start(
+    target: &Path,
+    rate_hz: u32,
+) -> io::Result<(NamedTempFile, hound::WavWriter<BufWriter<File>>)> {
     let temporary = temporary_beside(target)?;
     let file = BufWriter::new(temporary.reopen()?);
-    let wav = hound::WavWriter::new(file, SPEC).map_err(to_io)?;
+    let spec = WavSpec {
+        channels: 2,
+        sample_rate: rate_hz,
+        bits_per_sample: 32,
+        sample_format: SampleFormat::Float,
+    };
+    let wav = hound::WavWriter::new(file, spec).map_err(to_io)?;
     Ok((temporary, wav))
 }
 

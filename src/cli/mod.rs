@@ -4,9 +4,12 @@
 //! for machines), everything else to standard error.
 
 mod accuracy;
+#[cfg(feature = "demo")]
+mod demo;
 mod exit;
 mod figures;
 mod info;
+mod localise;
 mod options;
 mod print;
 mod render;
@@ -22,6 +25,7 @@ use std::process::ExitCode;
 
 const EXAMPLES: &str = "\
 Examples:
+  echomarch demo                             the window: walk and listen
   echomarch figures -o out                   the thesis' four tables, CSV and plot
   echomarch accuracy -o out                  what is how fast, and how wrong
   echomarch trace corner                     one frame of a built-in scene
@@ -31,6 +35,7 @@ Examples:
   echomarch slice corner --paths 200 -o plan.png
   echomarch shader corner                    the shader that a scene becomes
   echomarch verify                           the hard cases, pass or fail
+  echomarch localise form -o form            where is the source? a form for people
   echomarch info                             the renderers there are
 
 Scenes: corner, obstacles, open-field, open-pillars, shoebox, or a file (.ron).";
@@ -48,6 +53,9 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    /// The window: walk through a scene and hear it
+    #[cfg(feature = "demo")]
+    Demo(demo::Arguments),
     /// Trace one frame: what arrives, from where, how fast
     Trace(trace::Arguments),
     /// Render a WAV of what the listener hears
@@ -64,6 +72,8 @@ enum Command {
     Accuracy(accuracy::Arguments),
     /// The hard cases: by every profile, against exact answers
     Verify(verify::Arguments),
+    /// Where is the source? The localisation experiment, for an observer and for people
+    Localise(localise::Arguments),
     /// List all renderers found (whatever --gl and --gpu say), their limits, and versions
     Info(info::Arguments),
 }
@@ -72,6 +82,8 @@ enum Command {
 pub fn run() -> ExitCode {
     let cli = Cli::parse();
     let result = match &cli.command {
+        #[cfg(feature = "demo")]
+        Command::Demo(arguments) => demo::run(arguments, &cli.common),
         Command::Trace(arguments) => trace::run(arguments, &cli.common),
         Command::Render(arguments) => render::run(arguments, &cli.common),
         Command::View(arguments) => view::run(arguments, &cli.common),
@@ -80,6 +92,7 @@ pub fn run() -> ExitCode {
         Command::Figures(arguments) => figures::run(arguments, &cli.common),
         Command::Accuracy(arguments) => accuracy::run(arguments, &cli.common),
         Command::Verify(arguments) => verify::run(arguments, &cli.common),
+        Command::Localise(arguments) => localise::run(arguments, &cli.common),
         Command::Info(arguments) => info::run(arguments, &cli.common),
     };
     match result {

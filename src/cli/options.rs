@@ -3,7 +3,7 @@
 use super::exit::BadInput;
 use crate::error::Error;
 use crate::gpu::{Api, Context, ContextOptions};
-use crate::scene::Scene;
+use crate::scene::{Scene, SceneError};
 use crate::trace::{Directions, MARCHES_PER_PASS, Profile, Settings, Tracer};
 use clap::Args;
 use std::io::Write;
@@ -53,7 +53,12 @@ impl Common {
 
     /// Loads a scene and tells what is odd about it.
     pub fn scene(&self, name_or_file: &str) -> Result<Scene, Error> {
-        let scene = Scene::load(name_or_file)?;
+        self.scene_with(name_or_file, &Values::default())
+    }
+
+    /// Loads a scene, sets its named values, and tells what is odd about it then.
+    pub fn scene_with(&self, name_or_file: &str, values: &Values) -> Result<Scene, Error> {
+        let scene = values.load(name_or_file)?;
         self.warn_when_known(&scene, false);
         if scene.surfaces.len() > MANY_SURFACES {
             self.note(&format!(
@@ -83,16 +88,21 @@ impl Common {
         }
     }
 
-    /// The scene as it stands at a time on its paths.
-    pub fn scene_at(&self, name_or_file: &str, seconds: Option<f64>) -> anyhow::Result<Scene> {
+    /// The scene with its named values set, as it stands at a time on its paths.
+    pub fn scene_at(
+        &self,
+        name_or_file: &str,
+        values: &Values,
+        seconds: Option<f64>,
+    ) -> anyhow::Result<Scene> {
         let Some(seconds) = seconds else {
-            return Ok(self.scene(name_or_file)?);
+            return Ok(self.scene_with(name_or_file, values)?);
         };
         if !(seconds.is_finite() && seconds >= 0.0) {
             let text = format!("--time must be finite and 0 or more, not {seconds}");
             return Err(BadInput(text).into());
         }
-        let scene = Scene::load(name_or_file).map_err(Error::from)?.at(seconds);
+        let scene = values.load(name_or_file)?.at(seconds);
         self.warn_when_known(&scene, false);
         Ok(scene)
     }
@@ -103,6 +113,38 @@ impl Common {
             // Notes are worth no failure when there is nowhere to write them.
             let _ = writeln!(std::io::stderr(), "{line}");
         }
+    }
+}
+
+/// Named values of a scene.
+#[derive(Args, Clone, Debug, Default)]
+pub struct Values {
+    /// Set a named value of the scene, in metres, or radians for an angle; repeatable
+    #[arg(long = "set", value_name = "NAME=VALUE", value_parser = name_and_value)]
+    set: Vec<(String, f32)>,
+}
+
+impl Values {
+    /// The scene with the values set, checked once more.
+    pub fn load(&self, name_or_file: &str) -> Result<Scene, SceneError> {
+        let mut scene = Scene::load(name_or_file)?;
+        for (name, value) in &self.set {
+            scene.set_value(name, *value)?;
+        }
+        if !self.set.is_empty() {
+            scene.check()?;
+        }
+        Ok(scene)
+    }
+}
+
+fn name_and_value(said: &str) -> Result<(String, f32), String> {
+    let Some((name, value)) = said.rsplit_once('=') else {
+        return Err("it must be NAME=VALUE".to_owned());
+    };
+    match value.trim().parse::<f32>() {
+        Ok(number) if number.is_finite() => Ok((name.trim().to_owned(), number)),
+        _ => Err(format!("{value:?} is not a finite number")),
     }
 }
 

@@ -1,7 +1,7 @@
 //! `echomarch render`: a WAV of what the listener hears.
 
 use super::exit::BadInput;
-use super::options::{Common, TraceOptions, check_ending, check_range};
+use super::options::{Common, TraceOptions, Values, check_ending, check_range};
 use super::print;
 use crate::audio::{Mixer, PanningLaw, SAMPLE_RATE, Sound, SoundSpec, WavWriter};
 use crate::error::Error;
@@ -31,10 +31,12 @@ const LONGEST_SECONDS: f64 = 3.0 * 3600.0;
 pub struct Arguments {
     /// Built-in scene or scene file
     scene: String,
+    #[command(flatten)]
+    values: Values,
     /// The WAV to write: 48 kHz, 32-bit float, stereo
     #[arg(short, long, value_name = "FILE.wav")]
     output: PathBuf,
-    /// What the source plays: sine:HERTZ, noise, noise:SEED, or a WAV file (looped)
+    /// What the source plays: sine:HERTZ, noise, noise:SEED, speech, speech:SEED, or a WAV file (looped)
     #[arg(long, default_value = "sine:440", value_name = "SOUND")]
     sound: SoundSpec,
     /// Length [default: the scene's longest path, or 5]
@@ -84,7 +86,7 @@ struct FrameLine {
 pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     let settings = arguments.options.settings(common)?;
     check_ending(&arguments.output, "wav")?;
-    let scene = common.scene(&arguments.scene)?;
+    let scene = common.scene_with(&arguments.scene, &arguments.values)?;
     let timing = timing(arguments, scene.duration())?;
     let mut sound = Sound::load(&arguments.sound, SAMPLE_RATE).map_err(Error::from)?;
     check_file(&arguments.output)?;

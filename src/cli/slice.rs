@@ -1,6 +1,6 @@
 //! `echomarch slice`: the plan from above.
 
-use super::options::{Common, TraceOptions, check_ending, check_range};
+use super::options::{Common, TraceOptions, Values, check_ending, check_range};
 use super::print;
 use crate::output::check_file;
 use crate::picture::{SliceOptions, save_png, slice};
@@ -30,6 +30,8 @@ Examples:
 pub struct Arguments {
     /// Built-in scene or scene file
     scene: String,
+    #[command(flatten)]
+    values: Values,
     /// The picture to write
     #[arg(short, long, value_name = "FILE.png")]
     output: PathBuf,
@@ -55,7 +57,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     check_paths(arguments.paths, settings.iterations)?;
     check_ending(&arguments.output, "png")?;
     check_file(&arguments.output)?;
-    let scene = common.scene_at(&arguments.scene, arguments.time)?;
+    let scene = common.scene_at(&arguments.scene, &arguments.values, arguments.time)?;
     let mut tracer = common.tracer()?;
     let options = SliceOptions {
         width: arguments.width,

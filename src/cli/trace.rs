@@ -1,7 +1,7 @@
 //! `echomarch trace`: one frame.
 
 use super::exit::BadInput;
-use super::options::{Common, TraceOptions, check_ending};
+use super::options::{Common, TraceOptions, Values, check_ending};
 use super::print;
 use crate::output::{check_file, write_whole};
 use crate::scene::{BUILTIN_NAMES, Scene};
@@ -28,6 +28,8 @@ const BETWEEN_LOOKS: Duration = Duration::from_millis(50);
 pub struct Arguments {
     /// Built-in scene or scene file
     scene: String,
+    #[command(flatten)]
+    values: Values,
     #[command(flatten)]
     options: TraceOptions,
     /// Write every wave's start, end, direction and status as CSV
@@ -75,7 +77,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     if arguments.watch {
         return watch(arguments, common, &settings);
     }
-    let scene = common.scene(&arguments.scene)?;
+    let scene = common.scene_with(&arguments.scene, &arguments.values)?;
     let mut tracer = common.tracer()?;
     tracer.check(&scene, &settings)?;
     common.warn_checked(&scene);
@@ -90,7 +92,9 @@ fn watch(arguments: &Arguments, common: &Common, settings: &Settings) -> anyhow:
     }
     let began = Instant::now();
     let mut tracer = common.tracer()?;
-    let mut reloading = Reloading::open(&arguments.scene, &mut tracer, settings)?;
+    let (file, values) = (arguments.scene.clone(), arguments.values.clone());
+    let load = move || values.load(&file);
+    let mut reloading = Reloading::open_with(&arguments.scene, load, &mut tracer, settings)?;
     common.warn(reloading.scene());
     trace(arguments, common, &mut tracer, reloading.scene(), settings)?;
     let is_over = || {

@@ -1,6 +1,6 @@
 //! `echomarch view`: what the listener sees.
 
-use super::options::{Common, check_ending};
+use super::options::{Common, Values, check_ending};
 use super::print;
 use crate::output::check_file;
 use crate::picture::{ViewOptions, first_person, save_png};
@@ -19,6 +19,8 @@ Examples:
 pub struct Arguments {
     /// Built-in scene or scene file
     scene: String,
+    #[command(flatten)]
+    values: Values,
     /// The picture to write
     #[arg(short, long, value_name = "FILE.png")]
     output: PathBuf,
@@ -40,7 +42,7 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     check_ending(&arguments.output, "png")?;
     check_file(&arguments.output)?;
-    let scene = common.scene_at(&arguments.scene, arguments.time)?;
+    let scene = common.scene_at(&arguments.scene, &arguments.values, arguments.time)?;
     let context = common.context()?;
     let options = ViewOptions {
         width: arguments.width,

@@ -8,6 +8,7 @@ pub mod accuracy;
 pub mod figures;
 mod figures_csv;
 mod figures_plot;
+pub mod localise;
 mod thesis_tables;
 pub mod verify;
 

@@ -315,7 +315,7 @@ fn describe(backend: Box<dyn Backend>, api: Api) -> Result<Inner, (Box<dyn Backe
 }
 
 /// The functions of GL, with the context current.
-fn load(backend: &dyn Backend) -> glow::Context {
+pub(super) fn load(backend: &dyn Backend) -> glow::Context {
     let find = |name: &str| match CString::new(name) {
         Ok(name) => backend.proc_address(&name),
         Err(_) => ptr::null(),

@@ -23,6 +23,7 @@
 #![deny(clippy::undocumented_unsafe_blocks)]
 
 mod api;
+mod async_read;
 mod backend;
 mod bytes;
 mod clock;
@@ -33,6 +34,7 @@ mod egl;
 mod error;
 mod list;
 mod log;
+mod marks;
 mod osmesa;
 mod pass;
 mod picture;
@@ -40,17 +42,23 @@ mod ping_pong;
 mod program;
 mod render_target;
 mod texture;
+#[cfg(feature = "demo")]
+mod window;
 
 pub use api::Api;
+pub use async_read::AsyncRead;
 pub use clock::Clock;
 pub use context::{Context, ContextOptions, Limits};
 pub use data_texture::DataTexture;
 pub use error::GpuError;
 pub use list::{GpuInfo, Renderer, list_gpus};
 pub use log::{LogError, log_errors};
+pub use marks::Marks;
 pub use pass::{Target, full_screen_pass, full_screen_pass_rows};
 pub use picture::Picture;
 pub use ping_pong::{PingPong, TexturePair};
 pub use program::{Program, header};
 pub use render_target::RenderTarget;
 pub use texture::Texture;
+#[cfg(feature = "demo")]
+pub use window::{WindowContext, WindowDisplay};

@@ -69,6 +69,12 @@ impl Picture {
         self.height
     }
 
+    /// GL's name for the framebuffer.
+    #[cfg(feature = "demo")]
+    pub(super) fn raw_framebuffer(&self) -> glow::Framebuffer {
+        self.framebuffer
+    }
+
     /// All pixels, four bytes each, the top row (the highest `gl_FragCoord.y`) first, as image files have it. Waits
     /// for the drawing before it.
     ///

@@ -112,23 +112,12 @@ impl RenderTarget {
         rows: u32,
         texels: &mut Vec<f32>,
     ) -> Result<(), GpuError> {
-        if attachment >= self.attachments || width > self.width || rows > self.height {
-            return Err(GpuError::ReadOutOfRange {
-                attachment,
-                width,
-                rows,
-                attachments: self.attachments,
-                target_width: self.width,
-                target_height: self.height,
-            });
-        }
+        self.select_for_reading(attachment, width, rows)?;
         texels.resize(4 * width as usize * rows as usize, 0.0);
         let gl = self.context.gl();
         // SAFETY: the context is current, and the slice has room for exactly the texels asked for; rows of 16 bytes a
         // texel need no padding.
         unsafe {
-            gl.bind_framebuffer(glow::READ_FRAMEBUFFER, Some(self.framebuffer));
-            gl.read_buffer(glow::COLOR_ATTACHMENT0 + attachment as u32);
             let slice = PixelPackData::Slice(Some(bytes::of_floats_mut(texels)));
             gl.read_pixels(
                 0,
@@ -141,6 +130,32 @@ impl RenderTarget {
             );
         }
         self.context.check("the read-back of a texture")
+    }
+
+    /// Makes the attachment the one that is read from, if it has that many texels.
+    pub(super) fn select_for_reading(
+        &self,
+        attachment: usize,
+        width: u32,
+        rows: u32,
+    ) -> Result<(), GpuError> {
+        if attachment >= self.attachments || width > self.width || rows > self.height {
+            return Err(GpuError::ReadOutOfRange {
+                attachment,
+                width,
+                rows,
+                attachments: self.attachments,
+                target_width: self.width,
+                target_height: self.height,
+            });
+        }
+        let gl = self.context.gl();
+        // SAFETY: the context is current, and the framebuffer its own.
+        unsafe {
+            gl.bind_framebuffer(glow::READ_FRAMEBUFFER, Some(self.framebuffer));
+            gl.read_buffer(glow::COLOR_ATTACHMENT0 + attachment as u32);
+        }
+        Ok(())
     }
 }
 

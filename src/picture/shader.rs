@@ -2,9 +2,10 @@
 
 use super::PictureError;
 use crate::error::Error;
-use crate::gpu::{Context, DataTexture, Picture, Program, full_screen_pass_rows};
+use crate::gpu::{Context, Picture, Program, full_screen_pass_rows};
+use crate::scene::cells::Lists;
 use crate::scene::{Scene, glsl};
-use crate::trace::{UserFields, check_surfaces};
+use crate::trace::{SceneData, UserFields, check_surfaces};
 use image::RgbaImage;
 
 /// Pixels in one draw call at the most: see [`full_screen_pass_rows`].
@@ -13,7 +14,7 @@ const PIXELS_PER_DRAW: u32 = 1 << 17;
 /// A picture's program, and the scene's data that it reads.
 pub(super) struct Shader {
     pub program: Program,
-    data: DataTexture,
+    data: SceneData,
 }
 
 /// The program of a picture's shader around the distance functions of `scene`, whose
@@ -28,12 +29,12 @@ pub(super) fn program(
     UserFields::default().check(context, scene)?;
     let label = format!("{} of {}", shader.0, scene.name);
     let program = Program::fragment(context, &label, &text(scene, shader))?;
-    let mut data = DataTexture::new(context, glsl::DATA_WIDTH)?;
-    data.set(&glsl::scene_data(scene))?;
-    program.set_vec4_array(
-        "uSurfaces",
-        &glsl::Placement::world().apply(scene).uniform_values(),
-    );
+    let placement = glsl::Placement::world();
+    let placed = placement.apply(scene);
+    let mut data = SceneData::new(context)?;
+    data.set(scene, &placement, &placed, Lists::Near)?;
+    data.set_uniforms(&program);
+    program.set_vec4_array("uSurfaces", &placed.uniform_values());
     let listener = &scene.listener;
     program.set_vec4("uListener", listener.position.extend(listener.radius));
     Ok(Shader { program, data })
@@ -94,7 +95,7 @@ pub(super) fn draw(
 ) -> Result<RgbaImage, Error> {
     check_size(context, width, height)?;
     let Shader { program, data } = shader;
-    program.set_texture("uSceneData", 0, data.texture());
+    data.bind(program, 0);
     let picture = Picture::new(context, width, height)?;
     let rows = (PIXELS_PER_DRAW / width).max(1);
     for start in (0..height).step_by(rows as usize) {

@@ -388,7 +388,7 @@ mod tests {
             ),
         ];
         for (shape, origin, towards, t, normal) in cases {
-            let met = meet(shape, origin, towards);
+            let met = meet(shape.clone(), origin, towards);
             assert_eq!(met, Some((t, origin + towards * t, normal)), "{shape:?}");
         }
     }
@@ -406,9 +406,17 @@ mod tests {
         ];
         let origin = DVec3::new(3.0, 3.0, 3.0);
         for shape in shapes {
-            assert_eq!(meet(shape, origin, origin), None, "{shape:?} behind");
+            assert_eq!(
+                meet(shape.clone(), origin, origin),
+                None,
+                "{shape:?} behind"
+            );
             let beside = DVec3::new(-1.0, 0.0, 1.0);
-            assert_eq!(meet(shape, origin, beside), None, "{shape:?} beside");
+            assert_eq!(
+                meet(shape.clone(), origin, beside),
+                None,
+                "{shape:?} beside"
+            );
         }
         let along_the_axis = meet(Shape::Cylinder { radius: 1.0 }, origin, DVec3::NEG_Y);
         assert_eq!(along_the_axis, None);

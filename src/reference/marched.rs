@@ -38,15 +38,8 @@ pub(super) struct MarchedField {
 impl MarchedField {
     pub fn new(field: &Field) -> MarchedField {
         let properties = field.properties();
-        let bounds = properties.bounds;
-        let extent = if bounds.is_finite() && !bounds.is_empty() {
-            bounds.min.abs().max(bounds.max.abs()).max_element()
-        } else {
-            let nodes = field.nodes().into_iter();
-            let numbers = nodes.flat_map(|node| node.shader_numbers());
-            let finite = numbers.filter(|number| number.abs() < 1e9);
-            finite.fold(1.0, |most: f64, number| most.max(number.abs()))
-        };
+        // Of a plane every length is as good.
+        let extent = Some(field.extent()).filter(|e| *e > 0.0).unwrap_or(1.0);
         MarchedField {
             field: field.clone(),
             inverse_lipschitz: 1.0 / properties.lipschitz,

@@ -4,25 +4,35 @@
 use super::{Scene, SceneError};
 use std::path::Path;
 
-const BUILTIN: [(&str, &str); 5] = [
-    ("corner", include_str!("../../examples/scenes/corner.ron")),
-    (
-        "obstacles",
-        include_str!("../../examples/scenes/obstacles.ron"),
-    ),
-    (
-        "open-field",
-        include_str!("../../examples/scenes/open-field.ron"),
-    ),
-    (
-        "open-pillars",
-        include_str!("../../examples/scenes/open-pillars.ron"),
-    ),
-    ("shoebox", include_str!("../../examples/scenes/shoebox.ron")),
+macro_rules! built_in {
+    ($($name:literal),* $(,)?) => {
+        &[$((
+            $name,
+            include_str!(concat!("../../examples/scenes/", $name, ".ron")),
+        )),*]
+    };
+}
+
+/// Names and texts.
+const BUILTIN: &[(&str, &str)] = built_in![
+    "corner",
+    "obstacles",
+    "open-field",
+    "open-pillars",
+    "shoebox",
+    "whispering-gallery",
+    "parabolic-mirrors",
+    "colonnade",
+    "cave",
+    "morphing-room",
+    "menger",
 ];
 
 /// The GLSL fields that they name.
-const FIELDS: [(&str, &str); 0] = [];
+const FIELDS: &[(&str, &str)] = &[(
+    "menger.glsl",
+    include_str!("../../examples/scenes/menger.glsl"),
+)];
 
 /// The names that [`Scene::builtin`] knows.
 pub const BUILTIN_NAMES: [&str; BUILTIN.len()] = {
@@ -49,7 +59,7 @@ impl Scene {
     pub fn builtin(name: &str) -> Result<Scene, SceneError> {
         match BUILTIN.iter().find(|(known, _)| *known == name) {
             Some((_, text)) => {
-                Scene::from_embedded(text, &format!("built-in scene {name}"), &FIELDS)
+                Scene::from_embedded(text, &format!("built-in scene {name}"), FIELDS)
             }
             None => Err(unknown(name)),
         }

@@ -9,12 +9,14 @@
 //! World units are metres, angles are radians in code and degrees in files.
 
 mod builtin;
+pub mod cells;
 mod check;
 mod distance;
 mod error;
 mod field;
 mod file;
 pub mod glsl;
+pub mod layout;
 mod motion;
 mod path;
 mod seal;

@@ -14,9 +14,11 @@
 mod directions;
 mod error;
 mod frame;
+mod limits;
 mod panning;
 mod programs;
 mod reload;
+mod scene_data;
 mod settings;
 mod sum;
 mod tracer;
@@ -25,16 +27,18 @@ mod waves;
 
 pub use error::TraceError;
 pub use frame::{Frame, Milliseconds};
+#[cfg(feature = "experiment")]
+pub(crate) use limits::check_surfaces;
 pub use panning::{Counts, Panning};
 pub use programs::{Pass, shader_text};
 pub use reload::{Reload, Reloading};
+#[cfg(feature = "experiment")]
+pub(crate) use scene_data::SceneData;
 pub use settings::{
     Directions, MARCHES_PER_PASS, MAX_FIELD_STEPS, MAX_ITERATIONS, MAX_STEPS, MAX_WAVES, Profile,
     Settings,
 };
 pub use tracer::Tracer;
-#[cfg(feature = "experiment")]
-pub(crate) use tracer::check_surfaces;
 #[cfg(feature = "experiment")]
 pub(crate) use user_fields::UserFields;
 pub(crate) use waves::STATUS_STARTED;

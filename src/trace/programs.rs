@@ -179,7 +179,7 @@ fn march_sources(scene: &Scene, options: Options) -> Vec<Source> {
             sources.push(source!("iterate_march.glsl"));
         }
         Profile::Hybrid => {
-            let marches = u8::from(glsl::marches_some_fields(scene));
+            let marches = u8::from(glsl::marches_fields(scene, false));
             let options = format!("#define MARCHES_FIELDS {marches}\n");
             sources.push((Cow::Borrowed("options"), Cow::Owned(options)));
             sources.extend(glsl::closed_form_sources(scene));
@@ -196,6 +196,6 @@ fn defines(options: Options, scene: &Scene) -> String {
         "#define EXACT_NORMALS {}\n#define LANDING {}\n#define MARCHES_FIELDS {}\n",
         u8::from(options.exact_normals),
         u8::from(options.landing),
-        u8::from(glsl::marches_all_fields(scene))
+        u8::from(glsl::marches_fields(scene, true))
     )
 }

@@ -8,7 +8,7 @@
 use super::programs::Programs;
 use super::{Counts, Grid, Panning};
 use crate::error::Error;
-use crate::gpu::{Context, Program, Texture, TexturePair, full_screen_pass};
+use crate::gpu::{Context, Program, RenderTarget, Texture, TexturePair, full_screen_pass};
 use std::rc::Rc;
 
 /// Side of a block in texels: 64 texels to one.
@@ -68,25 +68,40 @@ impl Sum {
 
     /// Reads the last texel back.
     pub fn read(&self, grid: Grid, are_evaluations: bool) -> Result<(Panning, Counts), Error> {
-        let last = &self.levels[self.levels.len() - 1].target;
+        let last = self.last();
         let heard = last.read(0)?;
         let passes = last.read(1)?;
-        let panning = Panning {
-            left: f64::from(heard[0]),
-            right: f64::from(heard[1]),
-        };
-        let mut counts = Counts {
-            listener_hits: heard[2] as u64,
-            dead: heard[3] as u64,
-            ..Counts::default()
-        };
-        counts.travelling = u64::from(grid.waves) - counts.listener_hits - counts.dead;
-        if are_evaluations {
-            counts.evaluations = passes[2] as u64;
-        } else {
-            counts.zero_length_passes = passes[0] as u64;
-            counts.guard_hits = passes[1] as u64;
-        }
-        Ok((panning, counts))
+        Ok(totals(&heard, &passes, grid, are_evaluations))
     }
+
+    /// The target of one texel that holds the sum: what was heard, and the passes.
+    pub fn last(&self) -> &RenderTarget {
+        &self.levels[self.levels.len() - 1].target
+    }
+}
+
+/// The sums that stand in the last texel of either texture.
+pub(super) fn totals(
+    heard: &[f32],
+    passes: &[f32],
+    grid: Grid,
+    are_evaluations: bool,
+) -> (Panning, Counts) {
+    let panning = Panning {
+        left: f64::from(heard[0]),
+        right: f64::from(heard[1]),
+    };
+    let mut counts = Counts {
+        listener_hits: heard[2] as u64,
+        dead: heard[3] as u64,
+        ..Counts::default()
+    };
+    counts.travelling = u64::from(grid.waves) - counts.listener_hits - counts.dead;
+    if are_evaluations {
+        counts.evaluations = passes[2] as u64;
+    } else {
+        counts.zero_length_passes = passes[0] as u64;
+        counts.guard_hits = passes[1] as u64;
+    }
+    (panning, counts)
 }

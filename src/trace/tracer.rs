@@ -1,8 +1,12 @@
 //! One frame after the other on one context.
 
+mod pending;
+
 use super::directions::{random_turn, unit_directions};
 use super::frame::{in_milliseconds, timed};
+use super::limits::{check_surfaces, check_waves};
 use super::programs::Programs;
+use super::scene_data::SceneData;
 use super::sum::Sum;
 use super::user_fields::UserFields;
 use super::waves::{STATUS_DEAD, STATUS_STARTED, waves};
@@ -12,10 +16,11 @@ use super::{
 };
 use crate::error::Error;
 use crate::gpu::{
-    Clock, Context, DataTexture, GpuError, PingPong, Program, RenderTarget, Target, Texture,
+    Clock, Context, GpuError, PingPong, Program, RenderTarget, Target, Texture,
     full_screen_pass_rows,
 };
 use crate::scene::Scene;
+use crate::scene::cells::Lists;
 use crate::scene::glsl::{self, Placed, Placement};
 use glam::{Vec3, Vec4};
 use std::rc::Rc;
@@ -30,9 +35,6 @@ const WAVES_PER_DRAW: u64 = 1 << 20;
 /// OpenGL 3.3.
 const EVALUATIONS_PER_DRAW: u64 = 1 << 33;
 
-/// Uniform vectors that any of the shaders needs at the most beside those of the surfaces.
-const OWN_UNIFORM_VECTORS: usize = 16;
-
 /// Traces frames. Programs and textures are kept from frame to frame: a frame that
 /// only moves things compiles nothing and allocates nothing on the GPU.
 pub struct Tracer {
@@ -42,7 +44,9 @@ pub struct Tracer {
     user_fields: UserFields,
     targets: Option<Targets>,
     contributions: Vec<f32>,
-    scene_data: DataTexture,
+    scene_data: SceneData,
+    /// The frame begun and not yet collected, and what is kept from one to the next.
+    pending: pending::Pending,
 }
 
 /// The textures for one count of waves.
@@ -80,7 +84,8 @@ impl Tracer {
             user_fields: UserFields::default(),
             targets: None,
             contributions: Vec::new(),
-            scene_data: DataTexture::new(context, glsl::DATA_WIDTH)?,
+            scene_data: SceneData::new(context)?,
+            pending: pending::Pending::new(context),
         })
     }
 
@@ -212,13 +217,18 @@ impl Tracer {
         {
             targets.sum = Some(Sum::new(&self.context, &mut self.programs, grid)?);
         }
-        self.scene_data.set(&glsl::scene_data(scene))?;
         // What only a first frame pays is over.
         let began = Instant::now();
+        let placed = placement.apply(scene);
+        let lists = match settings.profile {
+            Profile::Thesis => Lists::Near,
+            Profile::March | Profile::Hybrid => Lists::Touching,
+        };
+        self.scene_data.set(scene, &placement, &placed, lists)?;
         let job = Job {
             scene,
             settings,
-            placed: placement.apply(scene),
+            placed,
             placement,
             march,
             initialise,
@@ -226,6 +236,7 @@ impl Tracer {
             began,
         };
         job.set_uniforms(grid);
+        self.scene_data.set_uniforms(&job.march);
         Ok(job)
     }
 
@@ -233,24 +244,9 @@ impl Tracer {
     fn check_input(&mut self, scene: &Scene, settings: &Settings) -> Result<(), Error> {
         scene.validate()?;
         settings.validate()?;
-        self.check_waves(Grid::new(settings.waves))?;
+        check_waves(&self.context, Grid::new(settings.waves))?;
         check_surfaces(&self.context, scene)?;
         self.user_fields.check(&self.context, scene)
-    }
-
-    /// Waves that do not fit in a texture are told before anything is allocated.
-    fn check_waves(&self, grid: Grid) -> Result<(), TraceError> {
-        let limit = self.context.limits().max_texture_size;
-        if grid.width <= limit {
-            return Ok(());
-        }
-        Err(TraceError::TooManyWaves {
-            waves: grid.waves,
-            side: grid.width,
-            limit,
-            most: u64::from(limit) * u64::from(limit),
-            renderer: self.context.renderer().to_owned(),
-        })
     }
 
     fn initialise(&self, job: &Job) -> Result<f64, Error> {
@@ -311,8 +307,7 @@ impl Tracer {
         let current = targets.pairs.current();
         job.march.set_texture("uOrigins", 0, &current.first);
         job.march.set_texture("uDirections", 1, &current.second);
-        job.march
-            .set_texture("uSceneData", 2, self.scene_data.texture());
+        self.scene_data.bind(&job.march, 2);
         job.march.set_i32("uIterationsInPass", iterations as i32);
         let evaluations = job.evaluations(iterations);
         let time = self.pass(&job.march, targets.grid, targets.pairs.next(), evaluations)?;
@@ -400,6 +395,10 @@ impl Tracer {
             }
             Ok::<(), Error>(())
         };
+        if self.pending.is_beginning() {
+            // Its parts are told apart by marks, which nothing waits for.
+            return draw().map(|()| 0.0);
+        }
         let (drawn, time) = self.clock.measure(draw)?;
         drawn?;
         Ok(in_milliseconds(time))
@@ -440,11 +439,14 @@ impl Job<'_> {
         program.set_i32("uFieldSteps", MAX_FIELD_STEPS as i32);
     }
 
+    /// Whether a wave of this frame takes steps.
+    fn marches(&self) -> bool {
+        self.settings.profile != Profile::Hybrid || glsl::marches_fields(self.scene, false)
+    }
+
     fn iterations_per_pass(&self) -> u32 {
         match self.settings.profile {
-            Profile::Hybrid if !glsl::marches_some_fields(self.scene) => {
-                self.settings.iterations_per_pass
-            }
+            Profile::Hybrid if !self.marches() => self.settings.iterations_per_pass,
             _ => self.settings.iterations_per_pass.min(MARCHES_PER_PASS),
         }
     }
@@ -452,7 +454,7 @@ impl Job<'_> {
     /// Evaluations of one surface that a wave may take in so many iterations.
     fn evaluations(&self, iterations: u32) -> u64 {
         let steps = match self.settings.profile {
-            Profile::Hybrid if !glsl::marches_some_fields(self.scene) => 1,
+            Profile::Hybrid if !self.marches() => 1,
             Profile::Hybrid => MAX_FIELD_STEPS,
             _ => self.settings.step_bound(),
         };
@@ -477,21 +479,6 @@ impl Job<'_> {
             _ => STATUS_STARTED,
         }
     }
-}
-
-/// Surfaces that do not fit in the uniforms are told before anything is compiled.
-pub(crate) fn check_surfaces(context: &Context, scene: &Scene) -> Result<(), TraceError> {
-    let needed = glsl::uniform_count(scene) + OWN_UNIFORM_VECTORS;
-    let limit = context.limits().max_fragment_uniform_vectors as usize;
-    if needed <= limit {
-        return Ok(());
-    }
-    Err(TraceError::TooManySurfaces {
-        surfaces: scene.surfaces.len(),
-        needed,
-        limit,
-        renderer: context.renderer().to_owned(),
-    })
 }
 
 fn set_grid(program: &Program, grid: Grid) {

@@ -1,5 +1,7 @@
 //! Boxes along the axes that hold a solid; endless ones have infinite faces.
 
+use super::value::Quadric;
+use super::{Field, Node};
 use glam::{DMat3, DVec3};
 
 /// The least and greatest coordinates of a solid in metres, ±∞ where it has no end.
@@ -133,5 +135,47 @@ impl Bounds3 {
         let mut far = self.min.abs().max(self.max.abs());
         far[axis] = 0.0;
         far.length()
+    }
+}
+
+impl Field {
+    /// The largest length that its value is computed from, in metres: that of its bounds where
+    /// it ends, else the largest among its nodes. 0 for a plane.
+    pub(crate) fn extent(&self) -> f64 {
+        let bounds = self.properties().bounds;
+        if bounds.is_finite() && !bounds.is_empty() {
+            return bounds.min.abs().max(bounds.max.abs()).max_element();
+        }
+        let lengths = self.nodes().into_iter().map(Field::own_length);
+        lengths.fold(0.0, f64::max)
+    }
+
+    /// The largest length among the node's own numbers.
+    fn own_length(&self) -> f64 {
+        match &self.node {
+            Node::HalfSpace { offset: length, .. }
+            | Node::Cylinder { radius: length }
+            | Node::Paraboloid {
+                focal_length: length,
+            }
+            | Node::Shell { thickness: length }
+            | Node::SmoothUnion { radius: length }
+            | Node::Offset { by: length } => f64::from(length.abs()),
+            Node::Room { size } => f64::from(0.5 * size.max_element()),
+            Node::Hyperboloid { waist, rise, .. } => f64::from(waist.max(*rise)),
+            // Coefficients are no lengths; their quotients are.
+            Node::Quadric { .. } => Quadric::of(&self.node).map_or(0.0, |q| {
+                let (linear, constant) = (q.linear.length(), q.constant.abs());
+                (linear / q.norm()).max((constant / q.norm()).sqrt())
+            }),
+            Node::Translate { by } | Node::Elongate { by } => by.as_dvec3().abs().max_element(),
+            Node::Repeat { period, .. } => period.as_dvec3().max_element(),
+            _ if self.of.is_empty() => {
+                let bounds = self.properties().bounds;
+                let far = bounds.min.abs().max(bounds.max.abs()).max_element();
+                if far.is_finite() { far } else { 0.0 }
+            }
+            _ => 0.0,
+        }
     }
 }

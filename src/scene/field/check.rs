@@ -235,8 +235,12 @@ impl Node {
             Node::Scale { by } => positive("factor", *by),
             Node::Translate { by } => finite("length in metres", *by),
             Node::Rotate { by } => finite("angle", *by),
-            Node::Repeat { period, .. } => {
+            Node::Repeat { period, count } => {
                 finite("period in metres", *period)?;
+                // Above it f32 can no longer tell one copy from the next.
+                if count.iter().any(|count| *count >= 1 << 24) {
+                    return Err("its counts must be below 16777216".to_owned());
+                }
                 if period.min_element() >= 0.0 && period.max_element() > 0.0 {
                     return Ok(());
                 }

@@ -130,7 +130,14 @@ impl Field {
             Node::Translate { by } | Node::Elongate { by } => wide(&by.to_array()),
             // The inner axes from the outer ones, a column after the other.
             Node::Rotate { by } => turn_matrix(*by).transpose().to_cols_array().to_vec(),
-            Node::Repeat { period, .. } => wide(&period.to_array()),
+            Node::Repeat { period, .. } => {
+                let mut numbers: Vec<f64> = wide(&period.to_array());
+                if let Some(cap) = self.cap() {
+                    numbers.extend(cap.half_size.to_array());
+                    numbers.extend([cap.near, cap.inverse_slowness]);
+                }
+                numbers
+            }
             Node::Twist { rate, .. } => self.turning_numbers(1, *rate),
             Node::Bend { rate, .. } => self.turning_numbers(2, *rate),
             Node::Morph { amount } => wide(&[*amount]),

@@ -90,6 +90,29 @@ impl Field {
         self.operator_properties(&of)
     }
 
+    /// How far the solid may reach out of its bounds when its surface is moved to a value
+    /// of 1 m, along any axis. 1 m where the value is the distance; a bound of the distance
+    /// can be slower, and its levels further apart.
+    ///
+    /// An ellipsoid: with m = |p / radii|, F = m² - 1 and g ≤ 2 m / least, its value is at
+    /// least (m - 1) least / (1 + √2), while no axis is left by more than (m - 1) greatest.
+    pub(super) fn slowness(&self) -> f64 {
+        let slowest = || self.of.iter().map(Field::slowness).fold(1.0, f64::max);
+        match &self.node {
+            Node::Ellipsoid { radii } => {
+                let stretch = f64::from(radii.max_element()) / f64::from(radii.min_element());
+                (1.0 + std::f64::consts::SQRT_2) * stretch
+            }
+            // The other side of everywhere.
+            Node::Complement => 1.0,
+            // A corner of a box that grows along its axes moves by √3 of that.
+            Node::Rotate { .. } if self.of[0].properties().in_air != Exact => {
+                3f64.sqrt() * slowest()
+            }
+            _ => slowest(),
+        }
+    }
+
     fn shape_properties(&self) -> Properties {
         let wide = |v: glam::Vec3| v.as_dvec3();
         let round = |radius: f32, half_height: f64| {
@@ -125,6 +148,9 @@ impl Field {
                 round(*radius, f64::from(*radius) + 0.5 * f64::from(*height))
             }
             Node::Torus { ring, tube } => Properties {
+                // A tube that reaches over the axis covers its own inner side: that is no
+                // surface, but the value is the distance to it.
+                in_solid: if tube > ring { Bound } else { Exact },
                 convex: false,
                 ..round(ring + tube, f64::from(*tube))
             },
@@ -140,10 +166,9 @@ impl Field {
             Node::Paraboloid { .. } => Properties {
                 convex: true,
                 symmetric: [true, false, true],
-                ..Properties::bound(Bounds3 {
-                    min: DVec3::new(-endless, 0.0, -endless),
-                    ..Bounds3::EVERYWHERE
-                })
+                // Below the vertex its value grows as the root of the way: no multiple of it
+                // bounds how far a level lies from y = 0.
+                ..Properties::bound(Bounds3::EVERYWHERE)
             },
             Node::Hyperboloid { .. } => Properties::bound(Bounds3::EVERYWHERE),
             Node::Quadric { .. } => Properties {
@@ -173,6 +198,7 @@ impl Field {
                 ..Properties::bound(bounds).growing(lipschitz)
             }
         };
+        let slowest = || self.of.iter().map(Field::slowness).fold(1.0, f64::max);
         let hull = || of[1..].iter().fold(first.bounds, |b, p| b.hull(p.bounds));
         let common = || of[1..].iter().fold(first.bounds, |b, p| b.common(p.bounds));
         match &self.node {
@@ -188,7 +214,8 @@ impl Field {
             },
             Node::Difference => merged(first.bounds),
             Node::SmoothUnion { radius } => {
-                merged(hull().grown(DVec3::splat(blend_reach(*radius, of.len()))))
+                let reach = slowest() * blend_reach(*radius, of.len());
+                merged(hull().grown(DVec3::splat(reach)))
             }
             Node::Morph { .. } => merged(hull()),
             Node::Complement => Properties {
@@ -203,11 +230,11 @@ impl Field {
                 in_solid: if lipschitz > 1.0 { Neither } else { Bound },
                 bounds: first
                     .bounds
-                    .grown(DVec3::splat(0.5 * f64::from(*thickness))),
+                    .grown(DVec3::splat(slowest() * 0.5 * f64::from(*thickness))),
                 convex: false,
                 ..first
             },
-            Node::Offset { by } => offset(first, f64::from(*by)),
+            Node::Offset { by } => offset(first, f64::from(*by), slowest()),
             _ => self.warped(first),
         }
     }
@@ -235,6 +262,9 @@ impl Field {
                 in_air: if of.lipschitz > 1.0 { Neither } else { Bound },
                 in_solid: if of.lipschitz > 1.0 { Neither } else { Bound },
                 bounds: of.bounds.grown(by.as_dvec3()),
+                // Pulled apart, a slanted side that crosses the cut gets a step; a solid
+                // that is the same on both sides is the sum with a box of half size `by`.
+                convex: of.convex && (0..3).all(|a| by[a] == 0.0 || of.symmetric[a]),
                 ..of
             },
             Node::Twist { rate, lipschitz } => turned(of, 1, *rate, *lipschitz),
@@ -262,7 +292,7 @@ fn blend_reach(radius: f32, fields: usize) -> f64 {
     0.25 * f64::from(radius) * fields.saturating_sub(1) as f64
 }
 
-fn offset(of: Properties, by: f64) -> Properties {
+fn offset(of: Properties, by: f64, slowness: f64) -> Properties {
     let bound = |side: Exactness| if side == Exact { Bound } else { side };
     // The surface moves towards one side; on that side distances stay what they were.
     let (in_air, in_solid) = if by >= 0.0 {
@@ -273,13 +303,18 @@ fn offset(of: Properties, by: f64) -> Properties {
     Properties {
         in_air,
         in_solid,
-        // What is only a bound may grow further than the length.
-        bounds: match of.in_air {
-            Exact => of.bounds.grown(DVec3::splat(by.max(0.0))),
-            _ if by > 0.0 => Bounds3::EVERYWHERE,
-            _ => of.bounds,
+        bounds: if by > 0.0 {
+            of.bounds.grown(DVec3::splat(slowness * by))
+        } else {
+            of.bounds
         },
-        convex: of.convex && (by <= 0.0 || of.in_air == Exact),
+        // By distances a convex solid stays convex; the levels of a bound need not be.
+        convex: of.convex
+            && match by {
+                by if by > 0.0 => of.in_air == Exact,
+                by if by < 0.0 => of.in_solid == Exact,
+                _ => true,
+            },
         ..of
     }
 }
@@ -287,17 +322,24 @@ fn offset(of: Properties, by: f64) -> Properties {
 fn mirrored(of: Properties, axes: [bool; 3]) -> Properties {
     let mut result = of;
     result.convex = of.convex && axes == [false; 3];
-    for axis in 0..3 {
-        if !axes[axis] {
+    for (axis, mirrors) in axes.into_iter().enumerate() {
+        if !mirrors {
             continue;
         }
         result.symmetric[axis] = true;
         let far = of.bounds.max[axis];
         (result.bounds.min[axis], result.bounds.max[axis]) = (-far, far);
+        if of.symmetric[axis] {
+            continue;
+        }
+        let bound = |side: Exactness| if side == Exact { Bound } else { side };
         // What reaches over the mirror is cut off there, but its distance is not.
-        if of.bounds.min[axis] < 0.0 && !of.symmetric[axis] {
-            let bound = |side: Exactness| if side == Exact { Bound } else { side };
-            (result.in_air, result.in_solid) = (bound(result.in_air), bound(result.in_solid));
+        if of.bounds.min[axis] < 0.0 {
+            result.in_air = bound(result.in_air);
+        }
+        // What touches the mirror grows together with its image: its face there is gone.
+        if of.bounds.min[axis] <= 0.0 {
+            result.in_solid = bound(result.in_solid);
         }
     }
     result

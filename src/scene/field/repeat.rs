@@ -5,9 +5,13 @@
 //! q: for every point x of it, |q − x| ≤ |q − (x − P)| for q ≥ 0 and x ≤ P/2. If it is
 //! also symmetric about the cell's middle, copy i is the nearest alone. What reaches out
 //! of its cell by up to k periods makes k more copies on either side matter.
+//!
+//! That is true of distances. A bound of the distance may be less for a copy that is further
+//! away, and then would jump where that copy is evaluated no longer. So it is held at what
+//! such a copy has at the least there, see [`Cap`].
 
-use super::{Bounds3, Field, Node, Properties};
-use glam::Vec3;
+use super::{Bounds3, Exactness, Field, Node, Properties};
+use glam::{DVec3, Vec3};
 
 /// Copies that are evaluated at the most: more would cost more than they are worth.
 pub(super) const MOST_COPIES: u32 = 64;
@@ -79,7 +83,50 @@ fn along(bounds: Bounds3, symmetric: bool, axis: usize, step: f64) -> Result<Cop
     Ok(Copies::Around((reach + 1.5).min(1e6) as u32))
 }
 
+/// What the value of a repeated bound is held at: `near` among the copies, and further off
+/// the way to the box about all of them, over the slowness of the value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Cap {
+    pub near: f64,
+    pub inverse_slowness: f64,
+    pub half_size: DVec3,
+}
+
+impl Cap {
+    pub fn at(&self, p: DVec3) -> f64 {
+        let beyond = (p.abs() - self.half_size).max_element();
+        self.near.max(beyond * self.inverse_slowness)
+    }
+}
+
 impl Field {
+    /// The cap of a `Repeat` that needs one: of a bound that is evaluated for several copies.
+    pub(crate) fn cap(&self) -> Option<Cap> {
+        let Node::Repeat { period, .. } = &self.node else {
+            return None;
+        };
+        let child = self.of.first()?.properties();
+        if child.in_air == Exactness::Exact || child.bounds.is_empty() {
+            return None;
+        }
+        let (copies, period) = (self.copies().ok()?, period.as_dvec3());
+        let far = |b: Bounds3| b.min.abs().max(b.max.abs());
+        let reach = far(child.bounds);
+        // How far the bounds of a copy are at the least where it comes in or goes out: at the
+        // middle of a cell, or at its face.
+        let along = (0..3).filter_map(|axis| match copies[axis] {
+            Copies::None | Copies::Own => None,
+            Copies::OwnAndNext => Some(period[axis] - reach[axis]),
+            Copies::Around(more) => Some((f64::from(more) + 0.5) * period[axis] - reach[axis]),
+        });
+        let inverse_slowness = 1.0 / self.of[0].slowness();
+        Some(Cap {
+            near: along.reduce(f64::min)? * inverse_slowness,
+            inverse_slowness,
+            half_size: far(self.properties().bounds),
+        })
+    }
+
     /// The copies of a `Repeat` that are evaluated along x, y and z.
     ///
     /// # Errors

@@ -111,7 +111,7 @@ impl Field {
         let copies = self.copies().unwrap_or([Copies::Own; 3]);
         let along = |axis: usize| offsets(p[axis], period[axis], count[axis], copies[axis]);
         let (xs, ys, zs) = (along(0), along(1), along(2));
-        let mut least = f64::INFINITY;
+        let mut least = self.cap().map_or(f64::INFINITY, |cap| cap.at(p));
         for x in &xs {
             for y in &ys {
                 for z in &zs {

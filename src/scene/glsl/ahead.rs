@@ -1,59 +1,90 @@
 //! The distance to what can be met ahead, and its gradient: for a march that is right.
 
-use super::distance::{distance_file, surface_distance};
+use super::cells::{of_kind, walk_files};
+use super::distance::surface_distance_sources;
 use super::field::{field_files, gradient_text, value_text};
 use super::fields_ahead::{Marched, fields_ahead};
 use super::land::{land_files, land_text};
-use super::{Source, Text, add_once, named, shape_files, source, turn_file, uniforms_text};
+use super::{Named, Source, Text, add_once, distance_file, source};
 use crate::scene::{Scene, Shape};
 use std::borrow::Cow;
 use std::fmt::Write;
 
 /// `distanceAhead(p, d, last, object, second)`, `gradientAhead(p, d, object, slack)`,
-/// `land(object, d, p, normal)` of a scene, and `surfaceDistance(p, object)` where normals
-/// are taken from differences of it.
+/// `land(object, d, p, normal)` of a scene, `surfaceDistance(p, object)` where normals are
+/// taken from differences of it, and `marchFields(p, d, last, limit, object, guardHit)` where
+/// there are fields.
 pub fn ahead_sources(scene: &Scene, difference_normals: bool) -> Vec<Source> {
-    let mut sources = vec![source!("rounding.glsl")];
-    sources.extend(shape_files(scene, distance_file));
-    sources.extend(land_files(scene));
-    sources.extend(shape_files(scene, |shape| {
-        Some(match shape {
-            Shape::Plane => source!("gradient/plane.glsl"),
-            Shape::Box { .. } => source!("gradient/box.glsl"),
-            Shape::Room { .. } => source!("gradient/room.glsl"),
-            Shape::Sphere { .. } => source!("gradient/sphere.glsl"),
-            Shape::Cylinder { .. } => source!("gradient/cylinder.glsl"),
-            Shape::Field(_) => return None,
-        })
-    }));
     let text = Text::new(scene);
-    add_once(&mut sources, field_files(text.fields(), true, &text.assets));
-    sources.extend(turn_file(scene));
+    let mut sources = vec![source!("rounding.glsl")];
+    sources.extend(text.shape_files(distance_file));
+    sources.extend(land_files(&text));
+    sources.extend(text.shape_files(gradient_file));
+    add_once(&mut sources, text.data_file());
+    let fields = field_files(text.fields(), true, &text.assets);
+    add_once(&mut sources, fields);
+    sources.extend(text.turn_file());
     sources.push(source!("distance/listener.glsl"));
-    let mut out = uniforms_text(scene);
-    out += &text.of_fields(|_| true, value_text);
-    out += &text.of_fields(|_| true, gradient_text);
+    let mut functions = text.uniforms();
+    functions += &text.of_fields(|_| true, value_text);
+    functions += &text.of_fields(|_| true, gradient_text);
+    sources.push((Cow::Borrowed("the surfaces"), Cow::Owned(functions)));
     if difference_normals {
-        out += &surface_distance(scene);
+        add_once(&mut sources, surface_distance_sources(&text));
     }
-    out += &distance_ahead(scene);
-    out += &gradient_ahead(scene);
-    out += &land_text(scene);
-    out += &fields_ahead(&text, Marched::All);
-    sources.push((Cow::Borrowed("the scene"), Cow::Owned(out)));
-    if marches_all_fields(scene) {
-        sources.push(source!("march_fields.glsl"));
-    }
+    add_once(&mut sources, ahead_in_cells(&text));
+    let functions = distance_ahead(&text) + &gradient_ahead(&text) + &land_text(&text);
+    sources.push((Cow::Borrowed("the scene"), Cow::Owned(functions)));
+    sources.extend(fields_ahead(&text, Marched::All));
     sources
 }
 
-/// Whether the scene has fields: the march takes all of them.
-pub fn marches_all_fields(scene: &Scene) -> bool {
-    scene.surfaces.iter().any(|s| s.shape.field().is_some())
+fn gradient_file(shape: &Shape) -> Option<Source> {
+    Some(match shape {
+        Shape::Plane => source!("gradient/plane.glsl"),
+        Shape::Box { .. } => source!("gradient/box.glsl"),
+        Shape::Room { .. } => source!("gradient/room.glsl"),
+        Shape::Sphere { .. } => source!("gradient/sphere.glsl"),
+        Shape::Cylinder { .. } => source!("gradient/cylinder.glsl"),
+        Shape::Field(_) => return None,
+    })
 }
 
-fn distance_ahead(scene: &Scene) -> String {
-    let mut text = String::from(
+/// What the functions below call for the surfaces in cells.
+fn ahead_in_cells(text: &Text) -> Vec<Source> {
+    if text.kinds.is_empty() {
+        return Vec::new();
+    }
+    let basic = |named: &Named| named.field().is_none();
+    let distance = of_kind(
+        text,
+        "// The distance to a basic shape in cells, by its kind and the place of its values.\n\
+         float distanceOfKind(float kind, int data, vec3 p, bool left) {\n",
+        basic,
+        |named| {
+            let distance = named.distance("p");
+            format!("return {};", named.unless_left("left", "1e30", &distance))
+        },
+        "    return 1e30;\n",
+    );
+    let gradient = of_kind(
+        text,
+        "// Its gradient, and what rounding may do to it.\n\
+         vec3 gradientOfKind(float kind, int data, vec3 p, vec3 d, out float slack) {\n    \
+         slack = 0.0;\n",
+        basic,
+        gradient_statement,
+        "    return vec3(0.0);\n",
+    );
+    let mut sources = walk_files();
+    let kinds = distance + &gradient;
+    sources.push((Cow::Borrowed("the kinds"), Cow::Owned(kinds)));
+    sources.push(source!("cells/ahead.glsl"));
+    sources
+}
+
+fn distance_ahead(text: &Text) -> String {
+    let mut out = String::from(
         "// Distance to the nearest object that a wave at p along d can meet, its number, and\n\
          // the distance to the second nearest. What the wave leaves (last) is out of its way\n\
          // when it is convex; of a room only the walls ahead count.\n\
@@ -61,56 +92,62 @@ fn distance_ahead(scene: &Scene) -> String {
          float nearest = listenerDistance(p);\n    object = 0.0;\n    second = 1e30;\n    \
          float candidate;\n",
     );
-    for named in named(scene) {
-        let number = named.number;
-        let (shape, point, size) = (named.shape(), named.point("p"), named.size());
+    for named in text.loose.iter().filter(|named| named.field().is_none()) {
         let distance = match named.surface.shape {
-            Shape::Field(_) => continue,
-            Shape::Room { .. } => {
-                format!("sdRoomAhead({point}, {}{size})", named.vector("d"))
-            }
-            _ => format!("last == {number}.0 ? 1e30 : sd{shape}({point}{size})"),
+            Shape::Room { .. } => format!(
+                "sdRoomAhead({}, {}{})",
+                named.point("p"),
+                named.vector("d"),
+                named.size()
+            ),
+            _ => named.unless_left(&named.left(), "1e30", &named.distance("p")),
         };
-        let _ = writeln!(text, "    // {}\n    candidate = {distance};", named.label);
         let _ = writeln!(
-            text,
-            "    if (candidate < nearest) {{ second = nearest; nearest = candidate; object = {number}.0; }}\n    \
-             else {{ second = min(second, candidate); }}"
+            out,
+            "    // {}\n    candidate = {distance};\n    \
+             if (candidate < nearest) {{ second = nearest; nearest = candidate; object = {}.0; }}\n    \
+             else {{ second = min(second, candidate); }}",
+            named.label, named.tag
         );
     }
-    text.push_str("    return nearest;\n}\n\n");
-    text
+    if text.kinds.iter().any(|named| named.field().is_none()) {
+        out.push_str("    aheadInCells(p, d, last, nearest, object, second);\n");
+    }
+    out + "    return nearest;\n}\n\n"
 }
 
-fn gradient_ahead(scene: &Scene) -> String {
-    let mut text = String::from(
+fn gradient_ahead(text: &Text) -> String {
+    let mut out = String::from(
         "// The gradient of the distance to one object, and what rounding may do to it.\n\
          vec3 gradientAhead(vec3 p, vec3 d, float object, out float slack) {\n",
     );
-    for named in named(scene) {
-        let (shape, point, size) = (named.shape(), named.point("p"), named.size());
-        let gradient = match named.surface.shape {
-            Shape::Field(_) => continue,
-            Shape::Room { .. } => {
-                format!("gradientRoomAhead({point}, {}{size})", named.vector("d"))
-            }
-            Shape::Box { .. } => format!("gradientBox({point}{size})"),
-            Shape::Plane | Shape::Sphere { .. } | Shape::Cylinder { .. } => {
-                format!("gradient{shape}({point})")
-            }
-        };
+    for named in text.loose.iter().filter(|named| named.field().is_none()) {
+        let (number, statement) = (&named.tag, gradient_statement(named));
+        let label = &named.label;
         let _ = writeln!(
-            text,
-            "    if (object == {}.0) {{ slack = {}; return {}; }} // {}",
-            named.number,
-            named.slack(),
-            named.outward(&gradient),
-            named.label
+            out,
+            "    if (object == {number}.0) {{ {statement} }} // {label}"
         );
     }
-    text.push_str(
-        "    slack = roundSlack(uListener);\n    \
-         return normalize(p - uListener.xyz);\n}\n\n",
-    );
-    text
+    if text.kinds.iter().any(|named| named.field().is_none()) {
+        out.push_str(
+            "    if (object > 0.0) {\n        vec4 entry = entryOf(object);\n        \
+             return gradientOfKind(entry.y, int(entry.z), p, d, slack);\n    }\n",
+        );
+    }
+    out + "    slack = roundSlack(uListener);\n    return normalize(p - uListener.xyz);\n}\n\n"
+}
+
+fn gradient_statement(named: &Named) -> String {
+    let (shape, point, size) = (named.shape(), named.point("p"), named.size());
+    let gradient = match named.surface.shape {
+        Shape::Room { .. } => format!("gradientRoomAhead({point}, {}{size})", named.vector("d")),
+        Shape::Box { .. } => format!("gradientBox({point}{size})"),
+        _ => format!("gradient{shape}({point})"),
+    };
+    format!(
+        "slack = {}; return {};",
+        named.slack(),
+        named.outward(&gradient)
+    )
 }

@@ -1,122 +1,91 @@
-//! Where a line meets each surface: no march at all.
+//! Where a line meets each surface: no march at all, but for fields without a closed form.
 
-use super::field::{
-    field_files, files_of_hits, gradient_text, has_closed_form, hit_text, value_text,
-};
+use super::cells::{of_kind, walk_files};
+use super::field::{field_files, gradient_text, hit_text, value_text};
 use super::fields_ahead::{Marched, fields_ahead};
 use super::land::{land_files, land_text};
-use super::{Named, Source, Text, add_once, named, shape_files, source, turn_file, uniforms_text};
-use crate::scene::{Scene, Shape};
+use super::{Named, Source, Text, add_once, source};
+use crate::scene::Scene;
 use std::borrow::Cow;
 use std::fmt::Write;
 
-/// `nearestHit(p, d, last, object)` and `land(object, d, p, normal)` of a scene.
+/// `nearestHit(p, d, last, object)` and `land(object, d, p, normal)` of a scene; where fields
+/// have no closed form `marchFields(p, d, last, limit, object, guardHit)` for these.
 pub fn closed_form_sources(scene: &Scene) -> Vec<Source> {
+    let text = Text::new(scene);
     let mut sources = vec![
         source!("rounding.glsl"),
         source!("hit/none.glsl"),
         source!("hit/ball.glsl"),
     ];
-    let slabs = |shape: &Shape| matches!(shape, Shape::Box { .. } | Shape::Room { .. });
-    if scene.surfaces.iter().any(|s| slabs(&s.shape)) {
-        sources.push(source!("hit/safe_inverse.glsl"));
+    for named in text.all() {
+        add_once(&mut sources, named.hit_files());
     }
-    sources.extend(shape_files(scene, |shape| {
-        Some(match shape {
-            Shape::Plane => source!("hit/plane.glsl"),
-            Shape::Box { .. } => source!("hit/box.glsl"),
-            Shape::Room { .. } => source!("hit/room.glsl"),
-            Shape::Sphere { .. } => source!("hit/sphere.glsl"),
-            Shape::Cylinder { .. } => source!("hit/cylinder.glsl"),
-            Shape::Field(_) => return None,
-        })
-    }));
-    let text = Text::new(scene);
-    for field in text.fields().filter(|field| has_closed_form(field)) {
-        add_once(&mut sources, files_of_hits(field));
-    }
-    add_once(&mut sources, field_files(text.fields(), true, &text.assets));
-    sources.extend(land_files(scene));
-    sources.extend(turn_file(scene));
+    add_once(&mut sources, text.data_file());
+    let fields = field_files(text.fields(), true, &text.assets);
+    add_once(&mut sources, fields);
+    sources.extend(land_files(&text));
+    sources.extend(text.turn_file());
     sources.push(source!("distance/listener.glsl"));
     sources.push(source!("hit/listener.glsl"));
-    let closed = |named: &Named| named.surface.shape.field().is_some_and(has_closed_form);
-    let mut out = uniforms_text(scene);
-    out += &text.of_fields(closed, hit_text);
-    out += &text.of_fields(|named| Marched::Others.takes(named), value_text);
-    out += &text.of_fields(|_| true, gradient_text);
-    out += &nearest_hit(scene);
-    out += &land_text(scene);
-    out += &fields_ahead(&text, Marched::Others);
-    sources.push((Cow::Borrowed("the scene"), Cow::Owned(out)));
-    if marches_some_fields(scene) {
-        sources.push(source!("march_fields.glsl"));
-    }
+    let marched = |named: &Named| Marched::Others.takes(named);
+    let mut functions = text.uniforms();
+    functions += &text.of_fields(|named| named.has_closed_form(), hit_text);
+    functions += &text.of_fields(marched, value_text);
+    functions += &text.of_fields(|_| true, gradient_text);
+    sources.push((Cow::Borrowed("the surfaces"), Cow::Owned(functions)));
+    add_once(&mut sources, hit_in_cells(&text));
+    let functions = nearest_hit(&text) + &land_text(&text);
+    sources.push((Cow::Borrowed("the scene"), Cow::Owned(functions)));
+    sources.extend(fields_ahead(&text, Marched::Others));
     sources
 }
 
-/// Whether the scene has fields without a closed form.
-pub fn marches_some_fields(scene: &Scene) -> bool {
-    let mut fields = scene.surfaces.iter().filter_map(|s| s.shape.field());
-    fields.any(|field| !has_closed_form(field))
+/// What `nearestHit` calls for the surfaces in cells.
+fn hit_in_cells(text: &Text) -> Vec<Source> {
+    if text.kinds.is_empty() {
+        return Vec::new();
+    }
+    let kinds = of_kind(
+        text,
+        "// Where a line meets a surface in cells, by its kind and the place of its values.\n\
+         float hitOfKind(float kind, int data, vec3 p, vec3 d, bool left) {\n",
+        |named| named.has_closed_form(),
+        |named| {
+            let hit = named.hit("p", "d");
+            format!("return {};", named.unless_left("left", "NO_HIT", &hit))
+        },
+        "    return NO_HIT;\n",
+    );
+    let mut sources = walk_files();
+    sources.push((Cow::Borrowed("the kinds"), Cow::Owned(kinds)));
+    sources.push(source!("cells/hit.glsl"));
+    sources
 }
 
-fn nearest_hit(scene: &Scene) -> String {
-    let mut text = String::from(
+fn nearest_hit(text: &Text) -> String {
+    let mut out = String::from(
         "// How far from p along d the next object is, and its number. A convex surface is\n\
          // not met by the wave that leaves it (last). Where nothing is met the distance is\n\
          // NO_HIT and the number means nothing.\n\
          float nearestHit(vec3 p, vec3 d, float last, out float object) {\n    \
-         float nearest = hitListener(p, d);\n    object = 0.0;\n    float candidate;\n",
+         float nearest = hitListener(p, d);\n    object = 0.0;\n",
     );
-    for named in named(scene) {
-        if let Shape::Field(field) = &named.surface.shape {
-            if has_closed_form(field) {
-                text += &hit_field(&named);
-            }
-            continue;
-        }
-        let size = match named.surface.shape {
-            Shape::Box { .. } => format!(", uSurfaces[{}]", named.first + 1),
-            _ => named.size(),
-        };
-        let hit = format!(
-            "hit{}({}, {}{size})",
-            named.shape(),
-            named.point("p"),
-            named.vector("d"),
-        );
-        let number = named.number;
-        let _ = writeln!(text, "    // {}", named.label);
-        if named.surface.shape.is_convex() {
-            let _ = writeln!(text, "    candidate = last == {number}.0 ? NO_HIT : {hit};");
-        } else {
-            let _ = writeln!(text, "    candidate = {hit};");
-        }
+    let closed: Vec<&Named> = text.loose.iter().filter(|n| n.has_closed_form()).collect();
+    if !closed.is_empty() {
+        out.push_str("    float candidate;\n");
+    }
+    for named in closed {
+        let hit = named.unless_left(&named.left(), "NO_HIT", &named.hit("p", "d"));
         let _ = writeln!(
-            text,
-            "    if (candidate < nearest) {{ nearest = candidate; object = {number}.0; }}"
+            out,
+            "    // {}\n    candidate = {hit};\n    \
+             if (candidate < nearest) {{ nearest = candidate; object = {}.0; }}",
+            named.label, named.tag
         );
     }
-    text.push_str("    return nearest;\n}\n\n");
-    text
-}
-
-fn hit_field(named: &Named) -> String {
-    let number = named.number;
-    let hit = format!(
-        "hit{number}({}, {}, {})",
-        named.point("p"),
-        named.vector("d"),
-        named.slack()
-    );
-    let candidate = match named.surface.shape.is_convex() {
-        true => format!("last == {number}.0 ? NO_HIT : {hit}"),
-        false => hit,
-    };
-    format!(
-        "    // {}\n    candidate = {candidate};\n    \
-         if (candidate < nearest) {{ nearest = candidate; object = {number}.0; }}\n",
-        named.label
-    )
+    if text.kinds.iter().any(Named::has_closed_form) {
+        out.push_str("    hitInCells(p, d, last, nearest, object);\n");
+    }
+    out + "    return nearest;\n}\n\n"
 }

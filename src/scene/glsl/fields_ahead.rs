@@ -1,8 +1,8 @@
 //! The fields that are marched: their least value, and the gradient of one of them.
 
-use super::field::has_closed_form;
-use super::{Named, Text};
-use crate::scene::Shape;
+use super::cells::of_kind;
+use super::{Named, Source, Text, source};
+use std::borrow::Cow;
 use std::fmt::Write;
 
 /// Which fields of a scene a march has to take.
@@ -16,55 +16,105 @@ pub(super) enum Marched {
 
 impl Marched {
     pub fn takes(self, named: &Named) -> bool {
-        match &named.surface.shape {
-            Shape::Field(field) => self == Marched::All || !has_closed_form(field),
-            _ => false,
-        }
+        named.field().is_some() && (self == Marched::All || !named.has_closed_form())
     }
 }
 
-/// `fieldsAhead(p, d, last, object, reach)` and `fieldGradient(p, object, slack)`; nothing
-/// where nothing is marched.
-pub(super) fn fields_ahead(text: &Text, marched: Marched) -> String {
-    let named: Vec<&Named> = text.named.iter().filter(|n| marched.takes(n)).collect();
-    if named.is_empty() {
-        return String::new();
+/// `fieldsAhead(p, d, last, object, reach)`, `fieldGradient(p, object, slack)` and the march
+/// that calls them; nothing where nothing is marched. With cells, what walks them must stand
+/// before.
+pub(super) fn fields_ahead(text: &Text, marched: Marched) -> Vec<Source> {
+    if !text.all().any(|named| marched.takes(named)) {
+        return Vec::new();
     }
+    let in_cells = text.kinds.iter().any(|named| marched.takes(named));
+    let mut sources = Vec::new();
+    if in_cells {
+        let kinds = field_of_kind(text, marched) + &gradient_of_kind(text, marched);
+        sources.push((Cow::Borrowed("the kinds of fields"), Cow::Owned(kinds)));
+        sources.push(source!("cells/fields.glsl"));
+    }
+    let functions = value(text, marched, in_cells) + &gradient(text, marched, in_cells);
+    sources.push((Cow::Borrowed("the fields"), Cow::Owned(functions)));
+    sources.push(source!("march_fields.glsl"));
+    sources
+}
+
+fn field_of_kind(text: &Text, marched: Marched) -> String {
+    of_kind(
+        text,
+        "// The value of a field in cells, by its kind and the place of its numbers.\n\
+         float fieldOfKind(float kind, int data, vec3 p, bool left) {\n",
+        |named| marched.takes(named),
+        |named| {
+            let value = named.distance("p");
+            format!("return {};", named.unless_left("left", "1e30", &value))
+        },
+        "    return 1e30;\n",
+    )
+}
+
+fn gradient_of_kind(text: &Text, marched: Marched) -> String {
+    of_kind(
+        text,
+        "// Its gradient, and what rounding may do to its value.\n\
+         vec3 fieldGradientOfKind(float kind, int data, vec3 p, out float slack) {\n    \
+         slack = 0.0;\n",
+        |named| marched.takes(named),
+        gradient_statement,
+        "    return vec3(0.0);\n",
+    )
+}
+
+fn gradient_statement(named: &Named) -> String {
+    let gradient = named.field_gradient(&named.point("p")) + ".xyz";
+    format!(
+        "slack = {}; return {};",
+        named.slack(),
+        named.outward(&gradient)
+    )
+}
+
+fn value(text: &Text, marched: Marched, in_cells: bool) -> String {
     let mut out = String::from(
         "// The least value of the fields that a wave at p along d can meet, and whose it is. It\n\
          // holds as far as reach along d. A convex one that the wave leaves is out of its way.\n\
          float fieldsAhead(vec3 p, vec3 d, float last, out float object, out float reach) {\n    \
          float nearest = 1e30;\n    reach = 1e30;\n    object = -1.0;\n    float candidate;\n",
     );
-    for named in &named {
-        let value = named.field_value("p");
-        let number = named.number;
-        let _ = writeln!(out, "    // {}", named.label);
-        let _ = match named.surface.shape.is_convex() {
-            true => writeln!(out, "    candidate = last == {number}.0 ? 1e30 : {value};"),
-            false => writeln!(out, "    candidate = {value};"),
-        };
+    for named in text.loose.iter().filter(|named| marched.takes(named)) {
+        let value = named.unless_left(&named.left(), "1e30", &named.distance("p"));
         let _ = writeln!(
             out,
-            "    if (candidate < nearest) {{ nearest = candidate; object = {number}.0; }}"
+            "    // {}\n    candidate = {value};\n    \
+             if (candidate < nearest) {{ nearest = candidate; object = {}.0; }}",
+            named.label, named.tag
         );
     }
-    out.push_str("    return nearest;\n}\n\n");
-    out.push_str(
+    if in_cells {
+        out.push_str("    fieldsInCells(p, d, last, nearest, object, reach);\n");
+    }
+    out + "    return nearest;\n}\n\n"
+}
+
+fn gradient(text: &Text, marched: Marched, in_cells: bool) -> String {
+    let mut out = String::from(
         "// The gradient of one of them, and what rounding may do to its value.\n\
-         vec3 fieldGradient(vec3 p, float object, out float slack) {\n",
+         vec3 fieldGradient(vec3 p, float object, out float slack) {\n    slack = 0.0;\n",
     );
-    for named in &named {
-        let gradient = format!("gradient{}({}).xyz", named.number, named.point("p"));
+    for named in text.loose.iter().filter(|named| marched.takes(named)) {
+        let (number, statement) = (&named.tag, gradient_statement(named));
+        let label = &named.label;
         let _ = writeln!(
             out,
-            "    if (object == {}.0) {{ slack = {}; return {}; }} // {}",
-            named.number,
-            named.slack(),
-            named.outward(&gradient),
-            named.label
+            "    if (object == {number}.0) {{ {statement} }} // {label}"
         );
     }
-    out.push_str("    slack = 0.0;\n    return vec3(0.0);\n}\n\n");
-    out
+    if in_cells {
+        out.push_str(
+            "    if (object > 0.0) {\n        vec4 entry = entryOf(object);\n        \
+             return fieldGradientOfKind(entry.y, int(entry.z), p, slack);\n    }\n",
+        );
+    }
+    out + "    return vec3(0.0);\n}\n\n"
 }

@@ -1,12 +1,13 @@
 //! The landing: the point met, put onto the surface met, and the normal there.
 
-use super::{Named, Source, named, shape_files, source};
-use crate::scene::{Scene, Shape};
+use super::cells::of_kind;
+use super::{Named, Source, Text, source};
+use crate::scene::Shape;
 use std::fmt::Write;
 
 /// The files that [`land_text`] calls.
-pub(super) fn land_files(scene: &Scene) -> Vec<Source> {
-    shape_files(scene, |shape| {
+pub(super) fn land_files(text: &Text) -> Vec<Source> {
+    text.shape_files(|shape| {
         Some(match shape {
             Shape::Plane => source!("land/plane.glsl"),
             Shape::Box { .. } => source!("land/box.glsl"),
@@ -19,62 +20,61 @@ pub(super) fn land_files(scene: &Scene) -> Vec<Source> {
 }
 
 /// `land(object, d, p, normal)` over all surfaces.
-pub(super) fn land_text(scene: &Scene) -> String {
-    let mut text = String::from(
-        "// Puts p, met along d, onto the object met; the normal there.\n\
-         void land(float object, vec3 d, inout vec3 p, out vec3 normal) {\n    vec3 q;\n    \
-         normal = -d;\n",
-    );
-    for named in named(scene) {
-        if matches!(named.surface.shape, Shape::Field(_)) {
-            text += &land_on_field(&named);
-            continue;
-        }
-        let direction = match named.surface.shape {
-            Shape::Box { .. } | Shape::Room { .. } => format!(", {}", named.vector("d")),
-            _ => String::new(),
-        };
-        let _ = writeln!(
+pub(super) fn land_text(text: &Text) -> String {
+    let mut out = String::new();
+    if !text.kinds.is_empty() {
+        out += &of_kind(
             text,
-            "    if (object == {}.0) {{ // {}",
-            named.number, named.label
-        );
-        let _ = writeln!(text, "        q = {};", named.point("p"));
-        let _ = writeln!(
-            text,
-            "        land{}(q{direction}{}, normal);",
-            named.shape(),
-            named.size()
-        );
-        let _ = writeln!(
-            text,
-            "        p = {} + uSurfaces[{}].xyz;",
-            named.outward("q"),
-            named.first
-        );
-        let _ = writeln!(
-            text,
-            "        normal = {};\n    }}",
-            named.outward("normal")
+            "// Puts p, met along d, onto a surface in cells; the normal there.\n\
+             void landOnKind(float kind, int data, vec3 d, inout vec3 p, out vec3 normal) {\n    \
+             vec3 q;\n    normal = -d;\n",
+            |_| true,
+            |named| statements(named).join(" "),
+            "",
         );
     }
-    text.push_str("}\n\n");
-    text
+    out += "// Puts p, met along d, onto the object met; the normal there.\n\
+         void land(float object, vec3 d, inout vec3 p, out vec3 normal) {\n    vec3 q;\n    \
+         normal = -d;\n";
+    for named in &text.loose {
+        let _ = writeln!(
+            out,
+            "    if (object == {}.0) {{ // {}",
+            named.tag, named.label
+        );
+        for statement in statements(named) {
+            let _ = writeln!(out, "        {statement}");
+        }
+        out.push_str("        return;\n    }\n");
+    }
+    if !text.kinds.is_empty() {
+        out.push_str(
+            "    if (object > 0.0) {\n        vec4 entry = entryOf(object);\n        \
+             landOnKind(entry.y, int(entry.z), d, p, normal);\n    }\n",
+        );
+    }
+    out + "}\n\n"
 }
 
-/// A Newton step onto the field's surface, and the gradient there.
-fn land_on_field(named: &Named) -> String {
-    let number = named.number;
-    format!(
-        "    if (object == {number}.0) {{ // {}\n        q = {};\n        \
-         q = ontoField(q, gradient{number}(q));\n        \
-         normal = facing(gradient{number}(q).xyz, {});\n        \
-         p = {} + uSurfaces[{}].xyz;\n        normal = {};\n    }}\n",
-        named.label,
-        named.point("p"),
-        named.vector("d"),
-        named.outward("q"),
-        named.first,
-        named.outward("normal")
-    )
+fn statements(named: &Named) -> Vec<String> {
+    let mut statements = vec![format!("q = {};", named.point("p"))];
+    let vector = named.vector("d");
+    match named.surface.shape {
+        Shape::Field(_) => {
+            // A Newton step onto the field's surface, and the gradient there.
+            let gradient = named.field_gradient("q");
+            statements.push(format!("q = ontoField(q, {gradient});"));
+            statements.push(format!("normal = facing({gradient}.xyz, {vector});"));
+        }
+        Shape::Box { .. } | Shape::Room { .. } => statements.push(format!(
+            "land{}(q, {vector}{}, normal);",
+            named.shape(),
+            named.size()
+        )),
+        _ => statements.push(format!("land{}(q{}, normal);", named.shape(), named.size())),
+    }
+    let (q, normal) = (named.outward("q"), named.outward("normal"));
+    statements.push(format!("p = {q} + {}.xyz;", named.value(0)));
+    statements.push(format!("normal = {normal};"));
+    statements
 }

@@ -11,208 +11,172 @@
 //! - [`distance_sources`]: the signed distance to everything (the thesis' march, pictures);
 //! - [`ahead_sources`]: the distance to what can be met ahead, and its gradient;
 //! - [`closed_form_sources`]: where a line meets each surface, without a march.
+//!
+//! Of many surfaces only their kinds are in the text (`scene::layout`): they lie in cells,
+//! whose lists, like the surfaces' values, are in the scene's data (`data.rs`).
 
 mod ahead;
+mod cells;
 mod closed_form;
 mod data;
 mod distance;
 mod field;
 mod fields_ahead;
 mod land;
+mod named;
 mod placement;
 mod source;
 mod user;
 
-pub use ahead::{ahead_sources, marches_all_fields};
-pub use closed_form::{closed_form_sources, marches_some_fields};
-pub use data::{DATA_WIDTH, scene_data};
+pub use ahead::ahead_sources;
+pub use closed_form::closed_form_sources;
+pub use data::{CellData, DATA_WIDTH, scene_data};
 pub use distance::distance_sources;
 pub use placement::{Placed, Placement, uniform_count};
 pub(crate) use source::source;
 pub use source::{Source, join};
 pub(crate) use user::{USER_FILE, user_sources};
 
+use super::layout::Layout;
 use super::{Field, Scene, Shape, Surface};
-use placement::value_count;
-use std::fmt::Write;
+use named::Named;
 
-/// What the shader text of a scene depends on: each surface's shape, and whether it
-/// has a rotation. Two scenes of one structure share their programs.
+/// What the shader text of a scene depends on: each surface's shape, whether it has a
+/// rotation, and of a field what does not move; of surfaces in cells only which kinds there
+/// are. Two scenes of one structure share their programs.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Structure {
-    surfaces: Vec<SurfaceStructure>,
+    /// Unrolled surfaces by their index.
+    loose: Vec<(usize, SurfaceStructure)>,
+    kinds: Vec<SurfaceStructure>,
 }
 
+/// What the text of one surface, or of one kind, depends on.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
-struct SurfaceStructure {
+pub(in crate::scene) struct SurfaceStructure {
     name: &'static str,
     has_rotation: bool,
     field: Option<field::Signature>,
 }
 
-/// The text's structure; see [`Structure`].
-pub fn structure(scene: &Scene) -> Structure {
-    let describe = |surface: &Surface| SurfaceStructure {
-        name: surface.shape.name(),
-        has_rotation: surface.has_rotation(),
-        field: surface.shape.field().map(|f| field::signature(surface, f)),
-    };
-    Structure {
-        surfaces: scene.surfaces.iter().map(describe).collect(),
+impl SurfaceStructure {
+    fn unrolled(surface: &Surface) -> SurfaceStructure {
+        let moving = |field: &Field| surface.moving_nodes(field);
+        SurfaceStructure::new(surface, moving)
+    }
+
+    /// Of a surface whose numbers are all data.
+    pub fn as_data(surface: &Surface) -> SurfaceStructure {
+        SurfaceStructure::new(surface, |field| vec![true; field.nodes().len()])
+    }
+
+    fn new(surface: &Surface, moving: impl Fn(&Field) -> Vec<bool>) -> SurfaceStructure {
+        let field = surface.shape.field();
+        SurfaceStructure {
+            name: surface.shape.name(),
+            has_rotation: surface.has_rotation(),
+            field: field.map(|field| field::signature(field, &moving(field))),
+        }
     }
 }
 
-/// One surface as the generated text names it.
-struct Named<'a> {
-    surface: &'a Surface,
-    /// Its number, from 1.
-    number: usize,
-    /// What a comment calls it.
-    label: String,
-    /// Index of its first value in `uSurfaces`.
-    first: usize,
+/// The text's structure; see [`Structure`].
+pub fn structure(scene: &Scene) -> Structure {
+    let layout = Layout::of(scene);
+    let unrolled = |&index: &usize| (index, SurfaceStructure::unrolled(&scene.surfaces[index]));
+    let as_data = |&index: &usize| SurfaceStructure::as_data(&scene.surfaces[index]);
+    Structure {
+        loose: layout.loose.iter().map(unrolled).collect(),
+        kinds: layout.kinds.iter().map(as_data).collect(),
+    }
 }
 
-/// What must not stand in a comment: GLSL's character set is ASCII, and a backslash would
-/// carry the comment on to the next line.
-fn no_comment(character: char) -> bool {
-    character == '\\' || !(character.is_ascii_graphic() || character == ' ')
+/// Whether a march must take fields: all of them, or those alone that have no closed form.
+pub fn marches_fields(scene: &Scene, all: bool) -> bool {
+    let mut fields = scene.surfaces.iter().filter_map(|s| s.shape.field());
+    fields.any(|field| all || !field::has_closed_form(field))
+}
+
+/// Whether surfaces of the scene lie in cells.
+pub fn has_cells(scene: &Scene) -> bool {
+    Layout::of(scene).has_cells()
 }
 
 /// What the text of a scene is written from.
 struct Text<'a> {
-    scene: &'a Scene,
-    named: Vec<Named<'a>>,
+    /// Unrolled surfaces.
+    loose: Vec<Named<'a>>,
+    /// Kinds of the surfaces in cells.
+    kinds: Vec<Named<'a>>,
     assets: field::Assets,
 }
 
 impl<'a> Text<'a> {
     fn new(scene: &'a Scene) -> Text<'a> {
-        let mut assets = field::Assets::default();
-        for field in scene.surfaces.iter().filter_map(|s| s.shape.field()) {
-            assets.add(field);
+        let layout = Layout::of(scene);
+        let mut first = 0;
+        let mut loose = Vec::new();
+        for &index in &layout.loose {
+            let named = Named::surface(scene, index, first);
+            first += named.value_count();
+            loose.push(named);
         }
+        let kinds = layout.kinds.iter().enumerate();
         Text {
-            scene,
-            named: named(scene),
-            assets,
+            loose,
+            kinds: kinds
+                .map(|(kind, &index)| Named::kind(scene, index, kind))
+                .collect(),
+            assets: field::Assets::of(scene),
         }
+    }
+
+    /// Every surface and kind that the text has lines for.
+    fn all(&self) -> impl Iterator<Item = &Named<'a>> {
+        self.loose.iter().chain(&self.kinds)
     }
 
     fn fields(&self) -> impl Iterator<Item = &'a Field> {
-        self.scene.surfaces.iter().filter_map(|s| s.shape.field())
+        self.all().filter_map(|named| named.field())
     }
 
-    /// Writes something for each field: its number, what moves, the vector of its first
-    /// moving number, the scene's assets.
-    fn of_fields(
-        &self,
-        wanted: impl Fn(&Named) -> bool,
-        write: fn(&Field, usize, &[bool], usize, &field::Assets) -> String,
-    ) -> String {
-        let mut text = String::new();
-        for named in self.named.iter().filter(|n| wanted(n)) {
-            let Some(field) = named.surface.shape.field() else {
-                continue;
-            };
-            let moving = named.surface.moving_nodes(field);
-            let first = named.first + 1 + usize::from(named.surface.has_rotation());
-            let _ = writeln!(text, "// {}", named.label);
-            text += &write(field, named.number, &moving, first, &self.assets);
+    /// The functions of the fields that are wanted.
+    fn of_fields(&self, wanted: impl Fn(&Named) -> bool, write: field::Write) -> String {
+        let wanted = self.all().filter(|named| wanted(named));
+        wanted
+            .map(|named| named.field_functions(write, &self.assets))
+            .collect()
+    }
+
+    /// The file of each basic shape that occurs, once.
+    fn shape_files(&self, file_of: fn(&Shape) -> Option<Source>) -> Vec<Source> {
+        let mut files: Vec<Source> = Vec::new();
+        for named in self.all() {
+            add_once(&mut files, file_of(&named.surface.shape));
         }
-        text
-    }
-}
-
-/// All surfaces in order, with their places in `uSurfaces`.
-fn named(scene: &Scene) -> Vec<Named<'_>> {
-    let mut first = 0;
-    let mut all = Vec::new();
-    for (index, surface) in scene.surfaces.iter().enumerate() {
-        let label = surface.label(index).replace(no_comment, " ");
-        all.push(Named {
-            surface,
-            number: index + 1,
-            label,
-            first,
-        });
-        first += value_count(surface);
-    }
-    all
-}
-
-impl Named<'_> {
-    /// A world point in the surface's own axes.
-    fn point(&self, p: &str) -> String {
-        self.vector(&format!("{p} - uSurfaces[{}].xyz", self.first))
+        files
     }
 
-    /// A world direction in the surface's own axes.
-    fn vector(&self, v: &str) -> String {
-        match self.rotation() {
-            Some(index) => format!("turn(uSurfaces[{index}], {v})"),
-            None => v.to_owned(),
+    /// The rotation's function, where a surface has one.
+    fn turn_file(&self) -> Option<Source> {
+        let turns = self.all().any(|named| named.surface.has_rotation());
+        turns.then_some(source!("distance/turn.glsl"))
+    }
+
+    /// The scene's data, where something reads them.
+    fn data_file(&self) -> Option<Source> {
+        let reads = !self.kinds.is_empty() || !self.assets.images.is_empty();
+        reads.then_some(source!("scene_data.glsl"))
+    }
+
+    /// The declaration of `uSurfaces`.
+    fn uniforms(&self) -> String {
+        let count: usize = self.loose.iter().map(|named| named.value_count()).sum();
+        match count {
+            0 => String::new(),
+            count => format!("uniform vec4 uSurfaces[{count}];\n\n"),
         }
     }
-
-    /// A direction of the surface's own axes in the world's.
-    fn outward(&self, v: &str) -> String {
-        match self.rotation() {
-            Some(index) => format!("turn(uSurfaces[{index}] * vec4(-1, -1, -1, 1), {v})"),
-            None => v.to_owned(),
-        }
-    }
-
-    /// The value of a field at a world point.
-    fn field_value(&self, p: &str) -> String {
-        format!("field{}({})", self.number, self.point(p))
-    }
-
-    /// The size that the shape's functions take last, with a comma before it.
-    fn size(&self) -> String {
-        match self.surface.shape {
-            Shape::Plane | Shape::Field(_) => String::new(),
-            Shape::Box { .. } | Shape::Room { .. } => {
-                format!(", uSurfaces[{}].xyz", self.first + 1)
-            }
-            Shape::Sphere { .. } | Shape::Cylinder { .. } => {
-                format!(", uSurfaces[{}].w", self.first)
-            }
-        }
-    }
-
-    /// What rounding may do to the distance to it, in metres.
-    fn slack(&self) -> String {
-        let first = self.first;
-        match self.surface.shape {
-            Shape::Plane | Shape::Field(_) => format!("uSurfaces[{first}].w"),
-            Shape::Box { .. } | Shape::Room { .. } => format!("uSurfaces[{}].w", first + 1),
-            Shape::Sphere { .. } | Shape::Cylinder { .. } => {
-                format!("roundSlack(uSurfaces[{first}])")
-            }
-        }
-    }
-
-    fn rotation(&self) -> Option<usize> {
-        let place = match self.surface.shape {
-            Shape::Field(_) => 1,
-            _ => value_count(self.surface) - 1,
-        };
-        self.surface.has_rotation().then_some(self.first + place)
-    }
-
-    fn shape(&self) -> &'static str {
-        self.surface.shape.name()
-    }
-}
-
-/// The file of each basic shape that occurs, once.
-fn shape_files(scene: &Scene, file_of: fn(&Shape) -> Option<Source>) -> Vec<Source> {
-    let mut files: Vec<Source> = Vec::new();
-    for surface in &scene.surfaces {
-        add_once(&mut files, file_of(&surface.shape));
-    }
-    files
 }
 
 /// Adds the sources that are not yet there.
@@ -224,15 +188,16 @@ fn add_once(files: &mut Vec<Source>, more: impl IntoIterator<Item = Source>) {
     }
 }
 
-/// The rotation's function, where a surface has one.
-fn turn_file(scene: &Scene) -> Option<Source> {
-    let turns = scene.surfaces.iter().any(Surface::has_rotation);
-    turns.then_some(source!("distance/turn.glsl"))
-}
-
-/// The declaration of `uSurfaces`.
-fn uniforms_text(scene: &Scene) -> String {
-    format!("uniform vec4 uSurfaces[{}];\n\n", uniform_count(scene))
+/// The file of a basic shape's distance.
+fn distance_file(shape: &Shape) -> Option<Source> {
+    Some(match shape {
+        Shape::Plane => source!("distance/plane.glsl"),
+        Shape::Box { .. } => source!("distance/box.glsl"),
+        Shape::Room { .. } => source!("distance/room.glsl"),
+        Shape::Sphere { .. } => source!("distance/sphere.glsl"),
+        Shape::Cylinder { .. } => source!("distance/cylinder.glsl"),
+        Shape::Field(_) => return None,
+    })
 }
 
 #[cfg(test)]

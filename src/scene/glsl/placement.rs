@@ -6,8 +6,9 @@
 //! solid, so that rounding at the seam cannot open a gap between the two.
 
 use super::field::moving_values;
+use crate::scene::layout::Layout;
 use crate::scene::seal::sealed;
-use crate::scene::{Field, Scene, Shape, Surface};
+use crate::scene::{Scene, Shape, Surface};
 use glam::{Quat, Vec3, Vec4};
 
 /// How world coordinates become a shader's.
@@ -24,6 +25,8 @@ pub struct Placement {
 pub struct Placed {
     surfaces: Vec<Surface>,
     slacks: Vec<f32>,
+    /// Indices of the surfaces whose values are uniforms.
+    loose: Vec<usize>,
 }
 
 impl Placement {
@@ -59,19 +62,29 @@ impl Placement {
         } else {
             surfaces
         };
-        Placed { surfaces, slacks }
+        Placed {
+            surfaces,
+            slacks,
+            loose: Layout::of(scene).loose,
+        }
     }
 }
 
 impl Placed {
-    /// The values of `uSurfaces`: for each surface its position (and radius, or slack),
-    /// then its half size and slack if it has one, then the inverse of its rotation if it
-    /// has one.
+    /// The values of `uSurfaces`: for each unrolled surface its position (and radius, or
+    /// slack), then its half size and slack if it has one, then the inverse of its rotation
+    /// if it has one, then the numbers of its field that move.
     pub fn uniform_values(&self) -> Vec<Vec4> {
-        let surfaces = self.surfaces.iter().zip(&self.slacks);
-        surfaces
-            .flat_map(|(surface, slack)| values(surface, *slack))
-            .collect()
+        let mut all = Vec::new();
+        for &index in &self.loose {
+            push_values(&self.surfaces[index], self.slacks[index], false, &mut all);
+        }
+        all
+    }
+
+    /// Appends the values of one surface (by its index) as the text of its kind reads them.
+    pub(super) fn push_data(&self, index: usize, values: &mut Vec<Vec4>) {
+        push_values(&self.surfaces[index], self.slacks[index], true, values);
     }
 
     /// What rounding may do to the distance to a surface (numbered from 1), in metres.
@@ -83,11 +96,15 @@ impl Placed {
 
 /// Vectors that a scene's surfaces take in the uniforms.
 pub fn uniform_count(scene: &Scene) -> usize {
-    scene.surfaces.iter().map(value_count).sum()
+    let layout = Layout::of(scene);
+    let unrolled = layout.loose.iter().map(|&index| &scene.surfaces[index]);
+    unrolled.map(|surface| value_count(surface, false)).sum()
 }
 
-pub(super) fn value_count(surface: &Surface) -> usize {
-    values(surface, 0.0).len()
+pub(super) fn value_count(surface: &Surface, is_data: bool) -> usize {
+    let mut values = Vec::new();
+    push_values(surface, 0.0, is_data, &mut values);
+    values.len()
 }
 
 /// Eight units in the last place, as a share of the largest number that goes into a
@@ -102,7 +119,7 @@ fn slack(surface: &Surface) -> f32 {
     let place = surface.position.abs().max_element();
     match surface.shape {
         Shape::Plane => ROUNDING * place,
-        Shape::Field(ref field) => ROUNDING * (place + extent(field)),
+        Shape::Field(ref field) => ROUNDING * (place + field.extent() as f32),
         Shape::Box { size } | Shape::Room { size } => (ROUNDING
             * (place + 0.5 * size.max_element()))
         .min(SHARE_OF_THICKNESS * size.min_element()),
@@ -112,40 +129,31 @@ fn slack(surface: &Surface) -> f32 {
     }
 }
 
-/// The largest length that the value of a field is computed from, in metres: that of its
-/// bounds where it ends, else the largest of its own numbers.
-fn extent(field: &Field) -> f32 {
-    let bounds = field.properties().bounds;
-    if bounds.is_finite() && !bounds.is_empty() {
-        return bounds.min.abs().max(bounds.max.abs()).max_element() as f32;
-    }
-    let nodes = field.nodes().into_iter();
-    let numbers = nodes.flat_map(|node| node.shader_numbers());
-    let finite = numbers.filter(|number| number.abs() < 1e9);
-    finite.fold(0.0, |most: f32, number| most.max(number.abs() as f32))
-}
-
-fn values(surface: &Surface, slack: f32) -> Vec<Vec4> {
+/// The values of one surface; of a field that is data all numbers move.
+fn push_values(surface: &Surface, slack: f32, is_data: bool, values: &mut Vec<Vec4>) {
     let place = |w: f32| surface.position.extend(w);
-    let mut values = match surface.shape {
-        Shape::Plane | Shape::Field(_) => vec![place(slack)],
+    match surface.shape {
+        Shape::Plane | Shape::Field(_) => values.push(place(slack)),
         Shape::Box { size } | Shape::Room { size } => {
-            vec![place(0.0), (size * 0.5).extend(slack)]
+            values.extend([place(0.0), (size * 0.5).extend(slack)]);
         }
-        Shape::Sphere { radius } | Shape::Cylinder { radius } => vec![place(radius)],
-    };
+        Shape::Sphere { radius } | Shape::Cylinder { radius } => values.push(place(radius)),
+    }
     if surface.has_rotation() {
         values.push(inverse(surface.rotation));
     }
     if let Shape::Field(field) = &surface.shape {
-        let numbers = moving_values(surface, field);
+        let moving = match is_data {
+            true => vec![true; field.nodes().len()],
+            false => surface.moving_nodes(field),
+        };
+        let numbers = moving_values(field, &moving);
         let vectors = numbers.chunks(4).map(|four| {
             let at = |index: usize| four.get(index).copied().unwrap_or(0.0);
             Vec4::new(at(0), at(1), at(2), at(3))
         });
         values.extend(vectors);
     }
-    values
 }
 
 fn inverse(rotation: Quat) -> Vec4 {

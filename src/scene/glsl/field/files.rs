@@ -1,7 +1,8 @@
 //! The files under `glsl/` that the text of fields calls, each once, callees first.
 
 use super::Assets;
-use crate::scene::glsl::{Source, no_comment, source};
+use crate::scene::glsl::named::no_comment;
+use crate::scene::glsl::{Source, source};
 use crate::scene::{Field, Node, UserField};
 use std::borrow::Cow;
 use std::fmt::Write;
@@ -293,6 +294,10 @@ fn operator_files(field: &Field) -> (Vec<Source>, Vec<Source>) {
             if copies.iter().any(|c| c.count() > 1) {
                 files.push(source!("operator/union.glsl"));
                 duals.push(source!("dual/op_union.glsl"));
+            }
+            if field.cap().is_some() {
+                files.push(source!("operator/repeat_cap.glsl"));
+                duals.push(source!("dual/op_repeat_cap.glsl"));
             }
             (files, duals)
         }

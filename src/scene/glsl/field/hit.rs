@@ -5,9 +5,8 @@
 //! formula serves outside and inside, convex or not, and never finds the place that a wave
 //! leaves. Moving, turning and scaling carry the line along; a union is met at the nearest.
 
-use super::Assets;
-use super::Writer;
 use super::text::arguments;
+use super::{Assets, Place, Writer};
 use crate::scene::glsl::{Source, source};
 use crate::scene::{Field, Node};
 
@@ -40,83 +39,85 @@ fn inside_out(field: &Field) -> Option<&'static str> {
 
 /// `float hit<number>(vec3 p, vec3 d, float slack)`: metres along the unit vector d from p,
 /// which is in the air, or NO_HIT. `slack` is what rounding may do to p.
-pub(in crate::scene::glsl) fn hit_text(
-    field: &Field,
-    number: usize,
-    moving: &[bool],
-    first: usize,
-    assets: &Assets,
-) -> String {
-    let mut writer = Writer::new(number, moving, first, assets);
-    let result = writer.hit(field, "p", "d", false);
+pub(in crate::scene::glsl) fn hit_text(field: &Field, place: &Place, assets: &Assets) -> String {
+    let mut writer = Writer::new(place, assets);
+    let result = writer.hit(
+        field,
+        Line {
+            p: "p",
+            d: "d",
+            slack: "slack",
+        },
+        false,
+    );
     format!(
-        "float hit{number}(vec3 p, vec3 d, float slack) {{\n{}    return {result};\n}}\n\n",
-        writer.body
+        "float hit{}(vec3 p, vec3 d, float slack{}) {{\n{}    return {result};\n}}\n\n",
+        place.tag, place.parameter, writer.body
     )
 }
 
+/// The names of a line, and of what rounding may do to its start, in some axes.
+#[derive(Clone, Copy)]
+struct Line<'a> {
+    p: &'a str,
+    d: &'a str,
+    slack: &'a str,
+}
+
 impl Writer<'_> {
-    fn hit(&mut self, field: &Field, p: &str, d: &str, inside_out: bool) -> String {
+    fn hit(&mut self, field: &Field, line: Line, inside_out: bool) -> String {
         let n = self.numbers.next(field);
+        let Line { p, d, slack } = line;
         match &field.node {
             Node::Translate { .. } => {
-                let q = self.point(&format!("{p} - vec3({}, {}, {})", n[0], n[1], n[2]));
-                self.hit(&field.of[0], &q, d, inside_out)
+                let p = &self.point(&format!("{p} - vec3({}, {}, {})", n[0], n[1], n[2]));
+                self.hit(&field.of[0], Line { p, ..line }, inside_out)
             }
             Node::Rotate { .. } => {
                 let turn = format!("mat3({})", n.join(", "));
-                let q = self.point(&format!("{turn} * {p}"));
-                let e = self.point(&format!("{turn} * {d}"));
-                self.hit(&field.of[0], &q, &e, inside_out)
+                let p = &self.point(&format!("{turn} * {p}"));
+                let d = &self.point(&format!("{turn} * {d}"));
+                self.hit(&field.of[0], Line { p, d, slack }, inside_out)
             }
             Node::Scale { .. } => {
-                let q = self.point(&format!("{p} / {}", n[0]));
-                let t = self.hit(&field.of[0], &q, d, inside_out);
+                let p = &self.point(&format!("{p} / {}", n[0]));
+                let slack = &self.length(&format!("{slack} / {}", n[0]));
+                let t = self.hit(&field.of[0], Line { p, d, slack }, inside_out);
                 self.length(&format!("{t} < NO_HIT ? {t} * {} : NO_HIT", n[0]))
             }
-            Node::Complement => self.hit(&field.of[0], p, d, true),
+            Node::Complement => self.hit(&field.of[0], line, true),
             Node::Union => {
-                let mut nearest = self.hit(&field.of[0], p, d, inside_out);
+                let mut nearest = self.hit(&field.of[0], line, inside_out);
                 for child in &field.of[1..] {
-                    let other = self.hit(child, p, d, inside_out);
+                    let other = self.hit(child, line, inside_out);
                     nearest = self.length(&format!("min({nearest}, {other})"));
                 }
                 nearest
             }
-            node => self.hit_shape(node, p, d, &n, inside_out),
+            node => self.hit_shape(node, line, &n, inside_out),
         }
     }
 
-    fn hit_shape(&mut self, node: &Node, p: &str, d: &str, n: &[String], out: bool) -> String {
-        let quadric = matches!(
-            node,
+    fn hit_shape(&mut self, node: &Node, line: Line, n: &[String], out: bool) -> String {
+        let Line { p, d, slack } = line;
+        let name = node.name();
+        let call = match node {
             Node::Ellipsoid { .. }
-                | Node::Paraboloid { .. }
-                | Node::Hyperboloid { .. }
-                | Node::Quadric { .. }
-        );
-        if quadric {
-            let sign = if out { "-1.0" } else { "1.0" };
-            let name = node.name();
-            let arguments = arguments(node, &n[..n.len() - 1]);
-            return self.length(&format!("hit{name}({p}, {d}, {sign}{arguments})"));
-        }
-        match node {
-            Node::Box { .. } if out => {
-                self.length(&format!("hitRoom({p}, {d}{})", arguments(node, n)))
+            | Node::Paraboloid { .. }
+            | Node::Hyperboloid { .. }
+            | Node::Quadric { .. } => {
+                let sign = if out { "-1.0" } else { "1.0" };
+                let arguments = arguments(node, &n[..n.len() - 1]);
+                format!("hit{name}({p}, {d}, {sign}{arguments})")
             }
-            Node::Box { .. } => {
-                self.length(&format!("hitBox({p}, {d}, vec4({}, slack))", n.join(", ")))
-            }
+            Node::Box { .. } if out => format!("hitRoom({p}, {d}{})", arguments(node, n)),
+            Node::Box { .. } => format!("hitBox({p}, {d}, vec4({}, {slack}))", n.join(", ")),
             Node::Plane | Node::Room { .. } | Node::Sphere { .. } | Node::Cylinder { .. } => {
-                let name = node.name();
-                self.length(&format!("hit{name}({p}, {d}{})", arguments(node, n)))
+                format!("hit{name}({p}, {d}{})", arguments(node, n))
             }
-            _ => {
-                let name = node.name();
-                self.length(&format!("hit{name}({p}, {d}{}, slack)", arguments(node, n)))
-            }
-        }
+            _ => format!("hit{name}({p}, {d}{}, {slack})", arguments(node, n)),
+        };
+        self.length(&call)
     }
 
     fn length(&mut self, expression: &str) -> String {

@@ -24,11 +24,27 @@ pub(super) use text::{gradient_text, value_text};
 use crate::scene::Field;
 use numbers::Numbers;
 
+/// Writes a function of a field.
+pub(super) type Write = fn(&Field, &Place, &Assets) -> String;
+
+/// What the text of a field is about: a surface, or a kind of surfaces.
+pub(super) struct Place<'a> {
+    /// What its functions are called after.
+    pub tag: &'a str,
+    /// What its functions take beside the point, with a comma before it.
+    pub parameter: &'a str,
+    /// What they are given for that.
+    pub argument: &'a str,
+    /// Nodes whose numbers move, in the order of [`Field::nodes`].
+    pub moving: &'a [bool],
+    /// The n-th vector of the numbers that move.
+    pub value: &'a dyn Fn(usize) -> String,
+}
+
 /// What the text of one field is written with.
 pub(super) struct Writer<'a> {
     numbers: Numbers<'a>,
-    /// The surface's number: what its functions are called after.
-    number: usize,
+    place: &'a Place<'a>,
     /// Where each height image and user's field of the scene lies.
     assets: &'a Assets,
     next_name: usize,
@@ -47,8 +63,16 @@ pub(super) struct Assets {
 }
 
 impl Assets {
-    /// Takes in those of one more field.
-    pub fn add(&mut self, field: &Field) {
+    /// Those of a scene.
+    pub fn of(scene: &crate::scene::Scene) -> Assets {
+        let mut assets = Assets::default();
+        for field in scene.surfaces.iter().filter_map(|s| s.shape.field()) {
+            assets.add(field);
+        }
+        assets
+    }
+
+    fn add(&mut self, field: &Field) {
         use crate::scene::Node;
         use std::sync::Arc;
         for node in field.nodes() {

@@ -1,23 +1,20 @@
-//! Where the numbers of a field stand: in the text, or in `uSurfaces`.
+//! Where the numbers of a field stand: in the text, in `uSurfaces`, or in the scene's data.
 
-use crate::scene::{Field, Surface};
+use super::Place;
+use crate::scene::Field;
 
 /// The numbers of a tree, node by node in the order of [`Field::nodes`].
 pub(super) struct Numbers<'a> {
-    /// Nodes whose numbers move, by their place in that order.
-    moving: &'a [bool],
-    /// The vector of `uSurfaces` that the first moving number lies in.
-    first: usize,
+    place: &'a Place<'a>,
     /// Moving numbers so far.
     taken: usize,
     node: usize,
 }
 
 impl<'a> Numbers<'a> {
-    pub fn new(moving: &'a [bool], first: usize) -> Numbers<'a> {
+    pub fn new(place: &'a Place<'a>) -> Numbers<'a> {
         Numbers {
-            moving,
-            first,
+            place,
             taken: 0,
             node: 0,
         }
@@ -25,7 +22,7 @@ impl<'a> Numbers<'a> {
 
     /// The next node's numbers as expressions.
     pub fn next(&mut self, field: &Field) -> Vec<String> {
-        let moves = self.moving.get(self.node).copied().unwrap_or(false);
+        let moves = self.place.moving.get(self.node).copied().unwrap_or(false);
         self.node += 1;
         let numbers = field.shader_numbers();
         if !moves {
@@ -38,16 +35,17 @@ impl<'a> Numbers<'a> {
     /// What the whole value is divided by, or nothing where that is 1.
     pub fn lipschitz(&mut self, field: &Field) -> Option<String> {
         let lipschitz = field.properties().lipschitz;
-        if self.moving.contains(&true) && divides(field) {
+        if self.place.moving.contains(&true) && divides(field) {
             return Some(self.take());
         }
         (lipschitz > 1.0).then(|| literal(1.0 / lipschitz))
     }
 
     fn take(&mut self) -> String {
-        let (vector, component) = (self.first + self.taken / 4, self.taken % 4);
+        let (vector, component) = (self.taken / 4, self.taken % 4);
         self.taken += 1;
-        format!("uSurfaces[{vector}].{}", ["x", "y", "z", "w"][component])
+        let vector = (self.place.value)(vector);
+        format!("{vector}.{}", ["x", "y", "z", "w"][component])
     }
 }
 
@@ -59,10 +57,9 @@ fn divides(field: &Field) -> bool {
 }
 
 /// The numbers that move, as they stand: what [`Numbers`] refers to, in its order.
-pub(in crate::scene::glsl) fn moving_values(surface: &Surface, field: &Field) -> Vec<f32> {
-    let moving = surface.moving_nodes(field);
+pub(in crate::scene::glsl) fn moving_values(field: &Field, moving: &[bool]) -> Vec<f32> {
     let nodes = field.nodes();
-    let of_moving = nodes.iter().zip(&moving).filter(|(_, moves)| **moves);
+    let of_moving = nodes.iter().zip(moving).filter(|(_, moves)| **moves);
     let mut values: Vec<f32> = of_moving
         .flat_map(|(node, _)| node.shader_numbers())
         .map(|number| number as f32)

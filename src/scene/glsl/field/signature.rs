@@ -1,6 +1,6 @@
 //! What the text of a field depends on.
 
-use crate::scene::{Field, HeightImage, Node, Surface, UserField};
+use crate::scene::{Field, HeightImage, Node, UserField};
 use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 
@@ -29,11 +29,10 @@ enum Asset {
 }
 
 /// See [`Signature`].
-pub(in crate::scene::glsl) fn signature(surface: &Surface, field: &Field) -> Signature {
-    let moving = surface.moving_nodes(field);
+pub(in crate::scene::glsl) fn signature(field: &Field, moving: &[bool]) -> Signature {
     let nodes = field.nodes().into_iter().zip(moving);
     Signature {
-        nodes: nodes.map(|(node, moves)| of_node(node, moves)).collect(),
+        nodes: nodes.map(|(node, moves)| of_node(node, *moves)).collect(),
     }
 }
 
@@ -63,7 +62,8 @@ fn choices(field: &Field) -> [u32; 3] {
         Node::Repeat { count, .. } => {
             let copies = field.copies().unwrap_or([crate::scene::Copies::None; 3]);
             // Counts are below 2^24, copies at most 64.
-            [0, 1, 2].map(|axis| (count[axis] << 8) | copies[axis].count())
+            let capped = u32::from(field.cap().is_some()) << 7;
+            [0, 1, 2].map(|axis| (count[axis] << 8) | capped | copies[axis].count())
         }
         _ => [0; 3],
     }

@@ -1,7 +1,7 @@
 //! Value and gradient of a tree.
 
 use super::numbers::{Numbers, literal};
-use super::{Assets, Writer};
+use super::{Assets, Place, Writer};
 use crate::scene::{Copies, Field, Node};
 use std::fmt::Write;
 
@@ -36,37 +36,24 @@ impl Kind {
 }
 
 /// `float field<number>(vec3 p)`: what a march may step by.
-pub(in crate::scene::glsl) fn value_text(
-    field: &Field,
-    number: usize,
-    moving: &[bool],
-    first: usize,
-    assets: &Assets,
-) -> String {
-    Writer::new(number, moving, first, assets).whole(field, Kind::Value)
+pub(in crate::scene::glsl) fn value_text(field: &Field, place: &Place, assets: &Assets) -> String {
+    Writer::new(place, assets).whole(field, Kind::Value)
 }
 
 /// `vec4 gradient<number>(vec3 p)`: the gradient of that function, and its value.
 pub(in crate::scene::glsl) fn gradient_text(
     field: &Field,
-    number: usize,
-    moving: &[bool],
-    first: usize,
+    place: &Place,
     assets: &Assets,
 ) -> String {
-    Writer::new(number, moving, first, assets).whole(field, Kind::Gradient)
+    Writer::new(place, assets).whole(field, Kind::Gradient)
 }
 
 impl<'a> Writer<'a> {
-    pub(super) fn new(
-        number: usize,
-        moving: &'a [bool],
-        first: usize,
-        assets: &'a Assets,
-    ) -> Writer<'a> {
+    pub(super) fn new(place: &'a Place<'a>, assets: &'a Assets) -> Writer<'a> {
         Writer {
-            numbers: Numbers::new(moving, first),
-            number,
+            numbers: Numbers::new(place),
+            place,
             assets,
             next_name: 0,
             functions: String::new(),
@@ -81,11 +68,12 @@ impl<'a> Writer<'a> {
             None => result,
         };
         format!(
-            "{}{} {}{}(vec3 p) {{\n{}    return {result};\n}}\n\n",
+            "{}{} {}{}(vec3 p{}) {{\n{}    return {result};\n}}\n\n",
             self.functions,
             kind.of_type(),
             kind.function(),
-            self.number,
+            self.place.tag,
+            self.place.parameter,
             self.body
         )
     }
@@ -262,7 +250,16 @@ impl<'a> Writer<'a> {
         };
         let result = self.result(kind, none);
         self.copies_loop(&axes, &child, &result);
-        result
+        let [_, _, _, x, y, z, near, inverse] = periods else {
+            return result;
+        };
+        let prefix = kind.prefix();
+        self.result(
+            kind,
+            &format!(
+                "opUnion({result}, {prefix}RepeatCap({p}, vec3({x}, {y}, {z}), {near}, {inverse}))"
+            ),
+        )
     }
 
     /// One call of the child for each copy.
@@ -281,8 +278,9 @@ impl<'a> Writer<'a> {
             coordinates.push(axis.copy(&axis.moved_by(&step)));
         }
         let point = coordinates.join(", ");
+        let argument = self.place.argument;
         self.line(&format!(
-            "{result} = opUnion({result}, {child}(vec3({point})));"
+            "{result} = opUnion({result}, {child}(vec3({point}){argument}));"
         ));
         for axis in axes {
             if axis.copies.count() > 1 {
@@ -293,14 +291,16 @@ impl<'a> Writer<'a> {
 
     /// A field as a function of its own, for who calls it more than once.
     fn child_function(&mut self, field: &Field, kind: Kind) -> String {
-        let name = format!("{}{}_{}", kind.function(), self.number, self.next_name);
+        // Two repetitions right after each other have used no name in between.
+        let name = self.name(&format!("{}{}_", kind.function(), self.place.tag));
         let outer = std::mem::take(&mut self.body);
         let result = self.node(field, kind, "p");
         let body = std::mem::replace(&mut self.body, outer);
         let _ = write!(
             self.functions,
-            "{} {name}(vec3 p) {{\n{body}    return {result};\n}}\n\n",
-            kind.of_type()
+            "{} {name}(vec3 p{}) {{\n{body}    return {result};\n}}\n\n",
+            kind.of_type(),
+            self.place.parameter
         );
         name
     }

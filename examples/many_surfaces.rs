@@ -1,0 +1,100 @@
+//! What a hall of many pillars costs: time a wave and iteration by the number of pillars, and
+//! what it adds to a frame that one of them moves.
+//!
+//! ```sh
+//! cargo run --release --example many_surfaces
+//! ```
+
+use echomarch::gpu::{Api, Context, ContextOptions};
+use echomarch::{Error, Listener, Scene, Settings, Shape, Source, Surface, Tracer};
+use glam::Vec3;
+use std::time::Instant;
+
+/// Metres from one pillar to the next.
+const SPACING: f32 = 4.0;
+
+/// Frames that a median is taken of.
+const FRAMES: usize = 9;
+
+fn main() -> Result<(), Error> {
+    let context = Context::headless(&ContextOptions {
+        api: Api::Gl,
+        gpu: None,
+    })?;
+    println!("{}", context.renderer());
+    let settings = [
+        Settings::hybrid().with_waves(65_536),
+        Settings::march().with_waves(16_384),
+        Settings::thesis().with_waves(16_384),
+    ];
+    for settings in &settings {
+        println!("\nprofile {}", settings.profile);
+        println!("pillars  compile ms  ns a wave and iteration  times 16  one moves: ms more");
+        let mut first = None;
+        for side in [4, 8, 16, 32] {
+            let scene = hall(side);
+            let mut tracer = Tracer::new(&context)?;
+            let began = Instant::now();
+            tracer.frame(&scene, settings)?;
+            let compile = began.elapsed().as_secs_f64() * 1e3;
+            let (still, moving) = frames(&mut tracer, &scene, settings)?;
+            let passes = f64::from(settings.waves) * f64::from(settings.iterations);
+            let nanoseconds = still.0 * 1e6 / passes;
+            let times = nanoseconds / *first.get_or_insert(nanoseconds);
+            println!(
+                "{:7}  {compile:10.0}  {nanoseconds:23.1}  {times:8.2}  {:18.2}",
+                side * side,
+                moving - still.1
+            );
+        }
+    }
+    Ok(())
+}
+
+/// Medians over frames that alternate: march and total of one that stands still, total of one
+/// in which a pillar has moved, in milliseconds.
+fn frames(
+    tracer: &mut Tracer,
+    scene: &Scene,
+    settings: &Settings,
+) -> Result<((f64, f64), f64), Error> {
+    let mut moved = scene.clone();
+    let (mut march, mut still, mut moving) = (Vec::new(), Vec::new(), Vec::new());
+    for frame in 0..FRAMES {
+        tracer.frame(&moved, settings)?;
+        let times = tracer.frame(&moved, settings)?.milliseconds;
+        march.push(times.march);
+        still.push(times.total);
+        let middle = moved.surfaces.len() / 2;
+        moved.surfaces[middle].position.x += 0.01 * (frame as f32 + 1.0);
+        moving.push(tracer.frame(&moved, settings)?.milliseconds.total);
+    }
+    Ok(((median(march), median(still)), median(moving)))
+}
+
+fn median(mut times: Vec<f64>) -> f64 {
+    times.sort_by(f64::total_cmp);
+    times[times.len() / 2]
+}
+
+/// A room with pillars from floor to ceiling, as many along x as along z.
+fn hall(side: usize) -> Scene {
+    let width = SPACING * side as f32;
+    let mut surfaces = vec![Surface::new(Shape::Room {
+        size: Vec3::new(width, 6.0, width),
+    })];
+    let place = |index: usize| SPACING * (index as f32 + 0.5) - 0.5 * width;
+    for row in 0..side {
+        for column in 0..side {
+            let radius = 0.3 + 0.1 * ((row * 7 + column * 3) % 5) as f32;
+            let pillar = Surface::new(Shape::Cylinder { radius });
+            surfaces.push(pillar.at(Vec3::new(place(column), 0.0, place(row))));
+        }
+    }
+    Scene {
+        name: format!("hall of {} pillars", side * side),
+        surfaces,
+        source: Source::at(Vec3::new(0.0, 0.0, 0.0)),
+        listener: Listener::at(Vec3::new(SPACING, 0.0, SPACING), 0.5),
+    }
+}

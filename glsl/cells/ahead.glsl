@@ -1,0 +1,14 @@
+// The nearest of the surfaces in the cell of p, and how far ahead nothing else can be met.
+void aheadInCells(vec3 p, vec3 d, float last, inout float nearest, inout float object, inout float second) {
+    vec4 cell;
+    float reach;
+    if (cellAhead(p, d, cell, reach)) {
+        for (int i = 0; i < int(cell.y); ++i) {
+            vec4 entry = listed(cell, i);
+            float candidate = distanceOfKind(entry.y, int(entry.z), p, last == entry.x);
+            if (candidate < nearest) { second = nearest; nearest = candidate; object = entry.x; }
+            else { second = min(second, candidate); }
+        }
+    }
+    second = min(second, reach);
+}

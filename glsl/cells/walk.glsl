@@ -1,0 +1,41 @@
+// A line through the cells (Amanatides and Woo 1987). The faces that it crosses next are
+// computed from their number each time: sums would drift.
+vec3 nextFaces(vec3 p, vec3 inverse, vec3 place) {
+    vec3 ahead = vec3(inverse.x > 0.0 ? 1.0 : 0.0, inverse.y > 0.0 ? 1.0 : 0.0, inverse.z > 0.0 ? 1.0 : 0.0);
+    return (uCellOrigin + (place + ahead) * uCellSize - p) * inverse;
+}
+
+// Where the line enters the grid and leaves it.
+vec2 throughGrid(vec3 p, vec3 inverse) {
+    vec3 a = (uCellOrigin - p) * inverse;
+    vec3 b = (uCellOrigin + uCellCount * uCellSize - p) * inverse;
+    vec3 enters = min(a, b);
+    vec3 leaves = max(a, b);
+    return vec2(
+        max(max(enters.x, max(enters.y, enters.z)), 0.0),
+        min(leaves.x, min(leaves.y, leaves.z)));
+}
+
+// How far a step goes beyond a face, as a share of a cell: so far that a line that hardly
+// moves across the face has left it for sure, and half as far as what the lists are made for.
+const float BEYOND = 5e-4;
+
+// What lies ahead of p along d: its cell if it is in the grid, and how far that, or the way
+// to the grid, reaches.
+bool cellAhead(vec3 p, vec3 d, out vec4 cell, out float reach) {
+    vec3 inverse = safeInverse(d);
+    vec3 over = BEYOND * uCellSize * abs(inverse);
+    vec3 place;
+    cell = vec4(0.0);
+    if (!cellOf(p, place)) {
+        vec2 span = throughGrid(p, inverse);
+        // The border of the grid is free: who hardly touches it meets nothing.
+        float entered = span.x + max(over.x, max(over.y, over.z));
+        reach = entered < span.y ? entered : 1e30;
+        return false;
+    }
+    vec3 faces = nextFaces(p, inverse, place) + over;
+    reach = min(faces.x, min(faces.y, faces.z));
+    cell = cellAt(place);
+    return true;
+}

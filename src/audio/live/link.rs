@@ -1,0 +1,109 @@
+//! Between a stream of the sound system and the renderer: what its callbacks do.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::sync::mpsc::Sender;
+use std::time::{Duration, Instant};
+
+use cpal::{ErrorKind, FromSample, OutputCallbackInfo, Sample};
+use crossbeam_utils::atomic::AtomicCell;
+
+use super::renderer::Renderer;
+use super::shared::Shared;
+use super::supervisor::Order;
+
+/// Where the renderer is while nobody plays: it outlives streams. Taking it and putting it back
+/// swap one pointer.
+pub(super) type Slot = AtomicCell<Option<Box<Renderer>>>;
+
+/// What the callbacks of one stream need.
+#[derive(Clone)]
+pub(super) struct Link {
+    pub(super) slot: Arc<Slot>,
+    pub(super) shared: Arc<Shared>,
+    pub(super) orders: Sender<Order>,
+    /// The stream's number.
+    pub(super) generation: u64,
+}
+
+impl Link {
+    /// The callback that fills a device's buffer.
+    pub(super) fn player<T: Sample + FromSample<f32>>(
+        &self,
+        channels: usize,
+        rate_hz: u32,
+    ) -> impl FnMut(&mut [T], &OutputCallbackInfo) + Send + 'static {
+        let link = self.clone();
+        let mut last = None;
+        move |out, info| {
+            let frames = out.len() / channels.max(1);
+            link.play(out, channels);
+            if link.is_current() {
+                link.note(info, frames, rate_hz, &mut last);
+            }
+        }
+    }
+
+    fn is_current(&self) -> bool {
+        self.shared.generation.load(Relaxed) == self.generation
+    }
+
+    fn play<T: Sample + FromSample<f32>>(&self, out: &mut [T], channels: usize) {
+        let renderer = self.is_current().then(|| self.slot.take()).flatten();
+        let Some(mut renderer) = renderer else {
+            out.fill(T::EQUILIBRIUM);
+            return;
+        };
+        renderer.fill_device(out, channels);
+        if let Some(newer) = self.slot.swap(Some(renderer)) {
+            // This callback hung for so long that the supervisor made another renderer.
+            self.slot.store(Some(newer));
+        }
+    }
+
+    /// Counts a callback: when it came, and when it will be heard.
+    fn note(
+        &self,
+        info: &OutputCallbackInfo,
+        frames: usize,
+        rate_hz: u32,
+        last: &mut Option<(Instant, Duration)>,
+    ) {
+        let now = Instant::now();
+        let length = Duration::from_secs_f64(frames as f64 / f64::from(rate_hz));
+        if let Some((before, buffer)) = last.replace((now, length))
+            && now.saturating_duration_since(before) > 2 * buffer
+        {
+            self.shared.late_callbacks.fetch_add(1, Relaxed);
+        }
+        let time = info.timestamp();
+        let latency = time.playback.saturating_duration_since(time.callback);
+        let latency_us = u64::try_from(latency.as_micros()).ok();
+        // Zero is what is told before anything is known.
+        self.shared
+            .set_latency_us(latency_us.filter(|&latency_us| latency_us > 0));
+        self.shared.callback_frames.store(frames as u32, Relaxed);
+        self.shared.callbacks.fetch_add(1, Relaxed);
+    }
+
+    /// The callback for errors: under-runs are counted; of those that end the stream the first is
+    /// told, and no more, for there may be hundreds.
+    pub(super) fn complainer(&self) -> impl FnMut(cpal::Error) + Send + 'static {
+        let link = self.clone();
+        let is_told = AtomicBool::new(false);
+        move |error| match error.kind() {
+            ErrorKind::Xrun => {
+                link.shared.under_runs.fetch_add(1, Relaxed);
+            }
+            ErrorKind::DeviceChanged | ErrorKind::RealtimeDenied => {}
+            _ if is_told.swap(true, Relaxed) => {}
+            _ => {
+                // If the supervisor is gone, so is the stream soon.
+                let _ = link.orders.send(Order::Lost {
+                    generation: link.generation,
+                    reason: error.to_string(),
+                });
+            }
+        }
+    }
+}

@@ -1,0 +1,248 @@
+//! Live output: a sound that is heard while its panning changes.
+//!
+//! # Theory
+//! A sound system asks for blocks of samples from a *callback*, on a thread that must never be
+//! late: a late block is a gap that is heard. So the callback here allocates nothing, locks
+//! nothing and waits for nothing ([`Renderer`]). Pan, volume and law reach it as single atomic
+//! values, sounds and recordings through rings without locks, and what it has done with is freed
+//! by a *supervisor* thread, which also opens the device and opens it again when it is lost. How
+//! the threads work together is told in `docs/audio.md`.
+//!
+//! ```no_run
+//! use echomarch::audio::live::{Live, LiveOptions};
+//!
+//! let live = Live::start("speech".parse()?, LiveOptions::default());
+//! live.set_panning(1.0, 3.0); // what arrived from the left and from the right
+//! std::thread::sleep(std::time::Duration::from_secs(2));
+//! println!("{:?}", live.status());
+//! # Ok::<(), echomarch::audio::AudioError>(())
+//! ```
+
+mod device;
+mod error;
+mod glide;
+mod link;
+mod meter;
+mod patience;
+mod recording;
+mod renderer;
+mod shared;
+mod supervisor;
+
+pub use device::{DeviceInfo, list_devices};
+pub use error::LiveError;
+pub use renderer::{Remote, Renderer};
+
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::sync::{Arc, Mutex, mpsc};
+use std::thread::{self, JoinHandle};
+
+use self::recording::Recording;
+use self::shared::Shared;
+use self::supervisor::{Common, Order, State, Supervisor, lock};
+use super::{PanningLaw, SoundSpec};
+use crate::trace::Panning;
+
+/// What live output starts with.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LiveOptions {
+    /// Name or id of the output device; none for the system's default.
+    pub device: Option<String>,
+    /// Frames that the device shall ask for at once; 1024 by default. Less is heard sooner, but a
+    /// busy machine may be too late for it.
+    pub buffer_frames: u32,
+    /// How a pan becomes two gains.
+    pub law: PanningLaw,
+}
+
+impl Default for LiveOptions {
+    fn default() -> Self {
+        Self {
+            device: None,
+            buffer_frames: 1024,
+            law: PanningLaw::default(),
+        }
+    }
+}
+
+/// How live output stands.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct LiveStatus {
+    /// The device that is played on; none while there is none, and all is silent.
+    pub device: Option<String>,
+    /// Samples a second, in hertz; without a device, of the last one.
+    pub sample_rate: u32,
+    /// Frames that the device asked for last; 0 before it has.
+    pub buffer_frames: u32,
+    /// Milliseconds from when a sample is made to when it is heard, as the sound system tells it
+    /// for the first sample of a block; none if it does not.
+    pub latency_ms: Option<f64>,
+    /// Milliseconds that the last pan waited until a block was made with it; none before the first.
+    pub pan_waited_ms: Option<f64>,
+    /// Times that the sound system said it ran dry. PulseAudio never says so.
+    pub under_runs: u64,
+    /// Times that a block was asked for later than the length of two blocks after the one before:
+    /// a device that holds two has run dry then.
+    pub late_callbacks: u64,
+    /// Times that a device was opened after the first one.
+    pub restarts: u64,
+    /// Whether what is heard is being recorded.
+    pub is_recording: bool,
+    /// Frames that the recording, or else the last one, lost because the disk was too slow.
+    pub dropped_frames: u64,
+    /// What went wrong last, as a sentence; it stays when all is well again.
+    pub last_error: Option<String>,
+}
+
+/// A sound that plays on a device until this is dropped.
+///
+/// All methods may be called from any thread, none waits for the callback, and those that set
+/// something return at once.
+#[derive(Debug)]
+pub struct Live {
+    common: Common,
+    supervisor: Option<JoinHandle<()>>,
+}
+
+impl Live {
+    /// Starts to play `sound`, in the middle and at full volume.
+    ///
+    /// This never fails: without a device, or with one that cannot be opened, nothing is heard,
+    /// the sound stands still, and [`status`](Self::status) says why; the device is tried again
+    /// from time to time. The same goes for a sound that cannot be loaded.
+    pub fn start(sound: SoundSpec, options: LiveOptions) -> Self {
+        let (orders, receiver) = mpsc::channel();
+        let common = Common {
+            shared: Arc::new(Shared::new(options.law)),
+            state: Arc::new(Mutex::new(State::new())),
+            is_stopping: Arc::new(AtomicBool::new(false)),
+            orders,
+        };
+        let LiveOptions {
+            device,
+            buffer_frames,
+            ..
+        } = options;
+        let theirs = common.clone();
+        let run = move || Supervisor::new(theirs, receiver, sound, device, buffer_frames).run();
+        let thread = thread::Builder::new().name("echomarch-audio".to_owned());
+        let supervisor = thread
+            .spawn(run)
+            .map_err(|source| {
+                let error = LiveError::Thread { source };
+                lock(&common.state).last_error = Some(error.to_string());
+            })
+            .ok();
+        Self { common, supervisor }
+    }
+
+    /// Sets what arrived from the left and from the right: the sums of a frame's [`Panning`]. The
+    /// gains glide there within 20 ms.
+    pub fn set_panning(&self, left: f64, right: f64) {
+        let pan = Panning { left, right }.pan();
+        self.common.shared.set_pan(pan as f32);
+    }
+
+    /// Sets how a pan becomes two gains, which glide there.
+    pub fn set_law(&self, law: PanningLaw) {
+        self.common.shared.set_law(law);
+    }
+
+    /// Sets a factor on both channels, 0 (silence) to 1, which glides there.
+    pub fn set_volume(&self, volume: f32) {
+        self.common.shared.set_volume(volume);
+    }
+
+    /// Cross-fades to the start of another sound, within 20 ms after it is loaded.
+    ///
+    /// If it cannot be loaded, the old one plays on and [`status`](Self::status) says why.
+    pub fn set_sound(&self, sound: SoundSpec) {
+        self.order(Order::Sound(sound));
+    }
+
+    /// Plays on the device of this name or id, or on the system's default. The sound fades out and
+    /// goes on there.
+    pub fn set_device(&self, device: Option<String>) {
+        self.order(Order::Device(device));
+    }
+
+    /// How it stands.
+    pub fn status(&self) -> LiveStatus {
+        let shared = &self.common.shared;
+        let state = lock(&self.common.state);
+        let recording = state.recording.as_ref();
+        LiveStatus {
+            device: state.device.clone(),
+            sample_rate: state.rate_hz,
+            buffer_frames: shared.callback_frames.load(Relaxed),
+            latency_ms: shared.latency_ms(),
+            pan_waited_ms: shared.pan_waited_ms(),
+            under_runs: shared.under_runs.load(Relaxed),
+            late_callbacks: shared.late_callbacks.load(Relaxed),
+            restarts: state.restarts,
+            is_recording: recording.is_some_and(|recording| !recording.is_over()),
+            dropped_frames: recording.map_or(state.dropped, Recording::dropped),
+            last_error: state.last_error.clone(),
+        }
+    }
+
+    /// Level (RMS) of left and right over the last whole 50 ms, of full scale 1; 0 without a
+    /// device.
+    pub fn levels(&self) -> [f32; 2] {
+        self.common.shared.levels()
+    }
+
+    /// Starts to write what is heard to a WAV file of 32-bit float samples, at the device's rate.
+    ///
+    /// While there is no device nothing is heard, and nothing written. If the device comes back at
+    /// another rate the recording ends, and [`status`](Self::status) says so.
+    ///
+    /// # Errors
+    /// [`LiveError::AlreadyRecording`], [`LiveError::Thread`], or as
+    /// [`WavWriter::create_at`](super::WavWriter::create_at).
+    pub fn start_recording(&self, path: &Path) -> Result<(), LiveError> {
+        let mut state = lock(&self.common.state);
+        if state.recording.is_some() {
+            return Err(LiveError::AlreadyRecording);
+        }
+        let (recording, tap) = Recording::start(path, state.rate_hz)?;
+        state.recording = Some(recording);
+        drop(state);
+        self.order(Order::Tap(tap));
+        Ok(())
+    }
+
+    /// Completes the recording; the frames in the file. Those that were lost are told by
+    /// [`LiveStatus::dropped_frames`].
+    ///
+    /// # Errors
+    /// [`LiveError::NotRecording`], or [`LiveError::Audio`] if the disk refused.
+    pub fn stop_recording(&self) -> Result<u64, LiveError> {
+        let mut state = lock(&self.common.state);
+        let recording = state.recording.take().ok_or(LiveError::NotRecording)?;
+        state.dropped = recording.dropped();
+        drop(state);
+        Ok(recording.finish()?)
+    }
+
+    fn order(&self, order: Order) {
+        // Without a supervisor all is silent already, and the status says so.
+        let _ = self.common.orders.send(order);
+    }
+}
+
+impl Drop for Live {
+    /// Fades out, closes the device, and completes a recording.
+    fn drop(&mut self) {
+        self.common.is_stopping.store(true, Relaxed);
+        self.order(Order::Stop);
+        if let Some(supervisor) = self.supervisor.take() {
+            // If it panicked there is nothing left to close.
+            let _ = supervisor.join();
+        }
+        // Whoever wants to know whether the file is complete stops the recording.
+        let _ = self.stop_recording();
+    }
+}

@@ -1,0 +1,328 @@
+//! What the callback does, as a plain value: sounds in, interleaved stereo out.
+//!
+//! A [`Renderer`] allocates nothing, frees nothing, locks nothing and waits for nothing while it
+//! fills a block. Values that change often (pan, volume, law) are atomics. Things that own memory
+//! (a sound, the ring that a recording goes to) come in through one ring and, when they have had
+//! their time, go out through another, to be freed elsewhere.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
+
+use cpal::{FromSample, Sample};
+use rtrb::{Consumer, Producer, RingBuffer};
+
+use super::glide::Glide;
+use super::meter::Meter;
+use super::shared::Shared;
+use crate::audio::{Gains, Mixer, PanningLaw, Sound};
+use crate::trace::Panning;
+
+/// Frames that are mixed at once.
+const BLOCK: usize = 256;
+
+/// A second divided by the time that a change of gains and a cross-fade take.
+const FADES_HZ: u32 = 50;
+
+/// What may be under way to the callback, and back from it.
+const MESSAGES: usize = 8;
+
+/// Something for the callback, or something that it has done with.
+#[derive(Debug)]
+pub(super) enum Message {
+    /// Another sound, made for this rate in hertz.
+    Sound { sound: Sound, rate_hz: u32 },
+    /// Where to write what is heard.
+    Tap(Tap),
+}
+
+/// The callback's end of a recording.
+#[derive(Debug)]
+pub(super) struct Tap {
+    /// Interleaved samples.
+    pub(super) ring: Producer<f32>,
+    /// Whether the recording is over.
+    pub(super) is_over: Arc<AtomicBool>,
+    /// Frames that found no room.
+    pub(super) dropped: Arc<AtomicU64>,
+}
+
+/// Plays one mono sound to two channels, with gains that glide and sounds that cross-fade.
+///
+/// Both take 20 ms. The first samples rise from silence.
+#[derive(Debug)]
+pub struct Renderer {
+    shared: Arc<Shared>,
+    inbox: Consumer<Message>,
+    outbox: Producer<Message>,
+    rate_hz: u32,
+    sound: Option<Sound>,
+    /// Samples of the sound that have been played.
+    position: u64,
+    /// The sound that is faded to, and the samples of it that have been played.
+    next: Option<(Sound, u64)>,
+    glide: Glide,
+    mixer: Mixer,
+    meter: Meter,
+    tap: Option<Tap>,
+    mono: [f32; BLOCK],
+    other: [f32; BLOCK],
+}
+
+/// The other end of a [`Renderer`]: what it plays, from any thread.
+#[derive(Debug)]
+pub struct Remote {
+    pub(super) shared: Arc<Shared>,
+    inbox: Producer<Message>,
+    outbox: Consumer<Message>,
+}
+
+impl Renderer {
+    /// A renderer at `rate_hz` samples a second, for `sound` made at that rate, and its remote.
+    pub fn new(sound: Option<Sound>, rate_hz: u32, law: PanningLaw) -> (Self, Remote) {
+        Self::with_shared(Arc::new(Shared::new(law)), sound, rate_hz)
+    }
+
+    pub(super) fn with_shared(
+        shared: Arc<Shared>,
+        sound: Option<Sound>,
+        rate_hz: u32,
+    ) -> (Self, Remote) {
+        let (to_inbox, inbox) = RingBuffer::new(MESSAGES);
+        // Room for all that can be inside: what is under way, a sound that fades, a tap.
+        let (outbox, from_outbox) = RingBuffer::new(2 * MESSAGES);
+        let renderer = Self {
+            shared: Arc::clone(&shared),
+            inbox,
+            outbox,
+            rate_hz,
+            sound,
+            position: 0,
+            next: None,
+            glide: Glide::new(fade_length(rate_hz)),
+            mixer: silent_mixer(),
+            meter: Meter::new(rate_hz),
+            tap: None,
+            mono: [0.0; BLOCK],
+            other: [0.0; BLOCK],
+        };
+        let remote = Remote {
+            shared,
+            inbox: to_inbox,
+            outbox: from_outbox,
+        };
+        (renderer, remote)
+    }
+
+    /// Samples a second.
+    pub fn rate_hz(&self) -> u32 {
+        self.rate_hz
+    }
+
+    /// How far the sound has been played, in seconds.
+    pub fn position_s(&self) -> f64 {
+        let newest = self.next.as_ref().map_or(self.position, |next| next.1);
+        newest as f64 / f64::from(self.rate_hz)
+    }
+
+    /// Goes on at another rate with a sound made for it. Frees what it had: not for the callback.
+    pub(super) fn change_rate(&mut self, rate_hz: u32, sound: Option<Sound>) {
+        let position = (self.position_s() * f64::from(rate_hz)).round() as u64;
+        self.rate_hz = rate_hz;
+        self.next = None;
+        self.position = position;
+        self.sound = sound.map(|mut sound| {
+            sound.seek(position);
+            sound
+        });
+        self.meter = Meter::new(rate_hz);
+    }
+
+    /// Begins from silence, as after a gap.
+    pub(super) fn begin(&mut self) {
+        self.glide = Glide::new(fade_length(self.rate_hz));
+        self.mixer = silent_mixer();
+    }
+
+    /// Overwrites `out` with the next samples, interleaved (left, right, …).
+    pub fn fill(&mut self, out: &mut [f32]) {
+        for block in out.chunks_mut(2 * BLOCK) {
+            let count = block.len() / 2;
+            let (stereo, odd) = block.split_at_mut(2 * count);
+            odd.fill(0.0);
+            self.take_messages();
+            self.fill_mono(count);
+            self.mix(stereo);
+            self.meter.take(stereo, &self.shared);
+            self.record(stereo);
+        }
+    }
+
+    /// Overwrites `out` with the next samples for a device of `channels` channels: one gets half
+    /// of left and right together, of more the first two get them and the others silence.
+    pub fn fill_device<T: Sample + FromSample<f32>>(&mut self, out: &mut [T], channels: usize) {
+        let mut stereo = [0.0; 2 * BLOCK];
+        for block in out.chunks_mut(BLOCK * channels.max(1)) {
+            let stereo = &mut stereo[..2 * (block.len() / channels.max(1))];
+            self.fill(stereo);
+            let frames = block.chunks_mut(channels.max(1));
+            for (frame, pair) in frames.zip(stereo.as_chunks::<2>().0) {
+                spread(*pair, frame);
+            }
+        }
+    }
+
+    fn take_messages(&mut self) {
+        // A fade is finished before the next begins.
+        while self.next.is_none() && self.outbox.slots() >= MESSAGES {
+            match self.inbox.pop() {
+                Ok(Message::Sound { sound, rate_hz }) if rate_hz == self.rate_hz => {
+                    self.next = Some((sound, 0));
+                    if self.sound.is_none() {
+                        self.swap_sounds();
+                    }
+                }
+                // Made for a device that is gone: the next opening brought its own.
+                Ok(stale @ Message::Sound { .. }) => self.hand_out(stale),
+                Ok(Message::Tap(tap)) => {
+                    if let Some(before) = self.tap.replace(tap) {
+                        self.hand_out(Message::Tap(before));
+                    }
+                }
+                Err(_) => return,
+            }
+        }
+    }
+
+    fn hand_out(&mut self, message: Message) {
+        // There is always room: see `take_messages`.
+        let _ = self.outbox.push(message);
+    }
+
+    /// The next samples of the sound, or of two that cross-fade.
+    fn fill_mono(&mut self, count: usize) {
+        let length = fade_length(self.rate_hz) as u64;
+        let mono = &mut self.mono[..count];
+        match &mut self.sound {
+            Some(sound) => sound.fill(mono),
+            None => mono.fill(0.0),
+        }
+        self.position += count as u64;
+        let Some((next, played)) = &mut self.next else {
+            return;
+        };
+        let other = &mut self.other[..count];
+        next.fill(other);
+        for (i, (sample, &mut other)) in mono.iter_mut().zip(other).enumerate() {
+            let share = (*played + i as u64 + 1).min(length) as f32 / length as f32;
+            *sample += (other - *sample) * share;
+        }
+        *played += count as u64;
+        if *played >= length {
+            self.swap_sounds();
+        }
+    }
+
+    fn swap_sounds(&mut self) {
+        let Some((sound, played)) = self.next.take() else {
+            return;
+        };
+        self.position = played;
+        if let Some(sound) = self.sound.replace(sound) {
+            let rate_hz = self.rate_hz;
+            self.hand_out(Message::Sound { sound, rate_hz });
+        }
+    }
+
+    fn mix(&mut self, stereo: &mut [f32]) {
+        self.glide.aim(self.shared.target());
+        let count = stereo.len() / 2;
+        let mut done = 0;
+        while done < count {
+            let (step, gains) = self.glide.advance(count - done);
+            let end = done + step;
+            self.mixer
+                .mix_to(&self.mono[done..end], gains, &mut stereo[2 * done..2 * end]);
+            done = end;
+        }
+    }
+
+    fn record(&mut self, stereo: &[f32]) {
+        let Some(tap) = &mut self.tap else {
+            return;
+        };
+        if tap.is_over.load(Relaxed) {
+            if let Some(tap) = self.tap.take() {
+                self.hand_out(Message::Tap(tap));
+            }
+        } else if tap.ring.push_entire_slice(stereo).is_err() {
+            tap.dropped.fetch_add(stereo.len() as u64 / 2, Relaxed);
+        }
+    }
+}
+
+impl Remote {
+    /// As [`Live::set_panning`](super::Live::set_panning).
+    pub fn set_panning(&self, left: f64, right: f64) {
+        self.shared.set_pan(Panning { left, right }.pan() as f32);
+    }
+
+    /// As [`Live::set_volume`](super::Live::set_volume).
+    pub fn set_volume(&self, volume: f32) {
+        self.shared.set_volume(volume);
+    }
+
+    /// As [`Live::set_law`](super::Live::set_law).
+    pub fn set_law(&self, law: PanningLaw) {
+        self.shared.set_law(law);
+    }
+
+    /// As [`Live::levels`](super::Live::levels).
+    pub fn levels(&self) -> [f32; 2] {
+        self.shared.levels()
+    }
+
+    /// Fades to a sound made at `rate_hz`; false, if too much is under way already. A sound for
+    /// another rate than the renderer's is not played.
+    pub fn set_sound(&mut self, sound: Sound, rate_hz: u32) -> bool {
+        self.send(Message::Sound { sound, rate_hz }).is_ok()
+    }
+
+    /// Hands the message back if there is no room for it.
+    pub(super) fn send(&mut self, message: Message) -> Result<(), Message> {
+        let sent = self.inbox.push(message);
+        sent.map_err(|rtrb::PushError::Full(message)| message)
+    }
+
+    /// Frees what the renderer has done with; how many things.
+    pub fn collect(&mut self) -> usize {
+        let mut count = 0;
+        while self.outbox.pop().is_ok() {
+            count += 1;
+        }
+        count
+    }
+}
+
+/// Samples that a change of gains takes.
+fn fade_length(rate_hz: u32) -> usize {
+    (rate_hz / FADES_HZ).max(1) as usize
+}
+
+/// A mixer that comes from silence, where a new one would start at its first gains.
+fn silent_mixer() -> Mixer {
+    let mut mixer = Mixer::new(PanningLaw::default());
+    mixer.mix_to(&[0.0], Gains::SILENT, &mut [0.0; 2]);
+    mixer
+}
+
+fn spread<T: Sample + FromSample<f32>>(pair: [f32; 2], frame: &mut [T]) {
+    match frame {
+        [] => {}
+        [only] => *only = T::from_sample((pair[0] + pair[1]) / 2.0),
+        [left, right, others @ ..] => {
+            *left = T::from_sample(pair[0]);
+            *right = T::from_sample(pair[1]);
+            others.fill(T::EQUILIBRIUM);
+        }
+    }
+}

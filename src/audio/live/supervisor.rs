@@ -1,0 +1,382 @@
+//! The thread that keeps sound going: it opens the device, loads sounds, frees what the callback
+//! has done with, and opens the device again when it is lost.
+
+use std::collections::VecDeque;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use super::LiveError;
+use super::device::{self, Found};
+use super::link::{Link, Slot};
+use super::patience::{ANSWER_LIMIT, drop_elsewhere, within};
+use super::recording::Recording;
+use super::renderer::{Message, Remote, Renderer, Tap};
+use super::shared::Shared;
+use crate::audio::{SAMPLE_RATE, Sound, SoundSpec};
+
+/// How often the thread looks after the stream.
+const TICK: Duration = Duration::from_millis(20);
+/// A stream whose callbacks stop for this long is lost, ...
+const STALL: Duration = Duration::from_secs(1);
+/// ... and one that was just opened when the first does not come for this long.
+const FIRST_CALLBACK: Duration = Duration::from_secs(3);
+/// Waiting times between attempts to open: the first, and the longest.
+const RETRY: (Duration, Duration) = (Duration::from_millis(100), Duration::from_secs(5));
+/// A stream that ran for this long was no failed attempt.
+const PROVEN: Duration = Duration::from_secs(2);
+/// How long a fade-out before closing may take.
+const FADE_OUT: Duration = Duration::from_millis(120);
+
+/// What the thread is asked for.
+#[derive(Debug)]
+pub(super) enum Order {
+    /// Fade to another sound.
+    Sound(SoundSpec),
+    /// Play on another device.
+    Device(Option<String>),
+    /// Let the callback write to a recording.
+    Tap(Tap),
+    /// A stream broke off.
+    Lost { generation: u64, reason: String },
+    /// End the thread.
+    Stop,
+}
+
+/// What it tells of itself; never locked by the callback.
+#[derive(Debug)]
+pub(super) struct State {
+    pub(super) device: Option<String>,
+    pub(super) rate_hz: u32,
+    pub(super) restarts: u64,
+    pub(super) last_error: Option<String>,
+    pub(super) recording: Option<Recording>,
+    /// Frames that the last finished recording lost.
+    pub(super) dropped: u64,
+}
+
+impl State {
+    pub(super) fn new() -> Self {
+        Self {
+            device: None,
+            rate_hz: SAMPLE_RATE,
+            restarts: 0,
+            last_error: None,
+            recording: None,
+            dropped: 0,
+        }
+    }
+}
+
+/// Locks the state; whatever a thread that panicked left there is sound.
+pub(super) fn lock(state: &Mutex<State>) -> MutexGuard<'_, State> {
+    state.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// What the supervisor shares with [`Live`](super::Live).
+#[derive(Debug, Clone)]
+pub(super) struct Common {
+    pub(super) shared: Arc<Shared>,
+    pub(super) state: Arc<Mutex<State>>,
+    pub(super) is_stopping: Arc<AtomicBool>,
+    pub(super) orders: Sender<Order>,
+}
+
+pub(super) struct Supervisor {
+    common: Common,
+    orders: Receiver<Order>,
+    slot: Arc<Slot>,
+    remote: Remote,
+    rate_hz: u32,
+    spec: SoundSpec,
+    device: Option<String>,
+    buffer_frames: u32,
+    stream: Option<OpenStream>,
+    generation: u64,
+    /// For the callback, as soon as there is room.
+    waiting: VecDeque<Message>,
+    next_try: Instant,
+    delay: Duration,
+    has_played: bool,
+}
+
+struct OpenStream {
+    stream: cpal::Stream,
+    name: String,
+    opened: Instant,
+    /// The count of callbacks, and when it last changed.
+    callbacks: u64,
+    seen: Instant,
+    has_called: bool,
+}
+
+impl Supervisor {
+    pub(super) fn new(
+        common: Common,
+        orders: Receiver<Order>,
+        spec: SoundSpec,
+        device: Option<String>,
+        buffer_frames: u32,
+    ) -> Self {
+        let shared = Arc::clone(&common.shared);
+        let (renderer, remote) = Renderer::with_shared(shared, None, SAMPLE_RATE);
+        Self {
+            common,
+            orders,
+            slot: Arc::new(Slot::new(Some(Box::new(renderer)))),
+            remote,
+            rate_hz: SAMPLE_RATE,
+            spec,
+            device,
+            buffer_frames: buffer_frames.max(1),
+            stream: None,
+            generation: 0,
+            waiting: VecDeque::new(),
+            next_try: Instant::now(),
+            delay: RETRY.0,
+            has_played: false,
+        }
+    }
+
+    /// Runs until it is stopped.
+    pub(super) fn run(mut self) {
+        self.change_sound(self.spec.clone());
+        loop {
+            if self.stream.is_none() && Instant::now() >= self.next_try {
+                self.try_to_open();
+            }
+            match self.orders.recv_timeout(TICK) {
+                Ok(Order::Stop) | Err(RecvTimeoutError::Disconnected) => break,
+                Ok(order) => self.obey(order),
+                Err(RecvTimeoutError::Timeout) => {}
+            }
+            self.deliver();
+            self.watch();
+        }
+        self.fade_out();
+        self.close();
+    }
+
+    fn obey(&mut self, order: Order) {
+        match order {
+            Order::Sound(spec) => self.change_sound(spec),
+            Order::Device(device) => {
+                self.device = device;
+                self.fade_out();
+                self.close();
+                self.delay = RETRY.0;
+                self.next_try = Instant::now();
+            }
+            Order::Tap(tap) => self.waiting.push_back(Message::Tap(tap)),
+            Order::Lost { generation, reason } if generation == self.generation => {
+                self.lose(reason);
+            }
+            // Of a stream that is closed already.
+            Order::Lost { .. } | Order::Stop => {}
+        }
+    }
+
+    /// Loads a sound and sends it to the callback; of several that wait only the last is wanted.
+    fn change_sound(&mut self, spec: SoundSpec) {
+        match Sound::load(&spec, self.rate_hz) {
+            Ok(sound) => {
+                let rate_hz = self.rate_hz;
+                self.spec = spec;
+                self.waiting
+                    .retain(|message| matches!(message, Message::Tap(_)));
+                self.waiting.push_back(Message::Sound { sound, rate_hz });
+            }
+            Err(error) => self.tell(&error.into()),
+        }
+    }
+
+    fn tell(&self, error: &LiveError) {
+        lock(&self.common.state).last_error = Some(error.to_string());
+    }
+
+    /// Sends what waits for the callback, and frees what came back.
+    fn deliver(&mut self) {
+        self.remote.collect();
+        while let Some(message) = self.waiting.pop_front() {
+            if let Err(message) = self.remote.send(message) {
+                self.waiting.push_front(message);
+                return;
+            }
+        }
+    }
+
+    /// Notices a stream whose callbacks have stopped.
+    fn watch(&mut self) {
+        let frames = self.common.shared.callback_frames.load(Relaxed);
+        let buffer = Duration::from_secs_f64(f64::from(frames) / f64::from(self.rate_hz));
+        let Some(stream) = &mut self.stream else {
+            return;
+        };
+        let callbacks = self.common.shared.callbacks.load(Relaxed);
+        if callbacks != stream.callbacks {
+            stream.callbacks = callbacks;
+            stream.seen = Instant::now();
+            stream.has_called = true;
+        }
+        let limit = if stream.has_called {
+            STALL.max(4 * buffer)
+        } else {
+            FIRST_CALLBACK
+        };
+        if stream.seen.elapsed() > limit {
+            let seconds = limit.as_secs_f64();
+            self.lose(format!("it has taken no sound for {seconds:.1} s"));
+        }
+    }
+
+    /// Gives up a stream that broke off; it is opened again later.
+    fn lose(&mut self, reason: String) {
+        let Some(stream) = &self.stream else {
+            return;
+        };
+        if stream.opened.elapsed() > PROVEN {
+            self.delay = RETRY.0;
+        }
+        let device = stream.name.clone();
+        self.tell(&LiveError::Lost { device, reason });
+        self.close();
+        self.retry_later();
+    }
+
+    fn retry_later(&mut self) {
+        self.next_try = Instant::now() + self.delay;
+        self.delay = (2 * self.delay).min(RETRY.1);
+    }
+
+    /// Lets the sound fade, if it plays, so that the end does not click.
+    fn fade_out(&self) {
+        if self.stream.is_none() {
+            return;
+        }
+        self.common.shared.is_muted.store(true, Relaxed);
+        let latency_ms = self.common.shared.latency_ms().unwrap_or(0.0).max(0.0);
+        let fade = Duration::from_secs_f64(0.03 + latency_ms / 1000.0);
+        thread::sleep(fade.min(FADE_OUT));
+    }
+
+    fn close(&mut self) {
+        // From now on the stream's callback keeps silent, whenever it really ends.
+        self.generation += 1;
+        let shared = &self.common.shared;
+        shared.generation.store(self.generation, Relaxed);
+        if let Some(stream) = self.stream.take() {
+            drop_elsewhere(stream.stream);
+        }
+        shared.set_levels([0.0; 2]);
+        shared.set_latency_us(None);
+        lock(&self.common.state).device = None;
+    }
+
+    fn try_to_open(&mut self) {
+        match self.open() {
+            Ok(stream) => {
+                let mut state = lock(&self.common.state);
+                state.device = Some(stream.name.clone());
+                state.restarts += u64::from(self.has_played);
+                drop(state);
+                self.has_played = true;
+                self.stream = Some(stream);
+            }
+            Err(error) => {
+                if matches!(error, LiveError::NoAnswer { .. }) {
+                    device::forget_host();
+                }
+                self.tell(&error);
+                self.close();
+                self.retry_later();
+            }
+        }
+    }
+
+    fn open(&mut self) -> Result<OpenStream, LiveError> {
+        let wanted = self.device.clone();
+        let found = self.within(move || device::find(wanted.as_deref()))??;
+        self.prepare(found.rate_hz());
+        self.generation += 1;
+        let shared = &self.common.shared;
+        shared.generation.store(self.generation, Relaxed);
+        shared.is_muted.store(false, Relaxed);
+        let callbacks = shared.callbacks.load(Relaxed);
+        let link = Link {
+            slot: Arc::clone(&self.slot),
+            shared: Arc::clone(shared),
+            orders: self.common.orders.clone(),
+            generation: self.generation,
+        };
+        let (name, frames) = (found.name.clone(), self.buffer_frames);
+        let stream = self.within(move || Found::open(&found, frames, &link))??;
+        let now = Instant::now();
+        Ok(OpenStream {
+            stream,
+            name,
+            opened: now,
+            callbacks,
+            seen: now,
+            has_called: false,
+        })
+    }
+
+    fn within<T: Send + 'static>(
+        &self,
+        work: impl FnOnce() -> T + Send + 'static,
+    ) -> Result<T, LiveError> {
+        let is_stopping = Arc::clone(&self.common.is_stopping);
+        within(ANSWER_LIMIT, move || is_stopping.load(Relaxed), work)
+    }
+
+    /// Makes the renderer ready to go on, from silence, at a rate in hertz.
+    fn prepare(&mut self, rate_hz: u32) {
+        let mut renderer = self.take_renderer();
+        if renderer.rate_hz() != rate_hz {
+            let sound = Sound::load(&self.spec, rate_hz)
+                .map_err(|error| self.tell(&error.into()))
+                .ok();
+            renderer.change_rate(rate_hz, sound);
+            self.rate_hz = rate_hz;
+            self.tell_rate(rate_hz);
+        }
+        renderer.begin();
+        self.slot.store(Some(renderer));
+        self.deliver();
+    }
+
+    /// Takes the renderer back from the last stream.
+    fn take_renderer(&mut self) -> Box<Renderer> {
+        for _ in 0..50 {
+            if let Some(renderer) = self.slot.take() {
+                return renderer;
+            }
+            // A callback of the old stream is at work on it.
+            thread::sleep(Duration::from_millis(5));
+        }
+        // That callback hangs, and the renderer with it.
+        let shared = Arc::clone(&self.common.shared);
+        let sound = Sound::load(&self.spec, self.rate_hz).ok();
+        let (renderer, remote) = Renderer::with_shared(shared, sound, self.rate_hz);
+        self.remote = remote;
+        Box::new(renderer)
+    }
+
+    /// A file has one rate: a recording at another one ends.
+    fn tell_rate(&self, rate_hz: u32) {
+        let mut state = lock(&self.common.state);
+        state.rate_hz = rate_hz;
+        let ended = match &state.recording {
+            Some(recording) if recording.rate_hz() != rate_hz && !recording.is_over() => {
+                recording.end();
+                true
+            }
+            _ => false,
+        };
+        if ended {
+            state.last_error = Some(LiveError::RecordingRate { rate_hz }.to_string());
+        }
+    }
+}

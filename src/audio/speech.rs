@@ -1,0 +1,304 @@
+//! A voice that says syllables without words, made by the program.
+//!
+//! # Theory
+//! A voice is a train of glottal pulses at a gliding pitch, shaped by the resonances of the mouth,
+//! the *formants*, and cut into syllables. The pulse train is a sum of harmonics of the pitch:
+//! here each is a cosine whose complex amplitude is the response of three formants (two-pole
+//! low-passes in cascade) at its frequency, times a source that falls a little with the frequency.
+//! Time is cut into slots of a syllable each, and ten slots are a phrase that ends in a pause;
+//! vowels, lengths, accents and hissed consonants of a slot are hashed from the seed and the
+//! slot's number, and formants glide between the vowels.
+//!
+//! A sample depends on its number, the rate and the seed alone: the phase is the pitch's integral
+//! in closed form, counted from the start of the phrase, where all is silent. The amplitudes are
+//! computed every 5 ms and run linearly in between.
+
+use std::f64::consts::TAU;
+
+use super::noise::hash;
+
+/// No sample of the voice is further from 0 than this, of full scale 1.
+pub const SPEECH_PEAK: f32 = 0.95;
+
+/// What the sum of all harmonics' amplitudes may reach, and the hiss beside it.
+const VOICE_PEAK: f64 = 0.9;
+const HISS_PEAK: f64 = 0.05;
+
+/// The level (RMS) of a vowel at its loudest, of full scale 1.
+const VOWEL_LEVEL: f64 = 0.4;
+
+/// Length of a slot, which holds one syllable, in seconds.
+const SLOT_S: f64 = 0.21;
+/// Slots of a phrase, its pause included.
+const PHRASE_SLOTS: u64 = 10;
+/// How far the syllable's sound rises and falls, in seconds.
+const RISE_S: f64 = 0.045;
+
+/// Times a second that the amplitudes are computed.
+const CONTROL_HZ: u32 = 200;
+const MAX_HARMONICS: usize = 24;
+/// The lowest pitch, in hertz; the highest is 80 Hz above.
+const LOWEST_PITCH_HZ: f64 = 190.0;
+/// Harmonics fade between these frequencies, in hertz.
+const FADE_HZ: (f64, f64) = (3000.0, 3800.0);
+
+/// The middle of the hiss and its half width, in hertz.
+const HISS_HZ: f64 = 3200.0;
+const HISS_KNOTS_HZ: f64 = 2000.0;
+
+/// Frequencies of the first three formants, in hertz, of the vowels a, e, i, o, u and schwa.
+const VOWELS: [[f64; 3]; 6] = [
+    [760.0, 1250.0, 2600.0],
+    [500.0, 1850.0, 2550.0],
+    [320.0, 2250.0, 2950.0],
+    [480.0, 880.0, 2500.0],
+    [340.0, 760.0, 2400.0],
+    [540.0, 1500.0, 2500.0],
+];
+/// The formants' bandwidths, in hertz.
+const BANDWIDTHS_HZ: [f64; 3] = [90.0, 130.0, 220.0];
+
+/// Real and imaginary amplitude of each harmonic.
+type Harmonics = [[f32; 2]; MAX_HARMONICS];
+
+/// The voice, read forwards.
+#[derive(Debug, Clone)]
+pub(super) struct Speech {
+    seed: u64,
+    rate_hz: u32,
+    index: u64,
+    /// Samples between two computations of the amplitudes.
+    hop: u64,
+    /// Which hop the amplitudes are of; none yet.
+    at: Option<u64>,
+    from: Harmonics,
+    to: Harmonics,
+}
+
+impl Speech {
+    pub(super) fn new(seed: u64, rate_hz: u32) -> Self {
+        Self {
+            seed: hash(seed),
+            rate_hz,
+            index: 0,
+            hop: u64::from((rate_hz / CONTROL_HZ).max(1)),
+            at: None,
+            from: [[0.0; 2]; MAX_HARMONICS],
+            to: [[0.0; 2]; MAX_HARMONICS],
+        }
+    }
+
+    pub(super) fn seek(&mut self, index: u64) {
+        self.index = index;
+    }
+
+    pub(super) fn fill(&mut self, out: &mut [f32]) {
+        for sample in out {
+            *sample = self.next();
+        }
+    }
+
+    fn next(&mut self) -> f32 {
+        self.prepare(self.index / self.hop);
+        let along = (self.index % self.hop) as f32 / self.hop as f32;
+        let time = self.index as f64 / f64::from(self.rate_hz);
+        let moment = Moment::at(time);
+        let voice = self.sum(along, self.phase_turns(&moment));
+        let hiss = self.hiss(time) * self.hiss_level(&moment);
+        self.index = self.index.wrapping_add(1);
+        (f64::from(voice) + hiss) as f32
+    }
+
+    /// Makes the amplitudes at both ends of a hop.
+    fn prepare(&mut self, hop: u64) {
+        if self.at == Some(hop) {
+            return;
+        }
+        self.from = match self.at {
+            Some(before) if before.checked_add(1) == Some(hop) => self.to,
+            _ => self.harmonics(hop),
+        };
+        self.to = self.harmonics(hop.saturating_add(1));
+        self.at = Some(hop);
+    }
+
+    /// The harmonics' sum at a phase of the pitch; each turn comes from the one before it by the
+    /// addition theorem.
+    fn sum(&self, along: f32, phase_turns: f64) -> f32 {
+        let (sin, cos) = (TAU * phase_turns).sin_cos();
+        let (step_cos, step_sin) = (cos as f32, sin as f32);
+        let (mut cos, mut sin, mut sum) = (step_cos, step_sin, 0.0);
+        for (from, to) in self.from.iter().zip(&self.to) {
+            let re = from[0] + (to[0] - from[0]) * along;
+            let im = from[1] + (to[1] - from[1]) * along;
+            sum += re * cos - im * sin;
+            (cos, sin) = (
+                cos * step_cos - sin * step_sin,
+                sin * step_cos + cos * step_sin,
+            );
+        }
+        sum
+    }
+
+    /// The amplitudes at the start of a hop.
+    fn harmonics(&self, hop: u64) -> Harmonics {
+        let time = hop as f64 * self.hop as f64 / f64::from(self.rate_hz);
+        let moment = Moment::at(time);
+        let mut harmonics = [[0.0; 2]; MAX_HARMONICS];
+        let loudness = self.loudness(&moment);
+        if loudness <= 0.0 {
+            return harmonics;
+        }
+        let pitch_hz = self.pitch_hz(&moment);
+        let formants = self.formants(&moment);
+        let mut exact = [[0.0f64; 2]; MAX_HARMONICS];
+        let (mut power, mut peak) = (0.0, 0.0);
+        for (i, amplitude) in exact.iter_mut().enumerate() {
+            *amplitude = response(pitch_hz * (i + 1) as f64, &formants, self.rate_hz);
+            let size = amplitude[0].hypot(amplitude[1]);
+            power += size * size / 2.0;
+            peak += size;
+        }
+        // Every vowel has the same level, unless its peak could then pass the limit.
+        let gain = loudness * (VOWEL_LEVEL / power.sqrt()).min(VOICE_PEAK / peak);
+        for (amplitude, exact) in harmonics.iter_mut().zip(exact) {
+            if gain.is_finite() {
+                *amplitude = [(exact[0] * gain) as f32, (exact[1] * gain) as f32];
+            }
+        }
+        harmonics
+    }
+
+    /// A number from 0 to 1 that belongs to a slot.
+    fn chance(&self, slot: u64, what: u64) -> f64 {
+        let bits = hash(self.seed ^ hash(slot.wrapping_mul(8).wrapping_add(what)));
+        (bits >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    /// Whether a slot is spoken: a phrase has six to eight syllables, then a pause.
+    fn is_spoken(&self, slot: u64) -> bool {
+        let phrase = slot / PHRASE_SLOTS;
+        let syllables = 6 + (self.chance(phrase, 7) * 3.0) as u64;
+        slot % PHRASE_SLOTS < syllables
+    }
+
+    /// How loud the voice is, 0 to 1: 0 at both ends of every slot.
+    fn loudness(&self, moment: &Moment) -> f64 {
+        if !self.is_spoken(moment.slot) {
+            return 0.0;
+        }
+        let start = SLOT_S * 0.25 * self.chance(moment.slot, 0);
+        let end = SLOT_S * (1.0 - 0.15 * self.chance(moment.slot, 1));
+        let time = moment.along * SLOT_S;
+        let rise = smooth((time - start) / RISE_S) * smooth((end - time) / RISE_S);
+        rise * (0.75 + 0.25 * self.chance(moment.slot, 2))
+    }
+
+    /// The pitch that the slot starts with, in hertz: it falls over the phrase, with accents.
+    fn pitch_of(&self, slot: u64) -> f64 {
+        let along = (slot % PHRASE_SLOTS) as f64 / PHRASE_SLOTS as f64;
+        LOWEST_PITCH_HZ + 35.0 * (1.0 - along) + 45.0 * self.chance(slot, 3)
+    }
+
+    fn pitch_hz(&self, moment: &Moment) -> f64 {
+        let (here, next) = (self.pitch_of(moment.slot), self.pitch_of(moment.slot + 1));
+        here + (next - here) * smooth(moment.along)
+    }
+
+    /// The pitch's integral since the start of the phrase, in turns.
+    fn phase_turns(&self, moment: &Moment) -> f64 {
+        let first = moment.slot - moment.slot % PHRASE_SLOTS;
+        let whole: f64 = (first..moment.slot)
+            .map(|slot| (self.pitch_of(slot) + self.pitch_of(slot + 1)) / 2.0)
+            .sum();
+        let (here, next) = (self.pitch_of(moment.slot), self.pitch_of(moment.slot + 1));
+        // The integral of smooth(x) is x³ − x⁴ / 2.
+        let x = moment.along;
+        let part = here * x + (next - here) * (x.powi(3) - x.powi(4) / 2.0);
+        (SLOT_S * (whole + part)).fract()
+    }
+
+    fn vowel(&self, slot: u64) -> &'static [f64; 3] {
+        &VOWELS[(self.chance(slot, 4) * VOWELS.len() as f64) as usize % VOWELS.len()]
+    }
+
+    /// The formants: they come from the vowel before, and stand still in the syllable's middle.
+    fn formants(&self, moment: &Moment) -> [f64; 3] {
+        let before = self.vowel(moment.slot.wrapping_sub(1));
+        let (here, next) = (self.vowel(moment.slot), self.vowel(moment.slot + 1));
+        let (into, out_of) = (
+            0.5 * smooth(1.0 - moment.along / 0.4),
+            0.5 * smooth((moment.along - 0.6) / 0.4),
+        );
+        std::array::from_fn(|i| {
+            here[i] + (before[i] - here[i]) * into + (next[i] - here[i]) * out_of
+        })
+    }
+
+    /// How loud the hiss is, 0 to 1: two syllables of five begin with one.
+    fn hiss_level(&self, moment: &Moment) -> f64 {
+        let is_hissed = self.is_spoken(moment.slot) && self.chance(moment.slot, 5) < 0.4;
+        let fits = HISS_HZ + HISS_KNOTS_HZ < f64::from(self.rate_hz) / 2.0;
+        if !(is_hissed && fits) {
+            return 0.0;
+        }
+        let time = moment.along * SLOT_S;
+        smooth(time / 0.02) * smooth((0.07 - time) / 0.03)
+    }
+
+    /// Noise about [`HISS_HZ`]: random knots, joined smoothly, times a carrier.
+    fn hiss(&self, time: f64) -> f64 {
+        let at = time * HISS_KNOTS_HZ;
+        let knot = at.floor();
+        let (from, to) = (
+            self.chance(knot as u64, 6),
+            self.chance((knot as u64).wrapping_add(1), 6),
+        );
+        let slow = 2.0 * (from + (to - from) * smooth(at - knot)) - 1.0;
+        HISS_PEAK * slow * (TAU * (HISS_HZ * time).fract()).sin()
+    }
+}
+
+/// A time as a slot and a place in it, 0 to 1.
+struct Moment {
+    slot: u64,
+    along: f64,
+}
+
+impl Moment {
+    fn at(time: f64) -> Self {
+        let slots = time / SLOT_S;
+        Self {
+            slot: slots as u64,
+            along: slots.fract(),
+        }
+    }
+}
+
+/// 0 up to 0, 1 from 1, and without a corner in between.
+fn smooth(x: f64) -> f64 {
+    let x = x.clamp(0.0, 1.0);
+    x * x * (3.0 - 2.0 * x)
+}
+
+/// Source and formants at one frequency, as a complex number.
+fn response(frequency_hz: f64, formants: &[f64; 3], rate_hz: u32) -> [f64; 2] {
+    let nyquist_hz = f64::from(rate_hz) / 2.0;
+    let top = FADE_HZ.1.min(0.95 * nyquist_hz);
+    let bottom = FADE_HZ.0.min(0.8 * nyquist_hz);
+    let fade = smooth((top - frequency_hz) / (top - bottom));
+    if fade == 0.0 {
+        return [0.0; 2];
+    }
+    // A bright voice: 3 dB an octave down, lips counted in, and little below 200 Hz.
+    let bass = (frequency_hz / 220.0).powi(4);
+    let source = fade * (500.0 / frequency_hz).sqrt() * bass / (1.0 + bass);
+    let (mut re, mut im) = (source, 0.0);
+    for (formant, width) in formants.iter().zip(BANDWIDTHS_HZ) {
+        let x = frequency_hz / formant;
+        let (a, b) = (1.0 - x * x, x * width / formant);
+        let square = a * a + b * b;
+        (re, im) = ((re * a + im * b) / square, (im * a - re * b) / square);
+    }
+    [re, im]
+}

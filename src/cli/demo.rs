@@ -1,0 +1,249 @@
+//! `echomarch demo`: the window.
+
+use super::exit::BadInput;
+use super::options::{Common, TraceOptions, check_ending, check_range};
+use super::print;
+use crate::audio::{PanningLaw, SAMPLE_RATE, Sound};
+use crate::demo::{DemoOptions, Report, run as run_demo};
+use crate::error::Error;
+use crate::gpu::Api;
+use crate::output::check_file;
+use clap::Args;
+use std::io::Write;
+use std::path::PathBuf;
+
+const EXAMPLES: &str = "\
+Examples:
+  echomarch demo
+  echomarch demo open-field --sound drum.wav --profile march
+  echomarch demo my.ron --waves 262144 --trace-every 2
+  echomarch demo corner --seconds 10 --screenshot demo.png --json
+
+Keys stand in the window: F1 shows them all.";
+
+/// Arguments of `demo`.
+#[derive(Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub struct Arguments {
+    /// Built-in scene or scene file
+    #[arg(default_value = "corner")]
+    scene: String,
+    #[command(flatten)]
+    trace: TraceOptions,
+    #[command(flatten)]
+    sound: SoundOptions,
+    #[command(flatten)]
+    window: WindowOptions,
+}
+
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Sound")]
+struct SoundOptions {
+    /// What the source plays: FILE.wav, sine:440, noise, speech
+    #[arg(long, default_value = "speech", value_name = "SOUND")]
+    sound: String,
+    /// Loudness, 0 to 1
+    #[arg(long, allow_negative_numbers = true, default_value_t = 0.5)]
+    volume: f32,
+    /// Panning law: linear (the thesis), constant-power
+    #[arg(long, default_value_t = PanningLaw::Linear, value_name = "LAW")]
+    law: PanningLaw,
+    /// Sound device by its name, as --list-devices has it
+    #[arg(long, value_name = "NAME")]
+    device: Option<String>,
+    /// List the sound devices and open no window
+    #[arg(long)]
+    list_devices: bool,
+    /// Samples that the sound device takes at a time: fewer are sooner heard
+    #[arg(
+        long,
+        allow_negative_numbers = true,
+        default_value_t = 1024,
+        value_name = "N"
+    )]
+    buffer: u32,
+    /// Record what is heard
+    #[arg(long, value_name = "FILE.wav")]
+    record: Option<PathBuf>,
+}
+
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Window")]
+struct WindowOptions {
+    /// Trace the waves for every Nth picture only
+    #[arg(
+        long,
+        allow_negative_numbers = true,
+        default_value_t = 1,
+        value_name = "N"
+    )]
+    trace_every: u32,
+    /// Let the number of waves follow the frame's time
+    #[arg(long)]
+    adapt_waves: bool,
+    /// Frames a second that are to be held
+    #[arg(
+        long,
+        allow_negative_numbers = true,
+        default_value_t = 30.0,
+        value_name = "N"
+    )]
+    fps: f64,
+    /// Draw the picture at this share of the window's size; without it the share follows
+    /// the frame's time
+    #[arg(long, allow_negative_numbers = true, value_name = "SHARE")]
+    scale: Option<f32>,
+    /// Width in pixels
+    #[arg(long, default_value_t = 960, value_name = "PIXELS")]
+    width: u32,
+    /// Height in pixels
+    #[arg(long, default_value_t = 540, value_name = "PIXELS")]
+    height: u32,
+    /// Where F5 saves the scene; without it NAME-1.ron and so on
+    #[arg(long, value_name = "FILE.ron")]
+    save: Option<PathBuf>,
+    /// Picture of the window at the end
+    #[arg(long, value_name = "FILE.png")]
+    screenshot: Option<PathBuf>,
+    /// Close the window after so many frames
+    #[arg(long, value_name = "N")]
+    frames: Option<u64>,
+    /// Close the window after so many seconds
+    #[arg(long, allow_negative_numbers = true, value_name = "SECONDS")]
+    seconds: Option<f64>,
+    /// Begin with the help closed
+    #[arg(long)]
+    no_help: bool,
+}
+
+/// Runs the subcommand.
+pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
+    if arguments.sound.list_devices {
+        return list_devices(common);
+    }
+    let options = options(arguments, common)?;
+    common.scene(&arguments.scene)?;
+    let report = run_demo(options)?;
+    if common.json {
+        return print::json(&report);
+    }
+    print_text(&report)
+}
+
+#[cfg(not(feature = "audio"))]
+fn list_devices(_: &Common) -> anyhow::Result<()> {
+    print::line("no sound devices: built without sound")
+}
+
+#[cfg(feature = "audio")]
+fn list_devices(common: &Common) -> anyhow::Result<()> {
+    let devices = crate::audio::live::list_devices();
+    if common.json {
+        let described = devices.iter().map(|device| {
+            serde_json::json!({ "name": device.name, "id": device.id, "default": device.default })
+        });
+        return print::json(&described.collect::<Vec<_>>());
+    }
+    if devices.is_empty() {
+        return print::line("no sound devices");
+    }
+    for device in &devices {
+        let mark = if device.default { "*" } else { " " };
+        print::line(&format!("{mark} {}", device.name))?;
+    }
+    Ok(())
+}
+
+fn options(arguments: &Arguments, common: &Common) -> anyhow::Result<DemoOptions> {
+    let (sound, window) = (&arguments.sound, &arguments.window);
+    check(sound, window, common)?;
+    Ok(DemoOptions {
+        scene: arguments.scene.clone(),
+        settings: arguments.trace.settings(common)?,
+        trace_every: window.trace_every,
+        adapt_waves: window.adapt_waves,
+        frame_milliseconds: 1000.0 / window.fps,
+        picture_scale: window.scale,
+        width: window.width,
+        height: window.height,
+        sound: sound.sound.clone(),
+        volume: sound.volume,
+        law: sound.law,
+        device: sound.device.clone(),
+        buffer: sound.buffer,
+        record: sound.record.clone(),
+        save: window.save.clone(),
+        screenshot: window.screenshot.clone(),
+        frames: window.frames,
+        seconds: window.seconds,
+        help: !window.no_help,
+        // A report says how many there were.
+        check_gl: common.json,
+        announce: if common.json { to_errors } else { to_output },
+    })
+}
+
+/// Refuses what cannot be, before a window is opened.
+fn check(sound: &SoundOptions, window: &WindowOptions, common: &Common) -> anyhow::Result<()> {
+    if common.gl != Api::Gl || common.gpu.is_some() {
+        let text = "--gl and --gpu are for what needs no window: it is drawn where the display is";
+        return Err(BadInput(text.into()).into());
+    }
+    Sound::parse(&sound.sound, SAMPLE_RATE).map_err(Error::from)?;
+    check_range("--volume", f64::from(sound.volume), 0.0, 1.0)?;
+    check_range("--buffer", f64::from(sound.buffer), 16.0, 65_536.0)?;
+    check_range("--trace-every", f64::from(window.trace_every), 1.0, 1000.0)?;
+    check_range("--fps", window.fps, 1.0, 240.0)?;
+    check_range("--width", f64::from(window.width), 320.0, 16_384.0)?;
+    check_range("--height", f64::from(window.height), 180.0, 16_384.0)?;
+    check_range("--scale", f64::from(window.scale.unwrap_or(1.0)), 0.05, 1.0)?;
+    check_range("--seconds", window.seconds.unwrap_or(1.0), 0.0, 1e9)?;
+    for (file, ending) in [
+        (&sound.record, "wav"),
+        (&window.save, "ron"),
+        (&window.screenshot, "png"),
+    ] {
+        if let Some(file) = file {
+            check_ending(file, ending)?;
+            check_file(file)?;
+        }
+    }
+    Ok(())
+}
+
+fn to_output(line: &str) {
+    // With nowhere to print to the window still says it.
+    let _ = writeln!(std::io::stdout(), "{line}");
+}
+
+fn to_errors(line: &str) {
+    let _ = writeln!(std::io::stderr(), "{line}");
+}
+
+fn print_text(report: &Report) -> anyhow::Result<()> {
+    let times = &report.frame_ms_median;
+    print::line(&format!(
+        "{} frames in {:.1} s, {:.1} fps (median), 95 % below {:.1} ms, {} GL errors",
+        report.frames, report.seconds, report.fps_median, report.frame_ms_95, report.gl_errors
+    ))?;
+    print::line(&format!(
+        "  picture {:.1} ms ({} × {}), waves {:.1}, read back {:.1}, panels {:.1}, swap {:.1}",
+        times.picture,
+        report.picture[0],
+        report.picture[1],
+        times.waves,
+        times.read_back,
+        times.overlay,
+        times.swap
+    ))?;
+    let latency = &report.latency_ms;
+    print::line(&format!(
+        "  key to ear {:.1} ms as far as known; {}",
+        latency.total(),
+        report.sound.text
+    ))?;
+    if !report.trace_call_is_exact {
+        print::line("# source or listener stand elsewhere now; F5 would have saved that:")?;
+    }
+    print::line(&report.trace_call)
+}

@@ -1,0 +1,380 @@
+//! `echomarch localise`: where is the source? For an observer (`run`) and for people (`form`,
+//! `score`).
+
+use super::exit::BadInput;
+use super::options::{Common, check_range};
+use super::print;
+use super::report::Experiment;
+use crate::audio::{PanningLaw, SAMPLE_RATE, Sound, SoundSpec};
+use crate::error::Error;
+use crate::experiment::localise::form::{self, Form, FormOptions, MOST_TRIALS, WriteError};
+use crate::experiment::localise::score::{Group, ScoreReport, score};
+use crate::experiment::localise::{
+    self, LocaliseOptions, LocaliseReport, ROOMS, SOUNDS, markdown, plot_svg, write_csv,
+};
+use crate::output::write_whole;
+use crate::scene::Scene;
+use crate::trace::{Profile, Settings};
+use clap::{Args, Subcommand};
+use serde_json::json;
+use std::path::PathBuf;
+
+const EXAMPLES: &str = "\
+Examples:
+  echomarch localise run -o out              an observer that answers from the levels alone
+  echomarch localise form -o form --seed 7   sounds and a page for people: open form.html
+  echomarch localise score answers-*.json    what they answered";
+
+const RUN_EXAMPLES: &str = "\
+Examples:
+  echomarch localise run                     every profile and count: some minutes
+  echomarch localise run --quick             some seconds
+  echomarch localise run -o out              the same; CSV, JSON, SVG and Markdown in out/
+  echomarch localise run --scenes my.ron --sounds sine:300 --profiles hybrid";
+
+const FORM_EXAMPLES: &str = "\
+Examples:
+  echomarch localise form -o form            48 trials, about ten minutes
+  echomarch localise form -o form --seed 7 --scenes corner --sounds sine:500 --waves 65536
+  echomarch localise form -o form --profiles hybrid,thesis --iterations 8";
+
+const SCORE_EXAMPLES: &str = "\
+Examples:
+  echomarch localise score answers-*.json
+  echomarch localise score --json anna.json bert.json";
+
+/// Arguments of `localise`.
+#[derive(Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Let the observer answer: errors by scene, sound, profile, waves and iterations
+    Run(RunArguments),
+    /// Write sounds and a page that takes the answers of people
+    Form(FormArguments),
+    /// Score the answers that the page saved
+    Score(ScoreArguments),
+}
+
+/// What to listen to.
+#[derive(Args, Debug)]
+struct Stimuli {
+    /// Built-in scenes or scene files, separated by commas
+    #[arg(long, value_delimiter = ',', value_name = "NAMES", default_values_t = ROOMS.map(str::to_owned))]
+    scenes: Vec<String>,
+    /// Sounds, separated by commas
+    #[arg(long, value_delimiter = ',', value_name = "SOUNDS", default_values_t = SOUNDS.map(str::to_owned))]
+    sounds: Vec<String>,
+    /// How the panning value becomes two levels: linear (the thesis), constant-power
+    #[arg(long, default_value_t = PanningLaw::Linear, value_name = "LAW")]
+    law: PanningLaw,
+}
+
+#[derive(Args, Debug)]
+#[command(after_help = RUN_EXAMPLES)]
+struct RunArguments {
+    #[command(flatten)]
+    stimuli: Stimuli,
+    /// Profiles, separated by commas
+    #[arg(long, value_delimiter = ',', value_name = "NAMES",
+          default_values_t = [Profile::Thesis, Profile::March, Profile::Hybrid])]
+    profiles: Vec<Profile>,
+    /// Numbers of waves, separated by commas [default: 64 … 1048576, each four times as many]
+    #[arg(long, value_delimiter = ',', value_name = "N")]
+    waves: Vec<u32>,
+    /// Numbers of iterations, separated by commas [default: 1,2,4,8,16]
+    #[arg(long, value_delimiter = ',', value_name = "N")]
+    iterations: Vec<u32>,
+    /// Frames of each setting and facing, a seed each [default: 5; with --quick 3]
+    #[arg(long, value_name = "N")]
+    seeds: Option<u32>,
+    /// Few settings and seeds
+    #[arg(long)]
+    quick: bool,
+    /// Write localise.csv, .json, .svg and .md into this folder
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+}
+
+#[derive(Args, Debug)]
+#[command(after_help = FORM_EXAMPLES)]
+struct FormArguments {
+    #[command(flatten)]
+    stimuli: Stimuli,
+    /// Profiles, separated by commas
+    #[arg(long, visible_alias = "profile", value_delimiter = ',', value_name = "NAMES",
+          default_values_t = [Profile::Hybrid])]
+    profiles: Vec<Profile>,
+    /// Numbers of waves, separated by commas
+    #[arg(long, value_delimiter = ',', value_name = "N", default_values_t = [4096, 65_536])]
+    waves: Vec<u32>,
+    /// Numbers of iterations, separated by commas
+    #[arg(long, value_delimiter = ',', value_name = "N", default_values_t = [4, 8])]
+    iterations: Vec<u32>,
+    /// Order of the trials, and start directions of the waves
+    #[arg(long, default_value_t = 1, value_name = "N")]
+    seed: u32,
+    /// Length of each sound
+    #[arg(long, default_value_t = 2.0, value_name = "SECONDS")]
+    seconds: f64,
+    /// A folder that is empty or not there yet
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+}
+
+#[derive(Args, Debug)]
+#[command(after_help = SCORE_EXAMPLES)]
+struct ScoreArguments {
+    /// Files that the page saved; broken-off sessions too
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<PathBuf>,
+}
+
+/// Runs the subcommand.
+pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
+    match &arguments.command {
+        Command::Run(arguments) => observe(arguments, common),
+        Command::Form(arguments) => write_form(arguments, common),
+        Command::Score(arguments) => score_files(arguments, common),
+    }
+}
+
+fn observe(arguments: &RunArguments, common: &Common) -> anyhow::Result<()> {
+    let options = run_options(arguments, common)?;
+    let experiment = Experiment {
+        name: "localise",
+        unit: "settings",
+        print: |report: &LocaliseReport| print::line(&markdown(report)),
+        write_csv,
+        plot_svg,
+    };
+    let mut text = String::new();
+    let folder = arguments.output.as_deref();
+    experiment.run(common, folder, |tracer, progress| {
+        let report = localise::run(tracer, &options, progress)?;
+        text = markdown(&report);
+        Ok(report)
+    })?;
+    let Some(folder) = folder else {
+        return Ok(());
+    };
+    let path = folder.join("localise.md");
+    write_whole(&path, |out| out.write_all(text.as_bytes()))?;
+    if common.json {
+        return Ok(());
+    }
+    print::line(&format!("written: {}", path.display()))
+}
+
+fn run_options(arguments: &RunArguments, common: &Common) -> anyhow::Result<LocaliseOptions> {
+    let (scenes, sounds) = stimuli(&arguments.stimuli, common)?;
+    let mut options = LocaliseOptions::new(scenes, sounds);
+    if arguments.quick {
+        options = options.quick();
+    }
+    options.law = arguments.stimuli.law;
+    options.profiles = distinct(&arguments.profiles);
+    if !arguments.waves.is_empty() {
+        options.waves = distinct(&arguments.waves);
+    }
+    if !arguments.iterations.is_empty() {
+        options.iterations = distinct(&arguments.iterations);
+    }
+    if let Some(seeds) = arguments.seeds {
+        check_range("--seeds", f64::from(seeds), 2.0, 1000.0)?;
+        options.seeds = seeds;
+    }
+    check_settings(&options.waves, &options.iterations)?;
+    let open = |settings: &Settings| options.profiles.contains(&settings.profile);
+    options.open.retain(open);
+    Ok(options)
+}
+
+fn stimuli(from: &Stimuli, common: &Common) -> anyhow::Result<(Vec<Scene>, Vec<SoundSpec>)> {
+    let scenes = distinct(&from.scenes);
+    let scenes: Result<Vec<Scene>, Error> = scenes.iter().map(|name| common.scene(name)).collect();
+    let mut sounds = Vec::new();
+    for name in distinct(&from.sounds) {
+        let spec: SoundSpec = name.parse().map_err(Error::from)?;
+        // Before any work: the file may not be there.
+        Sound::load(&spec, SAMPLE_RATE).map_err(Error::from)?;
+        sounds.push(spec);
+    }
+    Ok((scenes?, sounds))
+}
+
+/// Each once, in the order given.
+fn distinct<T: Clone + PartialEq>(items: &[T]) -> Vec<T> {
+    let mut once = Vec::new();
+    for item in items {
+        if !once.contains(item) {
+            once.push(item.clone());
+        }
+    }
+    once
+}
+
+fn check_settings(waves: &[u32], iterations: &[u32]) -> anyhow::Result<()> {
+    for &waves in waves {
+        for &iterations in iterations {
+            let settings = Settings::default();
+            let settings = settings.with_waves(waves).with_iterations(iterations);
+            settings.validate().map_err(Error::from)?;
+        }
+    }
+    Ok(())
+}
+
+fn write_form(arguments: &FormArguments, common: &Common) -> anyhow::Result<()> {
+    check_range("--seconds", arguments.seconds, 0.1, 60.0)?;
+    let (waves, iterations) = (distinct(&arguments.waves), distinct(&arguments.iterations));
+    check_settings(&waves, &iterations)?;
+    let (scenes, sounds) = stimuli(&arguments.stimuli, common)?;
+    let options = FormOptions {
+        scenes,
+        sounds,
+        profiles: distinct(&arguments.profiles),
+        waves,
+        iterations,
+        seed: arguments.seed,
+        seconds: arguments.seconds,
+        law: arguments.stimuli.law,
+    };
+    check_range(
+        "the number of trials",
+        options.trials() as f64,
+        1.0,
+        MOST_TRIALS as f64,
+    )?;
+    form::prepare(&arguments.output).map_err(refused)?;
+    let mut tracer = common.tracer()?;
+    let bar = print::progress(common, 0, "settings");
+    let form = form::build(&mut tracer, &options, &mut |done, total| {
+        bar.set_length(total);
+        bar.set_position(done);
+    })?;
+    bar.finish_and_clear();
+    form.write(&arguments.output).map_err(refused)?;
+    tell_form(arguments, common, &form)
+}
+
+fn refused(error: WriteError) -> anyhow::Error {
+    match error {
+        WriteError::NotEmpty { .. } => BadInput(error.to_string()).into(),
+        WriteError::Output(error) => error.into(),
+        WriteError::Sound(error) => error.into(),
+    }
+}
+
+fn tell_form(arguments: &FormArguments, common: &Common, form: &Form) -> anyhow::Result<()> {
+    let page = arguments.output.join("form.html").display().to_string();
+    let unheard = form.trials.iter().filter(|trial| trial.stimulus.hits == 0);
+    let unheard = unheard.count();
+    if common.json {
+        return print::json(&json!({
+            "output": page, "experiment": form.experiment, "seed": form.seed,
+            "embedded": form.embedded, "unheard": unheard, "trials": form.trials,
+        }));
+    }
+    let sounds = match form.embedded {
+        true => "with all sounds in it",
+        false => "with its sounds beside it in sounds/",
+    };
+    let trials = form.trials.len();
+    print::line(&format!(
+        "{page}: {trials} trials, {sounds}; open it in a browser"
+    ))?;
+    if unheard > 0 {
+        print::line(&format!(
+            "  in {unheard} of them no wave arrived: they are in the middle"
+        ))?;
+    }
+    Ok(())
+}
+
+fn score_files(arguments: &ScoreArguments, common: &Common) -> anyhow::Result<()> {
+    let report = score(&arguments.files).map_err(|error| BadInput(error.to_string()))?;
+    if common.json {
+        return print::json(&report);
+    }
+    for note in &report.notes {
+        common.note(&format!("note: {note}"));
+    }
+    print_score(&report)
+}
+
+fn print_score(report: &ScoreReport) -> anyhow::Result<()> {
+    let mut printed = print::table(&["session", "participant", "form", "answered", "of"]);
+    for line in &report.sessions {
+        printed.add_row([
+            line.session.clone(),
+            line.participant.clone(),
+            line.experiment.clone(),
+            line.answered.to_string(),
+            line.trials.to_string(),
+        ]);
+    }
+    print::line(&printed.to_string())?;
+    if report.groups.is_empty() {
+        return print::line("\nNo trial is answered.");
+    }
+    let mut printed = print::table(&[
+        "scene",
+        "sound",
+        "profile",
+        "waves",
+        "it.",
+        "answers",
+        "error from source",
+        "interval",
+        "outward bias",
+        "error from observer",
+        "left said L/C/R",
+        "centre",
+        "right",
+        "front-back",
+        "confidence",
+    ]);
+    for group in &report.groups {
+        printed.add_row(group_cells(group));
+    }
+    print::line(&format!(
+        "\n{printed}\n\nErrors: median absolute, in degrees, of the click's azimuth folded to the \
+         front, with its 95 %\nbootstrap interval. Observer: what it answers to the same sounds, \
+         by their levels alone.\nFront-back: share of clicks behind for a source ahead, or the \
+         other way round."
+    ))
+}
+
+fn group_cells(group: &Group) -> Vec<String> {
+    let or_all = |name: &String| match name.is_empty() {
+        true => "all".to_owned(),
+        false => name.clone(),
+    };
+    let number = |number: Option<u32>| number.map_or_else(|| "all".to_owned(), |n| n.to_string());
+    let source = &group.source;
+    let mut cells = vec![
+        or_all(&group.scene),
+        or_all(&group.sound),
+        or_all(&group.profile),
+        number(group.waves),
+        number(group.iterations),
+        group.answers.to_string(),
+        format!("{:.1}", source.median_abs_deg),
+        format!("{:.1} … {:.1}", source.low_deg, source.high_deg),
+        format!("{:+.1}", source.outward_bias_deg),
+        format!("{:.1}", group.observer.median_abs_deg),
+    ];
+    let said = group
+        .confusion
+        .map(|row| row.map(|n| n.to_string()).join("/"));
+    cells.extend(said);
+    cells.push(format!("{:.0} %", 100.0 * group.front_back_confused));
+    cells.push(format!("{:.1}", group.confidence));
+    cells
+}

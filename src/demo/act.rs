@@ -1,0 +1,169 @@
+//! What keys and buttons ask for once.
+
+use super::app::App;
+use super::keys::Action;
+use super::save;
+use super::state::World;
+use crate::audio::PanningLaw;
+use crate::scene::BUILTIN_NAMES;
+use std::path::PathBuf;
+
+/// Names of files that are tried for one kind.
+const NAMES_AT_MOST: u32 = 9999;
+
+impl App {
+    /// Does what was asked for.
+    pub fn act(&mut self, action: Action) {
+        match action {
+            Action::Profile(profile) => {
+                self.choices.set_profile(profile);
+                self.wave_control.forget();
+                self.say(format!("profile {profile}"));
+            }
+            Action::Waves(steps) => {
+                self.choices.change_waves(steps);
+                self.say(format!("{} waves", self.choices.settings.waves));
+            }
+            Action::Iterations(more) => {
+                self.choices.change_iterations(more);
+                self.say(format!("{} iterations", self.choices.settings.iterations));
+            }
+            Action::PickUp => self.pick_up(),
+            Action::Pause => self.pause(),
+            Action::StartOver => {
+                self.world.start_over();
+                self.say("back to the beginning");
+            }
+            Action::NextScene => self.next_scene(),
+            Action::Scene(name) => self.change_scene(&name),
+            Action::Save => self.save(),
+            Action::Screenshot => {
+                self.picture_wanted = free_file("echomarch", "png");
+            }
+            Action::Help => self.choices.help = !self.choices.help,
+            Action::Panels => self.choices.panels = !self.choices.panels,
+            Action::AdaptWaves => {
+                self.choices.adapt_waves = !self.choices.adapt_waves;
+                self.wave_control.forget();
+            }
+            Action::FreeMouse => self.look_by_mouse(false),
+            Action::Quit => self.quit(),
+            Action::Sound(_) | Action::Law | Action::Mute | Action::Volume(_) | Action::Record => {
+                self.act_on_sound(action)
+            }
+        }
+    }
+
+    fn act_on_sound(&mut self, action: Action) {
+        let chosen = &mut self.choices;
+        match action {
+            Action::Sound(name) => match self.speaker.set_sound(&name) {
+                Ok(()) => chosen.sound = name,
+                Err(reason) => self.say(reason),
+            },
+            Action::Law => {
+                chosen.law = match chosen.law {
+                    PanningLaw::Linear => PanningLaw::ConstantPower,
+                    PanningLaw::ConstantPower => PanningLaw::Linear,
+                };
+                let text = format!("panning law {}", chosen.law);
+                self.say(text);
+            }
+            Action::Mute => chosen.muted = !chosen.muted,
+            Action::Volume(steps) => {
+                chosen.volume = (chosen.volume + 0.1 * steps as f32).clamp(0.0, 1.0);
+                let text = format!("volume {:.0} %", 100.0 * chosen.volume);
+                self.say(text);
+            }
+            Action::Record if self.sound.is_recording => self.record(None),
+            Action::Record => {
+                let path = free_file("echomarch", "wav");
+                self.record(path);
+            }
+            _ => {}
+        }
+    }
+
+    fn pick_up(&mut self) {
+        self.world.pick_up_or_put_down();
+        self.say(if self.world.carrying {
+            "the source comes along: F puts it down"
+        } else {
+            "the source stays here"
+        });
+    }
+
+    fn pause(&mut self) {
+        self.world.paused = !self.world.paused;
+        self.say(match (self.world.moves(), self.world.paused) {
+            (false, _) => "nothing moves by itself in this scene",
+            (true, true) => "held: P lets it go on",
+            (true, false) => "it goes on",
+        });
+    }
+
+    fn next_scene(&mut self) {
+        let place = BUILTIN_NAMES.iter().position(|&n| n == self.world.name);
+        let next = place.map_or(0, |place| (place + 1) % BUILTIN_NAMES.len());
+        self.change_scene(BUILTIN_NAMES[next]);
+    }
+
+    fn change_scene(&mut self, name: &str) {
+        match World::load(name) {
+            Ok(mut world) => {
+                world.paused = self.world.paused;
+                let old = std::mem::replace(&mut self.world, world);
+                // Should the new one not compile, the old one comes back.
+                self.previous = Some(old);
+                self.paths.clear();
+                self.heard = None;
+                self.scale_control.forget();
+                self.wave_control.forget();
+                self.say(format!("scene {name}"));
+            }
+            Err(error) => self.say(error.to_string()),
+        }
+    }
+
+    fn save(&mut self) {
+        let Some(text) = self.world.text.clone() else {
+            self.say("the scene's text is not to be had: not saved");
+            return;
+        };
+        let (world, path) = (&self.world, self.options.save.as_deref());
+        match save::save(&text, &world.moved(), &world.now, path) {
+            Ok(path) => {
+                let name = path.display().to_string();
+                self.saved.push(name.clone());
+                let (call, is_exact) = self.call();
+                (self.options.announce)(&format!("saved {name}"));
+                (self.options.announce)(&call);
+                self.say(if is_exact {
+                    format!("saved {name}; the equal call is on standard output")
+                } else {
+                    format!("saved {name}; what moves by itself begins at its path's start")
+                });
+            }
+            Err(error) => self.say(error.to_string()),
+        }
+    }
+
+    /// Begins a recording, or ends the one under way.
+    pub fn record(&mut self, path: Option<PathBuf>) {
+        let told = match self.speaker.record(path.as_deref()) {
+            Ok(()) => match path {
+                Some(path) => format!("recording to {}", path.display()),
+                None => "the recording is whole".to_owned(),
+            },
+            Err(reason) => reason,
+        };
+        self.say(told);
+    }
+}
+
+/// The next name `STEM-1.ENDING` that is free.
+fn free_file(stem: &str, ending: &str) -> Option<PathBuf> {
+    (1..NAMES_AT_MOST)
+        .map(|number| PathBuf::from(format!("{stem}-{number}.{ending}")))
+        .find(|path| !path.exists())
+}

@@ -1,0 +1,190 @@
+//! Holding the frame's time: how coarse the picture, and how many waves.
+//!
+//! Pure functions of what was measured. Going down is quick and going up is slow, and
+//! there is a gap between the two, so that nothing swings.
+
+/// Sides of the grid of waves that the control chooses from.
+const SIDES: [u32; 12] = [32, 64, 96, 128, 192, 256, 384, 512, 768, 1024, 1448, 2048];
+
+/// Pixels drawn for each of the window's, along one side, that the control chooses from.
+pub const SCALES: [f32; 8] = [0.2, 0.25, 0.33, 0.4, 0.5, 0.65, 0.8, 1.0];
+
+/// Frames that are looked at before anything is changed.
+const FRAMES: usize = 6;
+
+/// Frames with room to spare before more is asked for.
+const PATIENCE: usize = 18;
+
+/// Above this share of the time that is to be held, less is done.
+const FULL: f64 = 0.92;
+
+/// What a change for more may fill the time to, as foreseen.
+const ROOM: f64 = 0.80;
+
+/// What the control found out of one choice from a ladder of costs.
+#[derive(Clone, Debug, Default)]
+pub struct Control {
+    whole: Vec<f64>,
+    part: Vec<f64>,
+}
+
+impl Control {
+    /// Takes in one frame: its whole time, and the part of it that the choice pays for, in
+    /// milliseconds.
+    pub fn add(&mut self, whole: f64, part: f64) {
+        self.whole.push(whole);
+        self.part.push(part);
+        if self.whole.len() > PATIENCE {
+            self.whole.remove(0);
+            self.part.remove(0);
+        }
+    }
+
+    /// The choice to go on with. `costs` are those of the ladder's steps in any unit,
+    /// growing; `now` is the step in use; `target` the milliseconds to hold.
+    pub fn choose(&mut self, costs: &[f64], now: usize, target: f64) -> usize {
+        let now = now.min(costs.len().saturating_sub(1));
+        if self.whole.len() < FRAMES || costs.is_empty() {
+            return now;
+        }
+        let (whole, part) = (recent(&self.whole), recent(&self.part));
+        let foreseen = |step: usize| whole - part + part * costs[step] / costs[now];
+        let chosen = if whole > FULL * target {
+            (0..now)
+                .rev()
+                .find(|&step| foreseen(step) <= ROOM * target)
+                .unwrap_or(0)
+        } else if self.whole.len() >= PATIENCE
+            && now + 1 < costs.len()
+            && foreseen(now + 1) <= ROOM * target
+        {
+            now + 1
+        } else {
+            now
+        };
+        if chosen != now {
+            self.forget();
+        }
+        chosen
+    }
+
+    /// Forgets what was measured: something else has changed.
+    pub fn forget(&mut self) {
+        self.whole.clear();
+        self.part.clear();
+    }
+}
+
+/// The median of the last frames.
+fn recent(times: &[f64]) -> f64 {
+    median(&times[times.len().saturating_sub(FRAMES)..])
+}
+
+/// The median; 0 of nothing.
+pub fn median(values: &[f64]) -> f64 {
+    quantile(values, 0.5)
+}
+
+/// The value below which that share of the values lies; 0 of nothing.
+pub fn quantile(values: &[f64], share: f64) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let index = (share * sorted.len() as f64) as usize;
+    sorted
+        .get(index.min(sorted.len().saturating_sub(1)))
+        .copied()
+        .unwrap_or_default()
+}
+
+/// The counts of waves to choose from, those allowed alone.
+pub fn wave_ladder(most: u32) -> Vec<u32> {
+    SIDES
+        .iter()
+        .map(|side| side * side)
+        .filter(|&waves| waves <= most)
+        .collect()
+}
+
+/// The step of a growing ladder that is next to a value from below; the first where all
+/// are above.
+pub fn step_of<T: PartialOrd>(ladder: &[T], value: T) -> usize {
+    ladder
+        .iter()
+        .rposition(|step| *step <= value)
+        .unwrap_or_default()
+}
+
+/// What a scale costs: its pixels.
+pub fn scale_costs() -> Vec<f64> {
+    SCALES
+        .iter()
+        .map(|&scale| f64::from(scale) * f64::from(scale))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TARGET: f64 = 33.3;
+
+    /// Runs a machine that needs `fixed` milliseconds and `whole` at the ladder's end; the steps it went through.
+    fn run(fixed: f64, full: f64, start: usize, frames: usize) -> Vec<usize> {
+        let costs = scale_costs();
+        let mut control = Control::default();
+        let mut step = start;
+        let mut steps = vec![start];
+        for _ in 0..frames {
+            let part = full * costs[step];
+            control.add(fixed + part, part);
+            step = control.choose(&costs, step, TARGET);
+            if steps.last() != Some(&step) {
+                steps.push(step);
+            }
+        }
+        steps
+    }
+
+    /// Protects the frame time: whatever the machine, it ends below the target and where one step more would not
+    /// fit, and does not swing there.
+    #[test]
+    fn the_control_settles_at_the_most_that_fits() {
+        let costs = scale_costs();
+        for full in [5.0, 40.0, 90.0, 300.0, 500.0] {
+            for start in [0, 4, SCALES.len() - 1] {
+                let steps = run(12.0, full, start, 600);
+                let last = *steps.last().unwrap();
+                assert!(12.0 + full * costs[last] <= TARGET, "{full}: {steps:?}");
+                if let Some(more) = costs.get(last + 1) {
+                    assert!(12.0 + full * more > ROOM * TARGET, "{full}: {steps:?}");
+                }
+                assert!(steps.len() <= SCALES.len() + 1, "it swings: {steps:?}");
+            }
+        }
+    }
+
+    /// Protects a machine that can hold nothing: it stays at the least, and a quick one goes down at once.
+    #[test]
+    fn the_least_is_the_least() {
+        assert_eq!(*run(100.0, 10.0, 4, 60).last().unwrap(), 0);
+        assert_eq!(run(12.0, 400.0, 7, FRAMES + 1).len(), 2);
+    }
+
+    /// Protects the ladder from more waves than are allowed.
+    #[test]
+    fn ladders_end_where_they_must() {
+        assert_eq!(wave_ladder(65_536).last(), Some(&65_536));
+        assert_eq!(wave_ladder(70_000).last(), Some(&65_536));
+        assert_eq!(step_of(&[1, 5, 9], 6), 1);
+        assert_eq!(step_of(&[1, 5, 9], 0), 0);
+        assert_eq!(step_of(&SCALES, 1.0), SCALES.len() - 1);
+    }
+
+    /// Protects reports: the middle, and nothing of nothing.
+    #[test]
+    fn quantiles() {
+        assert_eq!(median(&[3.0, 1.0, 2.0]), 2.0);
+        assert_eq!(quantile(&[1.0, 2.0, 3.0, 4.0], 1.0), 4.0);
+        assert_eq!(median(&[]), 0.0);
+    }
+}

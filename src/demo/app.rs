@@ -1,0 +1,336 @@
+//! Events in, frames out.
+
+use super::adapt::{Control, SCALES, step_of};
+use super::keys::{Held, action};
+use super::latency::Latency;
+use super::overlay::Plan;
+use super::report::{Recorder, Report, Standing};
+use super::save::trace_call;
+use super::sound::{SoundStatus, Speaker};
+use super::state::{Choices, World};
+use super::view::{Drawn, View};
+use super::window::DemoWindow;
+use super::{DemoError, DemoOptions, overlay};
+use crate::scene::Scene;
+use crate::trace::{Frame, Tracer, Wave};
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+use winit::application::ApplicationHandler;
+use winit::error::EventLoopError;
+use winit::event::{
+    DeviceEvent, DeviceId, ElementState, KeyEvent, MouseButton, StartCause, WindowEvent,
+};
+use winit::event_loop::{ActiveEventLoop, ControlFlow};
+use winit::keyboard::PhysicalKey;
+use winit::window::WindowId;
+
+/// The least time between two frames: no screen shows more.
+const LEAST_INTERVAL: Duration = Duration::from_micros(16_600);
+
+/// Radians that the gaze turns for a pixel of the mouse.
+const MOUSE: f32 = 0.0025;
+
+/// The scale of the picture to begin with, on a software renderer.
+const FIRST_SCALE: f32 = 0.4;
+
+/// Everything that needs the window. The fields go in this order: the window last.
+pub(super) struct Stage {
+    pub view: View,
+    pub tracer: Tracer,
+    /// For the few waves whose paths are shown; another count than the frame's.
+    pub path_tracer: Tracer,
+    pub window: DemoWindow,
+}
+
+/// The window's whole state.
+pub(super) struct App {
+    pub options: DemoOptions,
+    pub choices: Choices,
+    pub world: World,
+    /// The scene before this one, until this one has been drawn.
+    pub previous: Option<World>,
+    pub held: Held,
+    pub mouse_looks: bool,
+    pub plan: Plan,
+    pub paths: Vec<Vec<Wave>>,
+    pub heard: Option<Frame>,
+    pub drawn: Drawn,
+    pub scale_step: usize,
+    pub scale_control: Control,
+    pub wave_control: Control,
+    pub latency: Latency,
+    pub recorder: Recorder,
+    pub speaker: Speaker,
+    pub sound: SoundStatus,
+    pub message: Option<(String, Instant)>,
+    pub picture_wanted: Option<PathBuf>,
+    pub saved: Vec<String>,
+    pub stage: Option<Stage>,
+    pub started: Instant,
+    pub last: Instant,
+    next: Instant,
+    is_over: bool,
+    outcome: Result<Report, DemoError>,
+}
+
+impl App {
+    pub fn new(options: DemoOptions) -> Result<App, DemoError> {
+        let world = World::load(&options.scene).map_err(crate::Error::from)?;
+        options.settings.validate().map_err(crate::Error::from)?;
+        let now = Instant::now();
+        let speaker = Speaker::start(&options);
+        Ok(App {
+            choices: Choices::of(&options),
+            world,
+            previous: None,
+            held: Held::default(),
+            mouse_looks: false,
+            plan: Plan::default(),
+            paths: Vec::new(),
+            heard: None,
+            drawn: Drawn::default(),
+            scale_step: SCALES.len() - 1,
+            scale_control: Control::default(),
+            wave_control: Control::default(),
+            latency: Latency::default(),
+            recorder: Recorder::default(),
+            sound: speaker.status(),
+            speaker,
+            message: None,
+            picture_wanted: None,
+            saved: Vec::new(),
+            stage: None,
+            started: now,
+            last: now,
+            next: now,
+            is_over: false,
+            outcome: Ok(Report::default()),
+            options,
+        })
+    }
+
+    /// What came of it, once the events have ended.
+    pub fn result(self, ran: Result<(), EventLoopError>) -> Result<Report, DemoError> {
+        let report = self.outcome?;
+        ran.map_err(|error| DemoError::NoWindow {
+            reason: error.to_string(),
+        })?;
+        Ok(report)
+    }
+
+    /// Shows a line for a while.
+    pub fn say(&mut self, text: impl Into<String>) {
+        self.message = Some((text.into(), Instant::now()));
+    }
+
+    /// Seconds since the start.
+    pub fn seconds(&self) -> f64 {
+        self.started.elapsed().as_secs_f64()
+    }
+
+    fn open(&mut self, events: &ActiveEventLoop) -> Result<(), DemoError> {
+        let window = DemoWindow::open(events, &self.options)?;
+        overlay::set_style(window.egui());
+        let context = window.gl.context().clone();
+        if context.is_software() {
+            self.scale_step = step_of(&SCALES, FIRST_SCALE);
+        }
+        self.stage = Some(Stage {
+            view: View::new(&context),
+            tracer: Tracer::new(&context)?,
+            path_tracer: Tracer::new(&context)?,
+            window,
+        });
+        if let Some(path) = self.options.record.clone() {
+            self.record(Some(path));
+        }
+        self.started = Instant::now();
+        (self.last, self.next) = (self.started, self.started);
+        Ok(())
+    }
+
+    /// Whether the time or the frames asked for are over with the next frame.
+    pub fn is_last_frame(&self) -> bool {
+        let frames = self.options.frames;
+        let seconds = self.options.seconds;
+        self.is_over
+            || frames.is_some_and(|frames| self.recorder.frames + 1 >= frames)
+            || seconds.is_some_and(|seconds| self.seconds() >= seconds)
+    }
+
+    /// Closes the window after the next frame.
+    pub fn quit(&mut self) {
+        self.is_over = true;
+    }
+
+    fn key(&mut self, event: &KeyEvent) {
+        let PhysicalKey::Code(key) = event.physical_key else {
+            return;
+        };
+        if event.state == ElementState::Released {
+            self.held.release(key);
+            return;
+        }
+        if event.repeat {
+            return;
+        }
+        self.held.press(key);
+        let asked = action(key, self.held.control());
+        if asked.is_some() || !self.held.wish().is_rest() {
+            self.latency.input(Instant::now());
+        }
+        if let Some(asked) = asked {
+            self.act(asked);
+        }
+    }
+
+    /// Lets the mouse look about, or gives it back.
+    pub fn look_by_mouse(&mut self, wanted: bool) {
+        if let Some(stage) = &self.stage
+            && wanted != self.mouse_looks
+        {
+            self.mouse_looks = stage.window.capture_mouse(wanted);
+        }
+    }
+
+    /// The end: what was measured, while the window is still there.
+    fn close(&mut self) {
+        let Some(mut stage) = self.stage.take() else {
+            return;
+        };
+        if self.outcome.is_ok() {
+            self.outcome = Ok(self.report(&stage));
+        }
+        // A recording ends whole.
+        let _ = self.speaker.record(None);
+        stage.window.close();
+    }
+
+    fn report(&mut self, stage: &Stage) -> Report {
+        let listener = &self.world.now.listener;
+        let mut report = Report {
+            scene: self.world.base.name.clone(),
+            profile: self.choices.settings.profile.to_string(),
+            waves: self.choices.settings.waves,
+            iterations: self.choices.settings.iterations,
+            renderer: stage.window.gl.context().renderer().to_owned(),
+            seconds: self.seconds(),
+            window: stage.window.size(),
+            picture: self.drawn.size,
+            sound: self.speaker.status(),
+            latency_ms: self.latency.parts(),
+            counts: self.heard.as_ref().map(|f| f.counts).unwrap_or_default(),
+            listener: Standing {
+                position: listener.position.to_array(),
+                yaw: listener.yaw.to_degrees(),
+                pitch: listener.pitch.to_degrees(),
+            },
+            source: self.world.now.source.position.to_array(),
+            help: self.choices.help,
+            saved: self.saved.clone(),
+            ..Report::default()
+        };
+        (report.trace_call, report.trace_call_is_exact) = self.call();
+        std::mem::take(&mut self.recorder).fill(&mut report);
+        report
+    }
+
+    /// The `trace` call nearest to what is heard, and whether its scene is that one.
+    pub fn call(&self) -> (String, bool) {
+        let now = &self.world.now;
+        let names = self.saved.last().into_iter().chain([&self.world.name]);
+        let mut calls = names.map(|name| {
+            let is_exact = Scene::load(name).is_ok_and(|scene| stands_as(&scene, now));
+            (trace_call(name, &self.choices.settings), is_exact)
+        });
+        let first_exact = calls.find(|(_, is_exact)| *is_exact);
+        first_exact.unwrap_or_else(|| (trace_call(&self.world.name, &self.choices.settings), false))
+    }
+}
+
+/// Whether source and listener stand alike, but for the rounding of degrees.
+fn stands_as(a: &Scene, b: &Scene) -> bool {
+    let (one, other) = (&a.listener, &b.listener);
+    let turn = (one.yaw - other.yaw).sin().abs() + (one.pitch - other.pitch).sin().abs();
+    a.source.position == b.source.position
+        && one.position == other.position
+        && turn < 1e-4
+        && a.surfaces == b.surfaces
+}
+
+impl ApplicationHandler for App {
+    fn resumed(&mut self, events: &ActiveEventLoop) {
+        if self.stage.is_none()
+            && let Err(error) = self.open(events)
+        {
+            self.outcome = Err(error);
+            events.exit();
+        }
+    }
+
+    fn new_events(&mut self, _: &ActiveEventLoop, _: StartCause) {}
+
+    fn window_event(&mut self, events: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
+        let Some(stage) = &mut self.stage else {
+            return;
+        };
+        let is_tab = matches!(&event, WindowEvent::KeyboardInput { event, .. }
+            if event.physical_key == PhysicalKey::Code(winit::keyboard::KeyCode::Tab));
+        // Tab would move egui's focus about, and every key with it.
+        let hides_from_panels = self.mouse_looks || is_tab;
+        let is_theirs = !hides_from_panels && stage.window.on_event(&event).consumed;
+        match event {
+            WindowEvent::CloseRequested => events.exit(),
+            WindowEvent::Resized(size) => {
+                stage.window.gl.resize(size.width, size.height);
+                stage.view.forget();
+                self.scale_control.forget();
+            }
+            WindowEvent::Focused(false) => {
+                self.held.clear();
+                self.look_by_mouse(false);
+            }
+            // A key that goes up always counts, whoever saw it go down.
+            WindowEvent::KeyboardInput { event, .. }
+                if !is_theirs || event.state == ElementState::Released =>
+            {
+                self.key(&event);
+            }
+            WindowEvent::MouseInput {
+                state: ElementState::Pressed,
+                button: MouseButton::Left,
+                ..
+            } if !is_theirs => self.look_by_mouse(!self.mouse_looks),
+            _ => {}
+        }
+    }
+
+    fn device_event(&mut self, _: &ActiveEventLoop, _: DeviceId, event: DeviceEvent) {
+        if let DeviceEvent::MouseMotion { delta: (x, y) } = event
+            && self.mouse_looks
+        {
+            self.latency.input(Instant::now());
+            self.world.look(MOUSE * x as f32, -MOUSE * y as f32);
+        }
+    }
+
+    fn about_to_wait(&mut self, events: &ActiveEventLoop) {
+        let now = Instant::now();
+        if now >= self.next && self.stage.is_some() && !events.exiting() {
+            self.next = (self.next + LEAST_INTERVAL).max(now);
+            let is_last = self.is_last_frame();
+            if let Err(error) = self.frame(is_last) {
+                self.outcome = Err(error);
+                events.exit();
+            } else if is_last {
+                events.exit();
+            }
+        }
+        events.set_control_flow(ControlFlow::WaitUntil(self.next));
+    }
+
+    fn exiting(&mut self, _: &ActiveEventLoop) {
+        // The connection to the display goes after this, and the window must go before.
+        self.close();
+    }
+}

@@ -1,0 +1,282 @@
+//! One frame, part by part: setup, waves, picture, panels, swap.
+
+use super::DemoError;
+use super::adapt::{SCALES, scale_costs, step_of, wave_ladder};
+use super::app::{App, Stage};
+use super::overlay::{self, Facts};
+use super::report::FrameTimes;
+use super::view::Drawn;
+use crate::picture::{RgbaImage, save_png};
+use crate::trace::Settings;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// Waves whose paths are shown in the plan.
+const PATHS: u32 = 80;
+/// Iterations that the paths are followed for at the most.
+const PATH_ITERATIONS: u32 = 16;
+/// Frames from one set of paths to the next.
+const PATHS_EVERY: u64 = 6;
+/// Waves that the control goes to.
+const MOST_WAVES: u32 = 1 << 20;
+/// Waves that take so many times what a frame may take are told of.
+const TOO_LONG: f64 = 2.0;
+/// How long a message stands.
+const MESSAGE: Duration = Duration::from_secs(4);
+/// Frames that are shown in the panels.
+const FRAMES_SHOWN: usize = 100;
+
+fn milliseconds(from: Instant) -> f64 {
+    from.elapsed().as_secs_f64() * 1e3
+}
+
+impl App {
+    /// Draws and traces one frame; the last one leaves a picture behind, if one is wanted.
+    pub fn frame(&mut self, is_last: bool) -> Result<(), DemoError> {
+        let Some(mut stage) = self.stage.take() else {
+            return Ok(());
+        };
+        let drawn = self.frame_on(&mut stage, is_last);
+        self.stage = Some(stage);
+        drawn
+    }
+
+    fn frame_on(&mut self, stage: &mut Stage, is_last: bool) -> Result<(), DemoError> {
+        let began = Instant::now();
+        let passed = began.duration_since(self.last).as_secs_f64();
+        self.last = began;
+        self.world.pass(&self.held.wish(), passed);
+        let size = stage.window.size();
+        if size[0] == 0 || size[1] == 0 {
+            // Nothing can be seen; the ear goes on.
+            let mut times = FrameTimes::default();
+            self.waves(stage, &mut times)?;
+            self.recorder.frame(times, self.seconds());
+            return Ok(());
+        }
+        let mut times = FrameTimes {
+            whole: 1e3 * passed,
+            ..FrameTimes::default()
+        };
+        if let Err(error) = self.world_on(stage, size, &mut times) {
+            self.fall_back(error)?;
+        }
+        self.panels(stage, size, &mut times)?;
+        self.pictures(stage, size, is_last)?;
+        let swapping = Instant::now();
+        stage.window.gl.swap()?;
+        times.swap = milliseconds(swapping);
+        self.check(stage);
+        times.work = milliseconds(began);
+        self.recorder.frame(times, self.seconds());
+        self.adapt(times);
+        Ok(())
+    }
+
+    /// What is heard and seen of the scene.
+    fn world_on(
+        &mut self,
+        stage: &mut Stage,
+        size: [u32; 2],
+        times: &mut FrameTimes,
+    ) -> Result<(), DemoError> {
+        self.waves(stage, times)?;
+        let scale = match self.choices.picture_scale {
+            // Whoever fixes the size gets that size.
+            Some(fixed) => (fixed, false),
+            None => (SCALES[self.scale_step], true),
+        };
+        let drawing = Instant::now();
+        let gl = &stage.window.gl;
+        self.drawn = stage.view.draw(gl, &self.world.now, size, scale)?;
+        times.picture = milliseconds(drawing);
+        if self.choices.paths && self.choices.panels {
+            let following = Instant::now();
+            self.follow_paths(stage)?;
+            times.paths = milliseconds(following);
+        }
+        // What was begun in this frame may be there by now.
+        self.collect(stage, false, times)?;
+        self.previous = None;
+        Ok(())
+    }
+
+    /// A scene that cannot be drawn gives way to the one before it; without one it is the end.
+    fn fall_back(&mut self, error: DemoError) -> Result<(), DemoError> {
+        let Some(previous) = self.previous.take() else {
+            return Err(error);
+        };
+        let text = error.to_string();
+        let sentence = text.lines().next().unwrap_or_default();
+        self.say(format!("{}: {sentence}", self.world.name));
+        self.world = previous;
+        self.drawn = Drawn::default();
+        Ok(())
+    }
+
+    /// Collects the waves of the last frame, and begins those of this one.
+    fn waves(&mut self, stage: &mut Stage, times: &mut FrameTimes) -> Result<(), DemoError> {
+        let every = u64::from(self.choices.trace_every.max(1));
+        let is_due = self.recorder.frames.is_multiple_of(every);
+        self.collect(stage, is_due, times)?;
+        if is_due {
+            let now = Instant::now();
+            self.latency.trace_begins(now);
+            stage
+                .tracer
+                .frame_begin(&self.world.now, &self.choices.settings)?;
+        }
+        Ok(())
+    }
+
+    /// Takes what was heard, if it is there, to the speakers.
+    fn collect(
+        &mut self,
+        stage: &mut Stage,
+        wait: bool,
+        times: &mut FrameTimes,
+    ) -> Result<(), DemoError> {
+        let frame = if wait {
+            stage.tracer.frame_wait()?
+        } else {
+            stage.tracer.frame_poll()?
+        };
+        let Some(frame) = frame else {
+            return Ok(());
+        };
+        self.speaker.set_panning(frame.panning);
+        self.latency.read_back(Instant::now());
+        let spent = &frame.milliseconds;
+        times.waves += spent.initialise + spent.march + spent.pan;
+        times.read_back += spent.read_back;
+        let (profile, seconds) = (self.choices.settings.profile, self.seconds());
+        self.recorder.heard(&frame, profile, seconds);
+        self.heard = Some(frame);
+        Ok(())
+    }
+
+    fn follow_paths(&mut self, stage: &mut Stage) -> Result<(), DemoError> {
+        if !self.paths.is_empty() && !self.recorder.frames.is_multiple_of(PATHS_EVERY) {
+            return Ok(());
+        }
+        let chosen = &self.choices.settings;
+        let settings = Settings {
+            waves: PATHS,
+            iterations: chosen.iterations.min(PATH_ITERATIONS),
+            ..chosen.clone()
+        };
+        self.paths = stage.path_tracer.paths(&self.world.now, &settings)?;
+        Ok(())
+    }
+
+    fn panels(
+        &mut self,
+        stage: &mut Stage,
+        size: [u32; 2],
+        times: &mut FrameTimes,
+    ) -> Result<(), DemoError> {
+        let drawing = Instant::now();
+        self.hear();
+        self.message.take_if(|(_, at)| at.elapsed() > MESSAGE);
+        let renderer = stage.window.gl.context().renderer().to_owned();
+        let facts = Facts {
+            world: &self.world,
+            heard: self.heard.as_ref(),
+            paths: &self.paths,
+            times: self.recorder.last(FRAMES_SHOWN),
+            target: self.options.frame_milliseconds,
+            drawn: self.drawn,
+            window: size,
+            latency: self.latency.parts(),
+            sound: &self.sound,
+            levels: self.speaker.levels(),
+            gl_errors: self.recorder.gl_errors,
+            message: self.message.as_ref().map(|(text, _)| text.as_str()),
+            mouse_looks: self.mouse_looks,
+            renderer: &renderer,
+        };
+        let (chosen, plan) = (&mut self.choices, &mut self.plan);
+        let mut actions = Vec::new();
+        stage
+            .window
+            .draw_panels(|ui| actions.extend(overlay::draw(ui, &facts, chosen, plan)));
+        times.overlay = milliseconds(drawing);
+        for action in actions {
+            self.latency.input(Instant::now());
+            self.act(action);
+        }
+        Ok(())
+    }
+
+    /// Tells the speakers what was chosen, and asks how they fare.
+    fn hear(&mut self) {
+        self.speaker.set_law(self.choices.law);
+        self.speaker.set_volume(self.choices.loudness());
+        self.sound = self.speaker.status();
+        self.latency
+            .sound(self.sound.gains_to_buffer, self.sound.buffer_to_device);
+    }
+
+    /// Pictures of the window that are wanted now.
+    fn pictures(&mut self, stage: &Stage, size: [u32; 2], is_last: bool) -> Result<(), DemoError> {
+        if let Some(path) = self.picture_wanted.take() {
+            keep_picture(stage, size, &path)?;
+            self.say(format!("saved {}", path.display()));
+        }
+        if let Some(path) = self.options.screenshot.as_ref().filter(|_| is_last) {
+            keep_picture(stage, size, path)?;
+        }
+        Ok(())
+    }
+
+    fn check(&mut self, stage: &Stage) {
+        if (self.options.check_gl || cfg!(debug_assertions))
+            && stage.window.gl.context().check("a frame").is_err()
+        {
+            self.recorder.gl_errors += 1;
+        }
+    }
+
+    /// Chooses the picture's scale and, if asked, the number of waves for the frames to come.
+    fn adapt(&mut self, times: FrameTimes) {
+        let target = self.options.frame_milliseconds;
+        let every = self.choices.trace_every.max(1) as usize;
+        let last = self.recorder.last(every);
+        let work = last.iter().map(|t| t.work).sum::<f64>() / last.len().max(1) as f64;
+        // Panels and waves alone say nothing of the picture.
+        if self.drawn.anew && self.choices.picture_scale.is_none() {
+            self.scale_control.add(work, times.picture);
+            let costs = scale_costs();
+            self.scale_step = self.scale_control.choose(&costs, self.scale_step, target);
+        }
+        let on_waves = times.waves + times.read_back;
+        if on_waves > TOO_LONG * target && !self.choices.adapt_waves && self.message.is_none() {
+            self.say(format!(
+                "the waves take {on_waves:.0} ms a frame: T lets their number follow, [ halves it"
+            ));
+        }
+        if self.choices.adapt_waves && on_waves > 0.0 {
+            let ladder = wave_ladder(MOST_WAVES);
+            let costs: Vec<f64> = ladder.iter().map(|&waves| f64::from(waves)).collect();
+            let step = step_of(&ladder, self.choices.settings.waves);
+            self.wave_control.add(work, on_waves);
+            let chosen = self.wave_control.choose(&costs, step, target);
+            if chosen != step {
+                self.scale_control.forget();
+            }
+            self.choices.settings.waves = ladder[chosen];
+        }
+    }
+}
+
+fn keep_picture(stage: &Stage, [width, height]: [u32; 2], path: &Path) -> Result<(), DemoError> {
+    let mut pixels = stage.window.gl.read_rgba8(width, height)?;
+    // What is behind the window does not shine through.
+    for pixel in pixels.chunks_exact_mut(4) {
+        pixel[3] = 255;
+    }
+    let Some(picture) = RgbaImage::from_raw(width, height, pixels) else {
+        return Ok(());
+    };
+    save_png(path, &picture).map_err(|error| DemoError::Failed(error.into()))
+}

@@ -1,0 +1,220 @@
+//! Which key does what: the one list that the window follows and shows.
+
+use super::walk::Wish;
+use crate::trace::Profile;
+use std::collections::HashSet;
+use winit::keyboard::KeyCode;
+
+/// What a key, or a button of the panels, asks for once.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Action {
+    /// Another algorithm.
+    Profile(Profile),
+    /// Twice (1) or half (−1) as many waves.
+    Waves(i32),
+    /// More or fewer iterations.
+    Iterations(i32),
+    /// Pick up the source, or put it down.
+    PickUp,
+    /// Hold the moving things, or let them go on.
+    Pause,
+    /// Back to where the scene begins.
+    StartOver,
+    /// The next built-in scene.
+    NextScene,
+    /// That scene.
+    Scene(String),
+    /// That sound.
+    Sound(String),
+    /// Another panning law.
+    Law,
+    /// Sound off, or on.
+    Mute,
+    /// Louder (1) or softer (−1).
+    Volume(i32),
+    /// Begin or end a recording.
+    Record,
+    /// Save the scene.
+    Save,
+    /// Save a picture of the window.
+    Screenshot,
+    /// Open or close the help.
+    Help,
+    /// Open or close the panels.
+    Panels,
+    /// Let the waves follow the frame's time, or not.
+    AdaptWaves,
+    /// Give the mouse back.
+    FreeMouse,
+    /// Close the window.
+    Quit,
+}
+
+/// The keys as the help lists them: what is pressed, and what it does.
+pub const HELP: [(&str, &[(&str, &str)]); 3] = [
+    (
+        "Walk",
+        &[
+            ("W A S D", "walk, run with Shift"),
+            ("Q  E", "down, up"),
+            ("Arrow keys", "turn and look"),
+            ("Click", "look with the mouse; Esc frees it"),
+            ("F", "pick up the source, put it down"),
+            ("P", "hold what moves, go on"),
+            ("Backspace", "back to the beginning"),
+        ],
+    ),
+    (
+        "Hear what changes",
+        &[
+            ("1  2  3", "thesis, march, hybrid"),
+            ("[  ]", "half, twice the waves"),
+            (",  .", "fewer, more iterations"),
+            ("T", "waves follow the frame time"),
+            ("N", "next scene"),
+            ("L", "panning law"),
+            ("M  −  +", "mute, softer, louder"),
+        ],
+    ),
+    (
+        "Keep",
+        &[
+            ("F5", "save the scene, print the call"),
+            ("F9", "record the sound, stop"),
+            ("F12", "picture of the window"),
+            ("Tab", "show or hide the panels"),
+            ("F1  H", "this help"),
+            ("Ctrl+Q", "quit"),
+        ],
+    ),
+];
+
+/// The line that always stands in the window.
+pub const HINT: &str =
+    "WASD walk    click look    F carry source    1 2 3 profile    F5 save    F1 help";
+
+/// What pressing a key asks for.
+pub fn action(key: KeyCode, control: bool) -> Option<Action> {
+    if control {
+        return match key {
+            KeyCode::KeyQ | KeyCode::KeyW => Some(Action::Quit),
+            KeyCode::KeyS => Some(Action::Save),
+            _ => None,
+        };
+    }
+    Some(match key {
+        KeyCode::Digit1 | KeyCode::Numpad1 => Action::Profile(Profile::Thesis),
+        KeyCode::Digit2 | KeyCode::Numpad2 => Action::Profile(Profile::March),
+        KeyCode::Digit3 | KeyCode::Numpad3 => Action::Profile(Profile::Hybrid),
+        KeyCode::BracketLeft | KeyCode::PageDown => Action::Waves(-1),
+        KeyCode::BracketRight | KeyCode::PageUp => Action::Waves(1),
+        KeyCode::Comma => Action::Iterations(-1),
+        KeyCode::Period => Action::Iterations(1),
+        KeyCode::KeyF => Action::PickUp,
+        KeyCode::KeyP | KeyCode::Space => Action::Pause,
+        KeyCode::Backspace | KeyCode::Home => Action::StartOver,
+        KeyCode::KeyN => Action::NextScene,
+        KeyCode::KeyL => Action::Law,
+        KeyCode::KeyM => Action::Mute,
+        KeyCode::Minus | KeyCode::NumpadSubtract => Action::Volume(-1),
+        KeyCode::Equal | KeyCode::NumpadAdd => Action::Volume(1),
+        KeyCode::KeyT => Action::AdaptWaves,
+        KeyCode::F5 => Action::Save,
+        KeyCode::F9 => Action::Record,
+        KeyCode::F12 => Action::Screenshot,
+        KeyCode::F1 | KeyCode::KeyH => Action::Help,
+        KeyCode::Tab => Action::Panels,
+        KeyCode::Escape => Action::FreeMouse,
+        _ => return None,
+    })
+}
+
+/// The keys that are held down.
+#[derive(Clone, Debug, Default)]
+pub struct Held(HashSet<KeyCode>);
+
+impl Held {
+    /// A key goes down. With a control key it is a command and holds nothing, whichever of
+    /// the two goes up first.
+    pub fn press(&mut self, key: KeyCode) {
+        if !self.control() {
+            self.0.insert(key);
+        }
+    }
+
+    /// A key goes up.
+    pub fn release(&mut self, key: KeyCode) {
+        self.0.remove(&key);
+    }
+
+    /// All keys go up: nobody would tell of it while another window has the keyboard.
+    pub fn clear(&mut self) {
+        self.0.clear();
+    }
+
+    /// Whether either of two keys is down.
+    fn either(&self, keys: [KeyCode; 2]) -> bool {
+        keys.iter().any(|key| self.0.contains(key))
+    }
+
+    /// Whether a control key is down.
+    pub fn control(&self) -> bool {
+        self.either([KeyCode::ControlLeft, KeyCode::ControlRight])
+    }
+
+    /// What the walker wants.
+    pub fn wish(&self) -> Wish {
+        if self.control() {
+            return Wish::default();
+        }
+        let axis = |more: KeyCode, less: KeyCode| {
+            f32::from(self.0.contains(&more)) - f32::from(self.0.contains(&less))
+        };
+        Wish {
+            forward: axis(KeyCode::KeyW, KeyCode::KeyS),
+            right: axis(KeyCode::KeyD, KeyCode::KeyA),
+            up: axis(KeyCode::KeyE, KeyCode::KeyQ),
+            turn: axis(KeyCode::ArrowRight, KeyCode::ArrowLeft),
+            tilt: axis(KeyCode::ArrowUp, KeyCode::ArrowDown),
+            run: self.either([KeyCode::ShiftLeft, KeyCode::ShiftRight]),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects saving by Ctrl+S from walking backwards, and opposite keys from each other.
+    #[test]
+    fn held_keys_make_a_wish() {
+        let mut held = Held::default();
+        held.press(KeyCode::KeyS);
+        held.press(KeyCode::ArrowLeft);
+        assert_eq!((held.wish().forward, held.wish().turn), (-1.0, -1.0));
+        held.press(KeyCode::KeyW);
+        assert_eq!(held.wish().forward, 0.0);
+        held.press(KeyCode::ControlLeft);
+        assert!(held.wish().is_rest());
+        assert_eq!(action(KeyCode::KeyS, held.control()), Some(Action::Save));
+        held.press(KeyCode::KeyD);
+        held.release(KeyCode::ControlLeft);
+        assert_eq!(held.wish().right, 0.0);
+        held.clear();
+        assert!(held.wish().is_rest() && !held.control());
+    }
+
+    /// Protects the keys 1, 2 and 3 from the help's order, which names them.
+    #[test]
+    fn the_help_names_the_profiles_in_the_order_of_their_keys() {
+        let keys = [KeyCode::Digit1, KeyCode::Digit2, KeyCode::Digit3];
+        let names = keys.map(|key| match action(key, false) {
+            Some(Action::Profile(profile)) => profile.to_string(),
+            other => panic!("{other:?}"),
+        });
+        let listed = HELP.iter().flat_map(|(_, keys)| keys.iter());
+        let line = listed.clone().find(|(keys, _)| keys.contains('1')).unwrap();
+        assert_eq!(line.1, names.join(", "));
+        assert!(HINT.contains("F1") && HINT.contains("F5") && HINT.contains("WASD"));
+    }
+}

@@ -1,0 +1,123 @@
+//! From a key to the ear: how long each part of the way takes.
+
+use serde::Serialize;
+use std::time::{Duration, Instant};
+
+/// The share of the newest value in what is shown.
+const FRESH: f64 = 0.15;
+
+/// A value that glides after what is measured.
+#[derive(Clone, Copy, Debug, Default)]
+struct Gliding(Option<f64>);
+
+impl Gliding {
+    fn add(&mut self, duration: Duration) {
+        let value = duration.as_secs_f64() * 1e3;
+        self.0 = Some(self.0.map_or(value, |old| old + FRESH * (value - old)));
+    }
+}
+
+/// The parts that were measured, in milliseconds; none that never were.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Parts {
+    /// From a key or a movement of the mouse to the beginning of the frame that traces it.
+    pub input_to_trace: Option<f64>,
+    /// From there to what was heard, read back.
+    pub trace_to_read_back: Option<f64>,
+    /// From there until the sound's thread has taken the gains for its next buffer.
+    pub gains_to_buffer: Option<f64>,
+    /// From there to the ear: what the sound device still holds, as it says.
+    pub buffer_to_device: Option<f64>,
+}
+
+impl Parts {
+    /// All parts that are known.
+    pub fn total(&self) -> f64 {
+        [
+            self.input_to_trace,
+            self.trace_to_read_back,
+            self.gains_to_buffer,
+            self.buffer_to_device,
+        ]
+        .iter()
+        .flatten()
+        .sum()
+    }
+}
+
+/// Takes the times.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Latency {
+    /// The first input that no trace has seen yet.
+    input: Option<Instant>,
+    begun: Option<Instant>,
+    input_to_trace: Gliding,
+    trace_to_read_back: Gliding,
+    gains_to_buffer: Option<f64>,
+    buffer_to_device: Option<f64>,
+}
+
+impl Latency {
+    /// Something was pressed or moved that changes what is heard.
+    pub fn input(&mut self, at: Instant) {
+        self.input.get_or_insert(at);
+    }
+
+    /// A frame begins, which sees all input until now.
+    pub fn trace_begins(&mut self, at: Instant) {
+        if let Some(input) = self.input.take() {
+            self.input_to_trace.add(at.duration_since(input));
+        }
+        self.begun = Some(at);
+    }
+
+    /// What was heard in the frame is there, and goes to the sound.
+    pub fn read_back(&mut self, at: Instant) {
+        if let Some(begun) = self.begun.take() {
+            self.trace_to_read_back.add(at.duration_since(begun));
+        }
+    }
+
+    /// What the sound says of its own way, in milliseconds.
+    pub fn sound(&mut self, gains_to_buffer: Option<f64>, buffer_to_device: Option<f64>) {
+        self.gains_to_buffer = gains_to_buffer;
+        self.buffer_to_device = buffer_to_device;
+    }
+
+    /// What is known so far.
+    pub fn parts(&self) -> Parts {
+        Parts {
+            input_to_trace: self.input_to_trace.0,
+            trace_to_read_back: self.trace_to_read_back.0,
+            gains_to_buffer: self.gains_to_buffer,
+            buffer_to_device: self.buffer_to_device,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects the chain: the first of several inputs counts, each once, and parts add up.
+    #[test]
+    fn parts_follow_one_another() {
+        let start = Instant::now();
+        let after = |ms| start + Duration::from_millis(ms);
+        let mut latency = Latency::default();
+        assert_eq!(latency.parts().total(), 0.0);
+        latency.input(start);
+        latency.input(after(9));
+        latency.trace_begins(after(10));
+        latency.read_back(after(25));
+        // A frame without input says nothing of the first part.
+        latency.trace_begins(after(40));
+        latency.read_back(after(55));
+        latency.sound(Some(5.0), None);
+        let parts = latency.parts();
+        assert_eq!(parts.input_to_trace, Some(10.0));
+        assert_eq!(parts.trace_to_read_back, Some(15.0));
+        assert_eq!(parts.buffer_to_device, None);
+        assert_eq!(parts.total(), 30.0);
+    }
+}

@@ -1,0 +1,60 @@
+//! The window: one walks through a scene and hears it.
+//!
+//! The picture is sphere traced with the very distance function that the waves march
+//! through, its camera is the listener. Each picture traces a frame of waves and reads it
+//! back without waiting ([`Tracer::frame_begin`](crate::Tracer::frame_begin)); what it
+//! heard goes to the sound's thread. Panels show the plan, the levels, where the time
+//! goes, and hold the controls.
+//!
+//! | file | what it does |
+//! | --- | --- |
+//! | `app` | events in, frames out |
+//! | `act` | what keys and buttons ask for |
+//! | `frame` | one frame, part by part |
+//! | `window` | the window, its context, what draws the panels |
+//! | `view` | the picture |
+//! | `overlay/` | the panels |
+//! | `state`, `walk`, `keys` | what was chosen, where one stands, which key does what |
+//! | `adapt` | how coarse the picture and how many waves, by the frame's time |
+//! | `latency`, `report` | what is measured |
+//! | `save` | scene files and `trace` calls |
+//! | `sound` | the speakers |
+//!
+//! Threads: everything that draws and traces is on the thread that calls [`run`], which
+//! must be the process' first.
+
+mod act;
+mod adapt;
+mod app;
+mod error;
+mod frame;
+mod keys;
+mod latency;
+mod options;
+mod overlay;
+mod report;
+mod save;
+mod sound;
+mod state;
+mod view;
+mod walk;
+mod window;
+
+pub use error::DemoError;
+pub use latency::Parts as Latency;
+pub use options::DemoOptions;
+pub use report::{FrameTimes, Memory, PanAt, Report, Standing};
+pub use save::{Moved, SaveError, save, text_of, trace_call, with_places};
+pub use sound::SoundStatus;
+pub use walk::{BODY, Walker, Wish};
+
+/// Opens the window and stays until it is closed.
+///
+/// # Errors
+/// [`DemoError`]: a scene that cannot be traced, no display, no OpenGL.
+pub fn run(options: DemoOptions) -> Result<Report, DemoError> {
+    let mut app = app::App::new(options)?;
+    let events = window::event_loop()?;
+    let ran = events.run_app(&mut app);
+    app.result(ran)
+}

@@ -1,0 +1,104 @@
+//! What is heard: levels left and right, the pan, the waves, and how late it is.
+
+use super::{Facts, style};
+use egui::{Color32, CornerRadius, Pos2, Rect, Sense, Ui, Vec2};
+
+/// Height of a meter in points.
+const METER: f32 = 9.0;
+/// Decibels at the left end of a meter.
+const QUIETEST: f32 = -48.0;
+
+/// Level meters for both channels, and the pan between them.
+pub fn draw(ui: &mut Ui, facts: &Facts) {
+    for (name, level) in ["L", "R"].into_iter().zip(facts.levels) {
+        ui.horizontal(|ui| {
+            ui.monospace(name);
+            meter(ui, level);
+        });
+    }
+    let pan = facts.heard.map_or(0.0, |heard| heard.panning.pan()) as f32;
+    ui.horizontal(|ui| {
+        ui.monospace(" ");
+        let width = ui.available_width() - 50.0;
+        let (rect, _) = ui.allocate_exact_size(Vec2::new(width, METER), Sense::hover());
+        let painter = ui.painter();
+        let line = [rect.left_center(), rect.right_center()];
+        painter.line_segment(line, (1.0, style::FAINT));
+        let middle = [rect.center_top(), rect.center_bottom()];
+        painter.line_segment(middle, (1.0, style::FAINT));
+        let x = rect.center().x + 0.5 * pan * rect.width();
+        painter.circle_filled(Pos2::new(x, rect.center().y), 4.5, style::LISTENER);
+        ui.monospace(format!("{pan:+.3}"));
+    });
+}
+
+fn meter(ui: &mut Ui, level: f32) {
+    let decibels = 20.0 * level.max(1e-6).log10();
+    let width = ui.available_width() - 50.0;
+    let (rect, _) = ui.allocate_exact_size(Vec2::new(width, METER), Sense::hover());
+    let painter = ui.painter();
+    let round = CornerRadius::same(2);
+    painter.rect_filled(rect, round, Color32::from_gray(48));
+    let share = ((decibels - QUIETEST) / -QUIETEST).clamp(0.0, 1.0);
+    let size = Vec2::new(share * rect.width(), rect.height());
+    let colour = if level > 0.98 {
+        style::BAD
+    } else {
+        style::DEAD
+    };
+    painter.rect_filled(Rect::from_min_size(rect.min, size), round, colour);
+    let text = if decibels > -99.0 {
+        format!("{decibels:+4.0} dB")
+    } else {
+        " −∞ dB".to_owned()
+    };
+    ui.monospace(text);
+}
+
+/// The waves by fate, and the latency by part.
+pub fn heard(ui: &mut Ui, facts: &Facts) {
+    if let Some(heard) = facts.heard {
+        let counts = &heard.counts;
+        let of = |count: u64| {
+            let all = counts.listener_hits + counts.dead + counts.travelling;
+            format!(
+                "{count} ({:.1} %)",
+                100.0 * count as f64 / all.max(1) as f64
+            )
+        };
+        for (name, count, colour) in [
+            ("heard", counts.listener_hits, style::REACHED),
+            ("on their way", counts.travelling, style::TRAVELLING),
+            ("met nothing", counts.dead, style::DEAD),
+        ] {
+            ui.horizontal(|ui| {
+                let (dot, _) = ui.allocate_exact_size(Vec2::splat(8.0), Sense::hover());
+                ui.painter().circle_filled(dot.center(), 3.5, colour);
+                style::row(ui, name, of(count));
+            });
+        }
+        style::row(
+            ui,
+            "passes of zero length",
+            counts.zero_length_passes.to_string(),
+        );
+        style::row(ui, "guard hits", counts.guard_hits.to_string());
+    }
+    ui.separator();
+    latency(ui, facts);
+}
+
+fn latency(ui: &mut Ui, facts: &Facts) {
+    let parts = &facts.latency;
+    let text = |part: Option<f64>| part.map_or("–".to_owned(), |ms| format!("{ms:.1}"));
+    style::heading(ui, "FROM KEY TO EAR, MILLISECONDS");
+    for (name, part) in [
+        ("key to trace", parts.input_to_trace),
+        ("trace to read-back", parts.trace_to_read_back),
+        ("gains to sound buffer", parts.gains_to_buffer),
+        ("buffer to device", parts.buffer_to_device),
+    ] {
+        style::row(ui, name, text(part));
+    }
+    style::row(ui, "together", format!("{:.1}", parts.total()));
+}

@@ -1,0 +1,126 @@
+//! The panels over the picture: plan, meters, times, choices, help.
+
+mod choices;
+mod help;
+mod meters;
+mod plan;
+mod style;
+mod times;
+
+pub use plan::Plan;
+pub use style::set_style;
+
+use super::keys::{Action, HINT};
+use super::latency::Parts;
+use super::report::FrameTimes;
+use super::sound::SoundStatus;
+use super::state::{Choices, World};
+use super::view::Drawn;
+use crate::trace::{Frame, Wave};
+use egui::{Align2, Id, RichText, Ui, Vec2};
+
+/// Space between panels and the window's edge, in points.
+const MARGIN: f32 = 8.0;
+/// From one line of text in the middle to the one above it, in points.
+const ABOVE: f32 = 25.0;
+
+/// What the panels show and nobody changes there.
+pub struct Facts<'a> {
+    /// The scene as it stands.
+    pub world: &'a World,
+    /// What was heard last.
+    pub heard: Option<&'a Frame>,
+    /// The paths of some waves, by iteration.
+    pub paths: &'a [Vec<Wave>],
+    /// The last frames' times.
+    pub times: &'a [FrameTimes],
+    /// Milliseconds that a frame may take.
+    pub target: f64,
+    /// What was drawn of the picture.
+    pub drawn: Drawn,
+    /// The window's size in pixels.
+    pub window: [u32; 2],
+    /// From a key to the ear.
+    pub latency: Parts,
+    /// The sound.
+    pub sound: &'a SoundStatus,
+    /// Level of the left and the right channel, 0 to 1.
+    pub levels: [f32; 2],
+    /// Frames after which GL reported an error.
+    pub gl_errors: u64,
+    /// The last thing that was done or went wrong.
+    pub message: Option<&'a str>,
+    /// Whether the mouse looks about.
+    pub mouse_looks: bool,
+    /// GL_RENDERER.
+    pub renderer: &'a str,
+}
+
+/// Lays out everything; what was asked for comes out.
+pub fn draw(ui: &mut Ui, facts: &Facts, chosen: &mut Choices, plan: &mut Plan) -> Vec<Action> {
+    let mut actions = Vec::new();
+    if chosen.panels {
+        left(ui, facts, chosen, plan);
+        right(ui, facts, chosen, &mut actions);
+        lower(ui, facts);
+    }
+    hint(ui, facts);
+    if chosen.help {
+        help::draw(ui, &mut actions);
+    }
+    actions
+}
+
+fn left(ui: &Ui, facts: &Facts, chosen: &Choices, plan: &mut Plan) {
+    style::panel(ui, "left", Align2::LEFT_TOP, Vec2::splat(MARGIN), |ui| {
+        ui.set_width(style::LEFT);
+        plan.draw(ui, facts, chosen.paths);
+        ui.add_space(3.0);
+        meters::draw(ui, facts);
+        ui.separator();
+        meters::heard(ui, facts);
+    });
+}
+
+fn right(ui: &Ui, facts: &Facts, chosen: &mut Choices, actions: &mut Vec<Action>) {
+    let offset = Vec2::new(-MARGIN, MARGIN);
+    style::panel(ui, "right", Align2::RIGHT_TOP, offset, |ui| {
+        ui.set_width(style::RIGHT);
+        let height = facts.window[1] as f32 / ui.ctx().pixels_per_point();
+        let most = height - style::TIMES - 4.5 * MARGIN;
+        egui::ScrollArea::vertical()
+            // Else it would keep the height of the first frame's content.
+            .min_scrolled_height(most.max(80.0))
+            .max_height(most.max(80.0))
+            .show(ui, |ui| choices::draw(ui, facts, chosen, actions));
+    });
+}
+
+fn lower(ui: &Ui, facts: &Facts) {
+    let offset = Vec2::splat(-MARGIN);
+    style::panel(ui, "lower", Align2::RIGHT_BOTTOM, offset, |ui| {
+        times::draw(ui, facts);
+    });
+}
+
+/// The line that is always there, and the last message above it.
+fn hint(ui: &Ui, facts: &Facts) {
+    let text = if facts.mouse_looks {
+        "the mouse looks about: Esc or a click frees it    WASD walk    F1 help"
+    } else {
+        HINT
+    };
+    line(ui, "hint", MARGIN, RichText::new(text).color(style::TEXT));
+    if let Some(message) = facts.message {
+        let text = RichText::new(message).color(style::BRIGHT);
+        line(ui, "message", MARGIN + ABOVE, text);
+    }
+}
+
+/// A line of text in the middle, that far from the lower edge.
+fn line(ui: &Ui, name: &str, up: f32, text: RichText) {
+    egui::Area::new(Id::unique(name))
+        .anchor(Align2::CENTER_BOTTOM, Vec2::new(0.0, -up))
+        .interactable(false)
+        .show(ui.ctx(), |ui| style::label(ui, text));
+}

@@ -1,0 +1,111 @@
+//! Colours and frames of the panels.
+
+use egui::{
+    Align2, Area, Color32, Context, CornerRadius, FontId, Frame, Id, Margin, RichText, TextStyle,
+    Ui, Vec2, Visuals,
+};
+
+/// Width of the panel on the left, in points.
+pub const LEFT: f32 = 236.0;
+/// Width of the panel on the right, in points.
+pub const RIGHT: f32 = 200.0;
+/// Height of the panel of times below it, in points.
+pub const TIMES: f32 = 124.0;
+
+/// Text.
+pub const TEXT: Color32 = Color32::from_rgb(214, 220, 226);
+/// Text that matters less.
+pub const FAINT: Color32 = Color32::from_rgb(146, 155, 164);
+/// Text that matters now.
+pub const BRIGHT: Color32 = Color32::from_rgb(255, 214, 130);
+/// The source.
+pub const SOURCE: Color32 = Color32::from_rgb(240, 176, 40);
+/// The listener.
+pub const LISTENER: Color32 = Color32::from_rgb(86, 180, 233);
+/// Waves that reached the listener.
+pub const REACHED: Color32 = Color32::from_rgb(255, 128, 44);
+/// Waves that are still on their way.
+pub const TRAVELLING: Color32 = Color32::from_rgb(150, 160, 170);
+/// Waves that met nothing.
+pub const DEAD: Color32 = Color32::from_rgb(40, 190, 145);
+/// What must not be.
+pub const BAD: Color32 = Color32::from_rgb(255, 96, 84);
+/// Behind a panel.
+const BACK: Color32 = Color32::from_rgba_premultiplied(16, 20, 24, 214);
+
+/// Sets fonts and colours, once.
+pub fn set_style(context: &Context) {
+    let mut visuals = Visuals {
+        override_text_color: Some(TEXT),
+        ..Visuals::dark()
+    };
+    let widgets = &mut visuals.widgets;
+    widgets.inactive.weak_bg_fill = Color32::from_rgb(54, 63, 72);
+    widgets.inactive.bg_fill = Color32::from_rgb(54, 63, 72);
+    widgets.hovered.weak_bg_fill = Color32::from_rgb(72, 84, 96);
+    context.set_visuals(visuals);
+    context.all_styles_mut(|style| {
+        let sizes = [
+            (TextStyle::Small, 9.5),
+            (TextStyle::Body, 11.5),
+            (TextStyle::Button, 11.5),
+            (TextStyle::Heading, 15.0),
+        ];
+        for (text, size) in sizes {
+            style.text_styles.insert(text, FontId::proportional(size));
+        }
+        style
+            .text_styles
+            .insert(TextStyle::Monospace, FontId::monospace(10.5));
+        style.spacing.item_spacing = Vec2::new(6.0, 3.0);
+        style.spacing.interact_size.y = 15.0;
+        style.spacing.slider_width = 96.0;
+        style.spacing.button_padding = Vec2::new(5.0, 1.0);
+        style.interaction.selectable_labels = false;
+    });
+}
+
+/// A frame as all panels have it.
+pub fn frame() -> Frame {
+    Frame::new()
+        .fill(BACK)
+        .corner_radius(CornerRadius::same(5))
+        .inner_margin(Margin::same(7))
+}
+
+/// A panel at a place of the window.
+pub fn panel(ui: &Ui, name: &str, at: Align2, offset: Vec2, add: impl FnOnce(&mut Ui)) {
+    Area::new(Id::unique(name))
+        .anchor(at, offset)
+        .show(ui.ctx(), |ui| frame().show(ui, add));
+}
+
+/// A line of text on a ground of its own.
+pub fn label(ui: &mut Ui, text: RichText) {
+    Frame::new()
+        .fill(BACK)
+        .corner_radius(CornerRadius::same(5))
+        .inner_margin(Margin::symmetric(8, 3))
+        .show(ui, |ui| {
+            ui.add(egui::Label::new(text).extend());
+        });
+}
+
+/// A heading within a panel.
+pub fn heading(ui: &mut Ui, text: &str) {
+    ui.label(
+        RichText::new(text)
+            .color(FAINT)
+            .text_style(TextStyle::Small),
+    );
+}
+
+/// Two columns: a faint name and a value.
+pub fn row(ui: &mut Ui, name: &str, value: impl Into<String>) {
+    ui.horizontal(|ui| {
+        ui.label(RichText::new(name).color(FAINT));
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            ui.label(RichText::new(value).monospace());
+        });
+    });
+}

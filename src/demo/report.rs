@@ -1,0 +1,253 @@
+//! What a run of the window did, in numbers: for `--json`, for tests, for people.
+
+use super::adapt::{median, quantile};
+use super::latency::Parts;
+use super::sound::SoundStatus;
+use crate::trace::{Counts, Frame, Profile};
+use serde::Serialize;
+
+/// Pans that are kept at the most; then every second one goes.
+const PANS_AT_MOST: usize = 4096;
+
+/// Frame times that the medians are taken of, the last ones.
+const TIMES_AT_MOST: usize = 36_000;
+
+/// Milliseconds of one frame by part.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct FrameTimes {
+    /// Sphere tracing the picture.
+    pub picture: f64,
+    /// Initialise, march and pan of the waves.
+    pub waves: f64,
+    /// Copying and summing what was heard.
+    pub read_back: f64,
+    /// The paths in the plan.
+    pub paths: f64,
+    /// Panels.
+    pub overlay: f64,
+    /// Bringing it to the screen.
+    pub swap: f64,
+    /// All of it, without waiting for the next frame.
+    pub work: f64,
+    /// From the last frame to this one.
+    pub whole: f64,
+}
+
+/// What was heard, and when.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PanAt {
+    /// Seconds since the start.
+    pub seconds: f64,
+    /// −1 left, 1 right.
+    pub pan: f64,
+    /// The algorithm that heard it.
+    pub profile: String,
+}
+
+/// Resident memory in MiB; none where the system does not tell.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Memory {
+    /// After two seconds.
+    pub at_start: Option<f64>,
+    /// After a minute.
+    pub at_one_minute: Option<f64>,
+    /// At the end.
+    pub at_end: Option<f64>,
+}
+
+/// Where someone stood at the end.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Standing {
+    /// World position in metres.
+    pub position: [f32; 3],
+    /// Degrees to the right.
+    pub yaw: f32,
+    /// Degrees upwards.
+    pub pitch: f32,
+}
+
+/// What a run of the window did.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Report {
+    /// The scene at the end.
+    pub scene: String,
+    /// The algorithm at the end.
+    pub profile: String,
+    /// Waves in a frame at the end.
+    pub waves: u32,
+    /// Iterations at the end.
+    pub iterations: u32,
+    /// GL_RENDERER.
+    pub renderer: String,
+    /// Seconds that the window was open.
+    pub seconds: f64,
+    /// Frames drawn.
+    pub frames: u64,
+    /// Frames of waves that were heard.
+    pub traced: u64,
+    /// Frames a second, by the median of the times between them.
+    pub fps_median: f64,
+    /// Of the times between two frames, that which 19 of 20 stay below, in milliseconds.
+    pub frame_ms_95: f64,
+    /// The median of the times between frames, and of each part.
+    pub frame_ms_median: FrameTimes,
+    /// The window's size in pixels at the end.
+    pub window: [u32; 2],
+    /// The picture's size in pixels at the end.
+    pub picture: [u32; 2],
+    /// Frames after which GL reported an error.
+    pub gl_errors: u64,
+    /// Resident memory in MiB.
+    pub memory_mib: Memory,
+    /// The sound.
+    pub sound: SoundStatus,
+    /// From a key to the ear, in milliseconds.
+    pub latency_ms: Parts,
+    /// The waves of the last frame.
+    pub counts: Counts,
+    /// Listener at the end.
+    pub listener: Standing,
+    /// Source at the end, in metres.
+    pub source: [f32; 3],
+    /// Whether the help was open at the end.
+    pub help: bool,
+    /// Scene files that were saved.
+    pub saved: Vec<String>,
+    /// The `trace` call that equals the last frame.
+    pub trace_call: String,
+    /// Whether that call's scene has source and listener where they are.
+    pub trace_call_is_exact: bool,
+    /// What was heard.
+    pub pans: Vec<PanAt>,
+}
+
+/// Takes it all down while the window is open.
+#[derive(Debug, Default)]
+pub struct Recorder {
+    /// Frames drawn.
+    pub frames: u64,
+    /// Frames of waves heard.
+    pub traced: u64,
+    /// Frames after which GL reported an error.
+    pub gl_errors: u64,
+    times: Vec<FrameTimes>,
+    pans: Vec<PanAt>,
+    stride: u64,
+    memory: Memory,
+}
+
+impl Recorder {
+    /// A frame was drawn, so many seconds after the start.
+    pub fn frame(&mut self, times: FrameTimes, seconds: f64) {
+        self.frames += 1;
+        if self.times.len() == TIMES_AT_MOST {
+            self.times.drain(..TIMES_AT_MOST / 2);
+        }
+        self.times.push(times);
+        let due = |slot: Option<f64>, after: f64| slot.is_none() && seconds >= after;
+        if due(self.memory.at_start, 2.0) {
+            self.memory.at_start = resident_mib();
+        }
+        if due(self.memory.at_one_minute, 60.0) {
+            self.memory.at_one_minute = resident_mib();
+        }
+    }
+
+    /// A frame of waves was heard.
+    pub fn heard(&mut self, frame: &Frame, profile: Profile, seconds: f64) {
+        self.traced += 1;
+        let stride = self.stride.max(1);
+        if !self.traced.is_multiple_of(stride) {
+            return;
+        }
+        self.pans.push(PanAt {
+            seconds,
+            pan: frame.panning.pan(),
+            profile: profile.to_string(),
+        });
+        if self.pans.len() == PANS_AT_MOST {
+            let mut index = 0;
+            self.pans.retain(|_| {
+                index += 1;
+                index % 2 == 0
+            });
+            self.stride = 2 * stride;
+        }
+    }
+
+    /// The last frames, at most so many.
+    pub fn last(&self, frames: usize) -> &[FrameTimes] {
+        &self.times[self.times.len().saturating_sub(frames)..]
+    }
+
+    /// Puts what was taken down into a report.
+    pub fn fill(self, report: &mut Report) {
+        // What the first second compiles and warms up is no frame time.
+        let warm = self.times.len().min(30).min(self.times.len() / 4);
+        let times = &self.times[warm..];
+        let whole: Vec<f64> = times.iter().map(|t| t.whole).collect();
+        report.frame_ms_median = medians(times);
+        report.fps_median = 1000.0 / median(&whole).max(1e-3);
+        report.frame_ms_95 = quantile(&whole, 0.95);
+        (report.frames, report.traced) = (self.frames, self.traced);
+        report.gl_errors = self.gl_errors;
+        report.memory_mib = Memory {
+            at_end: resident_mib(),
+            ..self.memory
+        };
+        report.pans = self.pans;
+    }
+}
+
+/// The median of each part.
+pub fn medians(times: &[FrameTimes]) -> FrameTimes {
+    let of = |part: fn(&FrameTimes) -> f64| median(&times.iter().map(part).collect::<Vec<_>>());
+    FrameTimes {
+        picture: of(|t| t.picture),
+        waves: of(|t| t.waves),
+        read_back: of(|t| t.read_back),
+        paths: of(|t| t.paths),
+        overlay: of(|t| t.overlay),
+        swap: of(|t| t.swap),
+        work: of(|t| t.work),
+        whole: of(|t| t.whole),
+    }
+}
+
+/// Resident memory of this process in MiB, as Linux tells it.
+fn resident_mib() -> Option<f64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find(|line| line.starts_with("VmRSS:"))?;
+    let kib: f64 = line.split_whitespace().nth(1)?.parse().ok()?;
+    Some(kib / 1024.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::trace::{Milliseconds, Panning};
+
+    /// Protects long runs: the pans kept are bounded, in order, and span the run.
+    #[test]
+    fn a_long_run_keeps_a_bounded_history() {
+        let mut recorder = Recorder::default();
+        let frame = Frame {
+            panning: Panning {
+                left: 0.0,
+                right: 1.0,
+            },
+            counts: Counts::default(),
+            milliseconds: Milliseconds::default(),
+        };
+        for index in 0..20_000 {
+            recorder.heard(&frame, Profile::Hybrid, f64::from(index));
+            recorder.frame(FrameTimes::default(), f64::from(index));
+        }
+        let mut report = Report::default();
+        recorder.fill(&mut report);
+        assert!(report.pans.len() < PANS_AT_MOST && report.pans.len() > 1000);
+        assert!(report.pans.windows(2).all(|p| p[0].seconds < p[1].seconds));
+        assert!(report.pans.last().unwrap().seconds > 19_900.0);
+        assert_eq!((report.frames, report.traced), (20_000, 20_000));
+    }
+}

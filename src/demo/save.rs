@@ -1,0 +1,430 @@
+//! What was set up by hand as a scene file, and as a command line.
+//!
+//! The file is the scene's own text with source and listener put where they are now; all
+//! else stays as it was written, comments included.
+
+use crate::output::{OutputError, write_whole};
+use crate::scene::{Scene, SceneError};
+use crate::trace::{Directions, Profile, Settings};
+use glam::Vec3;
+use std::fmt::Write;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+/// The texts of the built-in scenes.
+const BUILTIN: [(&str, &str); 5] = [
+    ("corner", include_str!("../../examples/scenes/corner.ron")),
+    (
+        "obstacles",
+        include_str!("../../examples/scenes/obstacles.ron"),
+    ),
+    (
+        "open-field",
+        include_str!("../../examples/scenes/open-field.ron"),
+    ),
+    (
+        "open-pillars",
+        include_str!("../../examples/scenes/open-pillars.ron"),
+    ),
+    ("shoebox", include_str!("../../examples/scenes/shoebox.ron")),
+];
+
+/// Names of files that are tried for one scene.
+const NAMES_AT_MOST: u32 = 9999;
+
+/// A scene that could not be saved.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SaveError {
+    /// The text has no source or listener that could be found in it.
+    #[error("cannot save the scene: its text has no {0} that could be replaced")]
+    NoField(&'static str),
+    /// What was written is not the scene that is heard.
+    #[error("cannot save the scene: its text with the new places would be another scene")]
+    Differs,
+    /// What was written is no scene at all.
+    #[error("cannot save the scene: {0}")]
+    NotAScene(#[from] SceneError),
+    /// All names are taken.
+    #[error("cannot save the scene: {} and those after it are all taken", .0.display())]
+    NoName(PathBuf),
+    /// The file cannot be written.
+    #[error(transparent)]
+    Write(#[from] OutputError),
+}
+
+/// The text that a scene was read from: a built-in one's, or a file's.
+///
+/// # Errors
+/// As [`Scene::load`].
+pub fn text_of(name_or_file: &str) -> Result<String, SceneError> {
+    if let Some((_, text)) = BUILTIN.iter().find(|(name, _)| *name == name_or_file) {
+        return Ok((*text).to_owned());
+    }
+    std::fs::read_to_string(name_or_file).map_err(|source| SceneError::Unreadable {
+        path: name_or_file.into(),
+        source,
+    })
+}
+
+/// What was moved by hand; the rest stays as the text has it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Moved {
+    /// Where the source was put, in world metres.
+    pub source: Option<Vec3>,
+    /// Where the listener stands and looks: metres; yaw and pitch in radians.
+    pub listener: Option<(Vec3, f32, f32)>,
+}
+
+/// `text` with what was moved in its new place. What was moved has no path any more.
+///
+/// # Errors
+/// [`SaveError::NoField`].
+pub fn with_places(text: &str, moved: &Moved) -> Result<String, SaveError> {
+    let mut text = text.to_owned();
+    if let Some(position) = moved.source {
+        let fields = [("position", Some(point(position))), ("path", None)];
+        text = with_fields(&text, "source", &fields)?;
+    }
+    if let Some((position, yaw, pitch)) = moved.listener {
+        let fields = [
+            ("position", Some(point(position))),
+            ("yaw", Some(yaw.to_degrees().to_string())),
+            ("pitch", Some(pitch.to_degrees().to_string())),
+            ("path", None),
+        ];
+        text = with_fields(&text, "listener", &fields)?;
+    }
+    Ok(text)
+}
+
+/// Saves `text` with what was moved, to `path` or else beside it under the next free name
+/// `NAME-1.ron`; the file is read again and must be `scene`.
+///
+/// # Errors
+/// [`SaveError`]; then nothing is left behind.
+pub fn save(
+    text: &str,
+    moved: &Moved,
+    scene: &Scene,
+    path: Option<&Path>,
+) -> Result<PathBuf, SaveError> {
+    let text = with_places(text, moved)?;
+    let read = Scene::from_ron(&text, "the scene to be saved")?;
+    if !is_same(&read, scene, moved) {
+        return Err(SaveError::Differs);
+    }
+    let path = match path {
+        Some(path) => path.to_owned(),
+        None => free_name(&scene.name)?,
+    };
+    write_whole(&path, |out| out.write_all(text.as_bytes()))?;
+    Ok(path)
+}
+
+/// Whether both are heard alike: the same surfaces, and source and listener in one place
+/// but for the rounding of degrees.
+fn is_same(read: &Scene, scene: &Scene, moved: &Moved) -> bool {
+    let near = |a: f32, b: f32| (a - b).abs() < 1e-4;
+    let source = moved.source.is_none() || read.source.position == scene.source.position;
+    let (a, b) = (&read.listener, &scene.listener);
+    let listener = moved.listener.is_none()
+        || a.position == b.position && near(a.yaw, b.yaw) && near(a.pitch, b.pitch);
+    let surfaces = read.surfaces.len() == scene.surfaces.len();
+    surfaces && source && listener && a.radius == b.radius
+}
+
+fn free_name(scene: &str) -> Result<PathBuf, SaveError> {
+    let stem: String = scene
+        .chars()
+        .map(|c| {
+            if c.is_alphanumeric() || c == '-' {
+                c
+            } else {
+                '_'
+            }
+        })
+        .collect();
+    (1..NAMES_AT_MOST)
+        .map(|number| PathBuf::from(format!("{stem}-{number}.ron")))
+        .find(|path| !path.exists())
+        .ok_or_else(|| SaveError::NoName(format!("{stem}-1.ron").into()))
+}
+
+fn point(p: Vec3) -> String {
+    format!("({}, {}, {})", p.x, p.y, p.z)
+}
+
+/// `text` with fields of the structure `name` replaced, added or (`None`) left out.
+fn with_fields(
+    text: &str,
+    name: &'static str,
+    fields: &[(&str, Option<String>)],
+) -> Result<String, SaveError> {
+    let missing = || SaveError::NoField(name);
+    let outer = inside(text, 0).ok_or_else(missing)?;
+    let value = field(text, outer, name).ok_or_else(missing)?.value;
+    let mut inner = inside(text, value.start)
+        .filter(|inner| inner.end <= value.end)
+        .ok_or_else(missing)?;
+    let mut text = text.to_owned();
+    for (key, new) in fields {
+        let old = field(&text, inner.clone(), key);
+        let length = text.len();
+        match (old, new) {
+            (Some(old), Some(new)) => text.replace_range(old.value, new),
+            (Some(old), None) => text.replace_range(old.whole, ""),
+            (None, Some(new)) => text.insert_str(inner.start, &format!("{key}: {new}, ")),
+            (None, None) => {}
+        }
+        inner.end = inner.end + text.len() - length;
+    }
+    Ok(text)
+}
+
+/// Where a field stands.
+struct Field {
+    /// Its value.
+    value: Range<usize>,
+    /// All of it, the comma behind it included.
+    whole: Range<usize>,
+}
+
+/// What is between the first bracket from `start` on and its partner.
+fn inside(text: &str, start: usize) -> Option<Range<usize>> {
+    let mut depth = 0usize;
+    let mut open = None;
+    for (index, symbol) in symbols(text, start..text.len()) {
+        match symbol {
+            '(' | '[' | '{' => {
+                open.get_or_insert(index + 1);
+                depth += 1;
+            }
+            ')' | ']' | '}' => {
+                depth = depth.checked_sub(1)?;
+                if depth == 0 {
+                    return Some(open?..index);
+                }
+            }
+            _ => {}
+        }
+    }
+    None
+}
+
+/// The field `name` of the structure whose fields stand in `within`.
+fn field(text: &str, within: Range<usize>, name: &str) -> Option<Field> {
+    let mut depth = 0;
+    let mut found: Option<Range<usize>> = None;
+    let mut word = within.start..within.start;
+    for (index, symbol) in symbols(text, within.clone()) {
+        match symbol {
+            '(' | '[' | '{' => depth += 1,
+            ')' | ']' | '}' => depth -= 1,
+            ':' if depth == 0 && found.is_none() && &text[word.clone()] == name => {
+                found = Some(word.start..index + 1);
+            }
+            ',' if depth == 0 => {
+                if let Some(key) = found {
+                    return Some(trimmed(text, key, index, index + 1));
+                }
+            }
+            _ => {}
+        }
+        // The last word is the key that a colon follows.
+        if symbol.is_alphanumeric() || symbol == '_' {
+            let end = index + symbol.len_utf8();
+            word = if word.end == index {
+                word.start..end
+            } else {
+                index..end
+            };
+        }
+    }
+    found.map(|key| trimmed(text, key, within.end, within.end))
+}
+
+fn trimmed(text: &str, key: Range<usize>, end: usize, whole_end: usize) -> Field {
+    let value = &text[key.end..end];
+    let start = end - value.trim_start().len();
+    Field {
+        value: start..start + value.trim().len(),
+        whole: key.start..whole_end,
+    }
+}
+
+/// The characters that mean something: neither in a string nor in a comment.
+fn symbols(text: &str, within: Range<usize>) -> impl Iterator<Item = (usize, char)> + '_ {
+    let mut at = within.start;
+    std::iter::from_fn(move || {
+        while at < within.end {
+            let rest = &text[at..within.end];
+            let skipped = if rest.starts_with("//") {
+                rest.find('\n').unwrap_or(rest.len())
+            } else if rest.starts_with("/*") {
+                rest.find("*/").map_or(rest.len(), |end| end + 2)
+            } else if rest.starts_with('"') {
+                string_length(rest)
+            } else {
+                let symbol = rest.chars().next()?;
+                let index = at;
+                at += symbol.len_utf8();
+                return Some((index, symbol));
+            };
+            at += skipped;
+        }
+        None
+    })
+}
+
+/// Bytes of the string at the beginning, quotes included.
+fn string_length(text: &str) -> usize {
+    let mut escaped = false;
+    for (index, byte) in text.bytes().enumerate().skip(1) {
+        match byte {
+            _ if escaped => escaped = false,
+            b'\\' => escaped = true,
+            b'"' => return index + 1,
+            _ => {}
+        }
+    }
+    text.len()
+}
+
+/// The `trace` call that traces what the window traced.
+pub fn trace_call(scene: &str, settings: &Settings) -> String {
+    let usual = Settings::of(settings.profile);
+    let mut call = format!(
+        "echomarch trace {} --profile {} --waves {} --iterations {}",
+        quoted(scene),
+        settings.profile,
+        settings.waves,
+        settings.iterations
+    );
+    let mut add = |option: &str, value: &dyn std::fmt::Display| {
+        let _ = write!(call, " --{option} {value}");
+    };
+    if settings.seed != usual.seed {
+        add("seed", &settings.seed);
+    }
+    if settings.directions != Directions::Random {
+        add("directions", &settings.directions);
+    }
+    let is_march = settings.profile == Profile::March;
+    if settings.profile != Profile::Hybrid && settings.min_distance != usual.min_distance {
+        add("min-distance", &settings.min_distance);
+    }
+    if settings.max_distance != usual.max_distance {
+        add("max-distance", &settings.max_distance);
+    }
+    if settings.iterations_per_pass != usual.iterations_per_pass {
+        add("iterations-per-pass", &settings.iterations_per_pass);
+    }
+    for (option, is_set) in [
+        ("sum-on-gpu", settings.sum_on_gpu),
+        ("difference-normals", is_march && !settings.exact_normals),
+        ("no-landing", is_march && !settings.landing),
+    ] {
+        if is_set {
+            let _ = write!(call, " --{option}");
+        }
+    }
+    call
+}
+
+/// A word as a shell takes it.
+fn quoted(word: &str) -> String {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "._-/+".contains(c);
+    if !word.is_empty() && word.chars().all(is_plain) {
+        return word.to_owned();
+    }
+    format!("'{}'", word.replace('\'', r"'\''"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::BUILTIN_NAMES;
+
+    /// Protects the list above from a built-in scene that it lacks: that one could not be saved.
+    #[test]
+    fn every_built_in_scene_has_its_text() {
+        for name in BUILTIN_NAMES {
+            let scene = Scene::from_ron(&text_of(name).unwrap(), name).unwrap();
+            assert_eq!(scene, Scene::builtin(name).unwrap());
+        }
+    }
+
+    /// Protects every built-in scene: saved with new places it is the same scene in these places, without paths.
+    #[test]
+    fn places_are_replaced_and_all_else_stays() {
+        let (source, listener) = (Vec3::new(1.5, -0.25, 1e-3), Vec3::new(-3.0, 0.5, 4.0));
+        let moved = Moved {
+            source: Some(source),
+            listener: Some((listener, 0.5, -0.25)),
+        };
+        for name in BUILTIN_NAMES {
+            let text = text_of(name).unwrap();
+            let read = Scene::from_ron(&with_places(&text, &moved).unwrap(), name).unwrap();
+            let mut expected = Scene::builtin(name).unwrap();
+            expected.source = crate::scene::Source::at(source);
+            expected.listener.position = listener;
+            (expected.listener.yaw, expected.listener.pitch) = (0.5, -0.25);
+            expected.listener.path = crate::scene::Path::default();
+            assert!(is_same(&read, &expected, &moved), "{name}: {read:?}");
+            assert_eq!(read.surfaces, expected.surfaces);
+            assert!(read.source.path.is_empty() && read.listener.path.is_empty());
+            assert_eq!(with_places(&text, &Moved::default()).unwrap(), text);
+        }
+    }
+
+    /// Protects texts that are written otherwise: brackets in strings and comments, no names, no comma at the end.
+    #[test]
+    fn strings_and_comments_are_no_brackets() {
+        let text = r#"/* ( */ (surfaces: [Surface(name: "a ) \" source: (", shape: Plane, position: (0, -2, 0))], // )
+            source: (path: [Key(time: 0, position: (1, 1, 1))], position: (0, 0, -5)), listener: Listener(radius: 1))"#;
+        let moved = Moved {
+            source: Some(Vec3::ONE),
+            listener: Some((Vec3::X, 0.0, 0.0)),
+        };
+        let read = Scene::from_ron(&with_places(text, &moved).unwrap(), "text").unwrap();
+        assert_eq!(read.source, crate::scene::Source::at(Vec3::ONE));
+        assert_eq!(read.listener.position, Vec3::X);
+        assert!(with_places("Scene(surfaces: [])", &moved).is_err());
+        assert!(with_places("(((", &moved).is_err());
+    }
+
+    /// Protects the file from being another scene than the one heard.
+    #[test]
+    fn a_file_that_would_differ_is_not_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("saved.ron");
+        let text = text_of("corner").unwrap();
+        let scene = Scene::builtin("corner").unwrap();
+        let moved = Moved {
+            source: Some(Vec3::ONE),
+            listener: None,
+        };
+        let refused = save(&text, &moved, &scene, Some(&path));
+        assert!(matches!(refused, Err(SaveError::Differs)) && !path.exists());
+        save(&text, &Moved::default(), &scene, Some(&path)).unwrap();
+        assert_eq!(Scene::from_file(&path).unwrap().surfaces, scene.surfaces);
+    }
+
+    /// Protects the line from what a shell would take apart, and from options that go without saying.
+    #[test]
+    fn the_call_says_what_is_not_usual() {
+        let usual = trace_call("corner", &Settings::default());
+        let expected = "echomarch trace corner --profile hybrid --waves 65536 --iterations 8";
+        assert_eq!(usual, expected);
+        let mut settings = Settings::thesis().with_seed(3);
+        settings.min_distance = 0.01;
+        settings.sum_on_gpu = true;
+        let call = trace_call("my room's.ron", &settings);
+        assert!(call.starts_with(r"echomarch trace 'my room'\''s.ron' --profile thesis"));
+        assert!(
+            call.ends_with("--seed 3 --min-distance 0.01 --sum-on-gpu"),
+            "{call}"
+        );
+    }
+}

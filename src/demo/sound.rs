@@ -1,0 +1,202 @@
+//! The sound of the window: gains in, what the device does out.
+//!
+//! With the feature `audio` it plays through [`crate::audio::live`]; without, all is silent
+//! and says so.
+
+use super::DemoOptions;
+use crate::audio::PanningLaw;
+#[cfg(feature = "audio")]
+use crate::audio::SoundSpec;
+#[cfg(feature = "audio")]
+use crate::audio::live::{Live, LiveOptions, LiveStatus};
+use crate::trace::Panning;
+use serde::Serialize;
+use std::path::Path;
+
+/// The sounds that can be chosen in the window, beside the one it was started with.
+pub const SOUNDS: [&str; 5] = ["speech", "noise", "sine:220", "sine:440", "sine:880"];
+
+/// How the sound fares.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct SoundStatus {
+    /// One line for people.
+    pub text: String,
+    /// Whether anything is to be heard.
+    pub is_heard: bool,
+    /// Samples a second.
+    pub sample_rate: Option<u32>,
+    /// Samples that the device takes at a time.
+    pub buffer: Option<u32>,
+    /// Buffers that came too late: as the device says, or later than two of them.
+    pub underruns: u64,
+    /// Times that the device was opened again.
+    pub restarts: u64,
+    /// Milliseconds that the gains waited for the sound's thread to take them.
+    pub gains_to_buffer: Option<f64>,
+    /// Milliseconds from there to the ear, as the device says.
+    pub buffer_to_device: Option<f64>,
+    /// Whether what is heard is recorded.
+    pub is_recording: bool,
+}
+
+/// Where the gains go.
+pub struct Speaker {
+    law: PanningLaw,
+    volume: f32,
+    panning: Panning,
+    #[cfg(feature = "audio")]
+    live: Option<Live>,
+}
+
+impl Speaker {
+    /// Starts the sound. Never fails: without a device it is silent and says so.
+    pub fn start(options: &DemoOptions) -> Speaker {
+        let speaker = Speaker {
+            law: options.law,
+            volume: options.volume,
+            panning: Panning::default(),
+            #[cfg(feature = "audio")]
+            live: start(options),
+        };
+        #[cfg(feature = "audio")]
+        if let Some(live) = &speaker.live {
+            live.set_volume(options.volume);
+        }
+        speaker
+    }
+
+    /// What arrived at the ears; takes no lock.
+    pub fn set_panning(&mut self, panning: Panning) {
+        self.panning = panning;
+        #[cfg(feature = "audio")]
+        if let Some(live) = &self.live {
+            live.set_panning(panning.left, panning.right);
+        }
+    }
+
+    /// From pan to gains.
+    pub fn set_law(&mut self, law: PanningLaw) {
+        self.law = law;
+        #[cfg(feature = "audio")]
+        if let Some(live) = &self.live {
+            live.set_law(law);
+        }
+    }
+
+    /// Loudness, 0 to 1.
+    pub fn set_volume(&mut self, volume: f32) {
+        self.volume = volume;
+        #[cfg(feature = "audio")]
+        if let Some(live) = &self.live {
+            live.set_volume(volume);
+        }
+    }
+
+    /// Another sound.
+    ///
+    /// # Errors
+    /// What is wrong with it, as a sentence.
+    pub fn set_sound(&mut self, sound: &str) -> Result<(), String> {
+        #[cfg(feature = "audio")]
+        if let Some(live) = &self.live {
+            let spec: SoundSpec = sound.parse().map_err(to_sentence)?;
+            live.set_sound(spec);
+        }
+        // Without sound it is a name and nothing else.
+        let _ = sound;
+        Ok(())
+    }
+
+    /// Level of either channel, 0 to 1: as it is played, or as the gains would have it.
+    pub fn levels(&self) -> [f32; 2] {
+        #[cfg(feature = "audio")]
+        if let Some(live) = &self.live
+            && live.status().device.is_some()
+        {
+            return live.levels();
+        }
+        let gains = self.law.gains(self.panning.pan() as f32);
+        [gains.left, gains.right].map(|gain| gain * self.volume)
+    }
+
+    /// How it fares.
+    pub fn status(&self) -> SoundStatus {
+        #[cfg(feature = "audio")]
+        if let Some(live) = &self.live {
+            return of_live(&live.status());
+        }
+        SoundStatus {
+            text: SILENT.into(),
+            ..SoundStatus::default()
+        }
+    }
+
+    /// Begins a recording, or ends the one under way.
+    ///
+    /// # Errors
+    /// Why it cannot be, as a sentence.
+    pub fn record(&mut self, path: Option<&Path>) -> Result<(), String> {
+        #[cfg(feature = "audio")]
+        if let Some(live) = &self.live {
+            return match path {
+                Some(path) => live.start_recording(path).map_err(to_sentence),
+                None => live.stop_recording().map(|_| ()).map_err(to_sentence),
+            };
+        }
+        let _ = path;
+        Err(format!("{SILENT}: nothing to record"))
+    }
+}
+
+/// Why nothing is heard where nothing plays.
+#[cfg(not(feature = "audio"))]
+const SILENT: &str = "silent: built without sound";
+/// Why nothing is heard where nothing plays.
+#[cfg(feature = "audio")]
+const SILENT: &str = "silent: the sound is unknown";
+
+#[cfg(feature = "audio")]
+fn start(options: &DemoOptions) -> Option<Live> {
+    let live = LiveOptions {
+        device: options.device.clone(),
+        buffer_frames: options.buffer,
+        law: options.law,
+    };
+    // What was typed has been checked before.
+    options
+        .sound
+        .parse()
+        .ok()
+        .map(|spec| Live::start(spec, live))
+}
+
+#[cfg(feature = "audio")]
+fn to_sentence(error: impl std::fmt::Display) -> String {
+    error.to_string()
+}
+
+#[cfg(feature = "audio")]
+fn of_live(status: &LiveStatus) -> SoundStatus {
+    let text = match (&status.device, &status.last_error) {
+        (Some(device), _) => {
+            let buffer = status.buffer_frames;
+            let khz = f64::from(status.sample_rate) / 1000.0;
+            let late = status.under_runs + status.late_callbacks;
+            format!("{device}: {khz} kHz, {buffer} frames, {late} late")
+        }
+        (None, Some(error)) => format!("silent: {error}"),
+        (None, None) => "silent: no sound device yet".to_owned(),
+    };
+    let is_heard = status.device.is_some();
+    SoundStatus {
+        text,
+        is_heard,
+        sample_rate: is_heard.then_some(status.sample_rate),
+        buffer: is_heard.then_some(status.buffer_frames),
+        underruns: status.under_runs + status.late_callbacks,
+        restarts: status.restarts,
+        gains_to_buffer: status.pan_waited_ms.filter(|_| is_heard),
+        buffer_to_device: status.latency_ms.filter(|_| is_heard),
+        is_recording: status.is_recording,
+    }
+}

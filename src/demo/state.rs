@@ -1,0 +1,246 @@
+//! What was chosen, and how the scene stands: all that keys and panels change.
+
+use super::DemoOptions;
+use super::save::{Moved, text_of};
+use super::walk::{Walker, Wish, carried};
+use crate::audio::PanningLaw;
+use crate::scene::{Scene, SceneError};
+use crate::trace::{MAX_ITERATIONS, MAX_WAVES, Profile, Settings};
+use glam::Vec3;
+
+/// What was chosen.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Choices {
+    /// How waves are traced.
+    pub settings: Settings,
+    /// A frame of waves for every so many pictures.
+    pub trace_every: u32,
+    /// Whether the number of waves follows the frame's time.
+    pub adapt_waves: bool,
+    /// Pixels drawn for each of the window's along a side; none to follow the frame's time.
+    pub picture_scale: Option<f32>,
+    /// The sound's name.
+    pub sound: String,
+    /// Loudness, 0 to 1.
+    pub volume: f32,
+    /// Whether the loudness counts as 0.
+    pub muted: bool,
+    /// From pan to gains.
+    pub law: PanningLaw,
+    /// Whether the help is open.
+    pub help: bool,
+    /// Whether the panels are open.
+    pub panels: bool,
+    /// Whether the paths of waves are drawn in the plan.
+    pub paths: bool,
+}
+
+impl Choices {
+    /// Those that the window is started with.
+    pub fn of(options: &DemoOptions) -> Choices {
+        Choices {
+            settings: options.settings.clone(),
+            trace_every: options.trace_every.max(1),
+            adapt_waves: options.adapt_waves,
+            picture_scale: options.picture_scale,
+            sound: options.sound.clone(),
+            volume: options.volume,
+            muted: false,
+            law: options.law,
+            help: options.help,
+            panels: true,
+            paths: true,
+        }
+    }
+
+    /// Changes to another algorithm, with its own constants and everything else kept.
+    pub fn set_profile(&mut self, profile: Profile) {
+        if profile == self.settings.profile {
+            return;
+        }
+        let old = &self.settings;
+        let mut new = Settings::of(profile)
+            .with_waves(old.waves)
+            .with_iterations(old.iterations)
+            .with_seed(old.seed);
+        new.directions = old.directions;
+        new.sum_on_gpu = old.sum_on_gpu;
+        self.settings = new;
+    }
+
+    /// Doubles or halves the number of waves, as often as `steps` says.
+    pub fn change_waves(&mut self, steps: i32) {
+        let waves = f64::from(self.settings.waves) * 2f64.powi(steps);
+        self.settings.waves = (waves.round() as u32).clamp(64, MAX_WAVES / 4);
+    }
+
+    /// Adds to the iterations.
+    pub fn change_iterations(&mut self, more: i32) {
+        let iterations = self.settings.iterations.saturating_add_signed(more);
+        self.settings.iterations = iterations.clamp(1, MAX_ITERATIONS);
+    }
+
+    /// The loudness that is heard.
+    pub fn loudness(&self) -> f32 {
+        if self.muted { 0.0 } else { self.volume }
+    }
+}
+
+/// A scene that one walks in.
+#[derive(Clone, Debug)]
+pub struct World {
+    /// The name or file that it was loaded by.
+    pub name: String,
+    /// Its text, if it is to be had.
+    pub text: Option<String>,
+    /// As it was loaded.
+    pub base: Scene,
+    /// As it stands now.
+    pub now: Scene,
+    /// Seconds on its paths.
+    pub seconds: f64,
+    /// Whether these stand still.
+    pub paused: bool,
+    /// Where the listener walked to, once that has begun.
+    pub walker: Option<Walker>,
+    /// Where the source was put, once it was picked up.
+    pub source: Option<Vec3>,
+    /// Whether the source is carried.
+    pub carrying: bool,
+}
+
+impl World {
+    /// Loads a scene.
+    ///
+    /// # Errors
+    /// As [`Scene::load`].
+    pub fn load(name: &str) -> Result<World, SceneError> {
+        let base = Scene::load(name)?;
+        Ok(World {
+            name: name.to_owned(),
+            text: text_of(name).ok(),
+            now: base.clone(),
+            base,
+            seconds: 0.0,
+            paused: false,
+            walker: None,
+            source: None,
+            carrying: false,
+        })
+    }
+
+    /// Lets time pass: paths go on, the walker walks, what is carried comes along.
+    pub fn pass(&mut self, wish: &Wish, seconds: f64) {
+        if !self.paused {
+            self.seconds += seconds;
+        }
+        self.now = if self.moves() {
+            self.base.at(self.looped())
+        } else {
+            self.base.clone()
+        };
+        if let Some(walker) = &self.walker {
+            walker.place(&mut self.now.listener);
+        }
+        if !wish.is_rest() {
+            let mut walker = Walker::of(&self.now.listener);
+            walker.walk(&self.now, wish, seconds as f32);
+            self.stand(walker);
+        }
+        if self.carrying {
+            self.source = Some(carried(&self.now));
+        }
+        if let Some(source) = self.source {
+            self.now.source.position = source;
+        }
+    }
+
+    /// Whether anything moves by itself.
+    pub fn moves(&self) -> bool {
+        self.base.duration() > 0.0
+    }
+
+    /// Seconds on the paths: they begin again a second after their end.
+    pub fn looped(&self) -> f64 {
+        self.seconds % (self.base.duration() + 1.0)
+    }
+
+    /// Turns the gaze by radians.
+    pub fn look(&mut self, right: f32, up: f32) {
+        let mut walker = Walker::of(&self.now.listener);
+        walker.look(right, up);
+        self.stand(walker);
+    }
+
+    fn stand(&mut self, walker: Walker) {
+        walker.place(&mut self.now.listener);
+        self.walker = Some(walker);
+    }
+
+    /// Picks the source up, or puts it down.
+    pub fn pick_up_or_put_down(&mut self) {
+        self.carrying = !self.carrying;
+    }
+
+    /// Puts source, listener and time back to the beginning.
+    pub fn start_over(&mut self) {
+        self.walker = None;
+        self.source = None;
+        self.carrying = false;
+        self.seconds = 0.0;
+    }
+
+    /// What was moved by hand.
+    pub fn moved(&self) -> Moved {
+        Moved {
+            source: self.source,
+            listener: self.walker.map(|w| (w.position, w.yaw, w.pitch)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects a change of algorithm: its own constants, the same waves.
+    #[test]
+    fn a_profile_brings_its_constants_and_keeps_the_waves() {
+        let mut choices = Choices::of(&DemoOptions::default());
+        choices.settings.waves = 1000;
+        choices.settings.seed = 5;
+        choices.set_profile(Profile::Thesis);
+        let expected = Settings::thesis().with_waves(1000).with_seed(5);
+        assert_eq!(choices.settings, expected);
+        choices.change_waves(2);
+        choices.change_iterations(-100);
+        assert_eq!(
+            (choices.settings.waves, choices.settings.iterations),
+            (4000, 1)
+        );
+        assert!(choices.settings.validate().is_ok());
+    }
+
+    /// Protects moving scenes: paths go on until paused, and what was moved by hand stays.
+    #[test]
+    fn a_moving_source_moves_until_it_is_picked_up() {
+        let mut world = World::load("open-field").unwrap();
+        world.pass(&Wish::default(), 2.0);
+        assert!(world.now.source.position.x.abs() < 1e-4);
+        world.paused = true;
+        world.pass(&Wish::default(), 1.0);
+        assert!(world.now.source.position.x.abs() < 1e-4);
+        assert_eq!(world.moved(), Moved::default());
+        world.paused = false;
+        world.pick_up_or_put_down();
+        world.pass(&Wish::default(), 0.1);
+        let held = world.now.source.position;
+        world.pick_up_or_put_down();
+        world.pass(&Wish::default(), 1.0);
+        assert_eq!(world.now.source.position, held);
+        assert!((held - world.now.listener.position).z < -2.0);
+        world.start_over();
+        world.pass(&Wish::default(), 0.0);
+        assert_eq!(world.now.source.position.x, -8.0);
+    }
+}

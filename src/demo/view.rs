@@ -1,0 +1,221 @@
+//! The picture behind the panels: what the listener sees, frame by frame.
+//!
+//! Drawn at a share of the window's size and stretched over it. Where nothing moved, the
+//! picture drawn last is shown again; where nothing has moved for a while it is drawn once
+//! more at full size, some rows a frame.
+
+use crate::error::Error;
+use crate::gpu::{Context, Marks, Picture, Program, WindowContext, full_screen_pass_rows};
+use crate::scene::{Scene, glsl};
+use crate::trace::{UserFields, check_surfaces};
+use glam::Vec2;
+use std::collections::HashMap;
+use std::rc::Rc;
+
+/// Vertical field of view in radians.
+const FIELD_OF_VIEW: f32 = 70.0 / 180.0 * std::f32::consts::PI;
+
+/// Radius of the source's ball as a share of the listener's, as in `picture`.
+const SOURCE_SHARE: f32 = 0.12;
+
+/// Frames of stillness before the picture is refined.
+const STILL: u32 = 8;
+
+/// Milliseconds of a frame that refining may take.
+const REFINING: f64 = 12.0;
+
+/// What the picture shows: the same again is not drawn again.
+type Shown = (Scene, [u32; 2]);
+
+/// Draws the picture and keeps what can be used again.
+pub struct View {
+    context: Context,
+    programs: HashMap<glsl::Structure, Rc<Program>>,
+    marks: Marks,
+    coarse: Option<Picture>,
+    fine: Option<Picture>,
+    shown: Option<Shown>,
+    still: u32,
+    /// Rows of the fine picture that are drawn.
+    refined: u32,
+    /// Rows of it that a millisecond draws.
+    pace: f64,
+}
+
+/// What was drawn in a frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Drawn {
+    /// Pixels drawn, across and down.
+    pub size: [u32; 2],
+    /// Whether the picture was drawn anew rather than shown again.
+    pub anew: bool,
+    /// Milliseconds that drawing took.
+    pub milliseconds: f64,
+}
+
+impl View {
+    /// A view that has drawn nothing yet.
+    pub fn new(context: &Context) -> View {
+        View {
+            context: context.clone(),
+            programs: HashMap::new(),
+            marks: Marks::new(context),
+            coarse: None,
+            fine: None,
+            shown: None,
+            still: 0,
+            refined: 0,
+            pace: 2.0,
+        }
+    }
+
+    /// Draws the scene as its listener sees it, at `scale` of the window's size, and puts
+    /// it into the window; `refines` says that it may be drawn finer where all stands still.
+    ///
+    /// # Errors
+    /// [`Error::Trace`] for a scene that does not fit, [`Error::Gpu`] when the renderer fails.
+    pub fn draw(
+        &mut self,
+        window: &WindowContext,
+        scene: &Scene,
+        [width, height]: [u32; 2],
+        (scale, refines): (f32, bool),
+    ) -> Result<Drawn, Error> {
+        let side = |pixels: u32| ((pixels as f32 * scale).round() as u32).clamp(1, pixels.max(1));
+        let size = [side(width), side(height)];
+        let same = |(shown, at): &Shown| *at == size && is_seen_alike(shown, scene);
+        let anew = !self.shown.as_ref().is_some_and(same);
+        let mut drawn = Drawn {
+            size,
+            anew,
+            milliseconds: 0.0,
+        };
+        if anew {
+            let picture = sized(&self.context, &mut self.coarse, size)?;
+            let program = program(&self.context, &mut self.programs, scene)?;
+            aim(&program, scene, size);
+            self.marks.restart()?;
+            full_screen_pass_rows(
+                &self.context,
+                &program,
+                picture,
+                size[0],
+                size[1],
+                0..size[1],
+            )?;
+            self.marks.mark()?;
+            self.shown = Some((scene.clone(), size));
+            (self.still, self.refined) = (0, 0);
+        } else {
+            self.still += 1;
+        }
+        let full = [width, height];
+        let refines = refines && self.still > STILL && scale < 1.0;
+        if refines && self.refined < height {
+            self.refine(scene, full)?;
+        }
+        let is_fine = refines && self.refined >= height;
+        let picture = if is_fine { &self.fine } else { &self.coarse };
+        if let Some(picture) = picture {
+            window.show(picture, width, height)?;
+        }
+        if is_fine {
+            drawn.size = full;
+        }
+        if anew {
+            drawn.milliseconds = self.marks.milliseconds().iter().sum();
+        }
+        Ok(drawn)
+    }
+
+    /// Draws the next rows at full size.
+    fn refine(&mut self, scene: &Scene, full: [u32; 2]) -> Result<(), Error> {
+        let picture = sized(&self.context, &mut self.fine, full)?;
+        let program = program(&self.context, &mut self.programs, scene)?;
+        aim(&program, scene, full);
+        let rows = ((REFINING * self.pace) as u32).max(4);
+        let band = self.refined..self.refined + rows;
+        self.marks.restart()?;
+        full_screen_pass_rows(&self.context, &program, picture, full[0], full[1], band)?;
+        self.marks.mark()?;
+        let took: f64 = self.marks.milliseconds().iter().sum();
+        self.pace = f64::from(rows) / took.max(0.05);
+        self.refined += rows;
+        Ok(())
+    }
+
+    /// Draws anew whatever comes: the window's size or the scene has changed.
+    pub fn forget(&mut self) {
+        self.shown = None;
+    }
+}
+
+/// Whether two scenes look the same: their names do not matter, and paths are not seen.
+fn is_seen_alike(a: &Scene, b: &Scene) -> bool {
+    let pose = |scene: &Scene| {
+        let listener = &scene.listener;
+        (
+            scene.source.position,
+            listener.position,
+            listener.yaw,
+            listener.pitch,
+        )
+    };
+    pose(a) == pose(b) && a.surfaces == b.surfaces
+}
+
+/// The picture of that size, made if there is none.
+fn sized<'a>(
+    context: &Context,
+    picture: &'a mut Option<Picture>,
+    [width, height]: [u32; 2],
+) -> Result<&'a Picture, Error> {
+    let fits = |p: &Picture| (p.width(), p.height()) == (width, height);
+    if !picture.as_ref().is_some_and(fits) {
+        *picture = None;
+    }
+    match picture {
+        Some(picture) => Ok(picture),
+        None => Ok(picture.insert(Picture::new(context, width, height)?)),
+    }
+}
+
+/// The program of the scene's structure, with the numbers of its surfaces set.
+fn program(
+    context: &Context,
+    programs: &mut HashMap<glsl::Structure, Rc<Program>>,
+    scene: &Scene,
+) -> Result<Rc<Program>, Error> {
+    let structure = glsl::structure(scene);
+    let program = match programs.get(&structure) {
+        Some(program) => program.clone(),
+        None => {
+            check_surfaces(context, scene)?;
+            UserFields::default().check(context, scene)?;
+            let mut sources = glsl::distance_sources(scene);
+            sources.push(glsl::source!("view/colour.glsl"));
+            sources.push(glsl::source!("view/walk.frag"));
+            let label = format!("the view of {}", scene.name);
+            let program = Rc::new(Program::fragment(context, &label, &glsl::join(&sources))?);
+            programs.insert(structure, program.clone());
+            program
+        }
+    };
+    let placed = glsl::Placement::world().apply(scene);
+    program.set_vec4_array("uSurfaces", &placed.uniform_values());
+    Ok(program)
+}
+
+/// Sets eye, gaze, source and size.
+fn aim(program: &Program, scene: &Scene, [width, height]: [u32; 2]) {
+    let listener = &scene.listener;
+    program.set_vec4("uListener", listener.position.extend(listener.radius));
+    program.set_vec3("uRight", listener.right());
+    program.set_vec3("uUp", listener.up());
+    program.set_vec3("uForward", listener.forward());
+    let ball = scene.source.position.extend(SOURCE_SHARE * listener.radius);
+    program.set_vec4("uSource", ball);
+    program.set_vec2("uSize", Vec2::new(width as f32, height as f32));
+    let pixel = 2.0 * (0.5 * FIELD_OF_VIEW).tan() / height as f32;
+    program.set_f32("uPixel", pixel);
+}

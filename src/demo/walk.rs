@@ -1,0 +1,257 @@
+//! Walking through a scene: no step ends in a wall, and a step against one slides along it.
+//!
+//! Knows no window and no keys: a [`Wish`] and a time go in, a new pose comes out.
+
+use crate::scene::{Listener, Scene};
+use glam::Vec3;
+use std::f32::consts::{FRAC_PI_2, PI, TAU};
+
+/// How near a walker's eye comes to a surface, in metres.
+pub const BODY: f32 = 0.35;
+
+/// Metres a second.
+const WALKING: f32 = 3.5;
+/// Metres a second with haste.
+const RUNNING: f32 = 9.0;
+/// Radians a second by the arrow keys.
+const TURNING: f32 = 1.6;
+/// The steepest gaze, in radians: straight up would lose the way ahead.
+const STEEPEST: f32 = FRAC_PI_2 - 0.05;
+/// Step of the gradient by differences, in metres.
+const DIFFERENCE: f32 = 0.005;
+/// Corrections of one step at the most: a corner of three walls takes three.
+const CORRECTIONS: usize = 6;
+/// The longest time that one frame walks, in seconds: a frame that stuck does not leap.
+const LONGEST: f32 = 0.1;
+
+/// What the walker wants, each −1 … 1.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Wish {
+    /// Along the gaze, level.
+    pub forward: f32,
+    /// To the right.
+    pub right: f32,
+    /// Up.
+    pub up: f32,
+    /// Turn to the right.
+    pub turn: f32,
+    /// Raise the gaze.
+    pub tilt: f32,
+    /// Whether in haste.
+    pub run: bool,
+}
+
+impl Wish {
+    /// Whether nothing is wanted.
+    pub fn is_rest(&self) -> bool {
+        let Wish {
+            forward,
+            right,
+            up,
+            turn,
+            tilt,
+            ..
+        } = *self;
+        [forward, right, up, turn, tilt]
+            .iter()
+            .all(|&wish| wish == 0.0)
+    }
+}
+
+/// Where the walker stands and looks.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Walker {
+    /// The eye, in world metres.
+    pub position: Vec3,
+    /// Turn about the vertical in radians, positive to the right.
+    pub yaw: f32,
+    /// Elevation of the gaze in radians.
+    pub pitch: f32,
+}
+
+impl Walker {
+    /// In a listener's place.
+    pub fn of(listener: &Listener) -> Walker {
+        Walker {
+            position: listener.position,
+            yaw: listener.yaw,
+            pitch: listener.pitch,
+        }
+    }
+
+    /// Puts the listener in the walker's place.
+    pub fn place(&self, listener: &mut Listener) {
+        listener.position = self.position;
+        listener.yaw = self.yaw;
+        listener.pitch = self.pitch;
+    }
+
+    /// Turns by radians to the right and upwards.
+    pub fn look(&mut self, right: f32, up: f32) {
+        self.yaw = (self.yaw + right + PI).rem_euclid(TAU) - PI;
+        self.pitch = (self.pitch + up).clamp(-STEEPEST, STEEPEST);
+    }
+
+    /// Does what is wished for `seconds`, in the air of `scene`.
+    pub fn walk(&mut self, scene: &Scene, wish: &Wish, seconds: f32) {
+        let seconds = seconds.clamp(0.0, LONGEST);
+        self.look(wish.turn * TURNING * seconds, wish.tilt * TURNING * seconds);
+        let (sin, cos) = self.yaw.sin_cos();
+        let ahead = Vec3::new(sin, 0.0, -cos);
+        let right = Vec3::new(cos, 0.0, sin);
+        let way = ahead * wish.forward + right * wish.right + Vec3::Y * wish.up;
+        let speed = if wish.run { RUNNING } else { WALKING };
+        self.step(scene, way.clamp_length_max(1.0) * speed * seconds);
+    }
+
+    /// Goes `way` metres, as far as the surfaces allow.
+    fn step(&mut self, scene: &Scene, way: Vec3) {
+        // No part is longer than the body, so that none leaps through a wall.
+        let parts = (way.length() / (0.5 * BODY)).ceil().max(1.0);
+        for _ in 0..parts as usize {
+            let wanted = self.position + way / parts;
+            self.position = slide(scene, self.position, wanted);
+        }
+    }
+}
+
+/// The point next to `wanted` that keeps clear of the surfaces; `from` where there is none.
+fn slide(scene: &Scene, from: Vec3, wanted: Vec3) -> Vec3 {
+    let clearance = |point| scene.surface_distance(point).distance;
+    // Whoever stands too near already may go wherever that does not get worse.
+    let needed = BODY.min(clearance(from));
+    let mut point = wanted;
+    for _ in 0..CORRECTIONS {
+        let missing = needed - clearance(point);
+        if missing <= 1e-4 {
+            return point;
+        }
+        point += outwards(scene, point) * missing;
+    }
+    if clearance(point) >= needed - 1e-3 {
+        point
+    } else {
+        from
+    }
+}
+
+/// The unit vector away from the nearest surface; 0 where there is none.
+fn outwards(scene: &Scene, point: Vec3) -> Vec3 {
+    let along = |axis: Vec3| {
+        let step = axis * DIFFERENCE;
+        scene.surface_distance(point + step).distance
+            - scene.surface_distance(point - step).distance
+    };
+    Vec3::new(along(Vec3::X), along(Vec3::Y), along(Vec3::Z)).normalize_or_zero()
+}
+
+/// Where something is held that the walker carries: ahead, beyond the listener's sphere if
+/// the walls allow.
+pub fn carried(scene: &Scene) -> Vec3 {
+    let listener = &scene.listener;
+    let gaze = listener.forward();
+    let reach = listener.radius + 0.8;
+    let mut gone = 0.0;
+    for _ in 0..32 {
+        let clear = scene
+            .surface_distance(listener.position + gone * gaze)
+            .distance
+            - 0.5 * BODY;
+        if clear < 1e-3 || gone >= reach {
+            break;
+        }
+        gone += clear;
+    }
+    listener.position + gone.clamp(0.0, reach) * gaze
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn walked(wish: Wish, yaw: f32, seconds: f32) -> Walker {
+        let scene = Scene::builtin("corner").unwrap();
+        let mut walker = Walker::of(&scene.listener);
+        walker.yaw = yaw;
+        for _ in 0..(seconds * 30.0) as usize {
+            walker.walk(&scene, &wish, 1.0 / 30.0);
+        }
+        walker
+    }
+
+    /// Protects the direction of keys: forward is along the gaze, right is to its right.
+    #[test]
+    fn a_walker_goes_where_the_gaze_and_the_keys_say() {
+        let ahead = Wish {
+            forward: 1.0,
+            ..Wish::default()
+        };
+        let back = walked(ahead, std::f32::consts::PI, 1.0);
+        assert!((back.position - Vec3::new(10.0, 0.0, 11.5)).length() < 1e-3);
+        let aside = Wish {
+            right: -1.0,
+            ..Wish::default()
+        };
+        let left = walked(aside, 0.0, 1.0);
+        assert!((left.position - Vec3::new(6.5, 0.0, 8.0)).length() < 1e-3);
+    }
+
+    /// Protects walls: the block of the corner scene begins at z = 0, x = 0; however long and fast one walks at
+    /// it, the eye stays out, and slides along it where it is met at a slant.
+    #[test]
+    fn walls_stop_a_walker_who_slides_along() {
+        let at_the_wall = Wish {
+            forward: 1.0,
+            run: true,
+            ..Wish::default()
+        };
+        let stopped = walked(at_the_wall, 0.0, 10.0);
+        assert!((stopped.position.z - BODY).abs() < 0.01, "{stopped:?}");
+        assert!((stopped.position.x - 10.0).abs() < 0.05, "{stopped:?}");
+        let slid = walked(at_the_wall, -0.7, 1.5);
+        assert!((slid.position.z - BODY).abs() < 0.01, "{slid:?}");
+        assert!(slid.position.x < 5.0, "{slid:?}");
+    }
+
+    /// Protects every corner: no walk in any scene ends in a solid.
+    #[test]
+    fn no_walk_ends_in_a_solid() {
+        for name in crate::scene::BUILTIN_NAMES {
+            let scene = Scene::builtin(name).unwrap();
+            for heading in 0..12 {
+                let mut walker = Walker::of(&scene.listener);
+                walker.yaw = heading as f32 * 0.53;
+                let wish = Wish {
+                    forward: 1.0,
+                    up: if heading % 3 == 0 { -1.0 } else { 0.0 },
+                    run: true,
+                    ..Wish::default()
+                };
+                for _ in 0..200 {
+                    walker.walk(&scene, &wish, 0.05);
+                    let clear = scene.surface_distance(walker.position).distance;
+                    assert!(clear > 0.9 * BODY, "{name}, heading {heading}: {clear}");
+                }
+            }
+        }
+    }
+
+    /// Protects the sky: nobody looks over backwards.
+    #[test]
+    fn the_gaze_stops_short_of_straight_up() {
+        let mut walker = Walker::default();
+        walker.look(0.0, 9.0);
+        assert!(walker.pitch < FRAC_PI_2);
+        walker.look(-0.5 - TAU, -99.0);
+        assert!(walker.pitch > -FRAC_PI_2 && walker.yaw < 0.0);
+    }
+
+    /// Protects what is carried from being pushed into a wall.
+    #[test]
+    fn what_is_carried_stays_in_the_air() {
+        let mut scene = Scene::builtin("corner").unwrap();
+        assert!((carried(&scene) - scene.listener.position).length() > scene.listener.radius);
+        scene.listener.position.z = 0.5;
+        assert!(scene.surface_distance(carried(&scene)).distance > 0.0);
+    }
+}

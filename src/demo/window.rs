@@ -1,0 +1,141 @@
+//! The window itself, and the one context that waves, picture and panels share.
+
+use super::{DemoError, DemoOptions};
+use crate::gpu::{WindowContext, WindowDisplay};
+use egui_glow::Painter;
+use egui_glow::egui_winit::{EventResponse, State};
+use winit::dpi::PhysicalSize;
+use winit::event::WindowEvent;
+use winit::event_loop::{ActiveEventLoop, EventLoop};
+use winit::platform::x11::{EventLoopBuilderExtX11, WindowAttributesExtX11};
+use winit::window::{CursorGrabMode, Window, WindowAttributes};
+
+/// What draws the panels.
+struct Panels {
+    context: egui::Context,
+    state: State,
+    painter: Painter,
+}
+
+/// A window with its context. The fields go in this order: the window last.
+pub struct DemoWindow {
+    panels: Panels,
+    /// The context and the surface.
+    pub gl: WindowContext,
+    /// The window.
+    pub window: Window,
+}
+
+/// The connection to the display.
+///
+/// # Errors
+/// [`DemoError::NoDisplay`].
+pub fn event_loop() -> Result<EventLoop<()>, DemoError> {
+    let no_display = |reason: String| DemoError::NoDisplay { reason };
+    let name = std::env::var("DISPLAY").unwrap_or_default();
+    if name.is_empty() {
+        return Err(no_display("DISPLAY is not set".into()));
+    }
+    EventLoop::builder()
+        .with_x11()
+        .build()
+        .map_err(|_| no_display(format!("DISPLAY is {name}, where nothing answers")))
+}
+
+impl DemoWindow {
+    /// Opens the window.
+    ///
+    /// # Errors
+    /// [`DemoError::NoWindow`], [`DemoError::Failed`].
+    pub fn open(events: &ActiveEventLoop, options: &DemoOptions) -> Result<DemoWindow, DemoError> {
+        let display = WindowDisplay::of(events)?;
+        let mut attributes = WindowAttributes::default()
+            .with_title("Echomarch")
+            .with_inner_size(PhysicalSize::new(options.width, options.height))
+            .with_min_inner_size(PhysicalSize::new(320, 180));
+        if let Some(visual) = display.x11_visual() {
+            attributes = attributes.with_x11_visual(visual as u32);
+        }
+        let window = events.create_window(attributes);
+        let window = window.map_err(|error| DemoError::NoWindow {
+            reason: error.to_string(),
+        })?;
+        let size = window.inner_size();
+        let gl = display.context(&window, size.width, size.height)?;
+        gl.do_not_wait_for_refresh();
+        let panels = Panels::new(events, &gl)?;
+        Ok(DemoWindow { panels, gl, window })
+    }
+
+    /// Width and height in pixels; 0 where nothing can be seen.
+    pub fn size(&self) -> [u32; 2] {
+        self.window.inner_size().into()
+    }
+
+    /// Keeps the mouse in the window and out of sight, or gives it back; whether it is kept.
+    pub fn capture_mouse(&self, wanted: bool) -> bool {
+        let grabbed = wanted
+            && [CursorGrabMode::Locked, CursorGrabMode::Confined]
+                .into_iter()
+                .any(|mode| self.window.set_cursor_grab(mode).is_ok());
+        if !grabbed {
+            // There is nothing to be done where it cannot even be freed.
+            let _ = self.window.set_cursor_grab(CursorGrabMode::None);
+        }
+        self.window.set_cursor_visible(!grabbed);
+        grabbed
+    }
+
+    /// Tells the panels of an event; `consumed` in the answer says that it was theirs.
+    pub fn on_event(&mut self, event: &WindowEvent) -> EventResponse {
+        self.panels.state.on_window_event(&self.window, event)
+    }
+
+    /// The panels' own context.
+    pub fn egui(&self) -> &egui::Context {
+        &self.panels.context
+    }
+
+    /// Lays out the panels and draws them over what is in the window.
+    pub fn draw_panels(&mut self, layout: impl FnMut(&mut egui::Ui)) {
+        // Makes the context current.
+        self.gl.context().gl();
+        let size = self.size();
+        self.panels.draw(&self.window, size, layout);
+    }
+
+    /// Frees what the panels hold of GL, before the context goes.
+    pub fn close(&mut self) {
+        self.gl.context().gl();
+        self.panels.painter.destroy();
+    }
+}
+
+impl Panels {
+    fn new(events: &ActiveEventLoop, gl: &WindowContext) -> Result<Panels, DemoError> {
+        let painter = Painter::new(gl.functions(), "", None, false);
+        let painter = painter.map_err(|error| DemoError::NoWindow {
+            reason: error.to_string(),
+        })?;
+        let context = egui::Context::default();
+        let side = Some(painter.max_texture_side());
+        let root = egui::ViewportId::ROOT;
+        let state = State::new(context.clone(), root, events, None, None, side);
+        Ok(Panels {
+            context,
+            state,
+            painter,
+        })
+    }
+
+    fn draw(&mut self, window: &Window, size: [u32; 2], layout: impl FnMut(&mut egui::Ui)) {
+        let input = self.state.take_egui_input(window);
+        let mut output = self.context.run_ui(input, layout);
+        self.state
+            .handle_platform_output(window, output.platform_output);
+        let scale = output.pixels_per_point;
+        let shapes = self.context.tessellate(output.shapes, scale);
+        self.painter
+            .paint_and_update_textures(size, scale, &shapes, &mut output.textures_delta);
+    }
+}

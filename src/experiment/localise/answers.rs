@@ -1,0 +1,267 @@
+//! The answers of a test person, as the form saves them: JSON, whole or broken off.
+//!
+//! Nothing is taken silently: a file is read in full or refused with what is wrong in it, and
+//! a trial without an answer counts as such.
+
+use super::observer::Side;
+use serde::{Deserialize, Serialize};
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// What a file of answers says that it is.
+pub const FORMAT: &str = "echomarch-localise-answers";
+
+/// The only version that there is.
+pub const VERSION: u32 = 1;
+
+/// Confidence runs from 1, a guess, to this, certain.
+pub const MOST_CONFIDENT: u32 = 5;
+
+/// Saved answers of one person in one sitting, or several that follow each other.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Session {
+    /// [`FORMAT`].
+    pub format: String,
+    /// [`VERSION`].
+    pub version: u32,
+    /// Which form: the same for all people who got the same.
+    pub experiment: String,
+    /// Which session: made up by the form when it began.
+    pub session: String,
+    /// A code that the person chose; may be empty.
+    pub participant: String,
+    /// When the session began, in ISO 8601.
+    pub started: String,
+    /// When the file was saved, in ISO 8601.
+    pub saved: String,
+    /// Every trial of the form, in the order that it was heard in.
+    pub trials: Vec<TrialAnswer>,
+}
+
+/// One trial, with its answer if there is one.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TrialAnswer {
+    /// Place in the order, from 1.
+    pub number: u32,
+    /// What was heard.
+    pub stimulus: StimulusInfo,
+    /// What was said.
+    pub answer: Option<Answer>,
+}
+
+/// One sound in one setting, and where its source is.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StimulusInfo {
+    /// Name of the scene.
+    pub scene: String,
+    /// The listener's turn in the world, in degrees.
+    pub yaw_deg: f64,
+    /// Name of the sound.
+    pub sound: String,
+    /// Name of the panning law.
+    pub law: String,
+    /// Name of the profile.
+    pub profile: String,
+    /// Waves.
+    pub waves: u32,
+    /// Iterations.
+    pub iterations: u32,
+    /// Seed of the waves.
+    pub seed: u32,
+    /// Panning value of the frame.
+    pub pan: f64,
+    /// Waves that arrived.
+    pub hits: u64,
+    /// Straight to the source, right of the gaze, in degrees, −180 … 180.
+    pub source_azimuth_deg: f64,
+    /// The same as far as levels can tell it, in degrees, −90 … 90.
+    pub source_lateral_deg: f64,
+    /// What the [`Observer`](super::Observer) answers to this very sound, in degrees.
+    pub observer_lateral_deg: f64,
+}
+
+/// What a person said.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Answer {
+    /// Where the plan was clicked, right of the listener, in metres.
+    pub right_m: f64,
+    /// The same, ahead of the listener.
+    pub ahead_m: f64,
+    /// The direction of that, right of the gaze, in degrees, −180 … 180.
+    pub azimuth_deg: f64,
+    /// From which side it seemed to come.
+    pub side: Side,
+    /// 1, a guess, to [`MOST_CONFIDENT`], certain.
+    pub confidence: u32,
+    /// How often it was played.
+    pub plays: u32,
+    /// From the first playing to the answer, in seconds.
+    pub seconds: f64,
+    /// When, in ISO 8601.
+    pub answered: String,
+}
+
+/// A file of answers that cannot be taken.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum AnswersError {
+    /// The file cannot be read.
+    #[error("cannot read the answers {}: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// The file is no JSON, or lacks something, or holds something unknown.
+    #[error("{} holds no answers of the form: {source}", path.display())]
+    Json {
+        /// The file.
+        path: PathBuf,
+        /// What the JSON reader stumbled over.
+        source: serde_json::Error,
+    },
+    /// The file is of something else, or of another version.
+    #[error(
+        "{} is {format:?}, version {version}: answers are {FORMAT:?}, version {VERSION}",
+        path.display()
+    )]
+    Format {
+        /// The file.
+        path: PathBuf,
+        /// What it says that it is.
+        format: String,
+        /// Its version.
+        version: u32,
+    },
+    /// A value that cannot be.
+    #[error("{}: {what}", path.display())]
+    Bad {
+        /// The file.
+        path: PathBuf,
+        /// Where, what is there, and what should be.
+        what: String,
+    },
+    /// Two files of one session that say different things.
+    #[error(
+        "{} and {} are of one session ({session}) and differ in trial {number}: give one of them",
+        first.display(),
+        second.display()
+    )]
+    Contradiction {
+        /// One file.
+        first: PathBuf,
+        /// The other.
+        second: PathBuf,
+        /// The session.
+        session: String,
+        /// The trial, from 1.
+        number: u32,
+    },
+}
+
+impl Session {
+    /// Reads and checks a file.
+    ///
+    /// # Errors
+    /// [`AnswersError`] with the file's name.
+    pub fn read(path: &Path) -> Result<Session, AnswersError> {
+        let text = std::fs::read_to_string(path).map_err(|source| AnswersError::Read {
+            path: path.to_owned(),
+            source,
+        })?;
+        let session: Session =
+            serde_json::from_str(&text).map_err(|source| AnswersError::Json {
+                path: path.to_owned(),
+                source,
+            })?;
+        if session.format != FORMAT || session.version != VERSION {
+            return Err(AnswersError::Format {
+                path: path.to_owned(),
+                format: session.format,
+                version: session.version,
+            });
+        }
+        session.check().map_err(|what| AnswersError::Bad {
+            path: path.to_owned(),
+            what,
+        })?;
+        Ok(session)
+    }
+
+    /// Number of trials that are answered.
+    pub fn answered(&self) -> usize {
+        let answered = self.trials.iter().filter(|trial| trial.answer.is_some());
+        answered.count()
+    }
+
+    fn check(&self) -> Result<(), String> {
+        if self.trials.is_empty() {
+            return Err("there is no trial in it".to_owned());
+        }
+        for (index, trial) in self.trials.iter().enumerate() {
+            let number = trial.number;
+            if number as usize != index + 1 {
+                let place = index + 1;
+                return Err(format!("trial {number} stands in the place of {place}"));
+            }
+            let told = |what: String| format!("trial {number}: {what}");
+            trial.stimulus.check().map_err(told)?;
+            if let Some(answer) = &trial.answer {
+                answer.check().map_err(told)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl StimulusInfo {
+    fn check(&self) -> Result<(), String> {
+        within("yaw_deg", self.yaw_deg, f64::MAX)?;
+        within("pan", self.pan, 1.0)?;
+        within("source_azimuth_deg", self.source_azimuth_deg, 180.0)?;
+        within("source_lateral_deg", self.source_lateral_deg, 90.0)?;
+        within("observer_lateral_deg", self.observer_lateral_deg, 90.0)
+    }
+}
+
+impl Answer {
+    fn check(&self) -> Result<(), String> {
+        within("right_m", self.right_m, f64::MAX)?;
+        within("ahead_m", self.ahead_m, f64::MAX)?;
+        within("azimuth_deg", self.azimuth_deg, 180.0)?;
+        within("seconds", self.seconds, f64::MAX)?;
+        // Numbers are saved with fewer digits than they are reckoned with.
+        const ROUNDING_DEG: f64 = 1.0;
+        let clicked = self.right_m.atan2(self.ahead_m).to_degrees();
+        let off = (clicked - self.azimuth_deg).rem_euclid(360.0);
+        if off.min(360.0 - off) > ROUNDING_DEG {
+            let azimuth = self.azimuth_deg;
+            return Err(format!(
+                "azimuth_deg is {azimuth}, but the click lies at {clicked:.1}"
+            ));
+        }
+        if !(1..=MOST_CONFIDENT).contains(&self.confidence) {
+            let confidence = self.confidence;
+            return Err(format!(
+                "confidence must be 1 to {MOST_CONFIDENT}, not {confidence}"
+            ));
+        }
+        Ok(())
+    }
+}
+
+fn within(what: &str, value: f64, most: f64) -> Result<(), String> {
+    // The last digit may have been rounded up.
+    if value.is_finite() && value.abs() - most <= 1e-6 {
+        return Ok(());
+    }
+    Err(match most {
+        f64::MAX => format!("{what} must be finite, not {value}"),
+        _ => format!("{what} must be -{most} to {most}, not {value}"),
+    })
+}

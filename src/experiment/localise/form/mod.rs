@@ -1,0 +1,284 @@
+//! The experiment for people: a page that plays the sounds and takes the answers.
+//!
+//! One HTML file holds everything: the sounds (16 bits), a plan and a view for each facing,
+//! and what every answer is to be saved with. It asks nothing of a network. The plan has
+//! the gaze upwards, as the listener faces the screen, and does not show the source; the view
+//! is lit from behind the listener, so that no light gives the source away.
+//!
+//! The order of the trials depends on the form's seed and their number alone. Answers
+//! are locked once given. Beside the page lie the same sounds as WAV files (32-bit float),
+//! numbered in the order of the trials, and `experiment.json`, which says what each is.
+
+mod encode;
+mod page;
+mod plan;
+
+use super::answers::StimulusInfo;
+use super::listen::{LoadedSound, facings, listen};
+use super::observer::{Levels, Observer, azimuth_deg, lateral_deg};
+use super::random::Random;
+use crate::audio::{PanningLaw, SoundSpec, WavWriter};
+use crate::error::Error;
+use crate::output::{OutputError, write_whole};
+use crate::scene::Scene;
+use crate::trace::{Profile, Settings, Tracer};
+use plan::Plan;
+use serde::Serialize;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// More sound than this, in bytes of 16-bit WAV, lies beside the page instead of in it.
+const MOST_EMBEDDED: usize = 48 << 20;
+
+/// Trials in a form at the most.
+pub const MOST_TRIALS: usize = 999;
+
+/// What the form shall hold: every combination, each facing of each scene.
+#[derive(Clone, Debug)]
+pub struct FormOptions {
+    /// The rooms.
+    pub scenes: Vec<Scene>,
+    /// What the source plays.
+    pub sounds: Vec<SoundSpec>,
+    /// The algorithms.
+    pub profiles: Vec<Profile>,
+    /// Counts of waves.
+    pub waves: Vec<u32>,
+    /// Counts of iterations.
+    pub iterations: Vec<u32>,
+    /// Order of the trials, and start directions of the waves.
+    pub seed: u32,
+    /// Length of each sound, in seconds.
+    pub seconds: f64,
+    /// How panning values become levels.
+    pub law: PanningLaw,
+}
+
+impl FormOptions {
+    /// How many trials that makes.
+    pub fn trials(&self) -> usize {
+        const FACINGS: usize = 3;
+        let settings = self.profiles.len() * self.waves.len() * self.iterations.len();
+        FACINGS * self.scenes.len() * self.sounds.len() * settings
+    }
+}
+
+/// One trial.
+#[derive(Clone, Debug, Serialize)]
+pub struct Trial {
+    /// Place in the order, from 1.
+    pub number: usize,
+    /// What is heard.
+    pub stimulus: StimulusInfo,
+    /// Which of the plans belongs to it, from 0.
+    pub plan: usize,
+    /// The sound, beside the page.
+    pub file: String,
+}
+
+/// A form, not written yet.
+#[derive(Debug)]
+pub struct Form {
+    /// Which form: another for any difference in its trials.
+    pub experiment: String,
+    /// Order of the trials.
+    pub seed: u32,
+    /// The trials, in order.
+    pub trials: Vec<Trial>,
+    /// Whether the page holds the sounds.
+    pub embedded: bool,
+    renderer: String,
+    law: PanningLaw,
+    sounds: Vec<LoadedSound>,
+    plans: Vec<Plan>,
+}
+
+/// `experiment.json`.
+#[derive(Serialize)]
+struct Key<'a> {
+    experiment: &'a str,
+    seed: u32,
+    renderer: &'a str,
+    trials: &'a [Trial],
+}
+
+/// Traces every trial and draws every plan. `progress` is called with steps done and steps in
+/// all.
+///
+/// # Errors
+/// [`Error::Audio`] for a sound that cannot be had, [`Error::Picture`] and those of
+/// [`Tracer::frame`].
+pub fn build(
+    tracer: &mut Tracer,
+    options: &FormOptions,
+    progress: &mut dyn FnMut(u64, u64),
+) -> Result<Form, Error> {
+    let sounds = options.sounds.iter();
+    let sounds: Result<Vec<_>, _> = sounds
+        .map(|spec| LoadedSound::new(spec, options.seconds))
+        .collect();
+    let sounds = sounds?;
+    let rooms: Vec<Scene> = options.scenes.iter().flat_map(facings).collect();
+    let total = (rooms.len() + options.trials() / sounds.len().max(1)) as u64;
+    let (mut done, mut plans, mut stimuli) = (0, Vec::new(), Vec::new());
+    for (index, room) in rooms.iter().enumerate() {
+        plans.push(Plan::new(tracer.context(), room)?);
+        done += 1;
+        progress(done, total);
+        for settings in settings(options) {
+            let heard = stimuli_of(tracer, room, &settings, &sounds, options.law)?;
+            stimuli.extend(heard.into_iter().map(|stimulus| (index, stimulus)));
+            done += 1;
+            progress(done, total);
+        }
+    }
+    Random::new(options.seed.into()).shuffle(&mut stimuli);
+    let trial = |(index, (plan, stimulus)): (usize, (usize, StimulusInfo))| Trial {
+        number: index + 1,
+        stimulus,
+        plan,
+        file: format!("sounds/{:03}.wav", index + 1),
+    };
+    let trials: Vec<Trial> = stimuli.into_iter().enumerate().map(trial).collect();
+    let samples: usize = sounds.iter().map(|sound| sound.mono.len()).sum();
+    let bytes = 4 * samples * trials.len() / sounds.len().max(1);
+    Ok(Form {
+        experiment: encode::fingerprint(&trials),
+        seed: options.seed,
+        embedded: bytes <= MOST_EMBEDDED,
+        trials,
+        renderer: tracer.context().renderer().to_owned(),
+        law: options.law,
+        sounds,
+        plans,
+    })
+}
+
+fn settings(options: &FormOptions) -> Vec<Settings> {
+    let mut all = Vec::new();
+    for &waves in &options.waves {
+        for &iterations in &options.iterations {
+            let of = |&profile: &Profile| {
+                let settings = Settings::of(profile).with_seed(options.seed);
+                settings.with_waves(waves).with_iterations(iterations)
+            };
+            all.extend(options.profiles.iter().map(of));
+        }
+    }
+    all
+}
+
+/// The same frame with every sound.
+fn stimuli_of(
+    tracer: &mut Tracer,
+    room: &Scene,
+    settings: &Settings,
+    sounds: &[LoadedSound],
+    law: PanningLaw,
+) -> Result<Vec<StimulusInfo>, Error> {
+    let heard = listen(tracer, room, settings)?;
+    let observer = Observer::new(room, law);
+    let stimulus = |sound: &LoadedSound| StimulusInfo {
+        scene: room.name.clone(),
+        yaw_deg: f64::from(room.listener.yaw).to_degrees(),
+        sound: sound.name.clone(),
+        law: law.to_string(),
+        profile: settings.profile.to_string(),
+        waves: settings.waves,
+        iterations: settings.iterations,
+        seed: settings.seed,
+        pan: heard.pan,
+        hits: heard.hits,
+        source_azimuth_deg: azimuth_deg(room),
+        source_lateral_deg: lateral_deg(room),
+        observer_lateral_deg: observer.answer_deg(Levels::of(&sound.mixed(heard.pan, law))),
+    };
+    Ok(sounds.iter().map(stimulus).collect())
+}
+
+/// A form that cannot be written.
+#[derive(Debug, thiserror::Error)]
+pub enum WriteError {
+    /// The folder holds something, which is not to be replaced.
+    #[error(
+        "the folder {} is not empty: a form never replaces files, choose another",
+        folder.display()
+    )]
+    NotEmpty {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// A file cannot be written.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+    /// A sound cannot be written.
+    #[error(transparent)]
+    Sound(#[from] Error),
+}
+
+/// Makes the folder, and proves that it is empty and can be written to: to be called before
+/// the form is built.
+///
+/// # Errors
+/// [`WriteError`] with the folder.
+pub fn prepare(folder: &Path) -> Result<(), WriteError> {
+    crate::output::prepare_folder(folder)?;
+    let cannot_list = |source: io::Error| OutputError {
+        path: folder.to_owned(),
+        source,
+    };
+    let mut entries = std::fs::read_dir(folder).map_err(cannot_list)?;
+    match entries.next() {
+        None => Ok(()),
+        Some(_) => Err(WriteError::NotEmpty {
+            folder: folder.to_owned(),
+        }),
+    }
+}
+
+impl Form {
+    /// The page.
+    pub fn html(&self) -> String {
+        page::html(self)
+    }
+
+    /// Writes the page, the sounds and `experiment.json` into an empty folder.
+    ///
+    /// # Errors
+    /// [`WriteError`], at once if the folder holds anything.
+    pub fn write(&self, folder: &Path) -> Result<(), WriteError> {
+        prepare(folder)?;
+        let sounds = folder.join("sounds");
+        crate::output::prepare_folder(&sounds)?;
+        for trial in &self.trials {
+            let path = folder.join(&trial.file);
+            let mut writer = WavWriter::create(path).map_err(Error::from)?;
+            writer.write(&self.samples(trial)).map_err(Error::from)?;
+            writer.finish().map_err(Error::from)?;
+        }
+        let key = Key {
+            experiment: &self.experiment,
+            seed: self.seed,
+            renderer: &self.renderer,
+            trials: &self.trials,
+        };
+        write_whole(&folder.join("experiment.json"), |out| {
+            Ok(serde_json::to_writer_pretty(out, &key)?)
+        })?;
+        // Last, so that a page is there when all that it needs is.
+        write_whole(&folder.join("form.html"), |out| {
+            out.write_all(self.html().as_bytes())
+        })?;
+        Ok(())
+    }
+
+    /// Left and right samples in turns.
+    fn samples(&self, trial: &Trial) -> Vec<f32> {
+        let stimulus = &trial.stimulus;
+        let sound = self
+            .sounds
+            .iter()
+            .find(|sound| sound.name == stimulus.sound);
+        sound.map_or_else(Vec::new, |sound| sound.mixed(stimulus.pan, self.law))
+    }
+}

@@ -1,0 +1,51 @@
+//! The page: its text, style and program, with the form's data put in.
+
+use super::Form;
+use super::encode::{data_url, wav_16};
+use crate::experiment::localise::answers::{FORMAT, MOST_CONFIDENT, VERSION};
+use serde_json::{Value, json};
+
+const PAGE: &str = include_str!("form.html");
+const STYLE: &str = include_str!("form.css");
+const PROGRAM: &str = include_str!("form.js");
+
+/// The whole page.
+pub fn html(form: &Form) -> String {
+    // Within a script element only this would end it early.
+    let data = data(form).to_string().replace("</", "<\\/");
+    PAGE.replace("/*STYLE*/", STYLE)
+        .replace("/*PROGRAM*/", PROGRAM)
+        .replace("/*DATA*/", &data)
+}
+
+fn data(form: &Form) -> Value {
+    let plans = form.plans.iter().map(|plan| {
+        json!({
+            "min": [plan.min.x, plan.min.y],
+            "max": [plan.max.x, plan.max.y],
+            "radius": plan.radius,
+            "plan": data_url("image/png", &plan.plan_png),
+            "view": data_url("image/png", &plan.view_png),
+        })
+    });
+    let trials = form.trials.iter().map(|trial| {
+        let audio = match form.embedded {
+            true => data_url("audio/wav", &wav_16(&form.samples(trial))),
+            false => trial.file.clone(),
+        };
+        json!({
+            "number": trial.number,
+            "stimulus": trial.stimulus,
+            "plan": trial.plan,
+            "audio": audio,
+        })
+    });
+    json!({
+        "format": FORMAT,
+        "version": VERSION,
+        "experiment": form.experiment,
+        "mostConfident": MOST_CONFIDENT,
+        "plans": plans.collect::<Vec<_>>(),
+        "trials": trials.collect::<Vec<_>>(),
+    })
+}

@@ -1,0 +1,226 @@
+//! The report as one picture: the open field, then each room's errors against waves and
+//! iterations, a colour a profile, bars for the medians' intervals.
+
+use super::markdown::first_sound;
+use super::report::{Cell, LocaliseReport, SceneReport};
+use super::statistics::ErrorFigures;
+use plotters::coord::Shift;
+use plotters::coord::types::RangedCoordf64;
+use plotters::prelude::*;
+
+type PlotError = Box<dyn std::error::Error + Send + Sync>;
+type Panel<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+
+const WIDTH: u32 = 1320;
+const TITLE_HEIGHT: u32 = 48;
+const ROW_HEIGHT: u32 = 360;
+
+/// Told apart by colour-blind eyes too (Okabe and Ito).
+const COLOURS: [(&str, RGBColor); 3] = [
+    ("thesis", RGBColor(213, 94, 0)),
+    ("march", RGBColor(0, 114, 178)),
+    ("hybrid", RGBColor(0, 158, 115)),
+];
+const GROUND: RGBColor = RGBColor(120, 120, 120);
+
+/// What the panels of waves are at, where it was measured.
+const ITERATIONS: u32 = 8;
+/// What the panels of iterations are at, where it was measured.
+const WAVES: u32 = 65_536;
+
+/// A count or azimuth, and the error there.
+type Point = (f64, ErrorFigures);
+
+/// A line of a panel.
+struct Line {
+    name: String,
+    colour: RGBColor,
+    /// In pixels: `march` is wide, since `hybrid` mostly lies on it.
+    width: u32,
+    points: Vec<Point>,
+}
+
+/// The report as an SVG picture.
+///
+/// # Errors
+/// When the drawing fails, which its text says.
+pub fn plot_svg(report: &LocaliseReport) -> Result<String, PlotError> {
+    let mut svg = String::new();
+    let rows = 1 + report.scenes.len();
+    {
+        let height = TITLE_HEIGHT + ROW_HEIGHT * rows as u32;
+        let root = SVGBackend::with_string(&mut svg, (WIDTH, height)).into_drawing_area();
+        root.fill(&WHITE)?;
+        let title = format!(
+            "Localisation by levels: median absolute error with its {:.0} % interval, {}",
+            100.0 * report.confidence,
+            report.renderer
+        );
+        let body = root.titled(&title, ("sans-serif", 20))?;
+        let rows = body.split_evenly((rows, 1));
+        plot_open(&rows[0], report)?;
+        for (row, scene) in rows[1..].iter().zip(&report.scenes) {
+            plot_scene(row, scene)?;
+        }
+        root.present()?;
+    }
+    Ok(svg)
+}
+
+fn plot_open(panel: &Panel, report: &LocaliseReport) -> Result<(), PlotError> {
+    let line = |open: &super::OpenReport| {
+        let (heard, colour) = match open.iterations {
+            1 => ("", colour(&open.profile)),
+            _ => (" with the ground", GROUND),
+        };
+        let points = open.azimuths.iter().map(|at| (at.azimuth_deg, at.error));
+        Line {
+            name: format!("{}, {} waves{heard}", open.profile, open.waves),
+            colour,
+            width: width(&open.profile),
+            points: points.collect(),
+        }
+    };
+    let lines: Vec<Line> = report.open.iter().map(line).collect();
+    let caption = "open-field, the source around the listener";
+    let axes = (
+        "azimuth of the source, degrees",
+        "error from source, degrees",
+    );
+    plot_lines(panel, caption, axes, false, &lines)
+}
+
+fn plot_scene(row: &Panel, scene: &SceneReport) -> Result<(), PlotError> {
+    let panels = row.split_evenly((1, 3));
+    let name = &scene.scene;
+    let by_waves = |error: fn(&Cell) -> ErrorFigures| {
+        let at = ITERATIONS;
+        lines(scene, |cell| {
+            (cell.iterations == at).then(|| (cell.waves, error(cell)))
+        })
+    };
+    let caption = format!("{name}, {ITERATIONS} iterations");
+    let axes = ("waves", "error from limit, degrees");
+    plot_lines(
+        &panels[0],
+        &caption,
+        axes,
+        true,
+        &by_waves(|cell| cell.limit),
+    )?;
+    let axes = ("waves", "error from source, degrees");
+    plot_lines(
+        &panels[1],
+        &caption,
+        axes,
+        true,
+        &by_waves(|cell| cell.source),
+    )?;
+    let by_iterations = lines(scene, |cell| {
+        (cell.waves == WAVES).then_some((cell.iterations, cell.source))
+    });
+    let caption = format!("{name}, {WAVES} waves");
+    let axes = ("iterations", "error from source, degrees");
+    plot_lines(&panels[2], &caption, axes, true, &by_iterations)
+}
+
+/// A line a profile through the cells that `pick` wants.
+fn lines(scene: &SceneReport, pick: impl Fn(&Cell) -> Option<(u32, ErrorFigures)>) -> Vec<Line> {
+    let line = |(name, colour): (&str, RGBColor)| Line {
+        name: name.to_owned(),
+        colour,
+        width: width(name),
+        points: first_sound(scene)
+            .filter(|cell| cell.profile == name)
+            .filter_map(&pick)
+            .map(|(count, error)| (f64::from(count), error))
+            .collect(),
+    };
+    COLOURS.into_iter().map(line).collect()
+}
+
+/// One panel; `by_powers`: counts, a step of the axis a doubling.
+fn plot_lines(
+    panel: &Panel,
+    caption: &str,
+    (x_name, y_name): (&str, &str),
+    by_powers: bool,
+    lines: &[Line],
+) -> Result<(), PlotError> {
+    let place = |x: f64| if by_powers { x.log2() } else { x };
+    let all = || lines.iter().flat_map(|line| &line.points);
+    let (least, most) = all().fold(
+        (f64::INFINITY, f64::NEG_INFINITY),
+        |(least, most), point| (least.min(place(point.0)), most.max(place(point.0))),
+    );
+    if least > most {
+        return Ok(());
+    }
+    let margin = (0.04 * (most - least)).max(0.1);
+    let highest = all().fold(1.0, |highest, point| f64::max(highest, point.1.high_deg));
+    let mut chart = ChartBuilder::on(panel)
+        .margin(12)
+        .margin_right(22)
+        .caption(caption, ("sans-serif", 16))
+        .x_label_area_size(42)
+        .y_label_area_size(52)
+        .build_cartesian_2d(least - margin..most + margin, 0.0..1.08 * highest)?;
+    let tick = |x: &f64| match by_powers {
+        true if (x - x.round()).abs() < 1e-9 => format!("{}", x.exp2().round()),
+        true => String::new(),
+        false => format!("{x:.0}"),
+    };
+    chart
+        .configure_mesh()
+        .x_desc(x_name)
+        .y_desc(y_name)
+        .x_labels(8)
+        .x_label_formatter(&tick)
+        .bold_line_style(BLACK.mix(0.15))
+        .light_line_style(BLACK.mix(0.04))
+        .draw()?;
+    for line in lines.iter().filter(|line| !line.points.is_empty()) {
+        draw_line(&mut chart, line, place)?;
+    }
+    chart
+        .configure_series_labels()
+        .position(if by_powers {
+            SeriesLabelPosition::UpperRight
+        } else {
+            SeriesLabelPosition::UpperMiddle
+        })
+        .background_style(WHITE.mix(0.85))
+        .border_style(BLACK.mix(0.2))
+        .draw()?;
+    Ok(())
+}
+
+type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+
+/// The medians, joined, and their intervals as bars.
+fn draw_line(chart: &mut Chart, line: &Line, place: impl Fn(f64) -> f64) -> Result<(), PlotError> {
+    let (colour, width) = (line.colour, line.width);
+    let middle = line
+        .points
+        .iter()
+        .map(|(x, error)| (place(*x), error.median_abs_deg));
+    chart
+        .draw_series(LineSeries::new(middle.clone(), colour.stroke_width(width)).point_size(3))?
+        .label(&line.name)
+        .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], colour.stroke_width(width)));
+    let bars = line.points.iter().map(|(x, error)| {
+        let ends = [(place(*x), error.low_deg), (place(*x), error.high_deg)];
+        PathElement::new(ends, colour.mix(0.5).stroke_width(4))
+    });
+    chart.draw_series(bars)?;
+    Ok(())
+}
+
+fn colour(profile: &str) -> RGBColor {
+    let known = COLOURS.iter().find(|(name, _)| *name == profile);
+    known.map_or(GROUND, |(_, colour)| *colour)
+}
+
+fn width(profile: &str) -> u32 {
+    if profile == "march" { 6 } else { 2 }
+}

@@ -1,0 +1,213 @@
+//! Reading texels back without waiting for them.
+
+use std::ops::ControlFlow;
+
+use glow::{HasContext, PixelPackData};
+
+use super::{Context, GpuError, RenderTarget, bytes};
+
+/// Longest wait in one call, in nanoseconds; what is not there then is asked for again.
+const WAIT_NANOSECONDS: i32 = 100_000_000;
+
+/// Waits in a row before the context counts as lost: ten seconds in all.
+const WAITS_AT_MOST: u32 = 100;
+
+/// A read-back under way: the texels are copied into a buffer of GL's when the drawing before it is done, and a fence
+/// tells when that was. One at a time; the buffer is kept from one to the next.
+///
+/// Dropping it frees the buffer, and drops a read under way.
+#[derive(Debug)]
+pub struct AsyncRead {
+    context: Context,
+    buffer: glow::Buffer,
+    capacity: usize,
+    pending: Option<Pending>,
+}
+
+/// A read that was begun.
+#[derive(Debug)]
+struct Pending {
+    fence: glow::Fence,
+    floats: usize,
+}
+
+impl AsyncRead {
+    /// A reader with no read under way.
+    ///
+    /// # Errors
+    /// What GL reports.
+    pub fn new(context: &Context) -> Result<AsyncRead, GpuError> {
+        // SAFETY: the context is current.
+        let buffer = unsafe { context.gl().create_buffer() }.map_err(|code| GpuError::Gl {
+            what: "a pixel buffer".into(),
+            code,
+        })?;
+        Ok(AsyncRead {
+            context: context.clone(),
+            buffer,
+            capacity: 0,
+            pending: None,
+        })
+    }
+
+    /// Asks for the first `width` texels of each of the first `rows` rows, and returns at once. A read under way is
+    /// given up.
+    ///
+    /// # Errors
+    /// [`GpuError::ReadOutOfRange`], and what GL reports.
+    pub fn begin(
+        &mut self,
+        target: &RenderTarget,
+        attachment: usize,
+        width: u32,
+        rows: u32,
+    ) -> Result<(), GpuError> {
+        self.cancel();
+        target.select_for_reading(attachment, width, rows)?;
+        let floats = 4 * width as usize * rows as usize;
+        self.copy_to_buffer(width, rows, floats);
+        // SAFETY: the context is current.
+        let fence = unsafe {
+            self.context
+                .gl()
+                .fence_sync(glow::SYNC_GPU_COMMANDS_COMPLETE, 0)
+        };
+        let fence = fence.map_err(|code| GpuError::Gl {
+            what: "a fence".into(),
+            code,
+        })?;
+        // SAFETY: the context is current. Without the flush nobody might ever start on it.
+        unsafe { self.context.gl().flush() };
+        self.pending = Some(Pending { fence, floats });
+        self.context.debug_check("an asynchronous read-back")
+    }
+
+    fn copy_to_buffer(&mut self, width: u32, rows: u32, floats: usize) {
+        let length = floats * size_of::<f32>();
+        let gl = self.context.gl();
+        // SAFETY: the context is current, buffer and bound framebuffer are its own, and the buffer holds the texels.
+        unsafe {
+            gl.bind_buffer(glow::PIXEL_PACK_BUFFER, Some(self.buffer));
+            if length > self.capacity {
+                gl.buffer_data_size(glow::PIXEL_PACK_BUFFER, length as i32, glow::STREAM_READ);
+                self.capacity = length;
+            }
+            gl.read_pixels(
+                0,
+                0,
+                width as i32,
+                rows as i32,
+                glow::RGBA,
+                glow::FLOAT,
+                PixelPackData::BufferOffset(0),
+            );
+            // Reads into memory would otherwise go to the buffer.
+            gl.bind_buffer(glow::PIXEL_PACK_BUFFER, None);
+        }
+    }
+
+    /// Whether a read is under way.
+    pub fn is_pending(&self) -> bool {
+        self.pending.is_some()
+    }
+
+    /// The texels, if they are there: then the vector is given their number of floats, and the read is over. Never
+    /// waits.
+    ///
+    /// # Errors
+    /// What GL reports.
+    pub fn poll(&mut self, texels: &mut Vec<f32>) -> Result<bool, GpuError> {
+        match self.wait_for(0)? {
+            ControlFlow::Break(floats) => self.take(floats, texels).map(|()| true),
+            ControlFlow::Continue(()) => Ok(false),
+        }
+    }
+
+    /// Waits for the texels; `false` where no read is under way.
+    ///
+    /// # Errors
+    /// What GL reports; [`GpuError::ContextLost`] when nothing came for ten seconds.
+    pub fn wait(&mut self, texels: &mut Vec<f32>) -> Result<bool, GpuError> {
+        if self.pending.is_none() {
+            return Ok(false);
+        }
+        for _ in 0..WAITS_AT_MOST {
+            if let ControlFlow::Break(floats) = self.wait_for(WAIT_NANOSECONDS)? {
+                return self.take(floats, texels).map(|()| true);
+            }
+        }
+        self.cancel();
+        Err(GpuError::ContextLost {
+            reason: "a read-back did not come in ten seconds".into(),
+        })
+    }
+
+    /// Gives up the read under way, if there is one.
+    pub fn cancel(&mut self) {
+        if let Some(pending) = self.pending.take() {
+            // SAFETY: the context is current, and the fence its own and not used again.
+            unsafe { self.context.gl().delete_sync(pending.fence) };
+        }
+    }
+
+    /// The number of floats that have come; `Continue` where there are none yet.
+    fn wait_for(&mut self, nanoseconds: i32) -> Result<ControlFlow<usize>, GpuError> {
+        let Some(pending) = &self.pending else {
+            return Ok(ControlFlow::Continue(()));
+        };
+        // SAFETY: the context is current, and the fence its own.
+        let answer = unsafe {
+            let gl = self.context.gl();
+            gl.client_wait_sync(pending.fence, glow::SYNC_FLUSH_COMMANDS_BIT, nanoseconds)
+        };
+        match answer {
+            glow::ALREADY_SIGNALED | glow::CONDITION_SATISFIED => {
+                let floats = pending.floats;
+                self.cancel();
+                Ok(ControlFlow::Break(floats))
+            }
+            glow::TIMEOUT_EXPIRED => Ok(ControlFlow::Continue(())),
+            _ => {
+                self.cancel();
+                self.context.check("the wait for a read-back")?;
+                Err(GpuError::ContextLost {
+                    reason: "a fence could not be waited for".into(),
+                })
+            }
+        }
+    }
+
+    fn take(&self, floats: usize, texels: &mut Vec<f32>) -> Result<(), GpuError> {
+        texels.resize(floats, 0.0);
+        let into = bytes::of_floats_mut(texels);
+        let gl = self.context.gl();
+        // SAFETY: the context is current and the buffer its own; GL maps as many bytes as were asked for, or answers
+        // null, and they are copied before they are unmapped.
+        unsafe {
+            gl.bind_buffer(glow::PIXEL_PACK_BUFFER, Some(self.buffer));
+            let length = into.len() as i32;
+            let mapped =
+                gl.map_buffer_range(glow::PIXEL_PACK_BUFFER, 0, length, glow::MAP_READ_BIT);
+            if !mapped.is_null() {
+                into.copy_from_slice(std::slice::from_raw_parts(mapped, into.len()));
+                gl.unmap_buffer(glow::PIXEL_PACK_BUFFER);
+            }
+            gl.bind_buffer(glow::PIXEL_PACK_BUFFER, None);
+            if mapped.is_null() {
+                self.context.check("the mapping of a pixel buffer")?;
+                return Err(GpuError::ContextLost {
+                    reason: "a pixel buffer could not be mapped".into(),
+                });
+            }
+        }
+        self.context.debug_check("the end of a read-back")
+    }
+}
+
+impl Drop for AsyncRead {
+    fn drop(&mut self) {
+        self.cancel();
+        // SAFETY: the context is current, and the buffer its own and not used again.
+        unsafe { self.context.gl().delete_buffer(self.buffer) };
+    }
+}

@@ -1,0 +1,244 @@
+//! The context of a window, through EGL.
+//!
+//! Everything that a [`Context`] without a window can do, this one can too: the tracer shares it with the drawing.
+
+use std::ffi::{CStr, c_void};
+use std::num::NonZeroU32;
+use std::rc::Rc;
+use std::sync::Arc;
+
+use glow::{HasContext, PixelPackData};
+use glutin::api::egl::config::Config;
+use glutin::api::egl::context::PossiblyCurrentContext;
+use glutin::api::egl::display::Display;
+use glutin::api::egl::surface::Surface;
+use glutin::config::{Api as ConfigApi, ConfigSurfaceTypes, ConfigTemplateBuilder};
+use glutin::context::{ContextApi, ContextAttributesBuilder, GlProfile, Version};
+use glutin::platform::x11::X11GlConfigExt;
+use glutin::prelude::*;
+use glutin::surface::{SurfaceAttributesBuilder, SwapInterval, WindowSurface};
+use winit::raw_window_handle::{HasDisplayHandle, HasWindowHandle};
+
+use super::backend::Backend;
+use super::context::load;
+use super::{Api, Context, GpuError, Picture};
+
+/// A display's way to OpenGL, and the kind of window that goes with it.
+#[derive(Debug)]
+pub struct WindowDisplay {
+    display: Display,
+    config: Config,
+}
+
+/// A window's context, and the surface that it draws on.
+#[derive(Debug)]
+pub struct WindowContext {
+    context: Context,
+    drawing: Rc<Drawing>,
+}
+
+/// What is current together. The fields go in this order.
+#[derive(Debug)]
+struct Drawing {
+    surface: Surface<WindowSurface>,
+    context: PossiblyCurrentContext,
+    display: Display,
+}
+
+/// The window's share in [`Context`].
+struct WindowBackend(Rc<Drawing>);
+
+impl WindowDisplay {
+    /// OpenGL of the display that a windowing library is connected to.
+    ///
+    /// # Errors
+    /// [`GpuError::NoContext`] with what EGL answered.
+    pub fn of(display: &impl HasDisplayHandle) -> Result<WindowDisplay, GpuError> {
+        let handle = display.display_handle().map_err(refused)?.as_raw();
+        // SAFETY: the handle is that of a connection that outlives every window of it.
+        let display = unsafe { Display::new(handle) }.map_err(refused)?;
+        let template = ConfigTemplateBuilder::new()
+            .with_surface_type(ConfigSurfaceTypes::WINDOW)
+            .with_api(ConfigApi::OPENGL)
+            .with_alpha_size(0)
+            .with_depth_size(0)
+            .with_stencil_size(0)
+            .build();
+        // SAFETY: the template names no native window or pixmap.
+        let mut configs = unsafe { display.find_configs(template) }.map_err(refused)?;
+        let config = configs
+            .next()
+            .ok_or_else(|| refused("EGL has no configuration for windows"))?;
+        drop(configs);
+        Ok(WindowDisplay { display, config })
+    }
+
+    /// The X11 visual that the window must be made with.
+    pub fn x11_visual(&self) -> Option<u64> {
+        self.config.x11_visual().map(|visual| visual.visual_id())
+    }
+
+    /// A context of OpenGL 3.3 core on a window of this display, of that size in pixels; it is left current. The
+    /// window must outlive it.
+    ///
+    /// # Errors
+    /// [`GpuError::NoContext`] with what EGL answered.
+    pub fn context(
+        self,
+        window: &impl HasWindowHandle,
+        width: u32,
+        height: u32,
+    ) -> Result<WindowContext, GpuError> {
+        let handle = window.window_handle().map_err(refused)?.as_raw();
+        let attributes = ContextAttributesBuilder::new()
+            .with_profile(GlProfile::Core)
+            .with_context_api(ContextApi::OpenGl(Some(Version::new(3, 3))))
+            .build(Some(handle));
+        let (width, height) = (at_least_one(width), at_least_one(height));
+        let surface = SurfaceAttributesBuilder::<WindowSurface>::new().build(handle, width, height);
+        // SAFETY: the window's handle is valid, and shares nothing with another context.
+        let (context, surface) = unsafe {
+            let context = self.display.create_context(&self.config, &attributes);
+            let surface = self.display.create_window_surface(&self.config, &surface);
+            (context.map_err(refused)?, surface.map_err(refused)?)
+        };
+        let drawing = Rc::new(Drawing {
+            surface,
+            context: context.treat_as_possibly_current(),
+            display: self.display,
+        });
+        let backend = Box::new(WindowBackend(drawing.clone()));
+        let context = Context::from_backend(backend, Api::Gl)?;
+        Ok(WindowContext { context, drawing })
+    }
+}
+
+impl WindowContext {
+    /// The context, for everything else that draws or computes.
+    pub fn context(&self) -> &Context {
+        &self.context
+    }
+
+    /// The functions of GL once more, for a library that wants them counted by references. They are good while this
+    /// context is current.
+    pub fn functions(&self) -> Arc<glow::Context> {
+        // Makes the context current.
+        self.context.gl();
+        Arc::new(load(&WindowBackend(self.drawing.clone())))
+    }
+
+    /// Asks for no waiting on the screen's refresh: whoever draws paces the frames. Some drivers wait nonetheless.
+    pub fn do_not_wait_for_refresh(&self) {
+        self.context.gl();
+        let drawing = &self.drawing;
+        // Where it is refused frames are paced by the screen, which is slower but not wrong.
+        let _ = drawing
+            .surface
+            .set_swap_interval(&drawing.context, SwapInterval::DontWait);
+    }
+
+    /// Tells the surface of the window's new size in pixels.
+    pub fn resize(&self, width: u32, height: u32) {
+        self.context.gl();
+        let (width, height) = (at_least_one(width), at_least_one(height));
+        self.drawing
+            .surface
+            .resize(&self.drawing.context, width, height);
+    }
+
+    /// Puts a picture over the whole window of that size in pixels, stretched with smooth edges.
+    ///
+    /// # Errors
+    /// What GL reports, in debug builds.
+    pub fn show(&self, picture: &Picture, width: u32, height: u32) -> Result<(), GpuError> {
+        let gl = self.context.gl();
+        // SAFETY: the context is current, and the picture's framebuffer its own.
+        unsafe {
+            gl.disable(glow::SCISSOR_TEST);
+            gl.bind_framebuffer(glow::READ_FRAMEBUFFER, Some(picture.raw_framebuffer()));
+            gl.read_buffer(glow::COLOR_ATTACHMENT0);
+            gl.bind_framebuffer(glow::DRAW_FRAMEBUFFER, None);
+            gl.blit_framebuffer(
+                0,
+                0,
+                picture.width() as i32,
+                picture.height() as i32,
+                0,
+                0,
+                width as i32,
+                height as i32,
+                glow::COLOR_BUFFER_BIT,
+                glow::LINEAR,
+            );
+            // The read binding stays with none of ours.
+            gl.bind_framebuffer(glow::FRAMEBUFFER, None);
+        }
+        self.context.debug_check("the picture in the window")
+    }
+
+    /// What the window shows once it is swapped: four bytes a pixel, the top row first. Waits for the drawing.
+    ///
+    /// # Errors
+    /// What GL reports.
+    pub fn read_rgba8(&self, width: u32, height: u32) -> Result<Vec<u8>, GpuError> {
+        let row = 4 * width as usize;
+        let mut pixels = vec![0; row * height as usize];
+        if pixels.is_empty() {
+            return Ok(pixels);
+        }
+        let gl = self.context.gl();
+        // SAFETY: the context is current, and the slice has room for all pixels.
+        unsafe {
+            gl.bind_framebuffer(glow::READ_FRAMEBUFFER, None);
+            gl.read_buffer(glow::BACK);
+            let slice = PixelPackData::Slice(Some(&mut pixels));
+            let (width, height) = (width as i32, height as i32);
+            gl.read_pixels(0, 0, width, height, glow::RGBA, glow::UNSIGNED_BYTE, slice);
+        }
+        self.context.check("the read-back of a window")?;
+        Ok(pixels.rchunks_exact(row).flatten().copied().collect())
+    }
+
+    /// Brings what was drawn to the screen.
+    ///
+    /// # Errors
+    /// [`GpuError::ContextLost`] with what EGL answered.
+    pub fn swap(&self) -> Result<(), GpuError> {
+        self.context.gl();
+        self.drawing
+            .surface
+            .swap_buffers(&self.drawing.context)
+            .map_err(|error| GpuError::ContextLost {
+                reason: error.to_string(),
+            })
+    }
+}
+
+impl Backend for WindowBackend {
+    fn make_current(&self) -> Result<(), String> {
+        self.0
+            .context
+            .make_current(&self.0.surface)
+            .map_err(|error| error.to_string())
+    }
+
+    fn release(&self) {
+        // A failure leaves a context current that the next make_current replaces.
+        let _ = self.0.context.make_not_current_in_place();
+    }
+
+    fn proc_address(&self, name: &CStr) -> *const c_void {
+        self.0.display.get_proc_address(name)
+    }
+}
+
+fn at_least_one(side: u32) -> NonZeroU32 {
+    NonZeroU32::new(side).unwrap_or(NonZeroU32::MIN)
+}
+
+fn refused(reason: impl ToString) -> GpuError {
+    GpuError::NoContext {
+        api: Api::Gl,
+        reason: reason.to_string(),
+    }
+}

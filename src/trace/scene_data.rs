@@ -1,0 +1,70 @@
+//! A scene's data on the GPU: heights, and the surfaces in cells with their lists.
+//!
+//! Kept from frame to frame: cells follow what moved, and only what changed is sent again.
+
+use crate::error::Error;
+use crate::gpu::{Context, DataTexture, Program};
+use crate::scene::Scene;
+use crate::scene::cells::{Cells, Lists};
+use crate::scene::glsl::{self, CellData, Placed, Placement};
+use crate::scene::layout::Layout;
+
+/// What the shaders of a scene read by index.
+pub(crate) struct SceneData {
+    texture: DataTexture,
+    cells: Option<Cells>,
+    placed: Option<CellData>,
+}
+
+impl SceneData {
+    pub fn new(context: &Context) -> Result<SceneData, Error> {
+        Ok(SceneData {
+            texture: DataTexture::new(context, glsl::DATA_WIDTH)?,
+            cells: None,
+            placed: None,
+        })
+    }
+
+    /// Makes the data those of the scene as it stands.
+    pub fn set(
+        &mut self,
+        scene: &Scene,
+        placement: &Placement,
+        placed: &Placed,
+        lists: Lists,
+    ) -> Result<(), Error> {
+        let layout = Layout::of(scene);
+        match &mut self.cells {
+            Some(cells) if layout.has_cells() => {
+                cells.update(scene, &layout);
+            }
+            cells => *cells = Cells::new(scene, &layout),
+        }
+        let mut data = glsl::scene_data(scene);
+        self.placed = self.cells.as_mut().map(|cells| {
+            cells.prepare(lists);
+            CellData::append(&mut data, &layout, placement, placed, cells, lists)
+        });
+        self.texture.set(&data)?;
+        Ok(())
+    }
+
+    /// Sets the uniforms of a program that reads the data, but for the texture.
+    pub fn set_uniforms(&self, program: &Program) {
+        let Some(cells) = &self.placed else {
+            return;
+        };
+        program.set_vec3("uCellOrigin", cells.origin);
+        program.set_vec3("uCellSize", cells.cell);
+        program.set_vec3("uCellCount", cells.count);
+        program.set_vec3("uCellsMin", cells.inner[0]);
+        program.set_vec3("uCellsMax", cells.inner[1]);
+        program.set_i32("uCells", cells.cells);
+        program.set_i32("uDirectory", cells.directory);
+    }
+
+    /// Binds the texture to a unit.
+    pub fn bind(&self, program: &Program, unit: u32) {
+        program.set_texture("uSceneData", unit, self.texture.texture());
+    }
+}

@@ -1,0 +1,209 @@
+//! A headless Chromium, driven over the WebDriver protocol (W3C 2018): as much of it as the
+//! tests of the form need. Packages `chromium` and `chromium-driver`.
+
+use serde_json::{Value, json};
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpStream;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// How long anything may take that should be quick.
+const PATIENCE: Duration = Duration::from_secs(30);
+
+/// What the protocol calls an element.
+const ELEMENT: &str = "element-6066-11e4-a52e-4f735466cecf";
+
+/// The driver's process: ended when dropped.
+pub struct Driver {
+    process: Child,
+    port: u16,
+}
+
+/// One browser with one window: closed when dropped.
+pub struct Browser<'a> {
+    driver: &'a Driver,
+    session: String,
+}
+
+impl Driver {
+    pub fn start() -> Driver {
+        let mut process = Command::new("chromedriver")
+            .arg("--port=0")
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .expect("no chromedriver: install chromium and chromium-driver");
+        let lines = BufReader::new(process.stdout.take().unwrap()).lines();
+        let port = lines
+            .map_while(Result::ok)
+            .find_map(|line| {
+                let (_, rest) = line.split_once("started successfully on port ")?;
+                rest.trim_end_matches('.').parse().ok()
+            })
+            .expect("chromedriver says no port");
+        Driver { process, port }
+    }
+
+    /// A browser that keeps its data in `profile` and its downloads in `downloads`.
+    pub fn open(&self, profile: &Path, downloads: &Path) -> Browser<'_> {
+        let data = format!("--user-data-dir={}", profile.display());
+        let arguments = [
+            "--headless",
+            "--no-sandbox",
+            "--disable-gpu",
+            "--disable-quic",
+            "--disable-dev-shm-usage",
+            "--no-first-run",
+            "--disable-background-networking",
+            "--disable-component-update",
+            "--disable-sync",
+            "--mute-audio",
+            "--window-size=1200,900",
+            &data,
+        ];
+        let options = json!({
+            "args": arguments,
+            "prefs": { "download.default_directory": downloads, "download.prompt_for_download": false },
+        });
+        let wanted = json!({ "capabilities": { "alwaysMatch": {
+            "goog:chromeOptions": options,
+            "goog:loggingPrefs": { "browser": "ALL" },
+        } } });
+        let answer = self.ask("POST", "/session", Some(&wanted));
+        let session = answer["sessionId"].as_str().unwrap().to_owned();
+        Browser {
+            driver: self,
+            session,
+        }
+    }
+
+    /// One request; the `value` of the answer. Panics with what the driver says otherwise.
+    fn ask(&self, method: &str, path: &str, body: Option<&Value>) -> Value {
+        let body = body.map(Value::to_string).unwrap_or_default();
+        let mut stream = TcpStream::connect(("127.0.0.1", self.port)).unwrap();
+        stream.set_read_timeout(Some(2 * PATIENCE)).unwrap();
+        write!(
+            stream,
+            "{method} {path} HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\
+             Content-Type: application/json\r\nContent-Length: {}\r\n\r\n{body}",
+            body.len()
+        )
+        .unwrap();
+        let mut reader = BufReader::new(stream);
+        let mut length = 0;
+        loop {
+            let mut line = String::new();
+            reader.read_line(&mut line).unwrap();
+            if line.trim().is_empty() {
+                break;
+            }
+            if let Some(value) = line.to_ascii_lowercase().strip_prefix("content-length:") {
+                length = value.trim().parse().unwrap();
+            }
+        }
+        let mut answer = vec![0; length];
+        reader.read_exact(&mut answer).unwrap();
+        let mut answer: Value = serde_json::from_slice(&answer).unwrap();
+        let value = answer["value"].take();
+        assert!(value["error"].is_null(), "{method} {path}: {value}");
+        value
+    }
+}
+
+impl Drop for Driver {
+    fn drop(&mut self) {
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
+}
+
+impl Browser<'_> {
+    fn ask(&self, method: &str, path: &str, body: Option<&Value>) -> Value {
+        let path = format!("/session/{}{path}", self.session);
+        self.driver.ask(method, &path, body)
+    }
+
+    pub fn go(&self, file: &Path) {
+        let url = format!("file://{}", file.display());
+        self.ask("POST", "/url", Some(&json!({ "url": url })));
+    }
+
+    fn element(&self, css: &str) -> String {
+        let wanted = json!({ "using": "css selector", "value": css });
+        let found = self.ask("POST", "/element", Some(&wanted));
+        found[ELEMENT].as_str().unwrap().to_owned()
+    }
+
+    /// A click as a person does it: on what is seen and not covered.
+    pub fn click(&self, css: &str) {
+        let element = self.element(css);
+        self.ask(
+            "POST",
+            &format!("/element/{element}/click"),
+            Some(&json!({})),
+        );
+    }
+
+    /// A click beside the middle of an element, in pixels to the right and down.
+    pub fn click_at(&self, css: &str, right: i32, down: i32) {
+        let origin = json!({ ELEMENT: self.element(css) });
+        let actions = json!({ "actions": [{
+            "type": "pointer", "id": "mouse",
+            "actions": [
+                { "type": "pointerMove", "origin": origin, "x": right, "y": down },
+                { "type": "pointerDown", "button": 0 },
+                { "type": "pointerUp", "button": 0 },
+            ],
+        }] });
+        self.ask("POST", "/actions", Some(&actions));
+    }
+
+    /// Keys into an element; a path into a field for files.
+    pub fn type_into(&self, css: &str, text: &str) {
+        let path = format!("/element/{}/value", self.element(css));
+        self.ask("POST", &path, Some(&json!({ "text": text })));
+    }
+
+    /// What a function's body returns.
+    pub fn run(&self, script: &str) -> Value {
+        let call = json!({ "script": script, "args": [] });
+        self.ask("POST", "/execute/sync", Some(&call))
+    }
+
+    pub fn text(&self, css: &str) -> String {
+        let element = self.element(css);
+        let text = self.ask("GET", &format!("/element/{element}/text"), None);
+        text.as_str().unwrap().to_owned()
+    }
+
+    /// Waits until the element's text holds this.
+    pub fn wait_for(&self, css: &str, part: &str) {
+        let began = Instant::now();
+        while !self.text(css).contains(part) {
+            let found = self.text(css);
+            assert!(
+                began.elapsed() < PATIENCE,
+                "{css}: no {part:?} but {found:?}"
+            );
+            std::thread::sleep(Duration::from_millis(50));
+        }
+    }
+
+    /// What the console was told of as an error, since it was last asked.
+    pub fn errors(&self) -> Vec<String> {
+        let log = self.ask("POST", "/se/log", Some(&json!({ "type": "browser" })));
+        let lines = log.as_array().unwrap().iter();
+        let errors = lines.filter(|line| line["level"] == "SEVERE");
+        errors.map(|line| line["message"].to_string()).collect()
+    }
+}
+
+impl Drop for Browser<'_> {
+    /// Closes the browser as a person does, so that it keeps what it has to.
+    fn drop(&mut self) {
+        if !std::thread::panicking() {
+            self.ask("DELETE", "", None);
+        }
+    }
+}

@@ -1,0 +1,484 @@
+//! Live output through a real sound system: a PulseAudio server with a null sink, whose monitor is
+//! recorded. The player is this program itself, started once more with the server in its
+//! environment.
+
+mod sound_server;
+
+use std::io::{BufRead, BufReader, Read};
+use std::path::{Path, PathBuf};
+use std::process::{Child, ChildStdin, Command, Stdio};
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::sync::mpsc::{self, Receiver};
+use std::sync::{Arc, LazyLock};
+use std::time::{Duration, Instant};
+
+use echomarch::audio::live::{Live, LiveError, LiveOptions, list_devices};
+use echomarch::audio::{NOISE_AMPLITUDE, SAMPLE_RATE, Sound};
+use sound_server::{Process, SINK, Server, wait_for};
+use tempfile::TempDir;
+
+/// Says which part of the player below is wanted.
+const PART: &str = "ECHOMARCH_TEST_PART";
+/// Says which file it shall record to.
+const FILE: &str = "ECHOMARCH_TEST_FILE";
+
+/// Seconds that the sound stays at each place, and places from left to right.
+const STEP_S: f64 = 0.4;
+const PLACES: u32 = 9;
+const SWEEP_S: f64 = 3.0;
+
+/// The player's half of each test; nothing when it is not started by one.
+#[test]
+fn player() {
+    match std::env::var(PART).as_deref() {
+        Ok("sweep") => play_sweep(),
+        Ok("endure") => play_on(),
+        Ok("devices") => play_devices(),
+        Ok("nothing") => play_without_device(),
+        _ => {}
+    }
+}
+
+fn start(device: Option<&str>) -> Live {
+    let options = LiveOptions {
+        device: device.map(str::to_owned),
+        ..LiveOptions::default()
+    };
+    Live::start("noise".parse().unwrap(), options)
+}
+
+fn file() -> PathBuf {
+    std::env::var_os(FILE).unwrap().into()
+}
+
+fn wait_for_sound(live: &Live) {
+    wait_for("sound", || live.levels() != [0.0, 0.0]);
+}
+
+fn pause(seconds: f64) {
+    std::thread::sleep(Duration::from_secs_f64(seconds));
+}
+
+fn place(step: u32) -> f64 {
+    f64::from(step) / f64::from(PLACES - 1)
+}
+
+fn play_sweep() {
+    let live = start(None);
+    live.set_panning(1.0, 0.0);
+    wait_for_sound(&live);
+    live.start_recording(&file()).unwrap();
+    assert!(matches!(
+        live.start_recording(&file()),
+        Err(LiveError::AlreadyRecording)
+    ));
+    for step in 0..PLACES {
+        live.set_panning(1.0 - place(step), place(step));
+        pause(STEP_S);
+    }
+    let start = Instant::now();
+    while start.elapsed().as_secs_f64() < SWEEP_S {
+        let along = start.elapsed().as_secs_f64() / SWEEP_S;
+        live.set_panning(1.0 - along, along);
+        pause(0.01);
+    }
+    let frames = live.stop_recording().unwrap();
+    let status = live.status();
+    println!("{status:?}");
+    println!("recorded {frames}, dropped {}", status.dropped_frames);
+    assert!(matches!(
+        live.stop_recording(),
+        Err(LiveError::NotRecording)
+    ));
+    assert_eq!(status.restarts, 0);
+    assert_eq!(status.sample_rate, 48_000);
+}
+
+/// Plays until its input ends, and tells each change of its status.
+fn play_on() {
+    let is_over = Arc::new(AtomicBool::new(false));
+    let theirs = Arc::clone(&is_over);
+    std::thread::spawn(move || {
+        let _ = std::io::stdin().read_to_end(&mut Vec::new());
+        theirs.store(true, Relaxed);
+    });
+    let live = start(None);
+    wait_for_sound(&live);
+    live.start_recording(&file()).unwrap();
+    let mut told = String::new();
+    while !is_over.load(Relaxed) {
+        let status = live.status();
+        let line = format!(
+            "state: device {:?}, restarts {}, heard {}, error {:?}",
+            status.device,
+            status.restarts,
+            live.levels() != [0.0, 0.0],
+            status.last_error,
+        );
+        if line != told {
+            println!("{line}");
+            told = line;
+        }
+        pause(0.02);
+    }
+    println!("recorded {}", live.stop_recording().unwrap());
+}
+
+fn play_devices() {
+    let devices = list_devices();
+    println!("{devices:?}");
+    let default = devices.iter().find(|device| device.default).unwrap();
+    assert_eq!(default.id, SINK);
+    assert_eq!(default.channels, 2);
+    let other = devices.iter().find(|device| device.id == "other").unwrap();
+    assert_eq!(other.channels, 1);
+
+    let live = start(None);
+    live.set_panning(1.0, 0.0);
+    wait_for_sound(&live);
+    live.start_recording(&file()).unwrap();
+    live.set_device(Some(other.name.clone()));
+    wait_for("the other device", || live.status().sample_rate == 44_100);
+    wait_for_sound(&live);
+    let status = live.status();
+    println!("{status:?}");
+    assert_eq!(status.device.as_deref(), Some(other.name.as_str()));
+    assert_eq!(status.restarts, 1);
+    assert!(!status.is_recording);
+    assert!(status.last_error.unwrap().contains("44100 Hz"));
+    assert!(live.stop_recording().unwrap() > 0);
+    pause(0.5);
+
+    live.set_device(Some("no such device".to_owned()));
+    wait_for("an error", || {
+        let error = live.status().last_error.unwrap_or_default();
+        error.contains("`no such device`") && error.contains(&other.name)
+    });
+    assert_eq!(live.status().device, None);
+    live.set_device(None);
+    wait_for("the first device", || live.status().sample_rate == 48_000);
+    wait_for_sound(&live);
+    assert_eq!(live.status().restarts, 2);
+}
+
+fn play_without_device() {
+    assert_eq!(list_devices(), []);
+    let live = start(None);
+    wait_for("an error", || live.status().last_error.is_some());
+    live.set_panning(0.0, 1.0);
+    live.set_sound("speech".parse().unwrap());
+    live.start_recording(&file()).unwrap();
+    pause(1.0);
+    live.set_sound("no-such-file.wav".parse().unwrap());
+    wait_for("the file's error", || {
+        let error = live.status().last_error.unwrap_or_default();
+        error.contains("no-such-file.wav")
+    });
+    live.set_device(Some("no such device".to_owned()));
+    pause(0.5);
+    let status = live.status();
+    println!("{status:?}");
+    assert_eq!(status.device, None);
+    assert_eq!(status.restarts, 0);
+    assert_eq!(live.levels(), [0.0, 0.0]);
+    assert_eq!(live.stop_recording().unwrap(), 0);
+    let start = Instant::now();
+    drop(live);
+    assert!(start.elapsed() < Duration::from_secs(1));
+}
+
+/// The player as a process, and what it prints.
+struct Player {
+    process: Process,
+    lines: Receiver<String>,
+    input: Option<ChildStdin>,
+}
+
+impl Player {
+    fn start(mut command: Command, part: &str, file: &Path) -> Self {
+        let mut child: Child = command
+            .args(["--exact", "player", "--nocapture", "--test-threads=1"])
+            .env(PART, part)
+            .env(FILE, file)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let output = BufReader::new(child.stdout.take().unwrap());
+        let (sender, lines) = mpsc::channel();
+        std::thread::spawn(move || {
+            for line in output.lines().map_while(Result::ok) {
+                println!("player: {line}");
+                let _ = sender.send(line);
+            }
+        });
+        Self {
+            input: child.stdin.take(),
+            process: Process(child),
+            lines,
+        }
+    }
+
+    /// Waits for a line that holds all of these.
+    fn wait_for(&self, parts: &[&str]) -> String {
+        let end = Instant::now() + Duration::from_secs(30);
+        loop {
+            let left = end.saturating_duration_since(Instant::now());
+            let line = self.lines.recv_timeout(left);
+            let line = line.unwrap_or_else(|_| panic!("the player did not say {parts:?}"));
+            if parts.iter().all(|part| line.contains(part)) {
+                return line;
+            }
+        }
+    }
+
+    /// Lets it end, and fails if it does not end well.
+    fn finish(mut self) {
+        self.input = None;
+        assert!(self.process.0.wait().unwrap().success());
+    }
+}
+
+fn this_program() -> PathBuf {
+    std::env::current_exe().unwrap()
+}
+
+fn rms(samples: impl Iterator<Item = f32>) -> f64 {
+    let (mut squares, mut count) = (0.0, 0.0);
+    for sample in samples {
+        squares += f64::from(sample).powi(2);
+        count += 1.0;
+    }
+    (squares / count).sqrt()
+}
+
+/// Left and right gains over 20 ms each: levels, divided by that of the noise.
+fn gains(stereo: &[f32]) -> Vec<[f64; 2]> {
+    let full = f64::from(NOISE_AMPLITUDE) / 3f64.sqrt();
+    let window = 2 * 960;
+    let gain = |piece: &[f32], which| rms(piece.iter().skip(which).step_by(2).copied()) / full;
+    stereo
+        .chunks_exact(window)
+        .map(|piece| [gain(piece, 0), gain(piece, 1)])
+        .collect()
+}
+
+fn db(ratio: f64) -> f64 {
+    20.0 * ratio.log10()
+}
+
+/// How far the louder and the quieter channel are from what is wanted, in decibels; a channel
+/// that is to be silent counts as right below −60 dB.
+fn error_db(gains: [f64; 2], wanted: [f64; 2]) -> f64 {
+    let of = |gain: f64, wanted: f64| {
+        if wanted < 1e-3 {
+            if gain < 1e-3 { 0.0 } else { f64::INFINITY }
+        } else {
+            db(gain / wanted).abs()
+        }
+    };
+    of(gains[0], wanted[0]).max(of(gains[1], wanted[1]))
+}
+
+static NOISE: LazyLock<Vec<f32>> = LazyLock::new(|| {
+    let mut samples = vec![0.0; 40 * SAMPLE_RATE as usize];
+    Sound::parse("noise", SAMPLE_RATE)
+        .unwrap()
+        .fill(&mut samples);
+    samples
+});
+
+#[test]
+fn the_levels_follow_the_panning_from_left_to_right() {
+    let server = Server::start();
+    let recorder = server.record(SINK, 48_000, 2);
+    let file = server.folder.path().join("heard.wav");
+    let player = Player::start(server.command(this_program()), "sweep", &file);
+    let line = player.wait_for(&["recorded ", "dropped 0"]);
+    player.finish();
+    let heard = recorder.stop();
+    let gains = gains(&heard);
+
+    // Places, one after the other: five windows of 20 ms in a row, each within 0.5 dB.
+    let (mut from, mut worst) = (0, 0.0f64);
+    for step in 0..PLACES {
+        let wanted = [1.0 - place(step), place(step)];
+        let errors: Vec<f64> = gains[from..].iter().map(|&g| error_db(g, wanted)).collect();
+        let found = errors
+            .windows(5)
+            .position(|run| run.iter().all(|&e| e < 0.5));
+        let found = found.unwrap_or_else(|| panic!("place {step} is not heard"));
+        // The first and the last window of the run may hold the end of a glide.
+        let run = &errors[found + 1..found + 4];
+        worst = run.iter().fold(worst, |worst, &e| worst.max(e));
+        from += found + 5;
+    }
+    println!("places: at most {worst:.3} dB off");
+
+    // The glide after them: always both together at full level, and never back to the left.
+    let moving: Vec<[f64; 2]> = gains[from..]
+        .iter()
+        .copied()
+        .skip_while(|g| g[0] < 0.9)
+        // A busy machine may leave a gap.
+        .filter(|g| g[0] + g[1] > 0.5)
+        .collect();
+    assert!(moving.len() > 100, "{} windows", moving.len());
+    let sums: Vec<f64> = moving.iter().map(|g| db(g[0] + g[1]).abs()).collect();
+    let off = sums.iter().filter(|&&e| e > 0.5).count();
+    println!(
+        "glide: {} windows, {off} of them more than 0.5 dB off",
+        sums.len()
+    );
+    assert!(off * 20 < sums.len());
+    let pans: Vec<f64> = moving.iter().map(|g| g[1] / (g[0] + g[1])).collect();
+    let back = pans
+        .windows(2)
+        .filter(|pair| pair[1] < pair[0] - 0.02)
+        .count();
+    assert!(back <= 1, "{pans:?}");
+    assert!(pans[pans.len() - 10] > 0.9);
+
+    recording_is_what_was_heard(&file, &heard, &line);
+}
+
+/// A tenth of a second of the file, taken from several places, stands in the monitor bit for bit.
+fn recording_is_what_was_heard(file: &Path, heard: &[f32], line: &str) {
+    let mut reader = hound::WavReader::open(file).unwrap();
+    assert_eq!(reader.spec().sample_rate, 48_000);
+    let written: Vec<f32> = reader.samples().map(Result::unwrap).collect();
+    assert!(line.contains(&format!("recorded {},", written.len() / 2)));
+    assert!(written.len() as f64 / 96_000.0 > f64::from(PLACES) * STEP_S + SWEEP_S - 0.2);
+    let places = [0.2, 0.35, 0.5, 0.65, 0.8];
+    let found = places.iter().filter(|&&place| {
+        let start = (written.len() as f64 * place) as usize / 2 * 2;
+        let piece = &written[start..start + 9600];
+        (0..heard.len() - piece.len())
+            .step_by(2)
+            .any(|at| heard[at] == piece[0] && heard[at..at + piece.len()] == *piece)
+    });
+    let found = found.count();
+    println!("{found} of {} pieces bit for bit", places.len());
+    assert!(found * 2 > places.len());
+}
+
+#[test]
+fn a_server_that_dies_is_waited_for_and_the_sound_goes_on_where_it_was() {
+    let mut server = Server::start();
+    let file = server.folder.path().join("heard.wav");
+    let player = Player::start(server.command(this_program()), "endure", &file);
+    player.wait_for(&["device Some", "restarts 0", "heard true"]);
+    pause(0.5);
+    server.kill();
+    player.wait_for(&["device None", "heard false", "is lost"]);
+    pause(1.0);
+    let start = Instant::now();
+    server.restart();
+    let recorder = server.record(SINK, 48_000, 2);
+    player.wait_for(&["device Some", "restarts 1", "heard true"]);
+    println!("heard again {:?} after the restart began", start.elapsed());
+    pause(0.5);
+    player.finish();
+    let loud = gains(&recorder.stop());
+    let loud = loud.iter().filter(|g| error_db(**g, [0.5, 0.5]) < 0.5);
+    assert!(loud.count() > 15, "too little is heard after the restart");
+
+    // In the file, sample n is the noise's sample n + shift, before and after the gap.
+    let mut reader = hound::WavReader::open(&file).unwrap();
+    let left: Vec<f32> = reader.samples().step_by(2).map(Result::unwrap).collect();
+    let shift = shift_of(&left[2400..2500], 2400).expect("noise before the gap");
+    let end = left.len() - 9600;
+    assert_eq!(shift_of(&left[end..end + 100], end), Some(shift));
+}
+
+/// How many samples the noise at `at` in the file lies further on in the sound.
+fn shift_of(piece: &[f32], at: usize) -> Option<usize> {
+    let fits = |start: &usize| {
+        let noise = &NOISE[*start..*start + piece.len()];
+        noise
+            .iter()
+            .zip(piece)
+            .all(|(n, p)| (0.5 * n - p).abs() < 1e-6)
+    };
+    (at..NOISE.len() - piece.len())
+        .find(fits)
+        .map(|start| start - at)
+}
+
+#[test]
+fn a_sink_that_goes_away_and_comes_back_is_opened_again() {
+    let server = Server::start();
+    let file = server.folder.path().join("heard.wav");
+    let player = Player::start(server.command(this_program()), "endure", &file);
+    player.wait_for(&["device Some", "restarts 0", "heard true"]);
+    server.pactl(&["unload-module", "module-null-sink"]);
+    player.wait_for(&["device None", "heard false", "is lost"]);
+    let sink = format!("sink_name={SINK}");
+    server.pactl(&[
+        "load-module",
+        "module-null-sink",
+        &sink,
+        "rate=48000",
+        "norewinds=1",
+    ]);
+    player.wait_for(&["device Some", "heard true"]);
+    player.finish();
+}
+
+#[test]
+fn a_server_that_hangs_is_given_up_and_found_again() {
+    let server = Server::start();
+    let file = server.folder.path().join("heard.wav");
+    let player = Player::start(server.command(this_program()), "endure", &file);
+    player.wait_for(&["device Some", "restarts 0", "heard true"]);
+    server.signal("STOP");
+    player.wait_for(&["device None", "heard false", "has taken no sound for 1.0 s"]);
+    pause(1.0);
+    server.signal("CONT");
+    player.wait_for(&["device Some", "restarts 1", "heard true"]);
+    player.finish();
+}
+
+#[test]
+fn devices_are_listed_and_changed() {
+    let server = Server::start();
+    server.pactl(&[
+        "load-module",
+        "module-null-sink",
+        "sink_name=other",
+        "rate=44100",
+        "channels=1",
+        "format=s16le",
+        "norewinds=1",
+        "sink_properties=device.description=Other",
+    ]);
+    let recorder = server.record("other", 44_100, 1);
+    let file = server.folder.path().join("heard.wav");
+    let player = Player::start(server.command(this_program()), "devices", &file);
+    player.finish();
+    // One channel of a device gets the mean of left and right: half of what is on the left.
+    let full = f64::from(NOISE_AMPLITUDE) / 3f64.sqrt();
+    let loudest = recorder
+        .stop()
+        .chunks_exact(4410)
+        .map(|piece| rms(piece.iter().copied()) / full)
+        .fold(0.0, f64::max);
+    assert!((loudest - 0.5).abs() < 0.05, "{loudest}");
+}
+
+#[test]
+fn without_any_device_it_runs_on_in_silence_and_says_so() {
+    let folder = TempDir::new().unwrap();
+    let nowhere = folder.path().join("nowhere");
+    let mut command = Command::new(this_program());
+    command
+        .env("XDG_RUNTIME_DIR", folder.path())
+        .env("HOME", folder.path())
+        .env("PULSE_SERVER", format!("unix:{}", nowhere.display()))
+        .env("PULSE_RUNTIME_PATH", &nowhere)
+        .env("ALSA_CONFIG_PATH", nowhere.join("alsa.conf"));
+    let player = Player::start(command, "nothing", &folder.path().join("heard.wav"));
+    let line = player.wait_for(&["LiveStatus", "device: None"]);
+    assert!(line.contains("last_error: Some"), "{line}");
+    player.finish();
+}

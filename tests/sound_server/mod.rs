@@ -1,0 +1,161 @@
+//! A PulseAudio server of a test's own, without hardware: its sink's monitor is what is heard.
+
+use std::fs::{self, File};
+use std::path::PathBuf;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use tempfile::TempDir;
+
+/// The server's sink: 48 kHz, stereo.
+pub const SINK: &str = "probe";
+
+/// Waits until something is so; fails after 20 s, which no machine needs.
+pub fn wait_for(what: &str, mut is_so: impl FnMut() -> bool) {
+    let start = Instant::now();
+    while !is_so() {
+        assert!(start.elapsed() < Duration::from_secs(20), "waited: {what}");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+}
+
+/// A child process that ends with this value.
+pub struct Process(pub Child);
+
+impl Drop for Process {
+    fn drop(&mut self) {
+        // It may have ended already.
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// A server in a folder of its own.
+pub struct Server {
+    pub folder: TempDir,
+    process: Option<Process>,
+}
+
+impl Server {
+    pub fn start() -> Self {
+        let folder = TempDir::new().unwrap();
+        let mut server = Self {
+            folder,
+            process: None,
+        };
+        server.restart();
+        server
+    }
+
+    /// Kills it: no goodbyes.
+    pub fn kill(&mut self) {
+        self.process = None;
+    }
+
+    /// Starts it, anew if it runs; when this returns it answers.
+    pub fn restart(&mut self) {
+        self.kill();
+        let null_sink = format!(
+            "module-null-sink sink_name={SINK} rate=48000 channels=2 format=float32le norewinds=1"
+        );
+        let mut command = self.command("pulseaudio");
+        command
+            .args(["-n", "--daemonize=no", "--exit-idle-time=-1"])
+            .args(["--use-pid-file=no", "--realtime=no", "--high-priority=no"])
+            .args(["-L", "module-native-protocol-unix auth-anonymous=1"])
+            .args(["-L", &null_sink])
+            .stdout(Stdio::null())
+            .stderr(File::create(self.folder.path().join("server.log")).unwrap());
+        let child = command
+            .spawn()
+            .expect("pulseaudio must be installed: scripts/test.sh does it");
+        self.process = Some(Process(child));
+        wait_for("the server answers", || {
+            self.command("pactl")
+                .args(["info"])
+                .stdout(Stdio::null())
+                .stderr(Stdio::null())
+                .status()
+                .expect("pulseaudio-utils must be installed: scripts/test.sh does it")
+                .success()
+        });
+    }
+
+    /// Sends it a signal, such as `STOP`.
+    pub fn signal(&self, name: &str) {
+        let id = self.process.as_ref().unwrap().0.id();
+        let status = Command::new("sh")
+            .args(["-c", &format!("kill -{name} {id}")])
+            .status();
+        assert!(status.unwrap().success());
+    }
+
+    /// A command that knows this server and no other.
+    pub fn command(&self, program: impl Into<PathBuf>) -> Command {
+        let folder = self.folder.path();
+        let mut command = Command::new(program.into());
+        command
+            .env("XDG_RUNTIME_DIR", folder)
+            .env("HOME", folder)
+            .env("PULSE_RUNTIME_PATH", folder.join("pulse"))
+            .env(
+                "PULSE_SERVER",
+                format!("unix:{}", folder.join("pulse/native").display()),
+            )
+            .env_remove("DBUS_SESSION_BUS_ADDRESS")
+            .stdin(Stdio::null());
+        command
+    }
+
+    /// Asks the server for something; what it answers.
+    pub fn pactl(&self, arguments: &[&str]) -> String {
+        let output = self.command("pactl").args(arguments).output().unwrap();
+        assert!(output.status.success(), "pactl {arguments:?}");
+        String::from_utf8(output.stdout).unwrap()
+    }
+
+    /// Records what a sink plays, from now on.
+    pub fn record(&self, sink: &str, rate_hz: u32, channels: u32) -> Recorder {
+        let path = self.folder.path().join(format!("{sink}.raw"));
+        let child = self
+            .command("parec")
+            .args(["-d", &format!("{sink}.monitor"), "--format=float32le"])
+            .args([
+                format!("--rate={rate_hz}"),
+                format!("--channels={channels}"),
+            ])
+            .args(["--latency-msec=20", "--raw"])
+            .stdout(File::create(&path).unwrap())
+            .spawn()
+            .unwrap();
+        let recorder = Recorder {
+            process: Process(child),
+            path,
+        };
+        wait_for("the recorder hears", || recorder.samples().len() > 4800);
+        recorder
+    }
+}
+
+/// A recording of a sink's monitor.
+pub struct Recorder {
+    process: Process,
+    path: PathBuf,
+}
+
+impl Recorder {
+    /// All samples so far, interleaved.
+    pub fn samples(&self) -> Vec<f32> {
+        let bytes = fs::read(&self.path).unwrap();
+        let samples = bytes.as_chunks::<4>().0.iter();
+        samples.map(|&sample| f32::from_le_bytes(sample)).collect()
+    }
+
+    pub fn stop(self) -> Vec<f32> {
+        // What was played last is still on its way.
+        std::thread::sleep(Duration::from_millis(200));
+        let samples = self.samples();
+        drop(self.process);
+        samples
+    }
+}
