@@ -102,7 +102,8 @@ impl Common {
             let text = format!("--time must be finite and 0 or more, not {seconds}");
             return Err(BadInput(text).into());
         }
-        let scene = values.load(name_or_file)?.at(seconds);
+        let loaded = values.load(name_or_file).map_err(Error::from)?;
+        let scene = loaded.at(seconds);
         self.warn_when_known(&scene, false);
         Ok(scene)
     }

@@ -181,6 +181,7 @@ fn sized<'a>(
 }
 
 /// The program of the scene's structure, with the numbers of its surfaces set.
+#[allow(clippy::mutable_key_type)] // Samples of a field are no part of its structure.
 fn program(
     context: &Context,
     programs: &mut HashMap<glsl::Structure, Rc<Program>>,

@@ -3,7 +3,7 @@
 // glsl/operator/offset.glsl
 // glsl/distance/torus.glsl
 // glsl/distance/listener.glsl
-// the scene
+// the surfaces
 uniform vec4 uSurfaces[2];
 
 // surface 1 (Offset)
@@ -13,6 +13,8 @@ float field1(vec3 p) {
     return d2;
 }
 
+
+// the scene's distance
 // Signed distance to the nearest surface, and its number from 1.
 float surfaceDistance(vec3 p, out float object) {
     // surface 1 (Offset)
@@ -21,6 +23,8 @@ float surfaceDistance(vec3 p, out float object) {
     return nearest;
 }
 
+
+// the scene and the listener
 // Signed distance to the nearest surface or to the listener, whose number is 0.
 float distanceFunction(vec3 p, out float object) {
     float nearest = surfaceDistance(p, object);

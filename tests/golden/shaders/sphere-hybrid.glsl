@@ -10,9 +10,11 @@
 // glsl/land/sphere.glsl
 // glsl/distance/listener.glsl
 // glsl/hit/listener.glsl
-// the scene
+// the surfaces
 uniform vec4 uSurfaces[1];
 
+
+// the scene
 // How far from p along d the next object is, and its number. A convex surface is
 // not met by the wave that leaves it (last). Where nothing is met the distance is
 // NO_HIT and the number means nothing.
@@ -35,6 +37,7 @@ void land(float object, vec3 d, inout vec3 p, out vec3 normal) {
         landSphere(q, uSurfaces[0].w, normal);
         p = q + uSurfaces[0].xyz;
         normal = normal;
+        return;
     }
 }
 

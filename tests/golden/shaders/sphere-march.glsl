@@ -10,9 +10,11 @@
 // glsl/land/sphere.glsl
 // glsl/gradient/sphere.glsl
 // glsl/distance/listener.glsl
-// the scene
+// the surfaces
 uniform vec4 uSurfaces[1];
 
+
+// the scene
 // Distance to the nearest object that a wave at p along d can meet, its number, and
 // the distance to the second nearest. What the wave leaves (last) is out of its way
 // when it is convex; of a room only the walls ahead count.
@@ -44,6 +46,7 @@ void land(float object, vec3 d, inout vec3 p, out vec3 normal) {
         landSphere(q, uSurfaces[0].w, normal);
         p = q + uSurfaces[0].xyz;
         normal = normal;
+        return;
     }
 }
 

@@ -2,9 +2,11 @@
 // glsl/counters.glsl
 // glsl/distance/sphere.glsl
 // glsl/distance/listener.glsl
-// the scene
+// the surfaces
 uniform vec4 uSurfaces[1];
 
+
+// the scene's distance
 // Signed distance to the nearest surface, and its number from 1.
 float surfaceDistance(vec3 p, out float object) {
     // surface 1 (Sphere)
@@ -13,6 +15,8 @@ float surfaceDistance(vec3 p, out float object) {
     return nearest;
 }
 
+
+// the scene and the listener
 // Signed distance to the nearest surface or to the listener, whose number is 0.
 float distanceFunction(vec3 p, out float object) {
     float nearest = surfaceDistance(p, object);

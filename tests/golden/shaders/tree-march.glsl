@@ -15,7 +15,7 @@
 // glsl/distance/sphere.glsl
 // glsl/dual/sphere.glsl
 // glsl/distance/listener.glsl
-// the scene
+// the surfaces
 uniform vec4 uSurfaces[1];
 
 // surface 1 (SmoothUnion)
@@ -36,6 +36,8 @@ vec4 gradient1(vec3 p) {
     return g4;
 }
 
+
+// the scene
 // Distance to the nearest object that a wave at p along d can meet, its number, and
 // the distance to the second nearest. What the wave leaves (last) is out of its way
 // when it is convex; of a room only the walls ahead count.
@@ -63,9 +65,12 @@ void land(float object, vec3 d, inout vec3 p, out vec3 normal) {
         normal = facing(gradient1(q).xyz, d);
         p = q + uSurfaces[0].xyz;
         normal = normal;
+        return;
     }
 }
 
+
+// the fields
 // The least value of the fields that a wave at p along d can meet, and whose it is. It
 // holds as far as reach along d. A convex one that the wave leaves is out of its way.
 float fieldsAhead(vec3 p, vec3 d, float last, out float object, out float reach) {
@@ -81,8 +86,8 @@ float fieldsAhead(vec3 p, vec3 d, float last, out float object, out float reach)
 
 // The gradient of one of them, and what rounding may do to its value.
 vec3 fieldGradient(vec3 p, float object, out float slack) {
-    if (object == 1.0) { slack = uSurfaces[0].w; return gradient1(p - uSurfaces[0].xyz).xyz; } // surface 1 (SmoothUnion)
     slack = 0.0;
+    if (object == 1.0) { slack = uSurfaces[0].w; return gradient1(p - uSurfaces[0].xyz).xyz; } // surface 1 (SmoothUnion)
     return vec3(0.0);
 }
 

@@ -47,7 +47,7 @@ vec4 gdUser0(vec3 p, vec3 halfSize, float inverseLipschitz) {
 // glsl/land/field.glsl
 // glsl/distance/listener.glsl
 // glsl/hit/listener.glsl
-// the scene
+// the surfaces
 uniform vec4 uSurfaces[1];
 
 // surface 1 (Field)
@@ -62,13 +62,14 @@ vec4 gradient1(vec3 p) {
     return g1;
 }
 
+
+// the scene
 // How far from p along d the next object is, and its number. A convex surface is
 // not met by the wave that leaves it (last). Where nothing is met the distance is
 // NO_HIT and the number means nothing.
 float nearestHit(vec3 p, vec3 d, float last, out float object) {
     float nearest = hitListener(p, d);
     object = 0.0;
-    float candidate;
     return nearest;
 }
 
@@ -82,9 +83,12 @@ void land(float object, vec3 d, inout vec3 p, out vec3 normal) {
         normal = facing(gradient1(q).xyz, d);
         p = q + uSurfaces[0].xyz;
         normal = normal;
+        return;
     }
 }
 
+
+// the fields
 // The least value of the fields that a wave at p along d can meet, and whose it is. It
 // holds as far as reach along d. A convex one that the wave leaves is out of its way.
 float fieldsAhead(vec3 p, vec3 d, float last, out float object, out float reach) {
@@ -100,8 +104,8 @@ float fieldsAhead(vec3 p, vec3 d, float last, out float object, out float reach)
 
 // The gradient of one of them, and what rounding may do to its value.
 vec3 fieldGradient(vec3 p, float object, out float slack) {
-    if (object == 1.0) { slack = uSurfaces[0].w; return gradient1(p - uSurfaces[0].xyz).xyz; } // surface 1 (Field)
     slack = 0.0;
+    if (object == 1.0) { slack = uSurfaces[0].w; return gradient1(p - uSurfaces[0].xyz).xyz; } // surface 1 (Field)
     return vec3(0.0);
 }
 
