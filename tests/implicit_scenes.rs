@@ -4,7 +4,8 @@ mod common;
 
 use common::{builtin, tracer};
 use echomarch::scene::{Field, Node};
-use echomarch::{Listener, Profile, Scene, Settings, Shape, Source, Surface, Wave};
+use echomarch::trace::Wave;
+use echomarch::{Listener, Profile, Scene, Settings, Shape, Source, Surface};
 use glam::{DVec3, Vec3};
 
 /// Both profiles that are right.

@@ -14,6 +14,7 @@ mod options;
 mod print;
 mod render;
 mod report;
+mod shader;
 mod slice;
 mod trace;
 mod verify;
@@ -32,6 +33,7 @@ Examples:
   echomarch render open-field -o out.wav     what the listener hears
   echomarch view corner -o view.png          what the listener sees
   echomarch slice corner --paths 200 -o plan.png
+  echomarch shader corner                    the shader that a scene becomes
   echomarch verify                           the hard cases, pass or fail
   echomarch localise form -o form            where is the source? a form for people
   echomarch info                             the renderers there are
@@ -62,6 +64,8 @@ enum Command {
     View(view::Arguments),
     /// Plan of the scene from above, with wave paths on request
     Slice(slice::Arguments),
+    /// Print a shader that a scene becomes
+    Shader(shader::Arguments),
     /// The performance experiment: figures 11.1 to 11.4 beside the thesis' own
     Figures(figures::Arguments),
     /// Speed against error: every profile and option beside the exact waves
@@ -84,6 +88,7 @@ pub fn run() -> ExitCode {
         Command::Render(arguments) => render::run(arguments, &cli.common),
         Command::View(arguments) => view::run(arguments, &cli.common),
         Command::Slice(arguments) => slice::run(arguments, &cli.common),
+        Command::Shader(arguments) => shader::run(arguments, &cli.common),
         Command::Figures(arguments) => figures::run(arguments, &cli.common),
         Command::Accuracy(arguments) => accuracy::run(arguments, &cli.common),
         Command::Verify(arguments) => verify::run(arguments, &cli.common),

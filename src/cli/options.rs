@@ -3,7 +3,7 @@
 use super::exit::BadInput;
 use crate::error::Error;
 use crate::gpu::{Api, Context, ContextOptions};
-use crate::scene::Scene;
+use crate::scene::{Scene, SceneError};
 use crate::trace::{Directions, MARCHES_PER_PASS, Profile, Settings, Tracer};
 use clap::Args;
 use std::io::Write;
@@ -59,7 +59,7 @@ impl Common {
     /// Loads a scene, sets its named values, and tells what is odd about it then.
     pub fn scene_with(&self, name_or_file: &str, values: &Values) -> Result<Scene, Error> {
         let scene = values.load(name_or_file)?;
-        self.warn(&scene);
+        self.warn_when_known(&scene, false);
         if scene.surfaces.len() > MANY_SURFACES {
             self.note(&format!(
                 "note: {} surfaces: compiling their shader the first time can take long",
@@ -69,8 +69,20 @@ impl Common {
         Ok(scene)
     }
 
+    /// Tells what is odd about a scene that the renderer has checked, unless it was already
+    /// told when it was loaded: of users' fields nothing is known before.
+    pub fn warn_checked(&self, scene: &Scene) {
+        self.warn_when_known(scene, true);
+    }
+
+    fn warn_when_known(&self, scene: &Scene, is_checked: bool) {
+        if is_checked == scene.user_fields().next().is_some() {
+            self.warn(scene);
+        }
+    }
+
     /// Tells what is odd about a scene as it stands.
-    fn warn(&self, scene: &Scene) {
+    pub fn warn(&self, scene: &Scene) {
         for warning in scene.warnings() {
             self.note(&format!("warning: {}: {warning}", scene.name));
         }
@@ -90,8 +102,9 @@ impl Common {
             let text = format!("--time must be finite and 0 or more, not {seconds}");
             return Err(BadInput(text).into());
         }
-        let scene = values.load(name_or_file)?.at(seconds);
-        self.warn(&scene);
+        let loaded = values.load(name_or_file).map_err(Error::from)?;
+        let scene = loaded.at(seconds);
+        self.warn_when_known(&scene, false);
         Ok(scene)
     }
 
@@ -105,7 +118,7 @@ impl Common {
 }
 
 /// Named values of a scene.
-#[derive(Args, Debug, Default)]
+#[derive(Args, Clone, Debug, Default)]
 pub struct Values {
     /// Set a named value of the scene, in metres, or radians for an angle; repeatable
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = name_and_value)]
@@ -114,13 +127,13 @@ pub struct Values {
 
 impl Values {
     /// The scene with the values set, checked once more.
-    fn load(&self, name_or_file: &str) -> Result<Scene, Error> {
+    pub fn load(&self, name_or_file: &str) -> Result<Scene, SceneError> {
         let mut scene = Scene::load(name_or_file)?;
         for (name, value) in &self.set {
             scene.set_value(name, *value)?;
         }
         if !self.set.is_empty() {
-            scene.validate_moving()?;
+            scene.check()?;
         }
         Ok(scene)
     }

@@ -88,11 +88,13 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     check_ending(&arguments.output, "wav")?;
     let scene = common.scene_with(&arguments.scene, &arguments.values)?;
     let timing = timing(arguments, scene.duration())?;
-    warn_on_the_way(&scene, timing, common);
     let mut sound = Sound::load(&arguments.sound, SAMPLE_RATE).map_err(Error::from)?;
     check_file(&arguments.output)?;
-    let mut writer = WavWriter::create(&arguments.output).map_err(Error::from)?;
     let mut tracer = common.tracer()?;
+    tracer.check(&scene, &settings)?;
+    common.warn_checked(&scene);
+    warn_on_the_way(&scene, timing, common);
+    let mut writer = WavWriter::create(&arguments.output).map_err(Error::from)?;
     let mut mixer = Mixer::new(arguments.law);
     let bar = print::progress(common, timing.frames(), "frames");
     let (mut lines, mut times) = (Vec::new(), Vec::new());

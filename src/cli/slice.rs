@@ -67,6 +67,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
         ..SliceOptions::default()
     };
     let picture = slice(&mut tracer, &scene, &options)?;
+    common.warn_checked(&scene);
     save_png(&arguments.output, &picture)?;
     let output = arguments.output.display().to_string();
     if common.json {

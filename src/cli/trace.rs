@@ -1,20 +1,26 @@
 //! `echomarch trace`: one frame.
 
+use super::exit::BadInput;
 use super::options::{Common, TraceOptions, Values, check_ending};
 use super::print;
 use crate::output::{check_file, write_whole};
-use crate::scene::Scene;
-use crate::trace::{Frame, Milliseconds, Profile, Settings, Wave};
+use crate::scene::{BUILTIN_NAMES, Scene};
+use crate::trace::{Frame, Milliseconds, Profile, Reload, Reloading, Settings, Tracer, Wave};
 use clap::Args;
 use serde::Serialize;
 use std::io::{self, Write};
 use std::path::PathBuf;
+use std::time::{Duration, Instant};
 
 const EXAMPLES: &str = "\
 Examples:
   echomarch trace corner --iterations 4 --waves 1048576
   echomarch trace corner --profile thesis --min-distance 0.001 --json
-  echomarch trace my.ron --dump-waves waves.csv";
+  echomarch trace my.ron --dump-waves waves.csv
+  echomarch trace my.ron --watch";
+
+/// Time between two looks at the files of a scene that is watched.
+const BETWEEN_LOOKS: Duration = Duration::from_millis(50);
 
 /// Arguments of `trace`.
 #[derive(Args, Debug)]
@@ -29,6 +35,12 @@ pub struct Arguments {
     /// Write every wave's start, end, direction and status as CSV
     #[arg(long, value_name = "FILE.csv")]
     dump_waves: Option<PathBuf>,
+    /// Trace again whenever the scene file, or a file that it names, changes, until Ctrl-C
+    #[arg(long)]
+    watch: bool,
+    /// End --watch after this time
+    #[arg(long, value_name = "SECONDS", requires = "watch", hide = true)]
+    watch_seconds: Option<f64>,
 }
 
 #[derive(Serialize)]
@@ -62,12 +74,62 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
         check_ending(path, "csv")?;
         check_file(path)?;
     }
+    if arguments.watch {
+        return watch(arguments, common, &settings);
+    }
     let scene = common.scene_with(&arguments.scene, &arguments.values)?;
     let mut tracer = common.tracer()?;
+    tracer.check(&scene, &settings)?;
+    common.warn_checked(&scene);
+    trace(arguments, common, &mut tracer, &scene, &settings)
+}
+
+/// Traces again whenever a file of the scene changes, until the program is ended.
+fn watch(arguments: &Arguments, common: &Common, settings: &Settings) -> anyhow::Result<()> {
+    if BUILTIN_NAMES.contains(&arguments.scene.as_str()) {
+        let text = format!("{} is built in: it has no file to --watch", arguments.scene);
+        return Err(BadInput(text).into());
+    }
+    let began = Instant::now();
+    let mut tracer = common.tracer()?;
+    let (file, values) = (arguments.scene.clone(), arguments.values.clone());
+    let load = move || values.load(&file);
+    let mut reloading = Reloading::open_with(&arguments.scene, load, &mut tracer, settings)?;
+    common.warn(reloading.scene());
+    trace(arguments, common, &mut tracer, reloading.scene(), settings)?;
+    let is_over = || {
+        let seconds = arguments.watch_seconds;
+        seconds.is_some_and(|most| began.elapsed().as_secs_f64() >= most)
+    };
+    while !is_over() {
+        std::thread::sleep(BETWEEN_LOOKS);
+        match reloading.poll(&mut tracer, settings) {
+            Reload::Unchanged => (),
+            Reload::Taken => {
+                common.warn(reloading.scene());
+                trace(arguments, common, &mut tracer, reloading.scene(), settings)?;
+            }
+            // Told even with --quiet: the file that was just written is not in use.
+            Reload::Kept(error) => {
+                let _ = writeln!(io::stderr(), "echomarch: {error} (the last scene stays)");
+            }
+        }
+    }
+    Ok(())
+}
+
+/// One frame, printed.
+fn trace(
+    arguments: &Arguments,
+    common: &Common,
+    tracer: &mut Tracer,
+    scene: &Scene,
+    settings: &Settings,
+) -> anyhow::Result<()> {
     let frame = match &arguments.dump_waves {
-        None => tracer.frame(&scene, &settings)?,
+        None => tracer.frame(scene, settings)?,
         Some(path) => {
-            let (frame, waves) = tracer.frame_with_waves(&scene, &settings)?;
+            let (frame, waves) = tracer.frame_with_waves(scene, settings)?;
             write_whole(path, |out| dump(&waves, out))?;
             frame
         }
@@ -80,7 +142,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
         ));
     }
     let renderer = tracer.context().renderer();
-    let report = report(&scene, &settings, &frame, renderer, tracer.clock_name());
+    let report = report(scene, settings, &frame, renderer, tracer.clock_name());
     if common.json {
         return print::json(&report);
     }

@@ -50,6 +50,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
         field_of_view: arguments.fov.to_radians(),
     };
     let picture = first_person(&context, &scene, &options)?;
+    common.warn_checked(&scene);
     save_png(&arguments.output, &picture)?;
     let output = arguments.output.display().to_string();
     if common.json {

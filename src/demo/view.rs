@@ -8,7 +8,7 @@ use crate::error::Error;
 use crate::gpu::{Context, Marks, Picture, Program, WindowContext, full_screen_pass_rows};
 use crate::scene::cells::Lists;
 use crate::scene::{Scene, glsl};
-use crate::trace::{SceneData, check_surfaces};
+use crate::trace::{SceneData, UserFields, check_surfaces};
 use glam::Vec2;
 use std::collections::HashMap;
 use std::rc::Rc;
@@ -157,6 +157,7 @@ impl View {
             Some(program) => program.clone(),
             None => {
                 check_surfaces(&self.context, scene)?;
+                UserFields::default().check(&self.context, scene)?;
                 let mut sources = glsl::distance_sources(scene);
                 sources.push(glsl::source!("view/colour.glsl"));
                 sources.push(glsl::source!("view/walk.frag"));

@@ -219,7 +219,7 @@ mod tests {
         for name in crate::scene::BUILTIN_NAMES {
             let scene = Scene::builtin(name).unwrap();
             // Nobody has sampled a user's field here.
-            if scene.has_user_fields() {
+            if scene.user_fields().next().is_some() {
                 continue;
             }
             for heading in 0..12 {

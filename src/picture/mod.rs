@@ -28,5 +28,6 @@ pub use error::PictureError;
 pub use image::RgbaImage;
 pub use plan::Bounds;
 pub use png::save_png;
+pub use shader::{Kind, shader_text};
 pub use slice::{SliceOptions, slice};
 pub use view::{ViewOptions, first_person};

@@ -5,7 +5,7 @@ use crate::error::Error;
 use crate::gpu::{Context, Picture, Program, full_screen_pass_rows};
 use crate::scene::cells::Lists;
 use crate::scene::{Scene, glsl};
-use crate::trace::{SceneData, check_surfaces};
+use crate::trace::{SceneData, UserFields, check_surfaces};
 use image::RgbaImage;
 
 /// Pixels in one draw call at the most: see [`full_screen_pass_rows`].
@@ -24,13 +24,11 @@ pub(super) fn program(
     scene: &Scene,
     shader: glsl::Source,
 ) -> Result<Shader, Error> {
-    scene.validate()?;
+    scene.check()?;
     check_surfaces(context, scene)?;
+    UserFields::default().check(context, scene)?;
     let label = format!("{} of {}", shader.0, scene.name);
-    let mut sources = glsl::distance_sources(scene);
-    sources.push(glsl::source!("view/colour.glsl"));
-    sources.push(shader);
-    let program = Program::fragment(context, &label, &glsl::join(&sources))?;
+    let program = Program::fragment(context, &label, &text(scene, shader))?;
     let placement = glsl::Placement::world();
     let placed = placement.apply(scene);
     let mut data = SceneData::new(context)?;
@@ -40,6 +38,39 @@ pub(super) fn program(
     let listener = &scene.listener;
     program.set_vec4("uListener", listener.position.extend(listener.radius));
     Ok(Shader { program, data })
+}
+
+/// The fragment shader around the distance functions of `scene`, `#version` apart.
+fn text(scene: &Scene, shader: glsl::Source) -> String {
+    let mut sources = glsl::distance_sources(scene);
+    sources.push(glsl::source!("view/colour.glsl"));
+    sources.push(shader);
+    glsl::join(&sources)
+}
+
+/// A kind of picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Kind {
+    /// [`first_person`](super::first_person).
+    View,
+    /// [`slice`](super::slice()).
+    Slice,
+}
+
+impl Kind {
+    pub(super) fn source(self) -> glsl::Source {
+        match self {
+            Kind::View => glsl::source!("view/first_person.frag"),
+            Kind::Slice => glsl::source!("view/slice.frag"),
+        }
+    }
+}
+
+/// The fragment shader of a picture, as it is compiled after the driver's own
+/// [`header`](crate::gpu::header). Needs no context; the scene should have been
+/// [checked](Scene::check).
+pub fn shader_text(scene: &Scene, kind: Kind) -> String {
+    text(scene, kind.source())
 }
 
 /// Refuses sizes that cannot be drawn, before anything is allocated.

@@ -4,7 +4,7 @@ use super::plan::{Bounds, Plan};
 use super::{PictureError, marks, scale_bar, shader, wave_paths};
 use crate::error::Error;
 use crate::gpu::Context;
-use crate::scene::{Scene, glsl};
+use crate::scene::Scene;
 use crate::trace::{Settings, Tracer};
 use image::RgbaImage;
 use tiny_skia::PixmapMut;
@@ -81,7 +81,7 @@ pub fn slice(
 
 fn cut(context: &Context, scene: &Scene, height: f32, plan: &Plan) -> Result<RgbaImage, Error> {
     shader::check_size(context, plan.width, plan.height)?;
-    let shader = shader::program(context, scene, glsl::source!("view/slice.frag"))?;
+    let shader = shader::program(context, scene, shader::Kind::Slice.source())?;
     let program = &shader.program;
     program.set_vec2("uCorner", plan.corner);
     program.set_f32("uMetres", plan.metres);

@@ -3,7 +3,7 @@
 use super::{PictureError, shader};
 use crate::error::Error;
 use crate::gpu::Context;
-use crate::scene::{Scene, glsl};
+use crate::scene::Scene;
 use glam::Vec2;
 use image::RgbaImage;
 
@@ -53,7 +53,7 @@ pub fn first_person(
         let degrees = options.field_of_view.to_degrees();
         return Err(PictureError::FieldOfView { degrees }.into());
     }
-    let shader = shader::program(context, scene, glsl::source!("view/first_person.frag"))?;
+    let shader = shader::program(context, scene, shader::Kind::View.source())?;
     let program = &shader.program;
     let listener = &scene.listener;
     program.set_vec3("uRight", listener.right());

@@ -1,6 +1,6 @@
 //! Scenes that cannot be traced, and scenes that can but hardly mean to.
 
-use super::{Motion, Scene, SceneError, Shape, Surface};
+use super::{Field, Motion, Scene, SceneError, Shape, Surface};
 use glam::Vec3;
 use std::fmt;
 
@@ -33,6 +33,15 @@ pub enum Warning {
         /// How deep, in metres.
         depth: f32,
     },
+    /// A user's field without air or without a solid in its box, by its samples.
+    OneSided {
+        /// Which surface.
+        surface: String,
+        /// The field's file.
+        file: String,
+        /// Whether it is solid everywhere; else it is nowhere.
+        solid: bool,
+    },
 }
 
 impl fmt::Display for Warning {
@@ -54,13 +63,50 @@ impl fmt::Display for Warning {
                     "the listener's centre is {depth} m inside {surface}: few waves can reach it"
                 )
             }
+            Warning::OneSided {
+                surface,
+                file,
+                solid,
+            } => {
+                let (all, sign) = if *solid {
+                    ("solid", "negative")
+                } else {
+                    ("air", "positive")
+                };
+                write!(
+                    f,
+                    "{surface}: {file} is all {all}: its value is {sign} at every sample in its box"
+                )
+            }
         }
     }
 }
 
 impl Scene {
-    /// Checks what scene files are checked for while they are read, for scenes
-    /// that were written or changed in Rust.
+    /// [`Scene::validate_moving`], and every field as [`Field::check`] does: some
+    /// milliseconds for each that states how fast it grows. Scene files are checked like
+    /// this when they are read, and a tracer does so with every new structure. The text of
+    /// users' fields is compiled later, by the tracer.
+    ///
+    /// # Errors
+    /// As [`Scene::validate_moving`].
+    pub fn check(&self) -> Result<(), SceneError> {
+        self.validate_moving()?;
+        for (index, surface) in self.surfaces.iter().enumerate() {
+            self.check_field(&surface.label(index), surface)?;
+        }
+        self.at_every_key(Scene::check_field)
+    }
+
+    fn check_field(&self, label: &str, surface: &Surface) -> Result<(), SceneError> {
+        let Some(field) = surface.shape.field() else {
+            return Ok(());
+        };
+        field.check().map_err(|why| self.bad_field(label, why))
+    }
+
+    /// Checks every number: cheap, for every frame of a scene that moves or was written in
+    /// Rust. See [`Scene::check`] for what is checked once.
     ///
     /// # Errors
     /// [`SceneError::Empty`] without surfaces; [`SceneError::BadNumber`] for
@@ -99,13 +145,20 @@ impl Scene {
     /// Those of [`Scene::validate`]; [`SceneError::At`] for what is wrong only later.
     pub fn validate_moving(&self) -> Result<(), SceneError> {
         self.validate()?;
+        self.at_every_key(Scene::validate_surface)
+    }
+
+    /// Tries each surface as it stands at every time of its key frames.
+    fn at_every_key(
+        &self,
+        check: fn(&Scene, &str, &Surface) -> Result<(), SceneError>,
+    ) -> Result<(), SceneError> {
         for (index, surface) in self.surfaces.iter().enumerate() {
             let mut posed = surface.clone();
             for seconds in surface.key_times() {
                 posed.drive_to(seconds);
                 let label = posed.label(index);
-                let checked = self.validate_surface(&label, &posed);
-                checked.map_err(|refused| SceneError::At {
+                check(self, &label, &posed).map_err(|refused| SceneError::At {
                     seconds,
                     refused: Box::new(refused),
                 })?;
@@ -126,6 +179,22 @@ impl Scene {
         }
         if let Some((surface, depth)) = self.solid_at(self.listener.position) {
             warnings.push(Warning::ListenerInsideSurface { surface, depth });
+        }
+        for (index, surface) in self.surfaces.iter().enumerate() {
+            let nodes = surface.shape.field().map(Field::nodes).unwrap_or_default();
+            for user in nodes.iter().filter_map(|node| node.node.user()) {
+                let Some(samples) = user.samples() else {
+                    continue;
+                };
+                let solid = samples.values.iter().all(|value| *value < 0.0);
+                if solid || samples.values.iter().all(|value| *value > 0.0) {
+                    warnings.push(Warning::OneSided {
+                        surface: surface.label(index),
+                        file: user.file.display().to_string(),
+                        solid,
+                    });
+                }
+            }
         }
         warnings
     }
@@ -148,11 +217,7 @@ impl Scene {
         }
         self.validate_drivers(label, surface)?;
         match surface.shape {
-            Shape::Field(ref field) => field.validate().map_err(|why| SceneError::BadField {
-                scene: self.name.clone(),
-                surface: label.to_owned(),
-                why,
-            }),
+            Shape::Field(ref field) => field.validate().map_err(|why| self.bad_field(label, why)),
             Shape::Plane => Ok(()),
             Shape::Box { size } | Shape::Room { size } => {
                 let what = format!("{label}: size in metres");
@@ -200,6 +265,14 @@ impl Scene {
             }
         }
         Ok(())
+    }
+
+    fn bad_field(&self, label: &str, why: String) -> SceneError {
+        SceneError::BadField {
+            scene: self.name.clone(),
+            surface: label.to_owned(),
+            why,
+        }
     }
 
     fn finite(&self, what: &str, value: Vec3) -> Result<(), SceneError> {

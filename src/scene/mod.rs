@@ -21,19 +21,24 @@ mod motion;
 mod path;
 mod seal;
 mod surface;
+mod watch;
 
 pub use builtin::BUILTIN_NAMES;
 pub use check::Warning;
 pub use distance::Nearest;
 pub use error::SceneError;
+pub(crate) use field::halton;
 pub use field::{
     Bounds3, Copies, Exactness, Field, HeightImage, Node, Properties, UserField, UserSamples,
 };
 pub use motion::{Driver, Motion};
 pub use path::{Key, Path};
 pub use surface::{Shape, Surface};
+pub use watch::SceneWatch;
 
 use glam::Vec3;
+use std::path::PathBuf;
+use std::sync::Arc;
 
 /// A world to hear: surfaces, one source and one listener.
 #[derive(Clone, Debug, PartialEq)]
@@ -88,19 +93,34 @@ impl Scene {
         posed
     }
 
-    /// Whether a user's GLSL is among its fields: what it is, only a GPU can say.
-    pub fn has_user_fields(&self) -> bool {
-        let fields = self.surfaces.iter().filter_map(|s| s.shape.field());
-        let mut nodes = fields.flat_map(Field::nodes);
-        nodes.any(|field| matches!(field.node, Node::User { .. }))
-    }
-
     /// Length of the longest path in seconds; 0 when nothing moves.
     pub fn duration(&self) -> f64 {
         let drivers = self.surfaces.iter().flat_map(|s| &s.drivers);
         let driven = drivers.map(|driver| driver.motion.duration());
         let paths = [&self.source.path, &self.listener.path].map(Path::duration);
         driven.chain(paths).fold(0.0, f64::max)
+    }
+}
+
+impl Scene {
+    /// The users' fields of all surfaces, in order.
+    pub fn user_fields(&self) -> impl Iterator<Item = &Arc<UserField>> {
+        self.field_nodes().filter_map(Node::user)
+    }
+
+    /// The files beside its own that the scene was made from: users' fields and images.
+    pub fn files(&self) -> Vec<PathBuf> {
+        let file = |node: &Node| match node {
+            Node::User { field } => Some(field.file.clone()),
+            Node::HeightField { image, .. } => Some(PathBuf::from(image.name())),
+            _ => None,
+        };
+        self.field_nodes().filter_map(file).collect()
+    }
+
+    fn field_nodes(&self) -> impl Iterator<Item = &Node> {
+        let fields = self.surfaces.iter().filter_map(|s| s.shape.field());
+        fields.flat_map(|field| field.nodes().into_iter().map(|f| &f.node))
     }
 }
 

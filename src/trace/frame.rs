@@ -1,7 +1,8 @@
 //! What one frame yields.
 
 use super::{Counts, Panning};
-use std::time::Duration;
+use crate::error::Error;
+use std::time::{Duration, Instant};
 
 /// The result of one traced frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,4 +33,11 @@ pub struct Milliseconds {
 
 pub(super) fn in_milliseconds(duration: Duration) -> f64 {
     duration.as_secs_f64() * 1e3
+}
+
+/// A result, and the milliseconds that it took.
+pub(super) fn timed<T>(work: impl FnOnce() -> Result<T, Error>) -> Result<(T, f64), Error> {
+    let began = Instant::now();
+    let result = work()?;
+    Ok((result, in_milliseconds(began.elapsed())))
 }

@@ -14,17 +14,24 @@
 mod directions;
 mod error;
 mod frame;
+mod limits;
 mod panning;
 mod programs;
+mod reload;
 mod scene_data;
 mod settings;
 mod sum;
 mod tracer;
+mod user_fields;
 mod waves;
 
 pub use error::TraceError;
 pub use frame::{Frame, Milliseconds};
+#[cfg(feature = "experiment")]
+pub(crate) use limits::check_surfaces;
 pub use panning::{Counts, Panning};
+pub use programs::{Pass, shader_text};
+pub use reload::{Reload, Reloading};
 #[cfg(feature = "experiment")]
 pub(crate) use scene_data::SceneData;
 pub use settings::{
@@ -33,6 +40,6 @@ pub use settings::{
 };
 pub use tracer::Tracer;
 #[cfg(feature = "experiment")]
-pub(crate) use tracer::check_surfaces;
+pub(crate) use user_fields::UserFields;
 pub(crate) use waves::STATUS_STARTED;
 pub use waves::{Fate, Grid, STATUS_DEAD, STATUS_LISTENER, Wave};

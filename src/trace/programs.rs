@@ -43,18 +43,8 @@ impl Programs {
 
     /// The initialise pass for a choice of directions.
     pub fn initialise(&mut self, context: &Context, of: Directions) -> Result<Rc<Program>, Error> {
-        self.get(context, Key::Initialise(of), "initialise", || {
-            let mut sources = vec![source!("wave.glsl")];
-            sources.extend(match of {
-                Directions::Random => vec![source!("direction/random.glsl")],
-                Directions::Fibonacci => vec![
-                    source!("distance/turn.glsl"),
-                    source!("direction/fibonacci.glsl"),
-                ],
-            });
-            sources.push(source!("initialise.frag"));
-            sources
-        })
+        let sources = || initialise_sources(of);
+        self.get(context, Key::Initialise(of), "initialise", sources)
     }
 
     /// The march pass of a scene's structure.
@@ -66,14 +56,17 @@ impl Programs {
     ) -> Result<Rc<Program>, Error> {
         let options = Options::of(settings);
         let key = Key::March(glsl::structure(scene), options);
+        if !self.programs.contains_key(&key) {
+            // What is checked once for a structure.
+            scene.check()?;
+        }
         let label = format!("march ({}) of {}", settings.profile, scene.name);
         self.get(context, key, &label, || march_sources(scene, options))
     }
 
     /// The panning pass.
     pub fn pan(&mut self, context: &Context) -> Result<Rc<Program>, Error> {
-        let sources = || vec![source!("wave.glsl"), source!("pan.frag")];
-        self.get(context, Key::Pan, "pan", sources)
+        self.get(context, Key::Pan, "pan", pan_sources)
     }
 
     /// The first pass of the sum on the GPU.
@@ -121,6 +114,46 @@ impl Options {
             count_evaluations: settings.count_evaluations,
         }
     }
+}
+
+/// A pass over the waves that is drawn with a program of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Pass {
+    /// The waves at the source.
+    Initialise,
+    /// The waves through the scene.
+    March,
+    /// What each wave gives to either side.
+    Pan,
+}
+
+/// The fragment shader of a pass, as a [`Tracer`](super::Tracer) compiles it after the
+/// driver's own [`header`](crate::gpu::header). Needs no context; the scene should have been
+/// [checked](Scene::check).
+pub fn shader_text(scene: &Scene, settings: &Settings, pass: Pass) -> String {
+    glsl::join(&match pass {
+        Pass::Initialise => initialise_sources(settings.directions),
+        Pass::March => march_sources(scene, Options::of(settings)),
+        Pass::Pan => pan_sources(),
+    })
+}
+
+fn initialise_sources(of: Directions) -> Vec<Source> {
+    let mut sources = vec![source!("wave.glsl")];
+    sources.extend(match of {
+        Directions::Random => vec![source!("direction/random.glsl")],
+        Directions::Fibonacci => vec![
+            source!("distance/turn.glsl"),
+            source!("direction/fibonacci.glsl"),
+        ],
+    });
+    sources.push(source!("initialise.frag"));
+    sources
+}
+
+fn pan_sources() -> Vec<Source> {
+    vec![source!("wave.glsl"), source!("pan.frag")]
 }
 
 /// The fragment shader of a march pass, `#version` apart.

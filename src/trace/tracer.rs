@@ -3,10 +3,12 @@
 mod pending;
 
 use super::directions::{random_turn, unit_directions};
-use super::frame::in_milliseconds;
+use super::frame::{in_milliseconds, timed};
+use super::limits::{check_surfaces, check_waves};
 use super::programs::Programs;
 use super::scene_data::SceneData;
 use super::sum::Sum;
+use super::user_fields::UserFields;
 use super::waves::{STATUS_DEAD, STATUS_STARTED, waves};
 use super::{
     Counts, Frame, Grid, MARCHES_PER_PASS, MAX_FIELD_STEPS, Milliseconds, Panning, Profile,
@@ -33,15 +35,13 @@ const WAVES_PER_DRAW: u64 = 1 << 20;
 /// OpenGL 3.3.
 const EVALUATIONS_PER_DRAW: u64 = 1 << 33;
 
-/// Uniform vectors that any of the shaders needs at the most beside those of the surfaces.
-const OWN_UNIFORM_VECTORS: usize = 16;
-
 /// Traces frames. Programs and textures are kept from frame to frame: a frame that
 /// only moves things compiles nothing and allocates nothing on the GPU.
 pub struct Tracer {
     context: Context,
     clock: Clock,
     programs: Programs,
+    user_fields: UserFields,
     targets: Option<Targets>,
     contributions: Vec<f32>,
     scene_data: SceneData,
@@ -81,6 +81,7 @@ impl Tracer {
             context: context.clone(),
             clock: Clock::for_context(context)?,
             programs: Programs::default(),
+            user_fields: UserFields::default(),
             targets: None,
             contributions: Vec::new(),
             scene_data: SceneData::new(context)?,
@@ -101,6 +102,20 @@ impl Tracer {
     /// Programs compiled since the tracer was made.
     pub fn programs_compiled(&self) -> usize {
         self.programs.compiled()
+    }
+
+    /// Checks all that a frame needs, users' fields included, and compiles its programs, but
+    /// traces nothing. What passes can be traced with these settings.
+    ///
+    /// # Errors
+    /// As [`Tracer::frame`].
+    pub fn check(&mut self, scene: &Scene, settings: &Settings) -> Result<(), Error> {
+        self.check_input(scene, settings)?;
+        self.programs.march(&self.context, scene, settings)?;
+        self.programs
+            .initialise(&self.context, settings.directions)?;
+        self.programs.pan(&self.context)?;
+        Ok(())
     }
 
     /// Traces one frame of the scene as it stands.
@@ -180,15 +195,12 @@ impl Tracer {
     /// Checks the input, gets the program and the textures, and sets every uniform
     /// of the march that is the same for all iterations.
     fn prepare<'a>(&mut self, scene: &'a Scene, settings: &'a Settings) -> Result<Job<'a>, Error> {
-        scene.validate()?;
-        settings.validate()?;
+        self.check_input(scene, settings)?;
         let grid = Grid::new(settings.waves);
         let placement = match settings.profile {
             Profile::Thesis => Placement::world(),
             Profile::March | Profile::Hybrid => Placement::anchored(scene),
         };
-        self.check_waves(grid)?;
-        check_surfaces(&self.context, scene)?;
         if self.targets.as_ref().is_none_or(|t| t.grid != grid) {
             // The old textures go before the new ones come.
             self.targets = None;
@@ -228,19 +240,13 @@ impl Tracer {
         Ok(job)
     }
 
-    /// Waves that do not fit in a texture are told before anything is allocated.
-    fn check_waves(&self, grid: Grid) -> Result<(), TraceError> {
-        let limit = self.context.limits().max_texture_size;
-        if grid.width <= limit {
-            return Ok(());
-        }
-        Err(TraceError::TooManyWaves {
-            waves: grid.waves,
-            side: grid.width,
-            limit,
-            most: u64::from(limit) * u64::from(limit),
-            renderer: self.context.renderer().to_owned(),
-        })
+    /// What is checked before every frame, and of users' fields before the first.
+    fn check_input(&mut self, scene: &Scene, settings: &Settings) -> Result<(), Error> {
+        scene.validate()?;
+        settings.validate()?;
+        check_waves(&self.context, Grid::new(settings.waves))?;
+        check_surfaces(&self.context, scene)?;
+        self.user_fields.check(&self.context, scene)
     }
 
     fn initialise(&self, job: &Job) -> Result<f64, Error> {
@@ -473,28 +479,6 @@ impl Job<'_> {
             _ => STATUS_STARTED,
         }
     }
-}
-
-/// Surfaces that do not fit in the uniforms are told before anything is compiled.
-pub(crate) fn check_surfaces(context: &Context, scene: &Scene) -> Result<(), TraceError> {
-    let needed = glsl::uniform_count(scene) + OWN_UNIFORM_VECTORS;
-    let limit = context.limits().max_fragment_uniform_vectors as usize;
-    if needed <= limit {
-        return Ok(());
-    }
-    Err(TraceError::TooManySurfaces {
-        surfaces: scene.surfaces.len(),
-        needed,
-        limit,
-        renderer: context.renderer().to_owned(),
-    })
-}
-
-/// A result, and the milliseconds that it took.
-fn timed<T>(work: impl FnOnce() -> Result<T, Error>) -> Result<(T, f64), Error> {
-    let began = Instant::now();
-    let result = work()?;
-    Ok((result, in_milliseconds(began.elapsed())))
 }
 
 fn set_grid(program: &Program, grid: Grid) {

@@ -205,7 +205,7 @@ fn bad_fields_are_refused_by_name() {
         let name = field.node.name();
         let within = Field::union([sphere(1.0), field.clone()]).complement();
         for tree in [field, within] {
-            let why = tree.validate().expect_err(name);
+            let why = tree.check().expect_err(name);
             assert!(why.starts_with(name), "{why}: {name}");
             assert!(why.contains(says), "{why}: {says}");
         }

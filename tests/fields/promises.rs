@@ -209,7 +209,7 @@ pub fn trees() -> impl Strategy<Value = Field> {
             }),
         ]
     });
-    tree.prop_filter("sound", |field| field.validate().is_ok())
+    tree.prop_filter("sound", |field| field.check().is_ok())
 }
 
 proptest! {

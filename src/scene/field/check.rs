@@ -18,8 +18,8 @@ const TRIES: usize = 4096;
 const ROUNDING: f64 = 1e-3;
 
 impl Field {
-    /// Checks the tree's numbers, its operators' operands, that every repetition is safe
-    /// and every stated Lipschitz constant large enough.
+    /// Checks the tree's numbers, its operators' operands and that every repetition is safe:
+    /// cheap enough for every frame. What takes evaluations is in [`Field::check`].
     ///
     /// # Errors
     /// A sentence that names the node and says what it must be.
@@ -42,7 +42,23 @@ impl Field {
             field
                 .copies()
                 .map(|_| ())
-                .and_then(|()| field.validate_growth())
+                .and_then(|()| field.validate_turning())
+                .map_err(|why| format!("{}: {why}", field.node.name()))?;
+        }
+        Ok(())
+    }
+
+    /// Checks the tree as [`Field::validate`] does, and tries every stated Lipschitz constant
+    /// by some thousand evaluations; the text of users' fields is read, but not yet compiled.
+    ///
+    /// # Errors
+    /// A sentence that names the node and says what it must be.
+    pub fn check(&self) -> Result<(), String> {
+        self.validate()?;
+        for field in self.nodes() {
+            field
+                .check_growth()
+                .and_then(|()| field.check_text())
                 .map_err(|why| format!("{}: {why}", field.node.name()))?;
         }
         Ok(())
@@ -61,24 +77,31 @@ impl Field {
         })
     }
 
-    /// A twist or a bend grows the value without bound unless what it turns ends; a
-    /// constant that is stated is tried.
-    fn validate_growth(&self) -> Result<(), String> {
-        let (axis, stated) = match &self.node {
-            Node::Twist { lipschitz, .. } => (1, *lipschitz),
-            Node::Bend { lipschitz, .. } => (2, *lipschitz),
+    /// A twist or a bend grows the value without bound unless what it turns ends.
+    fn validate_turning(&self) -> Result<(), String> {
+        let axis = match &self.node {
+            Node::Twist { .. } => 1,
+            Node::Bend { .. } => 2,
             _ => return Ok(()),
         };
         let of = self.of[0].properties();
         let away = ["x", "y", "z"][axis];
-        if !of.bounds.radius_about(axis).is_finite() {
-            return Err(format!(
-                "what it turns has no end away from the {away} axis, so that its value grows without bound: intersect it with something that ends"
-            ));
-        }
-        if stated == 0.0 {
+        if of.bounds.radius_about(axis).is_finite() {
             return Ok(());
         }
+        Err(format!(
+            "what it turns has no end away from the {away} axis, so that its value grows without bound: intersect it with something that ends"
+        ))
+    }
+
+    /// The constant that a twist or a bend states is tried.
+    fn check_growth(&self) -> Result<(), String> {
+        let stated = match &self.node {
+            Node::Twist { lipschitz, .. } | Node::Bend { lipschitz, .. } if *lipschitz > 0.0 => {
+                *lipschitz
+            }
+            _ => return Ok(()),
+        };
         let (steepest, place) = self.steepest();
         if steepest <= f64::from(stated) * (1.0 + ROUNDING) {
             return Ok(());
@@ -90,6 +113,20 @@ impl Field {
             place.z,
             1.01 * steepest
         ))
+    }
+
+    /// A user's text has the function, and nothing that a shader would have to be given.
+    fn check_text(&self) -> Result<(), String> {
+        match &self.node {
+            Node::User { field } => field.check_text().map_err(|(line, why)| {
+                let file = field.file.display();
+                match line {
+                    Some(line) => format!("{file}:{line}: {why}"),
+                    None => format!("{file}: {why}"),
+                }
+            }),
+            _ => Ok(()),
+        }
     }
 
     /// The greatest difference quotient found at points of the field's bounds, and where.

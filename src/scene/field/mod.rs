@@ -17,8 +17,11 @@ mod height;
 mod parameters;
 mod properties;
 mod repeat;
+mod text;
 mod user;
 mod value;
+
+pub(crate) use check::halton;
 
 pub use bounds::Bounds3;
 pub use height::HeightImage;
@@ -265,6 +268,14 @@ impl Node {
             Node::Twist { .. } => "Twist",
             Node::Bend { .. } => "Bend",
             Node::Morph { .. } => "Morph",
+        }
+    }
+
+    /// The user's field that it is, if it is one.
+    pub fn user(&self) -> Option<&Arc<UserField>> {
+        match self {
+            Node::User { field } => Some(field),
+            _ => None,
         }
     }
 

@@ -4,6 +4,7 @@
 //! where a walker may go) it has from samples, which are taken once on the GPU when the
 //! field is checked; see `crate::trace`.
 
+use super::text;
 use glam::{DVec3, Vec3};
 use std::path::PathBuf;
 use std::sync::OnceLock;
@@ -64,10 +65,25 @@ impl UserField {
         samples.at(share)
     }
 
+    /// The text as it may stand within a shader, line by line: without `#version` and
+    /// `precision` lines, which are the whole shader's, and in ASCII.
+    pub fn shader_text(&self) -> String {
+        text::within_a_shader(&self.text)
+    }
+
+    /// Checks what can be seen without compiling it.
+    ///
+    /// # Errors
+    /// The line, where it is in one, and a sentence: there is no `float field(vec3 p)`, or a value that a shader would have to
+    /// be given from outside.
+    pub fn check_text(&self) -> Result<(), (Option<u32>, String)> {
+        text::check(&self.text)
+    }
+
     /// The names that the text defines outside of functions: they are renamed when it is
     /// taken into a shader, so that two fields never clash.
     pub fn names(&self) -> Vec<String> {
-        global_names(&self.text)
+        text::global_names(&self.shader_text())
     }
 }
 
@@ -105,115 +121,9 @@ impl UserSamples {
     }
 }
 
-/// Whether a piece of text is one GLSL identifier.
-fn is_identifier(word: &str) -> bool {
-    let mut characters = word.chars();
-    let starts = characters
-        .next()
-        .is_some_and(|c| c.is_ascii_alphabetic() || c == '_');
-    starts && characters.all(|c| c.is_ascii_alphanumeric() || c == '_')
-}
-
-/// Names of functions, structures, constants and macros at the outermost level.
-///
-/// A light reading, not a parser: comments are passed over; outside of braces and
-/// parentheses, a word that follows a word and is followed by `(`, `=`, `;`, `[`, `,` or
-/// `{` is a definition.
-fn global_names(text: &str) -> Vec<String> {
-    let mut names: Vec<String> = Vec::new();
-    let mut keep = |name: &str| {
-        if is_identifier(name) && !names.iter().any(|n| n == name) {
-            names.push(name.to_owned());
-        }
-    };
-    let mut code = String::new();
-    for line in without_comments(text).lines() {
-        let Some(directive) = line.trim_start().strip_prefix('#') else {
-            code.push_str(line);
-            code.push('\n');
-            continue;
-        };
-        if let Some(macro_name) = directive.trim_start().strip_prefix("define") {
-            let word: String = macro_name
-                .trim_start()
-                .chars()
-                .take_while(|c| c.is_ascii_alphanumeric() || *c == '_')
-                .collect();
-            keep(&word);
-        }
-    }
-    let mut depth = 0i32;
-    let mut before = String::new();
-    let tokens = tokens(&code);
-    for (index, token) in tokens.iter().enumerate() {
-        match token.as_str() {
-            "{" | "(" => depth += 1,
-            "}" | ")" => depth -= 1,
-            word if depth == 0 && is_identifier(word) => {
-                let next = tokens.get(index + 1).map_or("", String::as_str);
-                let after_type = is_identifier(&before) && before != "return";
-                if after_type && matches!(next, "(" | "=" | ";" | "[" | "," | "{") {
-                    keep(word);
-                }
-            }
-            _ => (),
-        }
-        before.clone_from(token);
-    }
-    names
-}
-
-fn tokens(code: &str) -> Vec<String> {
-    let mut all = Vec::new();
-    let mut word = String::new();
-    for character in code.chars() {
-        if character.is_ascii_alphanumeric() || character == '_' || character == '.' {
-            word.push(character);
-            continue;
-        }
-        if !word.is_empty() {
-            all.push(std::mem::take(&mut word));
-        }
-        if !character.is_whitespace() {
-            all.push(character.to_string());
-        }
-    }
-    all.push(word);
-    all
-}
-
-/// The text with comments blanked, line breaks kept.
-fn without_comments(text: &str) -> String {
-    let mut out = String::new();
-    let mut rest = text;
-    while let Some(start) = rest.find("//").into_iter().chain(rest.find("/*")).min() {
-        out.push_str(&rest[..start]);
-        let is_line = rest[start..].starts_with("//");
-        let end = if is_line { "\n" } else { "*/" };
-        let body = &rest[start + 2..];
-        let length = body.find(end).map_or(body.len(), |at| at);
-        out.extend(body[..length].chars().filter(|c| *c == '\n'));
-        rest = &body[length..];
-        if !is_line {
-            rest = rest.strip_prefix("*/").unwrap_or("");
-        }
-    }
-    out.push_str(rest);
-    out
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Protects the renaming: all that a text defines is found, and nothing else.
-    #[test]
-    fn the_names_that_a_text_defines_are_found() {
-        let text = "// float not(vec3 p)\n#define PI 3.14\nconst float A = 1.0, B[2];\n\
-            struct Ray { vec3 o; };\nmat2 rot(float a) { float c = cos(a); return mat2(c); }\n\
-            /* vec3\n no(); */ float field(vec3 p) { return length(p) - A; }\n";
-        assert_eq!(global_names(text), ["PI", "A", "Ray", "rot", "field"]);
-    }
 
     /// Protects the CPU's idea of a field: the samples, interpolated.
     #[test]

@@ -25,7 +25,7 @@ impl Scene {
     /// # Errors
     /// [`SceneError::Unreadable`], [`SceneError::Malformed`] with line and column,
     /// [`SceneError::Attached`] for the files that it names, or what
-    /// [`Scene::validate`] refuses.
+    /// [`Scene::check`] refuses.
     pub fn from_file(path: &std::path::Path) -> Result<Scene, SceneError> {
         let text = std::fs::read_to_string(path).map_err(|source| SceneError::Unreadable {
             path: path.to_owned(),
@@ -39,7 +39,7 @@ impl Scene {
         {
             scene.name = stem.to_string_lossy().into_owned();
         }
-        scene.validate_moving()?;
+        scene.check()?;
         Ok(scene)
     }
 
@@ -62,7 +62,7 @@ impl Scene {
     pub fn from_ron(text: &str, origin: &str) -> Result<Scene, SceneError> {
         let files = Attached::in_folder(origin, std::path::Path::new(""));
         let scene = parse(text, &files)?;
-        scene.validate_moving()?;
+        scene.check()?;
         Ok(scene)
     }
 
@@ -73,7 +73,7 @@ impl Scene {
         files: &'static [(&'static str, &'static str)],
     ) -> Result<Scene, SceneError> {
         let scene = parse(text, &Attached::embedded(origin, files))?;
-        scene.validate_moving()?;
+        scene.check()?;
         Ok(scene)
     }
 }

@@ -26,6 +26,7 @@ mod land;
 mod named;
 mod placement;
 mod source;
+mod user;
 
 pub use ahead::ahead_sources;
 pub use closed_form::closed_form_sources;
@@ -34,6 +35,7 @@ pub use distance::distance_sources;
 pub use placement::{Placed, Placement, uniform_count};
 pub(crate) use source::source;
 pub use source::{Source, join};
+pub(crate) use user::{USER_FILE, user_sources};
 
 use super::layout::Layout;
 use super::{Field, Scene, Shape, Surface};

@@ -26,7 +26,7 @@ enum Values {
 
 /// What must not stand in a comment: GLSL's character set is ASCII, and a backslash would
 /// carry the comment on to the next line.
-fn no_comment(character: char) -> bool {
+pub(super) fn no_comment(character: char) -> bool {
     character == '\\' || !(character.is_ascii_graphic() || character == ' ')
 }
 

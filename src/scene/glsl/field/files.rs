@@ -1,6 +1,7 @@
 //! The files under `glsl/` that the text of fields calls, each once, callees first.
 
 use super::Assets;
+use crate::scene::glsl::named::no_comment;
 use crate::scene::glsl::{Source, source};
 use crate::scene::{Field, Node, UserField};
 use std::borrow::Cow;
@@ -55,39 +56,48 @@ impl Files {
         }
     }
 
-    /// The user's own text, between what renames its names and what calls it.
+    /// The user's own text, and what calls it.
     fn user(&mut self, user: &UserField, index: usize, gradients: bool) {
         self.take([source!("distance/box.glsl")]);
         if gradients {
             self.take([source!("gradient/box.glsl")]);
         }
-        let mut names = user.names();
-        if !names.iter().any(|name| name == "field") {
-            names.push("field".to_owned());
-        }
-        let shown = user.file.display().to_string();
-        let mut before = String::new();
-        let mut after = String::new();
-        for name in &names {
-            let _ = writeln!(before, "#define {name} user{index}_{name}");
-            let _ = writeln!(after, "#undef {name}");
-        }
-        // What the text itself defines as a macro needs no other name.
-        let macros = defined_macros(&user.text);
-        before = before
-            .lines()
-            .filter(|line| !macros.iter().any(|m| line.split(' ').nth(1) == Some(m)))
-            .fold(String::new(), |all, line| all + line + "\n");
-        after += &user_functions(index, gradients);
-        self.0
-            .push((Cow::Owned(format!("names of {shown}")), Cow::Owned(before)));
-        self.0.push((
-            Cow::Owned(shown.clone()),
-            Cow::Owned(user.text.clone() + "\n"),
-        ));
-        self.0
-            .push((Cow::Owned(format!("use of {shown}")), Cow::Owned(after)));
+        self.0.extend(user_text(user, index));
+        let use_of = format!("use of {}, field {index}", shown_name(user));
+        let functions = user_functions(index, gradients);
+        self.0.push((Cow::Owned(use_of), Cow::Owned(functions)));
     }
+}
+
+/// A user's text between what renames its names and what takes that back: its `field` is
+/// `user<index>_field` then. The text itself is the second of the three.
+pub(in crate::scene::glsl) fn user_text(user: &UserField, index: usize) -> [Source; 3] {
+    let mut names = user.names();
+    if !names.iter().any(|name| name == "field") {
+        names.push("field".to_owned());
+    }
+    // What the text itself defines as a macro needs no other name.
+    let macros = defined_macros(&user.text);
+    let mut before = String::new();
+    let mut after = String::new();
+    for name in &names {
+        if !macros.contains(&name.as_str()) {
+            let _ = writeln!(before, "#define {name} user{index}_{name}");
+        }
+        let _ = writeln!(after, "#undef {name}");
+    }
+    let shown = shown_name(user);
+    let source = |name: String, text: String| (Cow::Owned(name), Cow::Owned(text));
+    [
+        source(format!("names of {shown}, field {index}"), before),
+        source(shown.clone(), user.shader_text()),
+        source(format!("end of {shown}, field {index}"), after),
+    ]
+}
+
+/// The file's name as it may stand in a comment.
+fn shown_name(user: &UserField) -> String {
+    user.file.display().to_string().replace(no_comment, "?")
 }
 
 fn defined_macros(text: &str) -> Vec<&str> {

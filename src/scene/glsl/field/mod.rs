@@ -15,7 +15,7 @@ mod numbers;
 mod signature;
 mod text;
 
-pub(super) use files::field_files;
+pub(super) use files::{field_files, user_text};
 pub(super) use hit::{files_of_hits, has_closed_form, hit_text};
 pub(super) use numbers::moving_values;
 pub(super) use signature::{Signature, signature};
@@ -58,7 +58,7 @@ pub(super) struct Writer<'a> {
 pub(super) struct Assets {
     /// Index of the first height of each image in the scene's data.
     pub images: Vec<(std::sync::Arc<crate::scene::HeightImage>, usize)>,
-    /// Users' fields, numbered by their place.
+    /// Users' fields of different texts, numbered by their place.
     pub users: Vec<std::sync::Arc<crate::scene::UserField>>,
 }
 
@@ -102,6 +102,9 @@ impl Assets {
     }
 
     fn user(&self, field: &crate::scene::UserField) -> Option<usize> {
-        self.users.iter().position(|known| **known == *field)
+        // Size and growth are arguments of its functions.
+        let same =
+            |known: &crate::scene::UserField| known.file == field.file && known.text == field.text;
+        self.users.iter().position(|known| same(known))
     }
 }

@@ -1,0 +1,102 @@
+//! `echomarch shader`: the text that a scene becomes.
+
+use super::exit::BadInput;
+use super::options::Common;
+use super::print;
+use crate::gpu::header;
+use crate::output::{check_file, write_whole};
+use crate::picture::{self, Kind};
+use crate::scene::Scene;
+use crate::trace::{self, Directions, Pass, Profile, Settings};
+use clap::{Args, ValueEnum};
+use serde_json::json;
+use std::path::PathBuf;
+
+const EXAMPLES: &str = "\
+Examples:
+  echomarch shader corner
+  echomarch shader my.ron --profile march --gl gles -o march.frag
+  echomarch shader my.ron --pass view";
+
+/// Arguments of `shader`.
+#[derive(Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub struct Arguments {
+    /// Built-in scene or scene file
+    scene: String,
+    /// Which of its shaders
+    #[arg(long, value_enum, default_value_t = Which::March, value_name = "NAME")]
+    pass: Which,
+    /// The algorithm: hybrid (closed form), march (sphere tracing done right), thesis
+    #[arg(long, default_value_t = Profile::Hybrid, value_name = "NAME")]
+    profile: Profile,
+    /// Start directions: random (the thesis), fibonacci (an even lattice)
+    #[arg(long, default_value_t = Directions::Random, value_name = "NAME")]
+    directions: Directions,
+    /// march: normals by differences, as in the thesis
+    #[arg(long)]
+    difference_normals: bool,
+    /// march: stop within the minimum distance of a surface, as in the thesis
+    #[arg(long)]
+    no_landing: bool,
+    /// Count evaluations of the distance
+    #[arg(long)]
+    count_evaluations: bool,
+    /// Write to a file
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+}
+
+/// A shader of a scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Which {
+    /// The waves at the source
+    Initialise,
+    /// The waves through the scene
+    March,
+    /// What each wave gives to either side
+    Pan,
+    /// What the listener sees
+    View,
+    /// The plan from above
+    Slice,
+}
+
+/// Runs the subcommand. No renderer is needed: what is printed is what would be compiled.
+pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
+    let profile = arguments.profile;
+    if profile != Profile::March && (arguments.difference_normals || arguments.no_landing) {
+        let text =
+            format!("--difference-normals and --no-landing are of --profile march, not {profile}");
+        return Err(BadInput(text).into());
+    }
+    if let Some(path) = &arguments.output {
+        check_file(path)?;
+    }
+    let scene = common.scene(&arguments.scene)?;
+    let text = header(common.gl).to_owned() + &body(arguments, &scene);
+    if let Some(path) = &arguments.output {
+        write_whole(path, |out| out.write_all(text.as_bytes()))?;
+        return print::line(&path.display().to_string());
+    }
+    if common.json {
+        return print::json(&json!({ "scene": scene.name, "text": text }));
+    }
+    print::line(text.trim_end())
+}
+
+fn body(arguments: &Arguments, scene: &Scene) -> String {
+    let mut settings = Settings::of(arguments.profile);
+    settings.directions = arguments.directions;
+    settings.exact_normals &= !arguments.difference_normals;
+    settings.landing &= !arguments.no_landing;
+    settings.count_evaluations = arguments.count_evaluations;
+    let of_waves = |pass| trace::shader_text(scene, &settings, pass);
+    match arguments.pass {
+        Which::Initialise => of_waves(Pass::Initialise),
+        Which::March => of_waves(Pass::March),
+        Which::Pan => of_waves(Pass::Pan),
+        Which::View => picture::shader_text(scene, Kind::View),
+        Which::Slice => picture::shader_text(scene, Kind::Slice),
+    }
+}

@@ -1,0 +1,15 @@
+//! A user's field by itself: to be compiled, and sampled, before it is part of a scene.
+
+use super::field::user_text;
+use super::{Source, source};
+use crate::scene::UserField;
+
+/// The number by which a driver's messages name the user's own text in [`user_sources`].
+pub(crate) const USER_FILE: u32 = 2;
+
+/// A fragment shader with the field alone: its values at the points in `uPoints`.
+pub(crate) fn user_sources(user: &UserField) -> Vec<Source> {
+    let mut sources = Vec::from(user_text(user, 0));
+    sources.push(source!("user_field.frag"));
+    sources
+}

@@ -1,0 +1,39 @@
+//! What a renderer cannot take, told before anything is made.
+
+use super::{Grid, TraceError};
+use crate::gpu::Context;
+use crate::scene::Scene;
+use crate::scene::glsl;
+
+/// Uniform vectors that any of the shaders needs at the most beside those of the surfaces.
+const OWN_UNIFORM_VECTORS: usize = 16;
+
+/// Waves that do not fit in a texture are told before anything is allocated.
+pub(super) fn check_waves(context: &Context, grid: Grid) -> Result<(), TraceError> {
+    let limit = context.limits().max_texture_size;
+    if grid.width <= limit {
+        return Ok(());
+    }
+    Err(TraceError::TooManyWaves {
+        waves: grid.waves,
+        side: grid.width,
+        limit,
+        most: u64::from(limit) * u64::from(limit),
+        renderer: context.renderer().to_owned(),
+    })
+}
+
+/// Surfaces that do not fit in the uniforms are told before anything is compiled.
+pub(crate) fn check_surfaces(context: &Context, scene: &Scene) -> Result<(), TraceError> {
+    let needed = glsl::uniform_count(scene) + OWN_UNIFORM_VECTORS;
+    let limit = context.limits().max_fragment_uniform_vectors as usize;
+    if needed <= limit {
+        return Ok(());
+    }
+    Err(TraceError::TooManySurfaces {
+        surfaces: scene.surfaces.len(),
+        needed,
+        limit,
+        renderer: context.renderer().to_owned(),
+    })
+}

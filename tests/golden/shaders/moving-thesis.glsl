@@ -1,0 +1,37 @@
+// glsl/wave.glsl
+// glsl/counters.glsl
+// glsl/operator/offset.glsl
+// glsl/distance/torus.glsl
+// glsl/distance/listener.glsl
+// the surfaces
+uniform vec4 uSurfaces[2];
+
+// surface 1 (Offset)
+float field1(vec3 p) {
+    float d1 = sdTorus(p, uSurfaces[1].x, uSurfaces[1].y);
+    float d2 = opOffset(d1, 0.1);
+    return d2;
+}
+
+
+// the scene's distance
+// Signed distance to the nearest surface, and its number from 1.
+float surfaceDistance(vec3 p, out float object) {
+    // surface 1 (Offset)
+    float nearest = field1(p - uSurfaces[0].xyz);
+    object = 1.0;
+    return nearest;
+}
+
+
+// the scene and the listener
+// Signed distance to the nearest surface or to the listener, whose number is 0.
+float distanceFunction(vec3 p, out float object) {
+    float nearest = surfaceDistance(p, object);
+    float listener = listenerDistance(p);
+    if (listener <= nearest) { nearest = listener; object = 0.0; }
+    return nearest;
+}
+
+// glsl/iterate_thesis.glsl
+// glsl/iterate.frag

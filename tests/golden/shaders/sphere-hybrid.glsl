@@ -1,0 +1,47 @@
+// glsl/wave.glsl
+// glsl/counters.glsl
+// options
+#define MARCHES_FIELDS 0
+
+// glsl/rounding.glsl
+// glsl/hit/none.glsl
+// glsl/hit/ball.glsl
+// glsl/hit/sphere.glsl
+// glsl/land/sphere.glsl
+// glsl/distance/listener.glsl
+// glsl/hit/listener.glsl
+// the surfaces
+uniform vec4 uSurfaces[1];
+
+
+// the scene
+// How far from p along d the next object is, and its number. A convex surface is
+// not met by the wave that leaves it (last). Where nothing is met the distance is
+// NO_HIT and the number means nothing.
+float nearestHit(vec3 p, vec3 d, float last, out float object) {
+    float nearest = hitListener(p, d);
+    object = 0.0;
+    float candidate;
+    // surface 1 (Sphere)
+    candidate = last == 1.0 ? NO_HIT : hitSphere(p - uSurfaces[0].xyz, d, uSurfaces[0].w);
+    if (candidate < nearest) { nearest = candidate; object = 1.0; }
+    return nearest;
+}
+
+// Puts p, met along d, onto the object met; the normal there.
+void land(float object, vec3 d, inout vec3 p, out vec3 normal) {
+    vec3 q;
+    normal = -d;
+    if (object == 1.0) { // surface 1 (Sphere)
+        q = p - uSurfaces[0].xyz;
+        landSphere(q, uSurfaces[0].w, normal);
+        p = q + uSurfaces[0].xyz;
+        normal = normal;
+        return;
+    }
+}
+
+
+// glsl/mirror.glsl
+// glsl/iterate_hybrid.glsl
+// glsl/iterate.frag

@@ -1,0 +1,29 @@
+// glsl/wave.glsl
+// glsl/counters.glsl
+// glsl/distance/sphere.glsl
+// glsl/distance/listener.glsl
+// the surfaces
+uniform vec4 uSurfaces[1];
+
+
+// the scene's distance
+// Signed distance to the nearest surface, and its number from 1.
+float surfaceDistance(vec3 p, out float object) {
+    // surface 1 (Sphere)
+    float nearest = sdSphere(p - uSurfaces[0].xyz, uSurfaces[0].w);
+    object = 1.0;
+    return nearest;
+}
+
+
+// the scene and the listener
+// Signed distance to the nearest surface or to the listener, whose number is 0.
+float distanceFunction(vec3 p, out float object) {
+    float nearest = surfaceDistance(p, object);
+    float listener = listenerDistance(p);
+    if (listener <= nearest) { nearest = listener; object = 0.0; }
+    return nearest;
+}
+
+// glsl/iterate_thesis.glsl
+// glsl/iterate.frag

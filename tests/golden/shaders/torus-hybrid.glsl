@@ -1,0 +1,80 @@
+// glsl/wave.glsl
+// glsl/counters.glsl
+// options
+#define MARCHES_FIELDS 1
+
+// glsl/rounding.glsl
+// glsl/hit/none.glsl
+// glsl/hit/ball.glsl
+// glsl/distance/torus.glsl
+// glsl/dual/torus.glsl
+// glsl/land/field.glsl
+// glsl/distance/listener.glsl
+// glsl/hit/listener.glsl
+// the surfaces
+uniform vec4 uSurfaces[1];
+
+// surface 1 (Torus)
+float field1(vec3 p) {
+    float d1 = sdTorus(p, 2.0, 0.5);
+    return d1;
+}
+
+// surface 1 (Torus)
+vec4 gradient1(vec3 p) {
+    vec4 g1 = gdTorus(p, 2.0, 0.5);
+    return g1;
+}
+
+
+// the scene
+// How far from p along d the next object is, and its number. A convex surface is
+// not met by the wave that leaves it (last). Where nothing is met the distance is
+// NO_HIT and the number means nothing.
+float nearestHit(vec3 p, vec3 d, float last, out float object) {
+    float nearest = hitListener(p, d);
+    object = 0.0;
+    return nearest;
+}
+
+// Puts p, met along d, onto the object met; the normal there.
+void land(float object, vec3 d, inout vec3 p, out vec3 normal) {
+    vec3 q;
+    normal = -d;
+    if (object == 1.0) { // surface 1 (Torus)
+        q = p - uSurfaces[0].xyz;
+        q = ontoField(q, gradient1(q));
+        normal = facing(gradient1(q).xyz, d);
+        p = q + uSurfaces[0].xyz;
+        normal = normal;
+        return;
+    }
+}
+
+
+// the fields
+// The least value of the fields that a wave at p along d can meet, and whose it is. It
+// holds as far as reach along d. A convex one that the wave leaves is out of its way.
+float fieldsAhead(vec3 p, vec3 d, float last, out float object, out float reach) {
+    float nearest = 1e30;
+    reach = 1e30;
+    object = -1.0;
+    float candidate;
+    // surface 1 (Torus)
+    candidate = field1(p - uSurfaces[0].xyz);
+    if (candidate < nearest) { nearest = candidate; object = 1.0; }
+    return nearest;
+}
+
+// The gradient of one of them, and what rounding may do to its value.
+vec3 fieldGradient(vec3 p, float object, out float slack) {
+    slack = 0.0;
+    if (object == 1.0) { slack = uSurfaces[0].w; return gradient1(p - uSurfaces[0].xyz).xyz; } // surface 1 (Torus)
+    return vec3(0.0);
+}
+
+
+// glsl/march_fields.glsl
+// glsl/mirror.glsl
+// glsl/iterate_hybrid.glsl
+// glsl/iterate.frag

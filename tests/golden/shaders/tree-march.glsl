@@ -1,0 +1,98 @@
+// glsl/wave.glsl
+// glsl/counters.glsl
+// options
+#define EXACT_NORMALS 1
+#define LANDING 1
+#define MARCHES_FIELDS 1
+
+// glsl/rounding.glsl
+// glsl/land/field.glsl
+// glsl/operator/smooth_union.glsl
+// glsl/dual/op_smooth_union.glsl
+// glsl/distance/box.glsl
+// glsl/gradient/box.glsl
+// glsl/dual/box.glsl
+// glsl/distance/sphere.glsl
+// glsl/dual/sphere.glsl
+// glsl/distance/listener.glsl
+// the surfaces
+uniform vec4 uSurfaces[1];
+
+// surface 1 (SmoothUnion)
+float field1(vec3 p) {
+    float d1 = sdBox(p, vec3(0.75, 0.75, 0.75));
+    vec3 p2 = p - vec3(1.0, 0.0, 0.0);
+    float d3 = sdSphere(p2, 1.0);
+    float d4 = opSmoothUnion(d1, d3, 0.25);
+    return d4;
+}
+
+// surface 1 (SmoothUnion)
+vec4 gradient1(vec3 p) {
+    vec4 g1 = gdBox(p, vec3(0.75, 0.75, 0.75));
+    vec3 p2 = p - vec3(1.0, 0.0, 0.0);
+    vec4 g3 = gdSphere(p2, 1.0);
+    vec4 g4 = opSmoothUnion(g1, g3, 0.25);
+    return g4;
+}
+
+
+// the scene
+// Distance to the nearest object that a wave at p along d can meet, its number, and
+// the distance to the second nearest. What the wave leaves (last) is out of its way
+// when it is convex; of a room only the walls ahead count.
+float distanceAhead(vec3 p, vec3 d, float last, out float object, out float second) {
+    float nearest = listenerDistance(p);
+    object = 0.0;
+    second = 1e30;
+    float candidate;
+    return nearest;
+}
+
+// The gradient of the distance to one object, and what rounding may do to it.
+vec3 gradientAhead(vec3 p, vec3 d, float object, out float slack) {
+    slack = roundSlack(uListener);
+    return normalize(p - uListener.xyz);
+}
+
+// Puts p, met along d, onto the object met; the normal there.
+void land(float object, vec3 d, inout vec3 p, out vec3 normal) {
+    vec3 q;
+    normal = -d;
+    if (object == 1.0) { // surface 1 (SmoothUnion)
+        q = p - uSurfaces[0].xyz;
+        q = ontoField(q, gradient1(q));
+        normal = facing(gradient1(q).xyz, d);
+        p = q + uSurfaces[0].xyz;
+        normal = normal;
+        return;
+    }
+}
+
+
+// the fields
+// The least value of the fields that a wave at p along d can meet, and whose it is. It
+// holds as far as reach along d. A convex one that the wave leaves is out of its way.
+float fieldsAhead(vec3 p, vec3 d, float last, out float object, out float reach) {
+    float nearest = 1e30;
+    reach = 1e30;
+    object = -1.0;
+    float candidate;
+    // surface 1 (SmoothUnion)
+    candidate = field1(p - uSurfaces[0].xyz);
+    if (candidate < nearest) { nearest = candidate; object = 1.0; }
+    return nearest;
+}
+
+// The gradient of one of them, and what rounding may do to its value.
+vec3 fieldGradient(vec3 p, float object, out float slack) {
+    slack = 0.0;
+    if (object == 1.0) { slack = uSurfaces[0].w; return gradient1(p - uSurfaces[0].xyz).xyz; } // surface 1 (SmoothUnion)
+    return vec3(0.0);
+}
+
+
+// glsl/march_fields.glsl
+// glsl/mirror.glsl
+// glsl/iterate_march.glsl
+// glsl/iterate.frag
