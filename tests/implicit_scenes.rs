@@ -93,26 +93,27 @@ fn listed() -> Scene {
 
 /// Protects repetition, and cells: 10,000 pillars by one modulo and the same pillars one by
 /// one give the same hits, wave for wave.
+///
+/// At 4 iterations, the fewer of the thesis' two counts. Each pillar spreads waves some forty
+/// times further apart, so that at 8 iterations `f32` itself is the difference: then 0.1 to
+/// 0.2 % of the waves differ, as many as differ from the exact reference
+/// (docs/benchmarks/surfaces-llvmpipe.md).
 #[test]
 fn a_repeated_pillar_is_ten_thousand_pillars() {
-    /// Waves that may differ: pillars spread waves, and what differs by a rounding at first
-    /// is metres apart after some of them.
     const MOST: f64 = 5e-4;
     let (repeated, listed) = (repeated(), listed());
     let mut tracer = tracer();
     for profile in PROFILES {
-        let settings = Settings::of(profile).with_waves(65_536).with_iterations(8);
+        let settings = Settings::of(profile).with_waves(65_536).with_iterations(4);
         let (one, by_modulo) = tracer.frame_with_waves(&repeated, &settings).unwrap();
         let (_, one_by_one) = tracer.frame_with_waves(&listed, &settings).unwrap();
         let heard = |wave: &Wave| wave.status == 0.0;
         let pairs = by_modulo.iter().zip(&one_by_one);
         let differ = pairs.filter(|(a, b)| heard(a) != heard(b)).count();
         let share = differ as f64 / by_modulo.len() as f64;
-        println!(
-            "{profile}: {differ} differ of {} heard",
-            one.counts.listener_hits
-        );
-        assert!(one.counts.listener_hits > 400, "{:?}", one.counts);
+        let heard = one.counts.listener_hits;
+        println!("{profile}: {differ} differ, {heard} are heard");
+        assert!(heard > 150, "{:?}", one.counts);
         assert!(share <= MOST, "{profile}: {share}");
     }
 }
