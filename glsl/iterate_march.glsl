@@ -68,7 +68,8 @@ float traceWave(vec3 origin, vec3 direction, float last, out float object, out b
             return t;
 #endif
         } else {
-            t += nearest;
+            // The second nearest is never nearer, but nothing is known beyond a cell.
+            t += min(nearest, second);
         }
         if (!(t < uMaxDistance)) {
             return -1.0;

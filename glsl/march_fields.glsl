@@ -20,6 +20,8 @@ float marchFields(vec3 origin, vec3 d, float last, float limit, out float object
     float radius = 0.0;   // of the ball before, which is free of surfaces
     float taken = 0.0;    // the step from there
     float before = 0.0;   // the value there
+    float air = -1.0;     // the last place in the air, once there was one
+    float solid = -1.0;   // a place in a solid beyond it
     guardHit = false;
     for (int i = 0; i < uFieldSteps; ++i) {
         vec3 p = origin + t * d;
@@ -34,10 +36,26 @@ float marchFields(vec3 origin, vec3 d, float last, float limit, out float object
         float slope = taken > 0.0 ? (f - before) / taken : -1.0;
         float rounding = ROUNDING * (largest(p) + largest(origin));
         before = f;
+        if (solid < 0.0 ? f >= -rounding : f > 0.0) {
+            air = t;
+        }
         if (f < NEAR * rounding) {
             float slack;
             float closing = -dot(d, fieldGradient(p, object, slack));
             rounding = max(rounding, slack);
+            // It went in on the way here, whatever gradients say (they are coarse at edges):
+            // from now on the way is halved.
+            solid = f < -4.0 * rounding && air >= 0.0 ? t : solid;
+            if (solid >= 0.0) {
+                solid = f <= 0.0 ? t : solid;
+                if (abs(f) <= rounding || solid - air <= rounding) {
+                    return t < limit ? t : -1.0;
+                }
+                t = 0.5 * (air + solid);
+                taken = 0.0;
+                radius = 0.0;
+                continue;
+            }
             if (closing > 0.0) {
                 if (abs(f) <= rounding) {
                     return t < limit ? max(t, 0.0) : -1.0;
@@ -52,10 +70,14 @@ float marchFields(vec3 origin, vec3 d, float last, float limit, out float object
         } else {
             radius = f;
         }
+        if (solid >= 0.0) {
+            radius = min(radius, 0.5 * (solid - t));
+        }
         taken = max(radius, RELAXED * 2.0 * radius / (1.0 - clamp(slope, -1.0, 0.9)));
-        taken = min(taken, reach);
+        // Beyond its cell nothing is known of what the ball before holds: no relaxed step goes there.
+        taken = taken < reach && solid < 0.0 ? taken : min(radius, reach);
         t += taken;
-        if (t - taken + radius >= limit) {
+        if (t - taken + min(radius, reach) >= limit) {
             return -1.0;
         }
     }

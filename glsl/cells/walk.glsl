@@ -29,8 +29,9 @@ bool cellAhead(vec3 p, vec3 d, out vec4 cell, out float reach) {
     cell = vec4(0.0);
     if (!cellOf(p, place)) {
         vec2 span = throughGrid(p, inverse);
-        // The border of the grid is free: who hardly touches it meets nothing.
-        float entered = span.x + max(over.x, max(over.y, over.z));
+        // The face by which it enters is the one that it reaches last.
+        vec3 enters = min((uCellOrigin - p) * inverse, (uCellOrigin + uCellCount * uCellSize - p) * inverse);
+        float entered = span.x + (enters.x == span.x ? over.x : enters.y == span.x ? over.y : over.z);
         reach = entered < span.y ? entered : 1e30;
         return false;
     }

@@ -15,9 +15,6 @@ float hitCapsule(vec3 p, vec3 d, float radius, float halfHeight, float slack) {
         }
     }
     vec3 up = vec3(0.0, halfHeight, 0.0);
-    // A ball is met from within the cylinder's side only at its inner half, which is no surface.
-    float upper = hitBall(p - up, d, radius);
-    float lower = hitBall(p + up, d, radius);
-    nearest = p.y + upper * d.y >= halfHeight ? min(nearest, upper) : nearest;
-    return p.y + lower * d.y <= -halfHeight ? min(nearest, lower) : nearest;
+    // From outside the inner half of a ball is never met before the side.
+    return min(nearest, min(hitBall(p - up, d, radius), hitBall(p + up, d, radius)));
 }

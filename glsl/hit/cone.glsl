@@ -13,7 +13,14 @@ float hitCone(vec3 p, vec3 d, float radius, float halfHeight, float slack) {
     float slope = radius / (2.0 * halfHeight);
     float narrowing = slope * slope;
     float tip = p.y - halfHeight;
+    float way = wayToOrigin(p, d);
+    vec3 q = p + way * d;
+    float aside = q.y - halfHeight;
     float a = dot(d.xz, d.xz) - narrowing * d.y * d.y;
+    float root = fallingRoot(
+        a,
+        dot(q.xz, d.xz) - narrowing * aside * d.y,
+        dot(q.xz, q.xz) - narrowing * aside * aside);
     float b = dot(p.xz, d.xz) - narrowing * tip * d.y;
     float c = dot(p.xz, p.xz) - narrowing * tip * tip;
     // A wave that leaves the base is inside of the side's cone, and not on its way into it.
@@ -21,7 +28,7 @@ float hitCone(vec3 p, vec3 d, float radius, float halfHeight, float slack) {
     if (b < 0.0 && beyond < -2.0 * slack * (1.0 + slope)) {
         return nearest;
     }
-    float t = fallingRoot(a, b, c);
+    float t = rootFrom(way, root, c, b);
     float y = p.y + t * d.y;
     return t < nearest && abs(y) <= halfHeight ? t : nearest;
 }

@@ -311,7 +311,12 @@ impl Member {
     /// Whether its value at the middle of a box says the distance there: not where there are
     /// columns and it has ends.
     fn is_told_by_value(&self, columns: [bool; 3]) -> bool {
-        (0..3).all(|axis| !columns[axis] || self.bounds.min[axis].is_infinite())
+        let column = (0..3).find(|&axis| columns[axis]);
+        column.is_none_or(|axis| {
+            columns.iter().filter(|c| **c).count() == 1
+                && matches!(self.surface.shape, super::Shape::Cylinder { .. })
+                && self.bounds.min[axis].is_infinite()
+        })
     }
 
     fn reaches_into(&self, bounds: Bounds3, columns: [bool; 3]) -> bool {

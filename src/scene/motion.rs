@@ -151,7 +151,7 @@ fn mark(field: &Field, parameter: &str, moving: &mut [bool]) {
     loop {
         if matches!(
             node.node,
-            super::Node::Twist { .. } | super::Node::Bend { .. }
+            super::Node::Twist { .. } | super::Node::Bend { .. } | super::Node::Repeat { .. }
         ) {
             moving[place] = true;
         }

@@ -11,8 +11,8 @@
 //! first, so that a box that stands between floor and ceiling and against another such box
 //! finds it grown as tall.
 
-use super::{Shape, Surface};
-use glam::Vec3;
+use super::{Bounds3, Shape, Surface};
+use glam::{DVec3, Vec3};
 
 /// A face of a box: its axis, and −1 or 1 for the lower and the upper one.
 type Face = (usize, f32);
@@ -28,12 +28,12 @@ pub(super) fn sealed(surfaces: &[Surface], slacks: &[f32]) -> Vec<Surface> {
 /// Seals every box against those of the surfaces whose shape is `wanted`.
 fn round(surfaces: &[Surface], slacks: &[f32], wanted: impl Fn(&Shape) -> bool) -> Vec<Surface> {
     let mut grown = surfaces.to_vec();
+    let near = Neighbours::new(surfaces, slacks, wanted);
     for (index, surface) in surfaces.iter().enumerate() {
         if !matches!(surface.shape, Shape::Box { .. }) {
             continue;
         }
-        let is_cover = |other: &usize| *other != index && wanted(&surfaces[*other].shape);
-        let covers: Vec<usize> = (0..surfaces.len()).filter(is_cover).collect();
+        let covers = near.touching(index);
         for axis in 0..3 {
             for side in [-1.0, 1.0] {
                 let holds = |corners: &[Vec3]| {
@@ -47,6 +47,57 @@ fn round(surfaces: &[Surface], slacks: &[f32], wanted: impl Fn(&Shape) -> bool) 
         }
     }
     grown
+}
+
+/// Which of the possible covers touch a box: found along x, so that many boxes that stand
+/// apart cost no more than sorting them.
+struct Neighbours {
+    bounds: Vec<Bounds3>,
+    /// Covers by their least x.
+    by_start: Vec<usize>,
+    /// Covers without a least x: walls and what has no end.
+    endless: Vec<usize>,
+    /// The greatest width of a cover along x.
+    widest: f64,
+}
+
+impl Neighbours {
+    fn new(surfaces: &[Surface], slacks: &[f32], wanted: impl Fn(&Shape) -> bool) -> Neighbours {
+        let with_slack = |(surface, slack): (&Surface, &f32)| {
+            surface
+                .bounds()
+                .grown(DVec3::splat(2.0 * f64::from(*slack)))
+        };
+        let bounds: Vec<Bounds3> = surfaces.iter().zip(slacks).map(with_slack).collect();
+        let covers = (0..surfaces.len()).filter(|&index| wanted(&surfaces[index].shape));
+        let ends = |index: &usize| (bounds[*index].max.x - bounds[*index].min.x).is_finite();
+        let (mut by_start, endless): (Vec<usize>, Vec<usize>) = covers.partition(ends);
+        by_start.sort_by(|&a, &b| bounds[a].min.x.total_cmp(&bounds[b].min.x));
+        let width = |&index: &usize| bounds[index].max.x - bounds[index].min.x;
+        let widest = by_start.iter().map(width).fold(0.0, f64::max);
+        Neighbours {
+            bounds,
+            by_start,
+            endless,
+            widest,
+        }
+    }
+
+    /// The covers that may touch a surface, in the order of the surfaces.
+    fn touching(&self, index: usize) -> Vec<usize> {
+        let own = self.bounds[index];
+        let start = |cover: &usize| self.bounds[*cover].min.x;
+        let from = self
+            .by_start
+            .partition_point(|c| start(c) < own.min.x - self.widest);
+        let to = self.by_start.partition_point(|c| start(c) <= own.max.x);
+        let near = self.by_start[from..to].iter().chain(&self.endless);
+        let touches =
+            |&&cover: &&usize| cover != index && !own.common(self.bounds[cover]).is_empty();
+        let mut touching: Vec<usize> = near.filter(touches).copied().collect();
+        touching.sort_unstable();
+        touching
+    }
 }
 
 /// The box with one face pushed outwards: as far as the box is long, or a power of two

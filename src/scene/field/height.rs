@@ -2,17 +2,26 @@
 
 use glam::{DVec2, UVec2};
 use std::path::Path;
+use std::sync::OnceLock;
 
 /// Pixels along a side at the most: a million heights are 16 MB on the GPU.
 const LARGEST_SIDE: u32 = 1024;
 
 /// A grid of heights from 0 (black) to 1 (white), the image's upper row first: the image
 /// lies as it is seen from above, its upper edge at −z.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct HeightImage {
     size: UVec2,
     heights: Vec<f32>,
     name: String,
+    /// The width and depth that the steepest slope was asked for first, and that slope.
+    steepest: OnceLock<(DVec2, f64)>,
+}
+
+impl PartialEq for HeightImage {
+    fn eq(&self, other: &HeightImage) -> bool {
+        (self.size, &self.name) == (other.size, &other.name) && self.heights == other.heights
+    }
 }
 
 impl HeightImage {
@@ -43,6 +52,7 @@ impl HeightImage {
             size,
             heights,
             name,
+            steepest: OnceLock::new(),
         })
     }
 
@@ -99,7 +109,19 @@ impl HeightImage {
     }
 
     /// The steepest slope there is, in heights for the full width, along x and z.
+    ///
+    /// Walks over the whole image once; asked again for the same size it remembers.
     pub fn steepest(&self, size: DVec2) -> f64 {
+        let (known_size, known) = self
+            .steepest
+            .get_or_init(|| (size, self.walk_for_steepest(size)));
+        if *known_size == size {
+            return *known;
+        }
+        self.walk_for_steepest(size)
+    }
+
+    fn walk_for_steepest(&self, size: DVec2) -> f64 {
         let step = size / (self.size - 1).as_dvec2();
         let mut steepest: f64 = 0.0;
         for z in 0..self.size.y - 1 {

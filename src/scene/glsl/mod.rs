@@ -49,6 +49,8 @@ pub struct Structure {
     /// Unrolled surfaces by their index.
     loose: Vec<(usize, SurfaceStructure)>,
     kinds: Vec<SurfaceStructure>,
+    /// Where the heights of the images lie, in the order of the text.
+    images: Vec<usize>,
 }
 
 /// What the text of one surface, or of one kind, depends on.
@@ -56,6 +58,8 @@ pub struct Structure {
 pub(in crate::scene) struct SurfaceStructure {
     name: &'static str,
     has_rotation: bool,
+    /// Whether a wave that leaves it passes it over: a driven number may change that.
+    convex: bool,
     field: Option<field::Signature>,
 }
 
@@ -75,6 +79,7 @@ impl SurfaceStructure {
         SurfaceStructure {
             name: surface.shape.name(),
             has_rotation: surface.has_rotation(),
+            convex: surface.shape.is_convex(),
             field: field.map(|field| field::signature(field, &moving(field))),
         }
     }
@@ -88,6 +93,7 @@ pub fn structure(scene: &Scene) -> Structure {
     Structure {
         loose: layout.loose.iter().map(unrolled).collect(),
         kinds: layout.kinds.iter().map(as_data).collect(),
+        images: field::Assets::of(scene).places(&layout, scene),
     }
 }
 

@@ -21,8 +21,10 @@ pub(super) use numbers::moving_values;
 pub(super) use signature::{Signature, signature};
 pub(super) use text::{gradient_text, value_text};
 
-use crate::scene::Field;
+use crate::scene::layout::Layout;
+use crate::scene::{Field, HeightImage, Node, Scene};
 use numbers::Numbers;
+use std::sync::Arc;
 
 /// Writes a function of a field.
 pub(super) type Write = fn(&Field, &Place, &Assets) -> String;
@@ -57,14 +59,14 @@ pub(super) struct Writer<'a> {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Assets {
     /// Index of the first height of each image in the scene's data.
-    pub images: Vec<(std::sync::Arc<crate::scene::HeightImage>, usize)>,
+    pub images: Vec<(Arc<HeightImage>, usize)>,
     /// Users' fields of different texts, numbered by their place.
-    pub users: Vec<std::sync::Arc<crate::scene::UserField>>,
+    pub users: Vec<Arc<crate::scene::UserField>>,
 }
 
 impl Assets {
     /// Those of a scene.
-    pub fn of(scene: &crate::scene::Scene) -> Assets {
+    pub fn of(scene: &Scene) -> Assets {
         let mut assets = Assets::default();
         for field in scene.surfaces.iter().filter_map(|s| s.shape.field()) {
             assets.add(field);
@@ -73,8 +75,6 @@ impl Assets {
     }
 
     fn add(&mut self, field: &Field) {
-        use crate::scene::Node;
-        use std::sync::Arc;
         for node in field.nodes() {
             match &node.node {
                 Node::HeightField { image, .. } if self.image(image).is_none() => {
@@ -96,8 +96,23 @@ impl Assets {
             .map_or(0, |(image, first)| first + image.heights().len())
     }
 
-    fn image(&self, image: &crate::scene::HeightImage) -> Option<usize> {
-        let known = self.images.iter().find(|(known, _)| **known == *image);
+    /// Where the images of the surfaces that the text names lie, in its order.
+    pub fn places(&self, layout: &Layout, scene: &Scene) -> Vec<usize> {
+        if self.images.is_empty() {
+            return Vec::new();
+        }
+        let surfaces = layout.loose.iter().chain(&layout.kinds);
+        let fields = surfaces.filter_map(|&index| scene.surfaces[index].shape.field());
+        let images = fields.flat_map(Field::nodes).filter_map(|f| match &f.node {
+            Node::HeightField { image, .. } => self.image(image),
+            _ => None,
+        });
+        images.collect()
+    }
+
+    fn image(&self, image: &Arc<HeightImage>) -> Option<usize> {
+        let same = |known: &Arc<HeightImage>| Arc::ptr_eq(known, image) || **known == **image;
+        let known = self.images.iter().find(|(known, _)| same(known));
         known.map(|(_, first)| *first)
     }
 

@@ -1,6 +1,6 @@
 //! What the text of a field depends on.
 
-use crate::scene::{Field, HeightImage, Node, UserField};
+use crate::scene::{Copies, Field, HeightImage, Node, UserField};
 use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 
@@ -60,10 +60,14 @@ fn choices(field: &Field) -> [u32; 3] {
         Node::Mirror { axes } => axes.map(u32::from),
         Node::Hyperboloid { two_sheets, .. } => [u32::from(*two_sheets), 0, 0],
         Node::Repeat { count, .. } => {
-            let copies = field.copies().unwrap_or([crate::scene::Copies::None; 3]);
+            let copies = field.copies().unwrap_or([Copies::None; 3]);
             // Counts are below 2^24, copies at most 64.
             let capped = u32::from(field.cap().is_some()) << 7;
-            [0, 1, 2].map(|axis| (count[axis] << 8) | capped | copies[axis].count())
+            let evaluated = |axis: usize| match copies[axis] {
+                Copies::None => 0,
+                copies => copies.count(),
+            };
+            [0, 1, 2].map(|axis| (count[axis] << 8) | capped | evaluated(axis))
         }
         _ => [0; 3],
     }
