@@ -4,6 +4,7 @@
 //! for machines), everything else to standard error.
 
 mod accuracy;
+mod cost;
 #[cfg(feature = "demo")]
 mod demo;
 mod exit;
@@ -28,6 +29,7 @@ Examples:
   echomarch demo                             the window: walk and listen
   echomarch figures -o out                   the thesis' four tables, CSV and plot
   echomarch accuracy -o out                  what is how fast, and how wrong
+  echomarch cost corner                      what each surface and option costs
   echomarch trace corner                     one frame of a built-in scene
   echomarch trace my.ron --waves 1048576 --json
   echomarch render open-field -o out.wav     what the listener hears
@@ -70,6 +72,8 @@ enum Command {
     Figures(figures::Arguments),
     /// Speed against error: every profile and option beside the exact waves
     Accuracy(accuracy::Arguments),
+    /// What each surface and option costs, and what could be left out
+    Cost(cost::Arguments),
     /// The hard cases: by every profile, against exact answers
     Verify(verify::Arguments),
     /// Where is the source? The localisation experiment, for an observer and for people
@@ -91,6 +95,7 @@ pub fn run() -> ExitCode {
         Command::Shader(arguments) => shader::run(arguments, &cli.common),
         Command::Figures(arguments) => figures::run(arguments, &cli.common),
         Command::Accuracy(arguments) => accuracy::run(arguments, &cli.common),
+        Command::Cost(arguments) => cost::run(arguments, &cli.common),
         Command::Verify(arguments) => verify::run(arguments, &cli.common),
         Command::Localise(arguments) => localise::run(arguments, &cli.common),
         Command::Info(arguments) => info::run(arguments, &cli.common),

@@ -5,6 +5,7 @@
 //! into CSV and SVG; the program prints it.
 
 pub mod accuracy;
+pub mod cost;
 pub mod figures;
 mod figures_csv;
 mod figures_plot;

@@ -1,0 +1,101 @@
+//! What a person can do about it, in sentences.
+
+use super::change::Change;
+use super::options::AS_ASKED;
+use super::surfaces::{SurfaceRow, Verdict};
+use super::{CostReport, OptionRow};
+
+/// Noise of the waves heard, in percent, from which on it hides what can be heard.
+const MUCH_NOISE: f64 = 5.0;
+
+pub(super) fn sentences(report: &CostReport) -> Vec<String> {
+    if report.noise.heard <= 0.0 {
+        return vec![
+            "Nothing is heard with everything in, so nobody can tell what could be left out; \
+             the times stand."
+                .to_owned(),
+        ];
+    }
+    let mut all = vec![of_surfaces(report), of_options(report)];
+    if report.noise.heard_percent > MUCH_NOISE {
+        all.push(format!(
+            "Only {:.0} waves are heard, and another seed changes that by {:.1} %: more --waves \
+             would tell more.",
+            report.noise.heard, report.noise.heard_percent
+        ));
+    }
+    all
+}
+
+fn saved_of_march(row: &SurfaceRow) -> f64 {
+    let beyond = row.march.filter(|march| march.beyond_noise);
+    beyond.map_or(0.0, |march| march.saved_percent)
+}
+
+fn of_surfaces(report: &CostReport) -> String {
+    let spare = |row: &&SurfaceRow| row.verdict == Verdict::CanBeLeftOut;
+    let spares: Vec<&SurfaceRow> = report.surfaces.iter().filter(spare).collect();
+    let by_saved =
+        |a: &&SurfaceRow, b: &&SurfaceRow| saved_of_march(a).total_cmp(&saved_of_march(b));
+    if let Some(best) = spares.iter().copied().max_by(by_saved) {
+        let saved = saved_of_march(best);
+        let takes = match saved > 0.0 {
+            true => format!("takes {saved:.0} % of the march"),
+            false => "takes no time that could be measured".to_owned(),
+        };
+        let met = match best.met {
+            0 => ", no wave meets it".to_owned(),
+            _ => String::new(),
+        };
+        let more = match spares.len() {
+            1 => String::new(),
+            count => format!(" The same goes for {} more, one at a time.", count - 1),
+        };
+        return format!(
+            "{} {takes}{met}, and leaving it out changes nothing beyond noise.{more}",
+            best.name
+        );
+    }
+    let heard = |row: &&SurfaceRow| row.verdict == Verdict::IsHeard;
+    match report.surfaces.iter().filter(heard).max_by(by_saved) {
+        Some(dearest) if saved_of_march(dearest) > 0.0 => format!(
+            "No surface can be left out unheard. The dearest is {}: {:.0} % of the march; {}.",
+            dearest.name,
+            saved_of_march(dearest),
+            dearest.change.map_or(String::new(), in_words)
+        ),
+        Some(_) => "No surface can be left out unheard, and none saves time that could be \
+                    measured."
+            .to_owned(),
+        None => "There is but this one surface: nothing can be left out.".to_owned(),
+    }
+}
+
+fn in_words(change: Change) -> String {
+    format!(
+        "without it {:+.1} % of the waves are heard, and the pan moves by {:+.3}",
+        change.heard_percent.mean, change.pan.mean
+    )
+}
+
+fn of_options(report: &CostReport) -> String {
+    let saves = |row: &&OptionRow| {
+        row.against == AS_ASKED
+            && row.within_noise
+            && row.total.beyond_noise
+            && row.total.saved_ms > 0.0
+    };
+    let mut saving: Vec<&OptionRow> = report.options.iter().filter(saves).collect();
+    saving.sort_by(|a, b| b.total.saved_percent.total_cmp(&a.total.saved_percent));
+    if saving.is_empty() {
+        return "No option tried saves time without a change beyond noise.".to_owned();
+    }
+    let told: Vec<String> = saving
+        .iter()
+        .map(|row| format!("{} ({:.0} %)", row.name, row.total.saved_percent))
+        .collect();
+    format!(
+        "These save time of a frame and change nothing beyond noise: {}.",
+        told.join(", ")
+    )
+}

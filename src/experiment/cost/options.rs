@@ -1,0 +1,210 @@
+//! What each option costs or saves, changed alone.
+
+use super::Bench;
+use super::change::Change;
+use super::pair::{Case, Timing, pair};
+use crate::error::Error;
+use crate::trace::{Directions, Profile, Settings, Tracer};
+use serde::Serialize;
+
+/// One setting changed.
+#[derive(Clone, Debug, Serialize)]
+pub struct OptionRow {
+    /// What is changed, as it is typed where it can be.
+    pub name: String,
+    /// What it is set beside: `as asked`, or another profile.
+    pub against: String,
+    /// What the change saves of the march.
+    pub march: Timing,
+    /// What it saves of the whole frame.
+    pub total: Timing,
+    /// What is heard otherwise; `None` where nothing is heard without the change.
+    pub change: Option<Change>,
+    /// Whether another seed changes as much.
+    pub within_noise: bool,
+}
+
+/// What [`OptionRow::against`] says of the settings that were asked for.
+pub(super) const AS_ASKED: &str = "as asked";
+
+/// Settings that are changed in one thing.
+pub(super) struct Variant {
+    name: String,
+    /// What they are compared with, if not with the settings that were asked for.
+    against: Option<Settings>,
+    settings: Settings,
+}
+
+/// The variants of settings; what makes no sense for them is left out.
+pub(super) fn variants(asked: &Settings) -> Vec<Variant> {
+    let mut all = Vec::new();
+    let mut add = |name: &str, settings: Settings| {
+        if settings.validate().is_ok() && settings != *asked {
+            all.push(Variant {
+                name: name.to_owned(),
+                against: None,
+                settings,
+            });
+        }
+    };
+    for profile in Profile::ALL.into_iter().filter(|&p| p != asked.profile) {
+        add(&format!("--profile {profile}"), of_profile(asked, profile));
+    }
+    let single = asked.iterations_per_pass == 1;
+    let per_pass = match single {
+        true => asked.iterations.min(Settings::march().iterations_per_pass),
+        false => 1,
+    };
+    if asked.iterations > 1 {
+        let name = format!("--iterations-per-pass {per_pass}");
+        let iterations_per_pass = per_pass;
+        let settings = asked.clone();
+        add(
+            &name,
+            Settings {
+                iterations_per_pass,
+                ..settings
+            },
+        );
+    }
+    let mut settings = asked.clone();
+    settings.sum_on_gpu = !asked.sum_on_gpu;
+    add(
+        switch("--sum-on-gpu", "sum on the CPU", asked.sum_on_gpu),
+        settings,
+    );
+    let mut settings = asked.clone();
+    settings.count_evaluations = !asked.count_evaluations;
+    add(
+        switch(
+            "counting evaluations",
+            "not counting evaluations",
+            asked.count_evaluations,
+        ),
+        settings,
+    );
+    add("half the waves", asked.clone().with_waves(asked.waves / 2));
+    let half = asked.iterations / 2;
+    add("half the iterations", asked.clone().with_iterations(half));
+    let mut settings = asked.clone();
+    let is_lattice = asked.directions == Directions::Fibonacci;
+    settings.directions = match is_lattice {
+        true => Directions::Random,
+        false => Directions::Fibonacci,
+    };
+    add(
+        switch("--directions fibonacci", "--directions random", is_lattice),
+        settings,
+    );
+    all.extend(of_march(asked));
+    all
+}
+
+fn switch<'a>(on: &'a str, off: &'a str, is_on: bool) -> &'a str {
+    if is_on { off } else { on }
+}
+
+/// The options that only `march` has, beside a march.
+fn of_march(asked: &Settings) -> Vec<Variant> {
+    let is_march = asked.profile == Profile::March;
+    let march = match is_march {
+        true => asked.clone(),
+        false => of_profile(asked, Profile::March),
+    };
+    let mut normals = march.clone();
+    normals.exact_normals = !march.exact_normals;
+    let mut landing = march.clone();
+    landing.landing = !march.landing;
+    let of = match landing.landing {
+        true => Settings::march(),
+        false => Settings::thesis(),
+    };
+    landing.min_distance = of.min_distance;
+    let variant = |name: &str, settings| Variant {
+        name: name.to_owned(),
+        against: (!is_march).then(|| march.clone()),
+        settings,
+    };
+    let normals_name = switch(
+        "--difference-normals",
+        "exact normals",
+        !march.exact_normals,
+    );
+    let landing_name = switch("--no-landing", "with landing", !march.landing);
+    let both = [
+        variant(normals_name, normals),
+        variant(landing_name, landing),
+    ];
+    let is_valid = |variant: &Variant| variant.settings.validate().is_ok();
+    both.into_iter().filter(is_valid).collect()
+}
+
+/// Another profile's own defaults, for the same waves.
+fn of_profile(asked: &Settings, profile: Profile) -> Settings {
+    Settings {
+        directions: asked.directions,
+        sum_on_gpu: asked.sum_on_gpu,
+        count_evaluations: asked.count_evaluations,
+        ..Settings::of(profile)
+            .with_waves(asked.waves)
+            .with_iterations(asked.iterations)
+            .with_seed(asked.seed)
+    }
+}
+
+/// Measures every variant beside what it is compared with.
+pub(super) fn measure(
+    tracer: &mut Tracer,
+    bench: &Bench,
+    variants: Vec<Variant>,
+    step: &mut dyn FnMut(),
+) -> Result<Vec<OptionRow>, Error> {
+    let mut rows = Vec::new();
+    for variant in variants {
+        let case = |settings| Case {
+            scene: bench.base.scene,
+            settings,
+        };
+        let beside = variant.against.as_ref().unwrap_or(bench.base.settings);
+        let (base, changed) = (case(beside), case(&variant.settings));
+        let frames = pair(tracer, base, changed, bench.runs)?;
+        let change = Change::of(
+            (&frames.base, beside.waves),
+            (&frames.changed, variant.settings.waves),
+        );
+        let against = variant.against.as_ref();
+        rows.push(OptionRow {
+            against: against.map_or(AS_ASKED.to_owned(), |s| format!("--profile {}", s.profile)),
+            name: variant.name,
+            march: frames.march(bench.control_percent),
+            total: frames.total(bench.control_total_percent),
+            change,
+            within_noise: change.is_some_and(|change| change.is_within(bench.noise)),
+        });
+        step();
+    }
+    Ok(rows)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects the rows: each is something else than what was asked for, and can be traced.
+    #[test]
+    fn every_variant_is_another_and_valid() {
+        for profile in Profile::ALL {
+            let mut asked = Settings::of(profile).with_waves(1000);
+            asked.sum_on_gpu = true;
+            let all = variants(&asked);
+            assert_eq!(all.len(), 9, "{profile}");
+            for variant in &all {
+                let beside = variant.against.as_ref().unwrap_or(&asked);
+                assert!(variant.settings != *beside, "{}", variant.name);
+                assert!(variant.settings.validate().is_ok(), "{}", variant.name);
+            }
+        }
+        let least = Settings::hybrid().with_waves(1).with_iterations(1);
+        assert!(variants(&least).iter().all(|v| !v.name.contains("half")));
+    }
+}

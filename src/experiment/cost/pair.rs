@@ -1,0 +1,145 @@
+//! Two frames beside each other, again and again, and the difference of their times.
+
+use crate::error::Error;
+use crate::experiment::median;
+use crate::scene::Scene;
+use crate::trace::{Frame, Milliseconds, Settings, Tracer};
+use serde::Serialize;
+
+/// What a frame is made of.
+#[derive(Clone, Copy)]
+pub(super) struct Case<'a> {
+    pub scene: &'a Scene,
+    pub settings: &'a Settings,
+}
+
+/// Frames of two cases, run by run, of the same seeds.
+pub(super) struct Pair {
+    pub base: Vec<Frame>,
+    pub changed: Vec<Frame>,
+}
+
+/// What a change saves of a time.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Timing {
+    /// Median with everything as it was, in milliseconds.
+    pub base_ms: f64,
+    /// Median with the change, in milliseconds.
+    pub changed_ms: f64,
+    /// Median of the differences run by run, in milliseconds; negative if the change costs.
+    pub saved_ms: f64,
+    /// The same in percent of `base_ms`.
+    pub saved_percent: f64,
+    /// Half the distance between the quartiles of these differences, in milliseconds.
+    pub spread_ms: f64,
+    /// Whether the difference is larger than its spread and what the clock makes of no
+    /// difference at all.
+    pub beyond_noise: bool,
+}
+
+/// Runs both cases in turns; which goes first alternates.
+pub(super) fn pair(
+    tracer: &mut Tracer,
+    base: Case,
+    changed: Case,
+    runs: u32,
+) -> Result<Pair, Error> {
+    tracer.frame(base.scene, base.settings)?;
+    tracer.frame(changed.scene, changed.settings)?;
+    // Textures are made anew for another count of waves, and pages come with the first use.
+    let warms = base.settings.waves != changed.settings.waves;
+    let mut frame = |case: Case, run: u32| {
+        let seed = case.settings.seed.wrapping_add(run);
+        let settings = case.settings.clone().with_seed(seed);
+        if warms {
+            tracer.frame(case.scene, &settings)?;
+        }
+        tracer.frame(case.scene, &settings)
+    };
+    let mut pair = Pair {
+        base: Vec::new(),
+        changed: Vec::new(),
+    };
+    for run in 0..runs {
+        if run % 2 == 0 {
+            pair.base.push(frame(base, run)?);
+            pair.changed.push(frame(changed, run)?);
+        } else {
+            pair.changed.push(frame(changed, run)?);
+            pair.base.push(frame(base, run)?);
+        }
+    }
+    Ok(pair)
+}
+
+impl Pair {
+    /// Of the march passes; `control_percent` is what the clock makes of no difference.
+    pub fn march(&self, control_percent: f64) -> Timing {
+        self.timing(|m| m.march, control_percent)
+    }
+
+    /// Of the whole frame.
+    pub fn total(&self, control_percent: f64) -> Timing {
+        self.timing(|m| m.total, control_percent)
+    }
+
+    fn timing(&self, part: fn(&Milliseconds) -> f64, control_percent: f64) -> Timing {
+        let times = |frames: &[Frame]| -> Vec<f64> {
+            frames.iter().map(|f| part(&f.milliseconds)).collect()
+        };
+        let (base, changed) = (times(&self.base), times(&self.changed));
+        let saved: Vec<f64> = base.iter().zip(&changed).map(|(b, c)| b - c).collect();
+        let base_ms = median(base);
+        let saved_ms = median(saved.iter().copied());
+        let percent = |ms: f64| match base_ms > 0.0 {
+            true => 100.0 * ms / base_ms,
+            false => 0.0,
+        };
+        let spread_ms = half_between_quartiles(saved);
+        Timing {
+            base_ms,
+            changed_ms: median(changed),
+            saved_ms,
+            saved_percent: percent(saved_ms),
+            spread_ms,
+            beyond_noise: percent(saved_ms.abs() - spread_ms) > control_percent,
+        }
+    }
+}
+
+impl Timing {
+    /// How much of a saving in percent this one, of no difference, says is noise.
+    pub(super) fn own_noise_percent(&self) -> f64 {
+        match self.base_ms > 0.0 {
+            true => 100.0 * (self.saved_ms.abs() + self.spread_ms) / self.base_ms,
+            false => 0.0,
+        }
+    }
+}
+
+fn half_between_quartiles(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    let at = |share: f64| {
+        let place = share * values.len().saturating_sub(1) as f64;
+        let low = place.floor() as usize;
+        let high = (low + 1).min(values.len().saturating_sub(1));
+        match (values.get(low), values.get(high)) {
+            (Some(a), Some(b)) => a + (b - a) * (place - low as f64),
+            _ => 0.0,
+        }
+    };
+    0.5 * (at(0.75) - at(0.25))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::half_between_quartiles;
+
+    /// Protects the figure by which a saving is called noise.
+    #[test]
+    fn the_spread_is_half_of_the_middle_half() {
+        assert_eq!(half_between_quartiles(vec![5.0, 1.0, 3.0, 2.0, 4.0]), 1.0);
+        assert_eq!(half_between_quartiles(vec![7.0]), 0.0);
+        assert_eq!(half_between_quartiles(vec![]), 0.0);
+    }
+}

@@ -1,0 +1,217 @@
+//! What is in the shader of a scene, and whether the scene has it.
+
+mod reduce;
+
+use crate::scene::{Scene, Shape, Surface};
+use crate::trace::{Pass, Settings, shader_text};
+use reduce::reduced;
+use serde::Serialize;
+
+/// The march pass of a scene, as the compiler gets it: without comments, empty lines and what
+/// its conditions leave out.
+#[derive(Clone, Debug, Serialize)]
+pub struct ShaderReport {
+    /// Lines.
+    pub lines: usize,
+    /// Functions.
+    pub functions: usize,
+    /// Lines for a scene of one plane, the least there is.
+    pub least_lines: usize,
+    /// Functions for it.
+    pub least_functions: usize,
+    /// Shapes and operators that have functions in the text. What moves points only
+    /// (`Translate`, `Rotate` and their like) is written in place and has none.
+    pub features: Vec<Feature>,
+    /// Functions that nothing calls.
+    pub unused_functions: Vec<String>,
+}
+
+/// A shape or an operator with functions in the text.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Feature {
+    /// Its name in scene files.
+    pub name: String,
+    /// Whether it is in the scene.
+    pub in_scene: bool,
+    /// What is in the scene and calls its functions.
+    pub called_by: Vec<String>,
+}
+
+/// What functions of shapes and operators begin with.
+const PREFIXES: [&str; 6] = ["sd", "gd", "hit", "land", "gradient", "op"];
+
+/// What they end with after the name.
+const SUFFIXES: [&str; 2] = ["Ahead", "Cap"];
+
+/// What such functions are called after without being a shape or an operator.
+const HELPERS: [&str; 7] = [
+    "Ball", "Chord", "Corner", "Edge", "InCells", "Listener", "OfKind",
+];
+
+/// Functions that are called otherwise.
+const OTHERWISE: [(&str, &str); 4] = [
+    ("repeatCopy", "Repeat"),
+    ("repeatSide", "Repeat"),
+    ("twist", "Twist"),
+    ("bend", "Bend"),
+];
+
+/// What calls the functions of others: a box is rounded, and a repeated thing is united.
+const CALLERS: [(&str, &str); 5] = [
+    ("Box", "RoundedBox"),
+    ("Box", "HeightField"),
+    ("Box", "Field"),
+    ("Union", "Repeat"),
+    ("Room", "Complement"),
+];
+
+impl ShaderReport {
+    /// Of the scene's march pass; needs no renderer.
+    pub fn of(scene: &Scene, settings: &Settings) -> ShaderReport {
+        let text = reduced(&shader_text(scene, settings, Pass::March));
+        let mut least = scene.clone();
+        least.surfaces = vec![Surface::new(Shape::Plane)];
+        let least = reduced(&shader_text(&least, settings, Pass::March));
+        let functions = defined(&text);
+        ShaderReport {
+            lines: text.len(),
+            functions: functions.len(),
+            least_lines: least.len(),
+            least_functions: defined(&least).len(),
+            features: features(scene, &functions),
+            unused_functions: unused(&text, &functions),
+        }
+    }
+
+    /// Names in the text that the scene has no use for.
+    pub fn strangers(&self) -> Vec<&str> {
+        let strange = |f: &&Feature| !f.in_scene && f.called_by.is_empty();
+        let strangers = self.features.iter().filter(strange);
+        strangers.map(|feature| feature.name.as_str()).collect()
+    }
+}
+
+fn features(scene: &Scene, functions: &[String]) -> Vec<Feature> {
+    let mut names: Vec<&str> = functions.iter().filter_map(|f| feature(f)).collect();
+    names.sort_unstable();
+    names.dedup();
+    let present = names_in(scene);
+    let of = |name: &str| {
+        let callers = CALLERS.iter().filter(|(called, _)| *called == name);
+        let called_by = callers.map(|(_, by)| *by).filter(|by| present.contains(by));
+        Feature {
+            name: name.to_owned(),
+            in_scene: present.contains(&name),
+            called_by: called_by.map(str::to_owned).collect(),
+        }
+    };
+    names.into_iter().map(of).collect()
+}
+
+/// Shapes and operators of a scene.
+fn names_in(scene: &Scene) -> Vec<&'static str> {
+    let mut names = Vec::new();
+    for surface in &scene.surfaces {
+        match surface.shape.field() {
+            Some(field) => names.extend(field.nodes().iter().map(|f| f.node.name())),
+            None => names.push(surface.shape.name()),
+        }
+    }
+    names
+}
+
+/// The shape or operator that a function is of.
+fn feature(function: &str) -> Option<&str> {
+    if let Some((_, name)) = OTHERWISE.iter().find(|(known, _)| *known == function) {
+        return Some(name);
+    }
+    let rest = PREFIXES.iter().find_map(|prefix| {
+        let rest = function.strip_prefix(prefix)?;
+        rest.starts_with(|c: char| c.is_ascii_uppercase())
+            .then_some(rest)
+    })?;
+    let name = SUFFIXES
+        .iter()
+        .find_map(|suffix| rest.strip_suffix(suffix))
+        .unwrap_or(rest);
+    let name = name.trim_end_matches(|c: char| c.is_ascii_digit());
+    match name {
+        "User" => Some("Field"),
+        "" => None,
+        name => (!HELPERS.contains(&name)).then_some(name),
+    }
+}
+
+/// Names of the functions that a text defines, one a definition.
+fn defined(lines: &[String]) -> Vec<String> {
+    let mut functions = Vec::new();
+    let mut depth = 0_i64;
+    for line in lines {
+        if depth == 0
+            && let Some(name) = heading(line)
+        {
+            functions.push(name.to_owned());
+        }
+        let count = |sign| line.matches(sign).count() as i64;
+        depth += count('{') - count('}');
+    }
+    functions
+}
+
+/// The function whose definition begins in this line.
+fn heading(line: &str) -> Option<&str> {
+    let (head, rest) = line.split_once('(')?;
+    let mut words = head.split_whitespace();
+    let (_, name) = (words.next()?, words.next_back()?);
+    let is_name = |word: &str| word.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+    let is_heading = head.split_whitespace().all(is_name) && !rest.trim_end().ends_with(';');
+    is_heading.then_some(name)
+}
+
+/// Functions that are named nowhere but where they are defined.
+fn unused(lines: &[String], functions: &[String]) -> Vec<String> {
+    let mut unused: Vec<String> = Vec::new();
+    for name in functions.iter().filter(|name| *name != "main") {
+        let definitions = functions.iter().filter(|other| *other == name).count();
+        let is_word = |word: &&str| *word == name.as_str();
+        let words = lines.iter().flat_map(|line| reduce::words(line));
+        if words.filter(is_word).count() <= definitions && !unused.contains(name) {
+            unused.push(name.clone());
+        }
+    }
+    unused
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects the table of features: functions are told from what merely helps them.
+    #[test]
+    fn functions_are_told_by_their_names() {
+        let of = [
+            ("sdRoomAhead", Some("Room")),
+            ("gdUser3", Some("Field")),
+            ("opSmoothUnion", Some("SmoothUnion")),
+            ("sdRepeatCap", Some("Repeat")),
+            ("hitListener", None),
+            ("gradientAhead", None),
+            ("hit3", None),
+            ("turn", None),
+        ];
+        for (function, expected) in of {
+            assert_eq!(feature(function), expected, "{function}");
+        }
+    }
+
+    /// Protects the count of functions, and the finding of those that are dead.
+    #[test]
+    fn definitions_are_counted_and_dead_ones_found() {
+        let text = "float a(vec3 p) { return p.x; }\nfloat b(\n vec3 p) {\n float c = a(p);\n \
+                    if (c > 0.0) { return c; }\n return 1.0;\n}\nvoid main() {\n}";
+        let lines: Vec<String> = text.lines().map(str::to_owned).collect();
+        let functions = defined(&lines);
+        assert_eq!(functions, ["a", "b", "main"]);
+        assert_eq!(unused(&lines, &functions), ["b"]);
+    }
+}
