@@ -3,6 +3,7 @@
 use super::exit::BadInput;
 use crate::error::Error;
 use crate::gpu::{Api, Context, ContextOptions};
+use crate::scene::layout::Layout;
 use crate::scene::{Scene, SceneError};
 use crate::trace::{Directions, MARCHES_PER_PASS, Profile, Settings, Tracer};
 use clap::Args;
@@ -60,10 +61,10 @@ impl Common {
     pub fn scene_with(&self, name_or_file: &str, values: &Values) -> Result<Scene, Error> {
         let scene = values.load(name_or_file)?;
         self.warn_when_known(&scene, false);
-        if scene.surfaces.len() > MANY_SURFACES {
+        let unrolled = Layout::of(&scene).loose.len();
+        if unrolled > MANY_SURFACES {
             self.note(&format!(
-                "note: {} surfaces: compiling their shader the first time can take long",
-                scene.surfaces.len()
+                "note: {unrolled} surfaces that lie in no cells: compiling their shader the first time can take long"
             ));
         }
         Ok(scene)

@@ -1,7 +1,7 @@
 //! A scene as shader text and uniform values.
 //!
-//! Only the shapes and operators that occur in the scene are in the text, one evaluation a
-//! surface, unrolled. What the shader reads relative to the listener is a uniform, for it
+//! Only the shapes and operators that occur in the scene are in the text: one evaluation a
+//! surface, unrolled, or for many surfaces one a kind. What the shader reads relative to the listener is a uniform, for it
 //! changes with every step of the listener: where surfaces and the listener are, and, for
 //! they lie in the same vectors and are sealed against each other, the sizes of basic
 //! shapes. The numbers of fields are literals, but for those that a driver moves. So the
