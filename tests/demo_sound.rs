@@ -68,14 +68,14 @@ fn agreeing(pairs: &[([f64; 2], [f64; 2])]) -> usize {
 }
 
 /// Protects what it is all about: the source passes from left to right, and both channels of what the sound server
-/// plays are as loud as the waves that were traced say. Waves are traced for every tenth picture, so that the
+/// plays are as loud as the waves that were traced say. Waves are traced for every twentieth picture, so that the
 /// gains stand still in between and the two clocks need not agree to the millisecond.
 #[test]
 fn a_passing_source_is_heard_from_left_to_right_as_it_is_traced() {
     let display = Display::new();
     let server = Server::start();
     let recorder = server.record(SINK, 48_000, 2);
-    let demo = open(&display, &server, &["open-field", "--trace-every", "10"]);
+    let demo = open(&display, &server, &["open-field", "--trace-every", "20"]);
     sleep(Duration::from_secs(15));
     let (report, _, _) = demo.quit();
     let heard = gains(&recorder.stop(), WINDOW);
