@@ -1,190 +1,13 @@
-//! The window as a person uses it: a display without a screen, real key presses, pictures.
-//!
-//! Needs Xvfb and xdotool (Debian packages of these names); a machine without them fails.
+//! The window as a person uses it.
 #![cfg(feature = "demo")]
 
 mod common;
 
 use common::cli::{argument, command, echomarch, stderr, succeed};
+use common::window::{Display, Image};
 use serde_json::Value;
-use std::io::{BufRead, BufReader};
-use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
-use std::sync::{Mutex, MutexGuard};
 use std::thread::sleep;
-use std::time::{Duration, Instant};
-use tempfile::TempDir;
-
-/// Windows one after the other: together they would be too slow for their own keys.
-static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
-
-/// Longer than any window takes to open, on any machine.
-const PATIENCE: Duration = Duration::from_secs(60);
-
-/// A display without a screen; it goes when dropped.
-struct Display {
-    server: Child,
-    name: String,
-    _alone: MutexGuard<'static, ()>,
-}
-
-impl Display {
-    fn new() -> Display {
-        let alone = ONE_AT_A_TIME.lock().unwrap_or_else(|e| e.into_inner());
-        let mut server = Command::new("Xvfb")
-            // Without -noreset it starts over, and refuses clients, when the last window goes.
-            .args(["-noreset", "-displayfd", "1", "-screen", "0", "1280x800x24"])
-            .stdout(Stdio::piped())
-            .stderr(Stdio::null())
-            .spawn()
-            .expect("Xvfb is missing: install the Debian package xvfb");
-        let mut number = String::new();
-        let out = server.stdout.take().unwrap();
-        BufReader::new(out).read_line(&mut number).unwrap();
-        Display {
-            server,
-            name: format!(":{}", number.trim()),
-            _alone: alone,
-        }
-    }
-
-    /// Opens the window with these arguments, in a folder of its own.
-    fn demo(&self, arguments: &[&str]) -> Demo<'_> {
-        let folder = tempfile::tempdir().unwrap();
-        let child = command()
-            .current_dir(folder.path())
-            .env("DISPLAY", &self.name)
-            .args(["demo", "--json", "--waves", "4096", "--scale", "0.25"])
-            .args(["--screenshot", "last.png", "--no-help"])
-            .args(arguments)
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .unwrap();
-        let demo = Demo {
-            display: self,
-            child: Some(child),
-            folder,
-        };
-        demo.focus();
-        demo
-    }
-
-    fn xdotool(&self, arguments: &[&str]) -> String {
-        let output = Command::new("xdotool")
-            .env("DISPLAY", &self.name)
-            .args(arguments)
-            .output()
-            .expect("xdotool is missing: install the Debian package xdotool");
-        String::from_utf8(output.stdout).unwrap()
-    }
-}
-
-impl Drop for Display {
-    fn drop(&mut self) {
-        let _ = self.server.kill();
-        let _ = self.server.wait();
-    }
-}
-
-/// The program with its window open.
-struct Demo<'a> {
-    display: &'a Display,
-    child: Option<Child>,
-    folder: TempDir,
-}
-
-impl Demo<'_> {
-    /// Gives the window the keyboard, once it is there and has drawn.
-    fn focus(&self) {
-        let began = Instant::now();
-        while began.elapsed() < PATIENCE {
-            let found = self.display.xdotool(&["search", "--name", "^Echomarch$"]);
-            if let Some(window) = found.lines().next() {
-                self.display.xdotool(&["windowfocus", "--sync", window]);
-                sleep(Duration::from_millis(500));
-                return;
-            }
-            sleep(Duration::from_millis(50));
-        }
-        panic!("no window opened");
-    }
-
-    fn key(&self, key: &str) -> &Self {
-        self.display.xdotool(&["key", key]);
-        sleep(Duration::from_millis(250));
-        self
-    }
-
-    fn hold(&self, key: &str, seconds: f64) -> &Self {
-        self.display.xdotool(&["keydown", key]);
-        sleep(Duration::from_secs_f64(seconds));
-        self.display.xdotool(&["keyup", key]);
-        sleep(Duration::from_millis(250));
-        self
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.folder.path().join(name)
-    }
-
-    /// Closes the window by its key; the report and the last picture.
-    fn quit(mut self) -> (Value, Image, TempDir) {
-        self.key("ctrl+q");
-        let report = self.report();
-        let picture = Image::open(&self.path("last.png"));
-        let folder = std::mem::replace(&mut self.folder, tempfile::tempdir().unwrap());
-        (report, picture, folder)
-    }
-
-    fn report(&mut self) -> Value {
-        let output = self.child.take().unwrap().wait_with_output().unwrap();
-        assert!(output.status.success(), "{}", stderr(&output));
-        let report: Value = serde_json::from_slice(&output.stdout).unwrap();
-        assert_eq!(report["gl_errors"], 0, "{report}");
-        report
-    }
-}
-
-impl Drop for Demo<'_> {
-    fn drop(&mut self) {
-        if let Some(child) = &mut self.child {
-            let _ = child.kill();
-            let _ = child.wait();
-        }
-    }
-}
-
-/// A picture of the window.
-struct Image {
-    width: u32,
-    pixels: Vec<u8>,
-}
-
-impl Image {
-    fn open(path: &Path) -> Image {
-        let picture = image::open(path).unwrap().to_rgba8();
-        Image {
-            width: picture.width(),
-            pixels: picture.into_raw(),
-        }
-    }
-
-    /// The share of pixels that differ by more than a shade, in columns that panels do not cover.
-    fn difference(&self, other: &Image, columns: std::ops::Range<u32>) -> f64 {
-        assert_eq!(self.pixels.len(), other.pixels.len());
-        let pairs = self.pixels.chunks(4).zip(other.pixels.chunks(4));
-        let (mut all, mut different) = (0u32, 0u32);
-        for (index, (a, b)) in pairs.enumerate() {
-            if columns.contains(&(index as u32 % self.width)) {
-                all += 1;
-                let apart = a.iter().zip(b).any(|(a, b)| a.abs_diff(*b) > 12);
-                different += u32::from(apart);
-            }
-        }
-        f64::from(different) / f64::from(all)
-    }
-}
+use std::time::Duration;
 
 /// The middle of the window, where the picture is seen.
 const MIDDLE: std::ops::Range<u32> = 270..700;
@@ -243,22 +66,156 @@ fn keys_switch_the_profile() {
     assert!(call.contains("--profile thesis --waves 4096"), "{call}");
 }
 
-/// Protects whoever has never seen it: F1 opens the list of keys, and closes it.
+/// Protects whoever has never seen it: F1 opens the list of keys, and closes it. The picture shows what is open
+/// in the very frame that opened it: the last frame may be the first one after F1.
 #[test]
 fn f1_opens_and_closes_the_help() {
     let display = Display::new();
     let (closed, without, _) = display.demo(&["corner"]).quit();
     assert_eq!(closed["help"], false);
-    let demo = display.demo(&["corner"]);
-    demo.key("F1");
-    let (open, with, _) = demo.quit();
-    assert_eq!(open["help"], true);
-    assert!(without.difference(&with, 340..620) > 0.3);
+    for keys in [&["F1"] as &[&str], &["F1", "F1", "F1"]] {
+        let mut demo = display.demo(&["corner"]);
+        let pressed = [&["key", "--delay", "0"], keys, &["ctrl+q"]].concat();
+        display.xdotool(&pressed);
+        let open = demo.report();
+        assert_eq!(open["help"], true);
+        let with = Image::open(&demo.path("last.png"));
+        let different = without.difference(&with, 340..620);
+        assert!(different > 0.3, "{keys:?}: {different}");
+    }
     let demo = display.demo(&["corner"]);
     demo.key("F1").key("h");
     let (closed, again, _) = demo.quit();
     assert_eq!(closed["help"], false);
     assert!(without.difference(&again, MIDDLE) < 0.005);
+}
+
+/// A ball in a room, by a user's own field.
+const BALL: &str = "float field(vec3 p) {\n    return length(p) - 1.0;\n}\n";
+
+const BALL_SCENE: &str = r#"Scene(
+    name: "ball",
+    surfaces: [
+        Surface(name: "room", shape: Room(size: (14, 8, 14))),
+        Surface(name: "ball", shape: Field(file: "ball.glsl", lipschitz: 1, size: (4.2, 4.2, 4.2))),
+    ],
+    source: Source(position: (-5, 1, -4)),
+    listener: Listener(position: (4, 0.5, 4), radius: 1, yaw: -45),
+)"#;
+
+/// Protects whoever writes a field while the window shows it: what cannot be used is told in one sentence and
+/// changes nothing, what can be used is seen and walked around at once.
+#[test]
+fn a_field_that_changes_is_taken_or_told_while_frames_go_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let (scene, field) = (folder.path().join("s.ron"), folder.path().join("ball.glsl"));
+    std::fs::write(&scene, BALL_SCENE).unwrap();
+    std::fs::write(&field, BALL).unwrap();
+    let display = Display::new();
+    let (_, small, _) = display.demo(&[argument(&scene)]).quit();
+
+    let demo = display.demo(&[argument(&scene)]);
+    std::fs::write(&field, BALL.replace("1.0", "one")).unwrap();
+    let told = demo.wait_for("the last scene stays");
+    assert!(
+        told.contains("ball.glsl:2: ") && told.contains("one"),
+        "{told}"
+    );
+    sleep(Duration::from_millis(700));
+    std::fs::write(&field, BALL.replace("1.0", "1.9")).unwrap();
+    demo.wait_for("is read again");
+    sleep(Duration::from_millis(300));
+    // Broken in the scene's own file, and left so: the ball of 1.9 m stays.
+    std::fs::write(&scene, BALL_SCENE.replace("Room", "Rome")).unwrap();
+    demo.wait_for("the last scene stays");
+    // The ball is 6.2 m ahead, and what is in front of the eye stops one at its new size.
+    demo.hold("w", 3.0);
+    let (report, large, _) = demo.quit();
+
+    let reread = report["reread"].as_array().unwrap();
+    let errors: Vec<&Value> = reread.iter().map(|change| &change["error"]).collect();
+    assert_eq!(reread.len(), 3, "{errors:?}");
+    let sentence = errors[0].as_str().unwrap();
+    assert!(
+        sentence.contains("ball.glsl:2: ") && !sentence.contains('\n'),
+        "{sentence}"
+    );
+    assert!(errors[1].is_null() && errors[2].is_string(), "{errors:?}");
+    let frames: Vec<u64> = reread
+        .iter()
+        .map(|c| c["frames"].as_u64().unwrap())
+        .collect();
+    assert!(frames[0] > 0 && frames[1] > frames[0] + 2, "{frames:?}");
+    assert!(report["frames"].as_u64().unwrap() > frames[2] + 2);
+    let [x, y, z] = place(&report["listener"]["position"]);
+    let left = (x * x + y * y + z * z).sqrt() - 1.9;
+    assert!((0.3..0.6).contains(&left), "{left} m from the ball");
+    assert!(small.difference(&large, MIDDLE) > 0.2);
+}
+
+/// Protects whoever starts with a field that does not compile: one sentence with file and line, exit code 2.
+#[test]
+fn a_field_that_does_not_compile_opens_no_window() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("s.ron");
+    std::fs::write(&scene, BALL_SCENE).unwrap();
+    std::fs::write(folder.path().join("ball.glsl"), BALL.replace("1.0", "one")).unwrap();
+    let display = Display::new();
+    let mut started = command();
+    started.env("DISPLAY", &display.name);
+    let output = started.args(["demo", argument(&scene)]).output().unwrap();
+    let told = stderr(&output);
+    assert!(
+        told.contains("ball.glsl:2: ") && told.lines().count() == 1,
+        "{told}"
+    );
+    assert_eq!(output.status.code(), Some(2), "{told}");
+}
+
+/// Protects windows that are drawn larger and smaller while they run: picture and panels follow.
+#[test]
+fn a_window_may_change_its_size() {
+    let display = Display::new();
+    let demo = display.demo(&["corner"]);
+    let window = demo.window();
+    for [width, height] in [["1200", "700"], ["400", "300"], ["702", "501"]] {
+        display.xdotool(&["windowsize", "--sync", &window, width, height]);
+        sleep(Duration::from_millis(400));
+    }
+    let (report, picture, _) = demo.quit();
+    assert_eq!(report["window"], serde_json::json!([702, 501]));
+    assert_eq!(report["picture"], serde_json::json!([176, 125]));
+    assert_eq!(picture.width, 702);
+}
+
+/// Protects looking about with the mouse: after a click its way turns the gaze, and no more once Esc has freed it.
+#[test]
+fn the_mouse_looks_about_between_a_click_and_esc() {
+    let display = Display::new();
+    let demo = display.demo(&["corner"]);
+    let move_by = |x: &str, y: &str| {
+        display.xdotool(&["mousemove_relative", "--", x, y]);
+        sleep(Duration::from_millis(250));
+    };
+    let window = demo.window();
+    display.xdotool(&["mousemove", "--window", &window, "480", "270"]);
+    display.xdotool(&["click", "1"]);
+    sleep(Duration::from_millis(250));
+    move_by("100", "-60");
+    demo.key("Escape");
+    move_by("-200", "30");
+    let (report, _, _) = demo.quit();
+    let turned = |name: &str| report["listener"][name].as_f64().unwrap().to_radians();
+    let (yaw, pitch) = (turned("yaw"), turned("pitch"));
+    // 0.0025 radians a pixel, to the right and up. Xvfb has been seen to report each of
+    // xdotool's movements once and twice.
+    let times = (yaw / 0.25).round();
+    let is_right = |angle: f64, wanted: f64| (angle - times * wanted).abs() < 0.01;
+    assert!(times == 1.0 || times == 2.0, "{yaw} {pitch}");
+    assert!(
+        is_right(yaw, 0.25) && is_right(pitch, 0.15),
+        "{yaw} {pitch}"
+    );
 }
 
 /// Protects what was set up by hand: a source that was picked up comes along and is heard elsewhere; the file
@@ -308,6 +265,28 @@ fn a_moving_source_is_heard_to_move_until_it_is_held() {
     assert!(greatest > 0.2, "{greatest}");
     let held = &pans[pans.len() - 3..];
     assert!(held.iter().all(|pan| *pan == held[0]), "{held:?}");
+}
+
+/// Protects the panels from what is drawn between picture and panels: they stand in each of six frames in a row, of
+/// which one has followed the paths of waves.
+#[test]
+fn panels_stand_in_every_frame() {
+    const LEFT: std::ops::Range<u32> = 8..250;
+    let display = Display::new();
+    let picture = |arguments: &[&str]| {
+        let mut demo = display.demo(&[&["corner"], arguments].concat());
+        demo.report();
+        Image::open(&demo.path("last.png"))
+    };
+    let pictures = ["60", "61", "62", "63", "64", "65"].map(|n| picture(&["--frames", n]));
+    for other in &pictures[1..] {
+        let different = pictures[0].difference(other, LEFT);
+        assert!(different < 0.1, "{different}");
+    }
+    let demo = display.demo(&["corner"]);
+    demo.key("Tab");
+    let (_, bare, _) = demo.quit();
+    assert!(pictures[0].difference(&bare, LEFT) > 0.3);
 }
 
 /// Protects runs that end by themselves, and windows of any size: exactly so many frames.

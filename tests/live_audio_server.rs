@@ -14,6 +14,7 @@ use std::time::{Duration, Instant};
 
 use echomarch::audio::live::{Live, LiveError, LiveOptions, list_devices};
 use echomarch::audio::{NOISE_AMPLITUDE, SAMPLE_RATE, Sound};
+use sound_server::levels::{db, error_db, gains, rms};
 use sound_server::{Process, SINK, Server, wait_for};
 use tempfile::TempDir;
 
@@ -243,43 +244,6 @@ fn this_program() -> PathBuf {
     std::env::current_exe().unwrap()
 }
 
-fn rms(samples: impl Iterator<Item = f32>) -> f64 {
-    let (mut squares, mut count) = (0.0, 0.0);
-    for sample in samples {
-        squares += f64::from(sample).powi(2);
-        count += 1.0;
-    }
-    (squares / count).sqrt()
-}
-
-/// Left and right gains over 20 ms each: levels, divided by that of the noise.
-fn gains(stereo: &[f32]) -> Vec<[f64; 2]> {
-    let full = f64::from(NOISE_AMPLITUDE) / 3f64.sqrt();
-    let window = 2 * 960;
-    let gain = |piece: &[f32], which| rms(piece.iter().skip(which).step_by(2).copied()) / full;
-    stereo
-        .chunks_exact(window)
-        .map(|piece| [gain(piece, 0), gain(piece, 1)])
-        .collect()
-}
-
-fn db(ratio: f64) -> f64 {
-    20.0 * ratio.log10()
-}
-
-/// How far the louder and the quieter channel are from what is wanted, in decibels; a channel
-/// that is to be silent counts as right below −60 dB.
-fn error_db(gains: [f64; 2], wanted: [f64; 2]) -> f64 {
-    let of = |gain: f64, wanted: f64| {
-        if wanted < 1e-3 {
-            if gain < 1e-3 { 0.0 } else { f64::INFINITY }
-        } else {
-            db(gain / wanted).abs()
-        }
-    };
-    of(gains[0], wanted[0]).max(of(gains[1], wanted[1]))
-}
-
 static NOISE: LazyLock<Vec<f32>> = LazyLock::new(|| {
     let mut samples = vec![0.0; 40 * SAMPLE_RATE as usize];
     Sound::parse("noise", SAMPLE_RATE)
@@ -297,7 +261,7 @@ fn the_levels_follow_the_panning_from_left_to_right() {
     let line = player.wait_for(&["recorded ", "dropped 0"]);
     player.finish();
     let heard = recorder.stop();
-    let gains = gains(&heard);
+    let gains = gains(&heard, 960);
 
     // Places, one after the other: five windows of 20 ms in a row, each within 0.5 dB.
     let (mut from, mut worst) = (0, 0.0f64);
@@ -379,7 +343,7 @@ fn a_server_that_dies_is_waited_for_and_the_sound_goes_on_where_it_was() {
     println!("heard again {:?} after the restart began", start.elapsed());
     pause(0.5);
     player.finish();
-    let loud = gains(&recorder.stop());
+    let loud = gains(&recorder.stop(), 960);
     let loud = loud.iter().filter(|g| error_db(**g, [0.5, 0.5]) < 0.5);
     assert!(loud.count() > 15, "too little is heard after the restart");
 

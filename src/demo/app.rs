@@ -4,6 +4,7 @@ use super::adapt::{Control, SCALES, step_of};
 use super::keys::{Held, action};
 use super::latency::Latency;
 use super::overlay::Plan;
+use super::reload::Follower;
 use super::report::{Recorder, Report, Standing};
 use super::save::trace_call;
 use super::sound::{SoundStatus, Speaker};
@@ -49,6 +50,8 @@ pub(super) struct App {
     pub world: World,
     /// The scene before this one, until this one has been drawn.
     pub previous: Option<World>,
+    /// The scene's file, if it is one.
+    pub follower: Option<Follower>,
     pub held: Held,
     pub mouse_looks: bool,
     pub plan: Plan,
@@ -83,6 +86,7 @@ impl App {
             choices: Choices::of(&options),
             world,
             previous: None,
+            follower: None,
             held: Held::default(),
             mouse_looks: false,
             plan: Plan::default(),
@@ -135,9 +139,11 @@ impl App {
         if context.is_software() {
             self.scale_step = step_of(&SCALES, FIRST_SCALE);
         }
+        let mut tracer = Tracer::new(&context)?;
+        self.follow(&mut tracer)?;
         self.stage = Some(Stage {
             view: View::new(&context)?,
-            tracer: Tracer::new(&context)?,
+            tracer,
             path_tracer: Tracer::new(&context)?,
             window,
         });

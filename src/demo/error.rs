@@ -17,7 +17,7 @@ pub enum DemoError {
         reason: String,
     },
     /// A scene, settings or a renderer that do not work.
-    #[error(transparent)]
+    #[error("{}", sentence(.0))]
     Failed(#[from] crate::Error),
     /// What was to be written cannot be.
     #[error(transparent)]
@@ -27,5 +27,37 @@ pub enum DemoError {
 impl From<crate::gpu::GpuError> for DemoError {
     fn from(error: crate::gpu::GpuError) -> DemoError {
         DemoError::Failed(error.into())
+    }
+}
+
+/// An error in one line: of a driver's log only its first line is told.
+pub fn sentence(error: &impl std::fmt::Display) -> String {
+    let text = error.to_string();
+    let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
+    let first = lines.next().unwrap_or_default();
+    match lines.next() {
+        Some(next) if first.ends_with(':') => format!("{first} {next}"),
+        _ => first.to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::GpuError;
+
+    /// Protects the terminal and the window from a driver's log.
+    #[test]
+    fn a_log_of_many_lines_becomes_one() {
+        let error = GpuError::Compile {
+            stage: "fragment",
+            label: "march".into(),
+            log: "\n0:3(5): error: no such thing\n0:9(1): error: another\n".into(),
+        };
+        assert_eq!(
+            DemoError::from(error).to_string(),
+            "the fragment shader \"march\" does not compile: 0:3(5): error: no such thing"
+        );
+        assert_eq!(sentence(&"a.glsl:2: no"), "a.glsl:2: no");
     }
 }

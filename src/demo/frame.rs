@@ -3,6 +3,7 @@
 use super::DemoError;
 use super::adapt::{SCALES, scale_costs, step_of, wave_ladder};
 use super::app::{App, Stage};
+use super::error::sentence;
 use super::overlay::{self, Facts};
 use super::report::FrameTimes;
 use super::view::Drawn;
@@ -45,6 +46,8 @@ impl App {
         let began = Instant::now();
         let passed = began.duration_since(self.last).as_secs_f64();
         self.last = began;
+        self.reread(stage);
+        self.try_new(stage)?;
         self.world.pass(&self.held.wish(), passed);
         let size = stage.window.size();
         if size[0] == 0 || size[1] == 0 {
@@ -71,6 +74,19 @@ impl App {
         self.recorder.frame(times, self.seconds());
         self.adapt(times);
         Ok(())
+    }
+
+    /// A scene that has just come is checked before anyone walks in it: until then nothing
+    /// is known of where its users' fields are solid.
+    fn try_new(&mut self, stage: &mut Stage) -> Result<(), DemoError> {
+        if self.previous.is_none() {
+            return Ok(());
+        }
+        let (scene, settings) = (&self.world.base, &self.choices.settings);
+        match stage.tracer.check(scene, settings) {
+            Ok(()) => Ok(()),
+            Err(error) => self.fall_back(error.into()),
+        }
     }
 
     /// What is heard and seen of the scene.
@@ -106,9 +122,12 @@ impl App {
         let Some(previous) = self.previous.take() else {
             return Err(error);
         };
-        let text = error.to_string();
-        let sentence = text.lines().next().unwrap_or_default();
-        self.say(format!("{}: {sentence}", self.world.name));
+        let why = sentence(&error);
+        if previous.name == self.world.name {
+            self.refuse(why);
+        } else {
+            self.say(format!("{}: {why}", self.world.name));
+        }
         self.world = previous;
         self.drawn = Drawn::default();
         Ok(())
@@ -179,6 +198,7 @@ impl App {
         self.hear();
         self.message.take_if(|(_, at)| at.elapsed() > MESSAGE);
         let renderer = stage.window.gl.context().renderer().to_owned();
+        let refusal = self.refusal().map(str::to_owned);
         let facts = Facts {
             world: &self.world,
             heard: self.heard.as_ref(),
@@ -192,6 +212,7 @@ impl App {
             levels: self.speaker.levels(),
             gl_errors: self.recorder.gl_errors,
             message: self.message.as_ref().map(|(text, _)| text.as_str()),
+            refusal: refusal.as_deref(),
             mouse_looks: self.mouse_looks,
             renderer: &renderer,
         };

@@ -18,6 +18,7 @@
 //! | `adapt` | how coarse the picture and how many waves, by the frame's time |
 //! | `latency`, `report` | what is measured |
 //! | `save` | scene files and `trace` calls |
+//! | `reload` | a scene file that changes while one walks in it |
 //! | `sound` | the speakers |
 //!
 //! Threads: everything that draws and traces is on the thread that calls [`run`], which
@@ -32,6 +33,7 @@ mod keys;
 mod latency;
 mod options;
 mod overlay;
+mod reload;
 mod report;
 mod save;
 mod sound;
@@ -43,7 +45,7 @@ mod window;
 pub use error::DemoError;
 pub use latency::Parts as Latency;
 pub use options::DemoOptions;
-pub use report::{FrameTimes, Memory, PanAt, Report, Standing};
+pub use report::{FrameTimes, Memory, PanAt, Report, Reread, Standing};
 pub use save::{Moved, SaveError, save, text_of, trace_call, with_places};
 pub use sound::SoundStatus;
 pub use walk::{BODY, Walker, Wish};

@@ -9,6 +9,9 @@ use serde::Serialize;
 /// Pans that are kept at the most; then every second one goes.
 const PANS_AT_MOST: usize = 4096;
 
+/// Changes of the scene's files that are kept at the most, the last ones.
+const REREAD_AT_MOST: usize = 100;
+
 /// Frame times that the medians are taken of, the last ones.
 const TIMES_AT_MOST: usize = 36_000;
 
@@ -42,6 +45,17 @@ pub struct PanAt {
     pub pan: f64,
     /// The algorithm that heard it.
     pub profile: String,
+}
+
+/// The scene's files have changed.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Reread {
+    /// Seconds since the start.
+    pub seconds: f64,
+    /// Frames drawn until then.
+    pub frames: u64,
+    /// Why the last good scene stays, in one sentence; none where the new one was taken.
+    pub error: Option<String>,
 }
 
 /// Resident memory in MiB; none where the system does not tell.
@@ -117,6 +131,8 @@ pub struct Report {
     pub trace_call: String,
     /// Whether that call's scene has source and listener where they are.
     pub trace_call_is_exact: bool,
+    /// The changes of the scene's files, the last hundred.
+    pub reread: Vec<Reread>,
     /// What was heard.
     pub pans: Vec<PanAt>,
 }
@@ -132,6 +148,7 @@ pub struct Recorder {
     pub gl_errors: u64,
     times: Vec<FrameTimes>,
     pans: Vec<PanAt>,
+    reread: Vec<Reread>,
     stride: u64,
     memory: Memory,
 }
@@ -175,6 +192,14 @@ impl Recorder {
         }
     }
 
+    /// The scene's files have changed.
+    pub fn reread(&mut self, reread: Reread) {
+        if self.reread.len() == REREAD_AT_MOST {
+            self.reread.remove(0);
+        }
+        self.reread.push(reread);
+    }
+
     /// The last frames, at most so many.
     pub fn last(&self, frames: usize) -> &[FrameTimes] {
         &self.times[self.times.len().saturating_sub(frames)..]
@@ -195,6 +220,7 @@ impl Recorder {
             at_end: resident_mib(),
             ..self.memory
         };
+        report.reread = self.reread;
         report.pans = self.pans;
     }
 }

@@ -129,6 +129,13 @@ impl World {
         })
     }
 
+    /// Another scene under the same name: time, walker and a source that was moved stay.
+    pub fn change(&mut self, base: Scene) {
+        self.text = text_of(&self.name).ok();
+        self.now = base.clone();
+        self.base = base;
+    }
+
     /// Lets time pass: paths go on, the walker walks, what is carried comes along.
     pub fn pass(&mut self, wish: &Wish, seconds: f64) {
         if !self.paused {

@@ -98,8 +98,8 @@ impl DemoWindow {
 
     /// Lays out the panels and draws them over what is in the window.
     pub fn draw_panels(&mut self, layout: impl FnMut(&mut egui::Ui)) {
-        // Makes the context current.
-        self.gl.context().gl();
+        // The waves' passes draw elsewhere, and the painter takes what it finds.
+        self.gl.aim();
         let size = self.size();
         self.panels.draw(&self.window, size, layout);
     }

@@ -176,6 +176,13 @@ impl WindowContext {
         self.context.debug_check("the picture in the window")
     }
 
+    /// Lets what is drawn next go to the window, whatever was drawn into before.
+    pub fn aim(&self) {
+        let gl = self.context.gl();
+        // SAFETY: the context is current, and the window's framebuffer is always there.
+        unsafe { gl.bind_framebuffer(glow::FRAMEBUFFER, None) };
+    }
+
     /// What the window shows once it is swapped: four bytes a pixel, the top row first. Waits for the drawing.
     ///
     /// # Errors

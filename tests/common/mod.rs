@@ -77,6 +77,9 @@ impl Random {
     }
 }
 
+#[cfg(feature = "demo")]
+pub mod window;
+
 /// The program as a person starts it.
 #[cfg(feature = "cli")]
 pub mod cli {

@@ -17,7 +17,7 @@ use super::sound::SoundStatus;
 use super::state::{Choices, World};
 use super::view::Drawn;
 use crate::trace::{Frame, Wave};
-use egui::{Align2, Id, RichText, Ui, Vec2};
+use egui::{Align2, RichText, Ui, Vec2};
 
 /// Space between panels and the window's edge, in points.
 const MARGIN: f32 = 8.0;
@@ -50,6 +50,8 @@ pub struct Facts<'a> {
     pub gl_errors: u64,
     /// The last thing that was done or went wrong.
     pub message: Option<&'a str>,
+    /// Why the scene's file as it is now is not what is seen.
+    pub refusal: Option<&'a str>,
     /// Whether the mouse looks about.
     pub mouse_looks: bool,
     /// GL_RENDERER.
@@ -111,7 +113,12 @@ fn hint(ui: &Ui, facts: &Facts) {
         HINT
     };
     line(ui, "hint", MARGIN, RichText::new(text).color(style::TEXT));
-    if let Some(message) = facts.message {
+    let refused = || {
+        facts
+            .refusal
+            .map(|why| format!("{why} (the last scene stays)"))
+    };
+    if let Some(message) = facts.message.map(str::to_owned).or_else(refused) {
         let text = RichText::new(message).color(style::BRIGHT);
         line(ui, "message", MARGIN + ABOVE, text);
     }
@@ -119,8 +126,5 @@ fn hint(ui: &Ui, facts: &Facts) {
 
 /// A line of text in the middle, that far from the lower edge.
 fn line(ui: &Ui, name: &str, up: f32, text: RichText) {
-    egui::Area::new(Id::unique(name))
-        .anchor(Align2::CENTER_BOTTOM, Vec2::new(0.0, -up))
-        .interactable(false)
-        .show(ui.ctx(), |ui| style::label(ui, text));
+    style::line(ui, name, Align2::CENTER_BOTTOM, Vec2::new(0.0, -up), text);
 }

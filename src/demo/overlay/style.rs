@@ -75,19 +75,44 @@ pub fn frame() -> Frame {
 
 /// A panel at a place of the window.
 pub fn panel(ui: &Ui, name: &str, at: Align2, offset: Vec2, add: impl FnOnce(&mut Ui)) {
-    Area::new(Id::unique(name))
-        .anchor(at, offset)
-        .show(ui.ctx(), |ui| frame().show(ui, add));
+    let area = Area::new(Id::unique(name)).anchor(at, offset);
+    at_once(ui, name, area, |ui| {
+        frame().show(ui, add);
+    });
 }
 
-/// A line of text on a ground of its own.
-pub fn label(ui: &mut Ui, text: RichText) {
+/// A line of text at a place of the window, on a ground of its own; no mouse meets it.
+pub fn line(ui: &Ui, name: &str, at: Align2, offset: Vec2, text: RichText) {
+    let area = Area::new(Id::unique(name)).anchor(at, offset);
+    at_once(ui, name, area.interactable(false), |ui| label(ui, text));
+}
+
+/// Shows an area whole in the very frame that it is first wanted in, so that a picture of
+/// the window has all that is open in it. egui alone would measure it in the first frame,
+/// unseen, and let it fade in.
+fn at_once(ui: &Ui, name: &str, area: Area, add: impl FnOnce(&mut Ui)) {
+    let context = ui.ctx();
+    let id = Id::unique(name);
+    let before = context.memory(|memory| memory.area_rect(id));
+    let shown = area.fade_in(false).show(context, add).response.rect;
+    let has_grown = |old: egui::Rect| (old.size() - shown.size()).abs().max_elem() > 1.0;
+    if before.is_none_or(has_grown) {
+        context.request_discard("an area has been measured");
+    }
+}
+
+fn label(ui: &mut Ui, text: RichText) {
     Frame::new()
         .fill(BACK)
         .corner_radius(CornerRadius::same(5))
         .inner_margin(Margin::symmetric(8, 3))
         .show(ui, |ui| {
-            ui.add(egui::Label::new(text).extend());
+            // A long sentence goes on below; the area itself knows no width yet.
+            let most = ui.ctx().content_rect().width() - 40.0;
+            let wrap = Some(egui::TextWrapMode::Wrap);
+            let text = egui::WidgetText::from(text);
+            let text = text.into_galley(ui, wrap, most, TextStyle::Body);
+            ui.label(text);
         });
 }
 

@@ -1,0 +1,92 @@
+//! A scene file that changes while one walks in it.
+
+use super::app::{App, Stage};
+use super::error::sentence;
+use super::report::Reread;
+use crate::scene::BUILTIN_NAMES;
+use crate::trace::{Reload, Reloading, Tracer};
+use std::time::{Duration, Instant};
+
+/// From one look at the files to the next.
+const BETWEEN_LOOKS: Duration = Duration::from_millis(100);
+
+/// Follows the file that the window was opened with, and the files that it names.
+pub struct Follower {
+    reloading: Reloading,
+    looked: Instant,
+    /// Why the files as they are now cannot be taken.
+    pub refused: Option<String>,
+}
+
+impl App {
+    /// Checks the scene that the window opens with, and follows it if it is a file.
+    pub fn follow(&mut self, tracer: &mut Tracer) -> Result<(), crate::Error> {
+        let (name, settings) = (&self.world.name, &self.choices.settings);
+        if BUILTIN_NAMES.contains(&name.as_str()) {
+            return tracer.check(&self.world.base, settings);
+        }
+        let reloading = Reloading::open(name, tracer, settings)?;
+        self.world.change(reloading.scene().clone());
+        self.follower = Some(Follower {
+            reloading,
+            looked: Instant::now(),
+            refused: None,
+        });
+        Ok(())
+    }
+
+    /// Takes what has changed in the files; what cannot be traced leaves the last good
+    /// scene, and says why.
+    pub fn reread(&mut self, stage: &mut Stage) {
+        let is_here = self.world.name == self.options.scene;
+        let Some(follower) = self.follower.as_mut().filter(|_| is_here) else {
+            return;
+        };
+        if follower.looked.elapsed() < BETWEEN_LOOKS {
+            return;
+        }
+        follower.looked = Instant::now();
+        let settings = &self.choices.settings;
+        match follower.reloading.poll(&mut stage.tracer, settings) {
+            Reload::Unchanged => (),
+            Reload::Taken => {
+                follower.refused = None;
+                // What the waves can be traced in, the picture may still refuse.
+                self.previous = Some(self.world.clone());
+                self.world.change(follower.reloading.scene().clone());
+                self.paths.clear();
+                self.has_reread(None);
+            }
+            Reload::Kept(error) => self.refuse(sentence(&error)),
+        }
+    }
+
+    /// The files as they are now cannot be taken.
+    pub fn refuse(&mut self, why: String) {
+        if let Some(follower) = &mut self.follower {
+            follower.refused = Some(why.clone());
+            self.has_reread(Some(why));
+        }
+    }
+
+    fn has_reread(&mut self, error: Option<String>) {
+        let told = match &error {
+            Some(why) => format!("{why} (the last scene stays)"),
+            None => format!("{} is read again", self.world.name),
+        };
+        self.recorder.reread(Reread {
+            seconds: self.seconds(),
+            frames: self.recorder.frames,
+            error,
+        });
+        (self.options.announce)(&told);
+        self.say(told);
+    }
+
+    /// What stands in the window while the files cannot be taken.
+    pub fn refusal(&self) -> Option<&str> {
+        let is_here = self.world.name == self.options.scene;
+        let follower = self.follower.as_ref().filter(|_| is_here)?;
+        follower.refused.as_deref()
+    }
+}

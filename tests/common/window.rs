@@ -1,0 +1,221 @@
+//! The window as a person uses it: a display without a screen, real key presses, pictures.
+//!
+//! Needs Xvfb and xdotool (Debian packages of these names); a machine without them fails.
+
+use super::cli::command;
+use serde_json::Value;
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::mpsc::{self, Receiver};
+use std::sync::{Mutex, MutexGuard};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+use tempfile::TempDir;
+
+/// Windows one after the other: together they would be too slow for their own keys.
+static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
+
+/// Longer than any window takes to open, on any machine.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// A display without a screen; it goes when dropped.
+pub struct Display {
+    server: Child,
+    pub name: String,
+    _alone: MutexGuard<'static, ()>,
+}
+
+impl Display {
+    pub fn new() -> Display {
+        let alone = ONE_AT_A_TIME.lock().unwrap_or_else(|e| e.into_inner());
+        let mut server = Command::new("Xvfb")
+            // Without -noreset it starts over, and refuses clients, when the last window goes.
+            .args(["-noreset", "-displayfd", "1", "-screen", "0", "1280x800x24"])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .expect("Xvfb is missing: install the Debian package xvfb");
+        let mut number = String::new();
+        let out = server.stdout.take().unwrap();
+        BufReader::new(out).read_line(&mut number).unwrap();
+        Display {
+            server,
+            name: format!(":{}", number.trim()),
+            _alone: alone,
+        }
+    }
+
+    /// Opens the window with these arguments, in a folder of its own.
+    pub fn demo(&self, arguments: &[&str]) -> Demo<'_> {
+        self.start(command(), arguments)
+    }
+
+    /// The same with a command of one's own that starts the program.
+    pub fn start(&self, mut command: Command, arguments: &[&str]) -> Demo<'_> {
+        let folder = tempfile::tempdir().unwrap();
+        let mut child = command
+            .current_dir(folder.path())
+            .env("DISPLAY", &self.name)
+            .args(["demo", "--json", "--waves", "4096", "--scale", "0.25"])
+            .args(["--screenshot", "last.png", "--no-help"])
+            .args(arguments)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let errors = BufReader::new(child.stderr.take().unwrap());
+        let (sender, told) = mpsc::channel();
+        std::thread::spawn(move || {
+            for line in errors.lines().map_while(Result::ok) {
+                let _ = sender.send(line);
+            }
+        });
+        let demo = Demo {
+            display: self,
+            child: Some(child),
+            told,
+            folder,
+        };
+        demo.focus();
+        demo
+    }
+
+    pub fn xdotool(&self, arguments: &[&str]) -> String {
+        let output = Command::new("xdotool")
+            .env("DISPLAY", &self.name)
+            .args(arguments)
+            .output()
+            .expect("xdotool is missing: install the Debian package xdotool");
+        String::from_utf8(output.stdout).unwrap()
+    }
+}
+
+impl Drop for Display {
+    fn drop(&mut self) {
+        let _ = self.server.kill();
+        let _ = self.server.wait();
+    }
+}
+
+/// The program with its window open.
+pub struct Demo<'a> {
+    pub display: &'a Display,
+    child: Option<Child>,
+    told: Receiver<String>,
+    folder: TempDir,
+}
+
+impl Demo<'_> {
+    /// Gives the window the keyboard, once it is there and has drawn.
+    fn focus(&self) {
+        let window = self.window();
+        self.display.xdotool(&["windowfocus", "--sync", &window]);
+        sleep(Duration::from_millis(500));
+    }
+
+    /// What the display calls the window, once it is there.
+    pub fn window(&self) -> String {
+        let began = Instant::now();
+        while began.elapsed() < PATIENCE {
+            let found = self.display.xdotool(&["search", "--name", "^Echomarch$"]);
+            if let Some(window) = found.lines().next() {
+                return window.to_owned();
+            }
+            sleep(Duration::from_millis(50));
+        }
+        panic!(
+            "no window opened: {:?}",
+            self.told.try_iter().collect::<Vec<_>>()
+        );
+    }
+
+    /// Waits until the program says a line that holds this.
+    pub fn wait_for(&self, part: &str) -> String {
+        let end = Instant::now() + PATIENCE;
+        loop {
+            let left = end.saturating_duration_since(Instant::now());
+            let line = self.told.recv_timeout(left);
+            let line = line.unwrap_or_else(|_| panic!("the program did not say {part:?}"));
+            if line.contains(part) {
+                return line;
+            }
+        }
+    }
+
+    pub fn key(&self, key: &str) -> &Self {
+        self.display.xdotool(&["key", key]);
+        sleep(Duration::from_millis(250));
+        self
+    }
+
+    pub fn hold(&self, key: &str, seconds: f64) -> &Self {
+        self.display.xdotool(&["keydown", key]);
+        sleep(Duration::from_secs_f64(seconds));
+        self.display.xdotool(&["keyup", key]);
+        sleep(Duration::from_millis(250));
+        self
+    }
+
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    /// Closes the window by its key; the report and the last picture.
+    pub fn quit(mut self) -> (Value, Image, TempDir) {
+        self.key("ctrl+q");
+        let report = self.report();
+        let picture = Image::open(&self.path("last.png"));
+        let folder = std::mem::replace(&mut self.folder, tempfile::tempdir().unwrap());
+        (report, picture, folder)
+    }
+
+    pub fn report(&mut self) -> Value {
+        let output = self.child.take().unwrap().wait_with_output().unwrap();
+        let told = || self.told.iter().collect::<Vec<_>>().join("\n");
+        assert!(output.status.success(), "{}", told());
+        let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert_eq!(report["gl_errors"], 0, "{report}");
+        report
+    }
+}
+
+impl Drop for Demo<'_> {
+    fn drop(&mut self) {
+        if let Some(child) = &mut self.child {
+            let _ = child.kill();
+            let _ = child.wait();
+        }
+    }
+}
+
+/// A picture of the window.
+pub struct Image {
+    pub width: u32,
+    pixels: Vec<u8>,
+}
+
+impl Image {
+    pub fn open(path: &Path) -> Image {
+        let picture = image::open(path).unwrap().to_rgba8();
+        Image {
+            width: picture.width(),
+            pixels: picture.into_raw(),
+        }
+    }
+
+    /// The share of pixels that differ by more than a shade, in columns that panels do not cover.
+    pub fn difference(&self, other: &Image, columns: std::ops::Range<u32>) -> f64 {
+        assert_eq!(self.pixels.len(), other.pixels.len());
+        let pairs = self.pixels.chunks(4).zip(other.pixels.chunks(4));
+        let (mut all, mut different) = (0u32, 0u32);
+        for (index, (a, b)) in pairs.enumerate() {
+            if columns.contains(&(index as u32 % self.width)) {
+                all += 1;
+                let apart = a.iter().zip(b).any(|(a, b)| a.abs_diff(*b) > 12);
+                different += u32::from(apart);
+            }
+        }
+        f64::from(different) / f64::from(all)
+    }
+}
