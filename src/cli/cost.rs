@@ -17,12 +17,12 @@ Examples:
   echomarch cost obstacles --profile march --json";
 
 const LEGEND: &str = "\
-saves: median time that the change saves, run by run, ± half the distance between the quartiles;
-~ where the clock makes as much of no difference. met: waves that meet it. heard: change of the
-share of waves heard; pan; level: at the ear at which it changes more; each the mean, and in
-brackets the root mean square of a single frame. A change is noise where another seed changes as
-much in all three. Everything is changed alone: two things that can each be left out may be heard
-together.";
+saves: median time that the change saves (negative: costs), run by run, ± half the distance between
+the quartiles; ~ where the clock makes as much of no difference. met: waves that meet it. heard:
+change of the share of waves heard; pan; level: at the ear at which it changes more; each the mean,
+and in brackets the root mean square of a single frame. A change is noise where another seed
+changes as much in all three. Everything is changed alone: two things that can each be left out may
+be heard together.";
 
 /// Arguments of `cost`.
 #[derive(Args, Debug)]
@@ -217,7 +217,10 @@ fn print_shader(report: &CostReport) -> anyhow::Result<()> {
     };
     let unused = match shader.unused_functions.is_empty() {
         true => "every function is called".to_owned(),
-        false => format!("never called: {}", shader.unused_functions.join(", ")),
+        false => format!(
+            "never called, for the compiler to drop: {}",
+            shader.unused_functions.join(", ")
+        ),
     };
     print::line(&format!("{verdict}; {unused}"))
 }

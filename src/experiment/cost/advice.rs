@@ -1,7 +1,7 @@
 //! What a person can do about it, in sentences.
 
 use super::change::Change;
-use super::options::AS_ASKED;
+use super::options::{AS_ASKED, COUNTING};
 use super::surfaces::{SurfaceRow, Verdict};
 use super::{CostReport, OptionRow};
 
@@ -49,11 +49,14 @@ fn of_surfaces(report: &CostReport) -> String {
         };
         let more = match spares.len() {
             1 => String::new(),
-            count => format!(" The same goes for {} more, one at a time.", count - 1),
+            count => format!(
+                " {} more can be left out just as well, one at a time.",
+                count - 1
+            ),
         };
         return format!(
             "{} {takes}{met}, and leaving it out changes nothing beyond noise.{more}",
-            best.name
+            capitalised(&best.name)
         );
     }
     let heard = |row: &&SurfaceRow| row.verdict == Verdict::IsHeard;
@@ -71,6 +74,13 @@ fn of_surfaces(report: &CostReport) -> String {
     }
 }
 
+/// The same as the beginning of a sentence.
+fn capitalised(name: &str) -> String {
+    let mut letters = name.chars();
+    let first = letters.next().map(|c| c.to_ascii_uppercase());
+    first.into_iter().chain(letters).collect()
+}
+
 fn in_words(change: Change) -> String {
     format!(
         "without it {:+.1} % of the waves are heard, and the pan moves by {:+.3}",
@@ -81,6 +91,7 @@ fn in_words(change: Change) -> String {
 fn of_options(report: &CostReport) -> String {
     let saves = |row: &&OptionRow| {
         row.against == AS_ASKED
+            && row.name != COUNTING
             && row.within_noise
             && row.total.beyond_noise
             && row.total.saved_ms > 0.0

@@ -108,13 +108,15 @@ pub fn measure(
     let base = Case { scene, settings };
     let runs = options.runs.max(1);
     let control = pair(tracer, base, base, runs)?;
+    // Of no difference nothing is beyond noise.
+    let (march, total_time) = (control.march(f64::INFINITY), control.total(f64::INFINITY));
     let seeded = seeded_frames(tracer, base)?;
     let noise = Noise::of(&seeded, settings.waves);
     let bench = Bench {
         base,
         runs,
-        control_percent: control.march(0.0).own_noise_percent(),
-        control_total_percent: control.total(0.0).own_noise_percent(),
+        control_percent: march.own_noise_percent(),
+        control_total_percent: total_time.own_noise_percent(),
         noise: &noise,
     };
     step();
@@ -132,8 +134,8 @@ pub fn measure(
         seed: settings.seed,
         directions: settings.directions.to_string(),
         runs,
-        control: control.march(0.0),
-        control_total: control.total(0.0),
+        control: march,
+        control_total: total_time,
         followed,
         by_kind: scene.surfaces.len() > MOST_SURFACES,
         surfaces,

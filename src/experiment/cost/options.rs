@@ -27,6 +27,9 @@ pub struct OptionRow {
 /// What [`OptionRow::against`] says of the settings that were asked for.
 pub(super) const AS_ASKED: &str = "as asked";
 
+/// The row of a setting that is for measurements, and no way to save time.
+pub(super) const COUNTING: &str = "counting evaluations";
+
 /// Settings that are changed in one thing.
 pub(super) struct Variant {
     name: String,
@@ -77,7 +80,7 @@ pub(super) fn variants(asked: &Settings) -> Vec<Variant> {
     settings.count_evaluations = !asked.count_evaluations;
     add(
         switch(
-            "counting evaluations",
+            COUNTING,
             "not counting evaluations",
             asked.count_evaluations,
         ),
@@ -197,7 +200,7 @@ mod tests {
             let mut asked = Settings::of(profile).with_waves(1000);
             asked.sum_on_gpu = true;
             let all = variants(&asked);
-            assert_eq!(all.len(), 9, "{profile}");
+            assert_eq!(all.len(), 10, "{profile}");
             for variant in &all {
                 let beside = variant.against.as_ref().unwrap_or(&asked);
                 assert!(variant.settings != *beside, "{}", variant.name);
