@@ -234,7 +234,10 @@ mod tests {
                 for _ in 0..200 {
                     walker.walk(&scene, &wish, 0.05);
                     let clear = scene.surface_distance(walker.position).distance;
-                    assert!(clear > 0.9 * BODY, "{name}, heading {heading}: {clear}");
+                    // Of a field the distance may be no more than a bound of it.
+                    let is_exact = scene.surfaces.iter().all(|s| s.shape.field().is_none());
+                    let least = if is_exact { 0.9 } else { 0.5 };
+                    assert!(clear > least * BODY, "{name}, heading {heading}: {clear}");
                 }
             }
         }
