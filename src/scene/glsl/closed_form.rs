@@ -4,6 +4,7 @@ use super::cells::{of_kind, walk_files};
 use super::field::{field_files, gradient_text, hit_text, value_text};
 use super::fields_ahead::{Marched, fields_ahead};
 use super::land::{land_files, land_text};
+use super::source::without_uncalled;
 use super::{Named, Source, Text, add_once, source};
 use crate::scene::Scene;
 use std::borrow::Cow;
@@ -38,7 +39,7 @@ pub fn closed_form_sources(scene: &Scene) -> Vec<Source> {
     let functions = nearest_hit(&text) + &land_text(&text);
     sources.push((Cow::Borrowed("the scene"), Cow::Owned(functions)));
     sources.extend(fields_ahead(&text, Marched::Others));
-    sources
+    without_uncalled(sources)
 }
 
 /// What `nearestHit` calls for the surfaces in cells.

@@ -32,3 +32,39 @@ pub fn join(sources: &[Source]) -> String {
     }
     text
 }
+
+/// The sources without the shape files that nothing calls: of a field with a closed form the
+/// gradient is needed, and not always the value.
+pub(super) fn without_uncalled(mut sources: Vec<Source>) -> Vec<Source> {
+    loop {
+        let uncalled = sources.iter().position(|(name, text)| {
+            let others = || sources.iter().filter(|(other, _)| other != name);
+            // What declares a uniform is needed for that.
+            name.starts_with("glsl/distance/")
+                && !text.contains("uniform ")
+                && functions(text).all(|f| others().all(|(_, text)| !calls(text, f)))
+        });
+        match uncalled {
+            Some(index) => sources.remove(index),
+            None => return sources,
+        };
+    }
+}
+
+/// Names of the functions that a file defines: at the start of a line, a type and a name.
+fn functions(text: &str) -> impl Iterator<Item = &str> {
+    text.lines().filter_map(|line| {
+        let head = line.split_once('(')?.0;
+        let (kind, name) = head.split_once(' ')?;
+        let is_type = ["float", "vec2", "vec3", "vec4", "bool", "void"].contains(&kind);
+        (is_type && !name.contains(' ')).then_some(name)
+    })
+}
+
+fn calls(text: &str, function: &str) -> bool {
+    text.match_indices(function).any(|(at, _)| {
+        let before = text[..at].chars().next_back();
+        let is_word = before.is_some_and(|c| c.is_ascii_alphanumeric() || c == '_');
+        !is_word && text[at + function.len()..].starts_with('(')
+    })
+}
