@@ -6,8 +6,8 @@
 //! diagonal r, the distance d of a surface and the least such distance u obey
 //! d(x) ≥ d(c) − r and min d(x) ≤ u + r, so that only surfaces with d(c) ≤ u + 2 r are near.
 //!
-//! Uniform cells, about two a surface, were chosen over a list of all surfaces (the same
-//! code with one cell) by measuring: see docs/benchmarks. Lists are kept from frame to
+//! Uniform cells were chosen over a list of all surfaces (the same code with one cell) and
+//! over unrolled text by measuring: see docs/benchmarks/surfaces-llvmpipe.md. Lists are kept from frame to
 //! frame: what moved is taken out and put in, and only the cells that it was or can be
 //! near to are made again. They are built on all cores; their order is that of the
 //! surfaces, whatever the number of threads.
@@ -17,7 +17,7 @@ use super::{Bounds3, Exactness, Scene, Surface};
 use glam::{BVec3, DVec3, UVec3, Vec3};
 use std::num::NonZeroUsize;
 
-/// Cells for each surface, about.
+/// Cells for each surface, about: as many again, so that most hold one surface or none.
 const CELLS_A_SURFACE: f64 = 2.0;
 
 /// Cells along an axis at the most.
