@@ -143,8 +143,8 @@ impl App {
         self.follow(&mut tracer)?;
         self.stage = Some(Stage {
             view: View::new(&context)?,
+            path_tracer: tracer.beside()?,
             tracer,
-            path_tracer: Tracer::new(&context)?,
             window,
         });
         if let Some(path) = self.options.record.clone() {

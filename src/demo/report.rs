@@ -15,6 +15,9 @@ const REREAD_AT_MOST: usize = 100;
 /// Frame times that the medians are taken of, the last ones.
 const TIMES_AT_MOST: usize = 36_000;
 
+/// Minutes whose memory is kept: a day.
+const MINUTES_AT_MOST: usize = 24 * 60;
+
 /// Milliseconds of one frame by part.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct FrameTimes {
@@ -59,12 +62,12 @@ pub struct Reread {
 }
 
 /// Resident memory in MiB; none where the system does not tell.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Memory {
     /// After two seconds.
     pub at_start: Option<f64>,
-    /// After a minute.
-    pub at_one_minute: Option<f64>,
+    /// After each minute of the first day.
+    pub each_minute: Vec<Option<f64>>,
     /// At the end.
     pub at_end: Option<f64>,
 }
@@ -165,8 +168,9 @@ impl Recorder {
         if due(self.memory.at_start, 2.0) {
             self.memory.at_start = resident_mib();
         }
-        if due(self.memory.at_one_minute, 60.0) {
-            self.memory.at_one_minute = resident_mib();
+        let minutes = &mut self.memory.each_minute;
+        if seconds >= 60.0 * (minutes.len() + 1) as f64 && minutes.len() < MINUTES_AT_MOST {
+            minutes.push(resident_mib());
         }
     }
 

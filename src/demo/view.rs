@@ -5,12 +5,14 @@
 //! more at full size, some rows a frame.
 
 use crate::error::Error;
-use crate::gpu::{Context, Marks, Picture, Program, WindowContext, full_screen_pass_rows};
+use crate::gpu::{
+    Context, Marks, Picture, Program, ProgramCache, WindowContext, full_screen_pass_rows,
+};
 use crate::scene::cells::Lists;
 use crate::scene::{Scene, glsl};
 use crate::trace::{SceneData, UserFields, check_surfaces};
 use glam::Vec2;
-use std::collections::HashMap;
+use std::num::NonZeroUsize;
 use std::rc::Rc;
 
 /// Vertical field of view in radians.
@@ -25,13 +27,16 @@ const STILL: u32 = 8;
 /// Milliseconds of a frame that refining may take.
 const REFINING: f64 = 12.0;
 
+/// Programs that are kept at the most: those of the scenes seen last.
+const PROGRAMS_KEPT: NonZeroUsize = NonZeroUsize::new(6).unwrap();
+
 /// What the picture shows: the same again is not drawn again.
 type Shown = (Scene, [u32; 2]);
 
 /// Draws the picture and keeps what can be used again.
 pub struct View {
     context: Context,
-    programs: HashMap<glsl::Structure, Rc<Program>>,
+    programs: ProgramCache<glsl::Structure>,
     data: SceneData,
     marks: Marks,
     coarse: Option<Picture>,
@@ -63,7 +68,7 @@ impl View {
     pub fn new(context: &Context) -> Result<View, Error> {
         Ok(View {
             context: context.clone(),
-            programs: HashMap::new(),
+            programs: ProgramCache::new(PROGRAMS_KEPT),
             data: SceneData::new(context)?,
             marks: Marks::new(context),
             coarse: None,
@@ -152,22 +157,18 @@ impl View {
 
     /// The program of the scene's structure, with the numbers of its surfaces set.
     fn program(&mut self, scene: &Scene) -> Result<Rc<Program>, Error> {
-        let structure = glsl::structure(scene);
-        let program = match self.programs.get(&structure) {
-            Some(program) => program.clone(),
-            None => {
-                check_surfaces(&self.context, scene)?;
-                UserFields::default().check(&self.context, scene)?;
-                let mut sources = glsl::distance_sources(scene);
-                sources.push(glsl::source!("view/colour.glsl"));
-                sources.push(glsl::source!("view/walk.frag"));
-                let label = format!("the view of {}", scene.name);
-                let text = glsl::join(&sources);
-                let program = Rc::new(Program::fragment(&self.context, &label, &text)?);
-                self.programs.insert(structure, program.clone());
-                program
-            }
+        let context = &self.context;
+        let compile = || {
+            check_surfaces(context, scene)?;
+            UserFields::default().check(context, scene)?;
+            let mut sources = glsl::distance_sources(scene);
+            sources.push(glsl::source!("view/colour.glsl"));
+            sources.push(glsl::source!("view/walk.frag"));
+            let label = format!("the view of {}", scene.name);
+            Ok::<_, Error>(Program::fragment(context, &label, &glsl::join(&sources))?)
         };
+        let structure = glsl::structure(scene);
+        let program = self.programs.get_or_compile(structure, compile)?;
         let placement = glsl::Placement::world();
         let placed = placement.apply(scene);
         self.data.set(scene, &placement, &placed, Lists::Near)?;

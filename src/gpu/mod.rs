@@ -40,6 +40,7 @@ mod pass;
 mod picture;
 mod ping_pong;
 mod program;
+mod program_cache;
 mod render_target;
 mod texture;
 #[cfg(feature = "demo")]
@@ -58,6 +59,7 @@ pub use pass::{Target, full_screen_pass, full_screen_pass_rows};
 pub use picture::Picture;
 pub use ping_pong::{PingPong, TexturePair};
 pub use program::{Program, header};
+pub use program_cache::ProgramCache;
 pub use render_target::RenderTarget;
 pub use texture::Texture;
 #[cfg(feature = "demo")]

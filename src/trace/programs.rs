@@ -2,13 +2,16 @@
 
 use super::{Directions, Profile, Settings};
 use crate::error::Error;
-use crate::gpu::{Context, Program};
+use crate::gpu::{Context, Program, ProgramCache};
 use crate::scene::Scene;
 use crate::scene::glsl::{self, Source, Structure, source};
 use std::borrow::Cow;
-use std::collections::HashMap;
-use std::collections::hash_map::Entry;
+use std::num::NonZeroUsize;
 use std::rc::Rc;
+
+/// Programs that are kept at the most: all three profiles of six scenes, and the passes that
+/// know no scene. Mesa's llvmpipe holds some 2 MiB for each.
+const PROGRAMS_KEPT: NonZeroUsize = NonZeroUsize::new(24).unwrap();
 
 /// What the text of a program depends on.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
@@ -30,15 +33,22 @@ struct Options {
 }
 
 /// Programs by what their text depends on.
-#[derive(Default)]
 pub(super) struct Programs {
-    programs: HashMap<Key, Rc<Program>>,
+    cache: ProgramCache<Key>,
+}
+
+impl Default for Programs {
+    fn default() -> Programs {
+        Programs {
+            cache: ProgramCache::new(PROGRAMS_KEPT),
+        }
+    }
 }
 
 impl Programs {
     /// Programs compiled so far.
     pub fn compiled(&self) -> usize {
-        self.programs.len()
+        self.cache.compiled()
     }
 
     /// The initialise pass for a choice of directions.
@@ -56,12 +66,13 @@ impl Programs {
     ) -> Result<Rc<Program>, Error> {
         let options = Options::of(settings);
         let key = Key::March(glsl::structure(scene), options);
-        if !self.programs.contains_key(&key) {
+        self.cache.get_or_compile(key, || {
             // What is checked once for a structure.
             scene.check()?;
-        }
-        let label = format!("march ({}) of {}", settings.profile, scene.name);
-        self.get(context, key, &label, || march_sources(scene, options))
+            let label = format!("march ({}) of {}", settings.profile, scene.name);
+            let text = glsl::join(&march_sources(scene, options));
+            Ok(Program::fragment(context, &label, &text)?)
+        })
     }
 
     /// The panning pass.
@@ -92,14 +103,10 @@ impl Programs {
         label: &str,
         sources: impl FnOnce() -> Vec<Source>,
     ) -> Result<Rc<Program>, Error> {
-        match self.programs.entry(key) {
-            Entry::Occupied(known) => Ok(known.get().clone()),
-            Entry::Vacant(place) => {
-                let text = glsl::join(&sources());
-                let program = Rc::new(Program::fragment(context, label, &text)?);
-                Ok(place.insert(program).clone())
-            }
-        }
+        self.cache.get_or_compile(key, || {
+            let text = glsl::join(&sources());
+            Ok(Program::fragment(context, label, &text)?)
+        })
     }
 }
 

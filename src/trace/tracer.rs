@@ -23,6 +23,7 @@ use crate::scene::Scene;
 use crate::scene::cells::Lists;
 use crate::scene::glsl::{self, Placed, Placement};
 use glam::{Vec3, Vec4};
+use std::cell::RefCell;
 use std::rc::Rc;
 use std::time::Instant;
 
@@ -36,17 +37,24 @@ const WAVES_PER_DRAW: u64 = 1 << 20;
 const EVALUATIONS_PER_DRAW: u64 = 1 << 33;
 
 /// Traces frames. Programs and textures are kept from frame to frame: a frame that
-/// only moves things compiles nothing and allocates nothing on the GPU.
+/// only moves things compiles nothing and allocates nothing on the GPU. Of many scenes and
+/// profiles in turns the programs used last are kept, two dozen of them.
 pub struct Tracer {
     context: Context,
     clock: Clock,
-    programs: Programs,
-    user_fields: UserFields,
+    kept: Rc<RefCell<Kept>>,
     targets: Option<Targets>,
     contributions: Vec<f32>,
     scene_data: SceneData,
     /// The frame begun and not yet collected, and what is kept from one to the next.
     pending: pending::Pending,
+}
+
+/// What tracers side by side share.
+#[derive(Default)]
+struct Kept {
+    programs: Programs,
+    user_fields: UserFields,
 }
 
 /// The textures for one count of waves.
@@ -77,11 +85,24 @@ impl Tracer {
     /// # Errors
     /// [`Error::Gpu`] when the renderer's clock cannot be had.
     pub fn new(context: &Context) -> Result<Tracer, Error> {
+        Tracer::with(context, Rc::default())
+    }
+
+    /// Another tracer on the same context, with textures and a frame under way of its own,
+    /// for another count of waves. The two share their programs: what the one has compiled,
+    /// the other need not.
+    ///
+    /// # Errors
+    /// As [`Tracer::new`].
+    pub fn beside(&self) -> Result<Tracer, Error> {
+        Tracer::with(&self.context, Rc::clone(&self.kept))
+    }
+
+    fn with(context: &Context, kept: Rc<RefCell<Kept>>) -> Result<Tracer, Error> {
         Ok(Tracer {
             context: context.clone(),
             clock: Clock::for_context(context)?,
-            programs: Programs::default(),
-            user_fields: UserFields::default(),
+            kept,
             targets: None,
             contributions: Vec::new(),
             scene_data: SceneData::new(context)?,
@@ -99,9 +120,10 @@ impl Tracer {
         self.clock.name()
     }
 
-    /// Programs compiled since the tracer was made.
+    /// Programs compiled since the tracer was made, by it and by those [beside](Tracer::beside)
+    /// it.
     pub fn programs_compiled(&self) -> usize {
-        self.programs.compiled()
+        self.kept.borrow().programs.compiled()
     }
 
     /// Checks all that a frame needs, users' fields included, and compiles its programs, but
@@ -111,10 +133,10 @@ impl Tracer {
     /// As [`Tracer::frame`].
     pub fn check(&mut self, scene: &Scene, settings: &Settings) -> Result<(), Error> {
         self.check_input(scene, settings)?;
-        self.programs.march(&self.context, scene, settings)?;
-        self.programs
-            .initialise(&self.context, settings.directions)?;
-        self.programs.pan(&self.context)?;
+        let programs = &mut self.kept.borrow_mut().programs;
+        programs.march(&self.context, scene, settings)?;
+        programs.initialise(&self.context, settings.directions)?;
+        programs.pan(&self.context)?;
         Ok(())
     }
 
@@ -206,16 +228,15 @@ impl Tracer {
             self.targets = None;
             self.targets = Some(Targets::new(&self.context, grid)?);
         }
-        let march = self.programs.march(&self.context, scene, settings)?;
-        let initialise = self
-            .programs
-            .initialise(&self.context, settings.directions)?;
-        let pan = self.programs.pan(&self.context)?;
+        let programs = &mut self.kept.borrow_mut().programs;
+        let march = programs.march(&self.context, scene, settings)?;
+        let initialise = programs.initialise(&self.context, settings.directions)?;
+        let pan = programs.pan(&self.context)?;
         if settings.sum_on_gpu
             && let Some(targets) = &mut self.targets
             && targets.sum.is_none()
         {
-            targets.sum = Some(Sum::new(&self.context, &mut self.programs, grid)?);
+            targets.sum = Some(Sum::new(&self.context, programs, grid)?);
         }
         // What only a first frame pays is over.
         let began = Instant::now();
@@ -246,7 +267,8 @@ impl Tracer {
         settings.validate()?;
         check_waves(&self.context, Grid::new(settings.waves))?;
         check_surfaces(&self.context, scene)?;
-        self.user_fields.check(&self.context, scene)
+        let fields = &mut self.kept.borrow_mut().user_fields;
+        fields.check(&self.context, scene)
     }
 
     fn initialise(&self, job: &Job) -> Result<f64, Error> {

@@ -46,8 +46,9 @@ const ROWS_PER_DRAW: u32 = 64;
 /// Steps along the way between two points where something is amiss.
 const CLOSER: usize = 256;
 
-/// Fields remembered at the most: an editor makes a new one with each change.
-const KNOWN: usize = 64;
+/// Fields remembered beyond those of the scene: an editor makes a new one with each change,
+/// and each text has a MiB of samples.
+const KNOWN: usize = 16;
 
 /// The fields that a context has checked.
 #[derive(Default)]
@@ -62,24 +63,37 @@ impl UserFields {
     /// [`Error::Trace`] for a field that cannot be used, [`Error::Gpu`] when the renderer
     /// fails.
     pub fn check(&mut self, context: &Context, scene: &Scene) -> Result<(), Error> {
+        let mut new = false;
         for field in scene.user_fields() {
             if self.checked.iter().any(|known| Arc::ptr_eq(known, field)) {
                 continue;
             }
+            new = true;
             match self.checked.iter().find(|known| ***known == **field) {
+                // The same text, in a scene that was read again: one set of samples is enough.
                 Some(known) => {
                     if let Some(samples) = known.samples() {
-                        field.set_samples(samples.clone());
+                        field.set_samples(Arc::clone(samples));
                     }
                 }
                 None => check(context, field)?,
             }
-            if self.checked.len() == KNOWN {
-                self.checked.remove(0);
-            }
             self.checked.push(Arc::clone(field));
         }
+        if new {
+            self.forget_old(scene);
+        }
         Ok(())
+    }
+
+    /// Forgets the oldest fields that the scene does not have.
+    fn forget_old(&mut self, scene: &Scene) {
+        let is_here = |field: &Arc<UserField>| scene.user_fields().any(|f| Arc::ptr_eq(f, field));
+        let (here, mut others): (Vec<_>, Vec<_>) = self.checked.drain(..).partition(is_here);
+        let excess = others.len().saturating_sub(KNOWN);
+        others.drain(..excess);
+        self.checked = others;
+        self.checked.extend(here);
     }
 }
 
@@ -113,7 +127,7 @@ fn check(context: &Context, field: &UserField) -> Result<(), Error> {
     };
     let samples = probe.samples()?;
     probe.check_growth()?;
-    field.set_samples(samples);
+    field.set_samples(Arc::new(samples));
     Ok(())
 }
 
@@ -280,5 +294,41 @@ impl Steepest {
         for (ends, pair) in points.chunks_exact(2).zip(values.chunks_exact(2)) {
             self.take([ends[0], ends[1]], [pair[0], pair[1]]);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::ContextOptions;
+
+    /// Protects long walks and edits: a field read again shares its samples, old ones go, and
+    /// those of the scene stay however many they are.
+    #[test]
+    fn fields_of_old_scenes_are_forgotten() {
+        let context = Context::headless(&ContextOptions::default()).unwrap();
+        let mut fields = UserFields::default();
+        let again = || Scene::load("menger").unwrap();
+        let count = again().user_fields().count();
+        assert!(count > 0);
+        let first = again();
+        fields.check(&context, &first).unwrap();
+        let mut last = first.clone();
+        for _ in 0..2 * KNOWN {
+            last = again();
+            fields.check(&context, &last).unwrap();
+        }
+        assert_eq!(fields.checked.len(), KNOWN + count);
+        let samples = |scene: &Scene| scene.user_fields().next().unwrap().samples().cloned();
+        let (old, new) = (samples(&first).unwrap(), samples(&last).unwrap());
+        assert!(Arc::ptr_eq(&old, &new));
+        let known = fields.checked.clone();
+        fields.check(&context, &last).unwrap();
+        assert!(
+            known
+                .iter()
+                .zip(&fields.checked)
+                .all(|(a, b)| Arc::ptr_eq(a, b))
+        );
     }
 }

@@ -7,7 +7,7 @@
 use super::text;
 use glam::{DVec3, Vec3};
 use std::path::PathBuf;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 /// A user's field, and what is promised of it.
 #[derive(Debug)]
@@ -21,7 +21,7 @@ pub struct UserField {
     pub size: Vec3,
     /// How fast its value may grow at the most, in metres a metre.
     pub lipschitz: f32,
-    samples: OnceLock<UserSamples>,
+    samples: OnceLock<Arc<UserSamples>>,
 }
 
 /// The values of a field on a grid over its box, edges included.
@@ -46,13 +46,13 @@ impl UserField {
     }
 
     /// Keeps what the GPU answered; the first answer stays.
-    pub fn set_samples(&self, samples: UserSamples) {
+    pub fn set_samples(&self, samples: Arc<UserSamples>) {
         // The same text over the same box has the same samples.
         let _ = self.samples.set(samples);
     }
 
     /// What the GPU answered, once it was asked.
-    pub fn samples(&self) -> Option<&UserSamples> {
+    pub fn samples(&self) -> Option<&Arc<UserSamples>> {
         self.samples.get()
     }
 
@@ -132,7 +132,7 @@ mod tests {
         let field = UserField::new("x", String::new(), size, 1.0);
         assert_eq!(field.value(DVec3::ZERO), 0.0);
         let values = (0..8).map(|i| [0.0, 1.0][i & 1]).collect();
-        field.set_samples(UserSamples { side: 2, values });
+        field.set_samples(Arc::new(UserSamples { side: 2, values }));
         assert_eq!(field.value(DVec3::ZERO), 0.5);
         assert_eq!(field.value(DVec3::X * 5.0), 1.0);
         assert_eq!(field.value(DVec3::new(-0.5, 2.0, 1.0)), 0.25);

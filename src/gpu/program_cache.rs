@@ -1,0 +1,101 @@
+//! Programs that are kept for when they are needed again.
+
+use super::Program;
+use lru::LruCache;
+use std::hash::Hash;
+use std::num::NonZeroUsize;
+use std::rc::Rc;
+
+/// Programs by what their text depends on. When it is full, the one that was not asked for
+/// the longest goes: whoever walks through many scenes holds no more of them than that.
+#[derive(Debug)]
+pub struct ProgramCache<K: Eq + Hash> {
+    kept: LruCache<K, Rc<Program>>,
+    compiled: usize,
+}
+
+impl<K: Eq + Hash> ProgramCache<K> {
+    /// An empty one, for so many programs at the most.
+    pub fn new(most: NonZeroUsize) -> ProgramCache<K> {
+        ProgramCache {
+            kept: LruCache::new(most),
+            compiled: 0,
+        }
+    }
+
+    /// The program kept for `key`, or else the one that `compile` makes.
+    ///
+    /// # Errors
+    /// Those of `compile`; then nothing is kept and nothing goes.
+    pub fn get_or_compile<E>(
+        &mut self,
+        key: K,
+        compile: impl FnOnce() -> Result<Program, E>,
+    ) -> Result<Rc<Program>, E> {
+        if let Some(known) = self.kept.get(&key) {
+            return Ok(known.clone());
+        }
+        let program = Rc::new(compile()?);
+        self.compiled += 1;
+        self.kept.put(key, program.clone());
+        Ok(program)
+    }
+
+    /// Programs compiled since it was made, those that have gone included.
+    pub fn compiled(&self) -> usize {
+        self.compiled
+    }
+
+    /// Programs that are kept now.
+    pub fn kept(&self) -> usize {
+        self.kept.len()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::{Context, ContextOptions, GpuError};
+
+    const TWO: NonZeroUsize = NonZeroUsize::new(2).unwrap();
+
+    /// Protects long walks through many scenes: what is not used goes, what is used stays.
+    #[test]
+    fn the_program_unused_longest_goes() {
+        let context = Context::headless(&ContextOptions::default()).unwrap();
+        let mut cache = ProgramCache::new(TWO);
+        let mut ask = |name: &'static str| {
+            let text = "out vec4 colour; void main() { colour = vec4(1.0); }";
+            let compile = || Program::fragment(&context, name, text);
+            let program = cache.get_or_compile(name, compile).unwrap();
+            (program, cache.compiled(), cache.kept())
+        };
+        let (first, ..) = ask("first");
+        let (second, ..) = ask("second");
+        assert!(Rc::ptr_eq(&ask("first").0, &first));
+        let (_, compiled, kept) = ask("third");
+        assert_eq!((compiled, kept), (3, 2));
+        assert!(Rc::ptr_eq(&ask("first").0, &first));
+        // Whoever still holds it can still draw with it.
+        assert_eq!(second.label(), "second");
+        assert!(!Rc::ptr_eq(&ask("second").0, &second));
+        assert_eq!(ask("second").1, 4);
+    }
+
+    /// Protects the good programs from a scene that does not compile.
+    #[test]
+    fn what_does_not_compile_drives_nothing_out() {
+        let context = Context::headless(&ContextOptions::default()).unwrap();
+        let mut cache = ProgramCache::new(TWO);
+        let good = "out vec4 colour; void main() { colour = vec4(1.0); }";
+        for (name, text) in [("a", good), ("b", good), ("c", "void main() { no }")] {
+            let compile = || Program::fragment(&context, name, text);
+            let made = cache.get_or_compile(name, compile);
+            assert_eq!(made.is_ok(), text == good);
+        }
+        assert_eq!((cache.compiled(), cache.kept()), (2, 2));
+        let never = || -> Result<Program, GpuError> { panic!("it is kept") };
+        cache.get_or_compile("a", never).unwrap();
+        cache.get_or_compile("b", never).unwrap();
+    }
+}
