@@ -2,6 +2,7 @@
 
 use super::adapt::{Control, SCALES, step_of};
 use super::keys::{Held, action};
+use super::mouse::Mouse;
 use super::latency::Latency;
 use super::overlay::Plan;
 use super::reload::Follower;
@@ -18,9 +19,7 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 use winit::application::ApplicationHandler;
 use winit::error::EventLoopError;
-use winit::event::{
-    DeviceEvent, DeviceId, ElementState, KeyEvent, MouseButton, StartCause, WindowEvent,
-};
+use winit::event::{ElementState, KeyEvent, MouseButton, StartCause, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow};
 use winit::keyboard::PhysicalKey;
 use winit::window::WindowId;
@@ -29,7 +28,7 @@ use winit::window::WindowId;
 const LEAST_INTERVAL: Duration = Duration::from_micros(16_600);
 
 /// Radians that the gaze turns for a pixel of the mouse.
-const MOUSE: f32 = 0.0025;
+const MOUSE: f64 = 0.0025;
 
 /// The scale of the picture to begin with, on a software renderer.
 const FIRST_SCALE: f32 = 0.4;
@@ -54,6 +53,7 @@ pub(super) struct App {
     pub follower: Option<Follower>,
     pub held: Held,
     pub mouse_looks: bool,
+    mouse: Mouse,
     pub plan: Plan,
     pub paths: Vec<Vec<Wave>>,
     pub heard: Option<Frame>,
@@ -89,6 +89,7 @@ impl App {
             follower: None,
             held: Held::default(),
             mouse_looks: false,
+            mouse: Mouse::default(),
             plan: Plan::default(),
             paths: Vec::new(),
             heard: None,
@@ -169,7 +170,9 @@ impl App {
         self.is_over = true;
     }
 
-    fn key(&mut self, event: &KeyEvent) {
+    /// A key goes up or down. `is_synthetic` says that it was down already when the window
+    /// got the keyboard: it was pressed for another one, and asks for nothing here.
+    fn key(&mut self, event: &KeyEvent, is_synthetic: bool) {
         let PhysicalKey::Code(key) = event.physical_key else {
             return;
         };
@@ -177,10 +180,13 @@ impl App {
             self.held.release(key);
             return;
         }
-        if event.repeat {
+        if event.repeat || self.held.is_down(key) {
             return;
         }
         self.held.press(key);
+        if is_synthetic {
+            return;
+        }
         let asked = action(key, self.held.control());
         if asked.is_some() || !self.held.wish().is_rest() {
             self.latency.input(Instant::now());
@@ -196,6 +202,23 @@ impl App {
             && wanted != self.mouse_looks
         {
             self.mouse_looks = stage.window.capture_mouse(wanted);
+        }
+    }
+
+    /// The pointer has moved.
+    fn pointer(&mut self, to: [f64; 2]) {
+        let Some(stage) = &self.stage else {
+            return;
+        };
+        let moved = self.mouse.moved(to, stage.window.size(), self.mouse_looks);
+        if let Some(place) = moved.put {
+            stage.window.put_pointer(place);
+        }
+        let [right, down] = moved.by;
+        if right != 0.0 || down != 0.0 {
+            self.latency.input(Instant::now());
+            let turn = |pixels: f64| (MOUSE * pixels) as f32;
+            self.world.look(turn(right), -turn(down));
         }
     }
 
@@ -264,6 +287,16 @@ fn stands_as(a: &Scene, b: &Scene) -> bool {
         && a.surfaces == b.surfaces
 }
 
+/// Whether an event begins something. What ends something is for whoever saw the beginning.
+fn begins_something(event: &WindowEvent) -> bool {
+    match event {
+        WindowEvent::KeyboardInput { event, .. } => event.state == ElementState::Pressed,
+        WindowEvent::MouseInput { state, .. } => *state == ElementState::Pressed,
+        WindowEvent::CursorMoved { .. } | WindowEvent::MouseWheel { .. } => true,
+        _ => false,
+    }
+}
+
 impl ApplicationHandler for App {
     fn resumed(&mut self, events: &ActiveEventLoop) {
         if self.stage.is_none()
@@ -276,17 +309,18 @@ impl ApplicationHandler for App {
 
     fn new_events(&mut self, _: &ActiveEventLoop, _: StartCause) {}
 
-    fn window_event(&mut self, events: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
+    fn window_event(&mut self, _: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
         let Some(stage) = &mut self.stage else {
             return;
         };
         let is_tab = matches!(&event, WindowEvent::KeyboardInput { event, .. }
             if event.physical_key == PhysicalKey::Code(winit::keyboard::KeyCode::Tab));
         // Tab would move egui's focus about, and every key with it.
-        let hides_from_panels = self.mouse_looks || is_tab;
+        let hides_from_panels = is_tab || self.mouse_looks && begins_something(&event);
         let is_theirs = !hides_from_panels && stage.window.on_event(&event).consumed;
         match event {
-            WindowEvent::CloseRequested => events.exit(),
+            WindowEvent::CloseRequested => self.quit(),
+            WindowEvent::CursorMoved { position, .. } => self.pointer(position.into()),
             WindowEvent::Resized(size) => {
                 stage.window.gl.resize(size.width, size.height);
                 stage.view.forget();
@@ -297,10 +331,12 @@ impl ApplicationHandler for App {
                 self.look_by_mouse(false);
             }
             // A key that goes up always counts, whoever saw it go down.
-            WindowEvent::KeyboardInput { event, .. }
-                if !is_theirs || event.state == ElementState::Released =>
-            {
-                self.key(&event);
+            WindowEvent::KeyboardInput {
+                event,
+                is_synthetic,
+                ..
+            } if !is_theirs || event.state == ElementState::Released => {
+                self.key(&event, is_synthetic);
             }
             WindowEvent::MouseInput {
                 state: ElementState::Pressed,
@@ -308,15 +344,6 @@ impl ApplicationHandler for App {
                 ..
             } if !is_theirs => self.look_by_mouse(!self.mouse_looks),
             _ => {}
-        }
-    }
-
-    fn device_event(&mut self, _: &ActiveEventLoop, _: DeviceId, event: DeviceEvent) {
-        if let DeviceEvent::MouseMotion { delta: (x, y) } = event
-            && self.mouse_looks
-        {
-            self.latency.input(Instant::now());
-            self.world.look(MOUSE * x as f32, -MOUSE * y as f32);
         }
     }
 

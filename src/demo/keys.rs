@@ -142,6 +142,11 @@ impl Held {
         }
     }
 
+    /// Whether a key is down and holds.
+    pub fn is_down(&self, key: KeyCode) -> bool {
+        self.0.contains(&key)
+    }
+
     /// A key goes up.
     pub fn release(&mut self, key: KeyCode) {
         self.0.remove(&key);

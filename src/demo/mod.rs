@@ -31,6 +31,7 @@ mod error;
 mod frame;
 mod keys;
 mod latency;
+mod mouse;
 mod options;
 mod overlay;
 mod reload;

@@ -4,7 +4,7 @@ use super::{DemoError, DemoOptions};
 use crate::gpu::{WindowContext, WindowDisplay};
 use egui_glow::Painter;
 use egui_glow::egui_winit::{EventResponse, State};
-use winit::dpi::PhysicalSize;
+use winit::dpi::{PhysicalPosition, PhysicalSize};
 use winit::event::WindowEvent;
 use winit::event_loop::{ActiveEventLoop, EventLoop};
 use winit::platform::x11::{EventLoopBuilderExtX11, WindowAttributesExtX11};
@@ -74,16 +74,20 @@ impl DemoWindow {
 
     /// Keeps the mouse in the window and out of sight, or gives it back; whether it is kept.
     pub fn capture_mouse(&self, wanted: bool) -> bool {
-        let grabbed = wanted
-            && [CursorGrabMode::Locked, CursorGrabMode::Confined]
-                .into_iter()
-                .any(|mode| self.window.set_cursor_grab(mode).is_ok());
+        let confine = || self.window.set_cursor_grab(CursorGrabMode::Confined);
+        let grabbed = wanted && confine().is_ok();
         if !grabbed {
             // There is nothing to be done where it cannot even be freed.
             let _ = self.window.set_cursor_grab(CursorGrabMode::None);
         }
         self.window.set_cursor_visible(!grabbed);
         grabbed
+    }
+
+    /// Puts the pointer to a place in the window, in pixels.
+    pub fn put_pointer(&self, [x, y]: [f64; 2]) {
+        // Where it cannot be put it stays, and stops at the window's edge.
+        let _ = self.window.set_cursor_position(PhysicalPosition::new(x, y));
     }
 
     /// Tells the panels of an event; `consumed` in the answer says that it was theirs.
