@@ -22,6 +22,14 @@ fn a_frame_begun_is_the_frame_that_waits() {
                 tracer.frame_begin(&scene, &settings).unwrap();
                 let now = tracer.frame(&scene, &settings).unwrap();
                 assert_eq!((late.panning, late.counts), (now.panning, now.counts));
+                let begun = tracer.frame_wait().unwrap().unwrap();
+                assert_eq!((begun.panning, begun.counts), (now.panning, now.counts));
+                // Nor by one of another size.
+                tracer.frame_begin(&scene, &settings).unwrap();
+                let other = settings.clone().with_waves(2 * waves);
+                assert!(tracer.frame(&scene, &other).unwrap().panning != now.panning);
+                let begun = tracer.frame_wait().unwrap().unwrap();
+                assert_eq!((begun.panning, begun.counts), (now.panning, now.counts));
                 assert!(now.counts.travelling > 0);
                 assert!(late.milliseconds.march > 0.0);
             }

@@ -93,10 +93,10 @@ struct WindowOptions {
     /// the frame's time
     #[arg(long, allow_negative_numbers = true, value_name = "SHARE")]
     scale: Option<f32>,
-    /// Width in pixels
+    /// Width in pixels, before the screen's own scale
     #[arg(long, default_value_t = 960, value_name = "PIXELS")]
     width: u32,
-    /// Height in pixels
+    /// Height in pixels, before the screen's own scale
     #[arg(long, default_value_t = 540, value_name = "PIXELS")]
     height: u32,
     /// Where F5 saves the scene; without it NAME-1.ron and so on
@@ -223,9 +223,12 @@ fn to_errors(line: &str) {
 fn print_text(report: &Report) -> anyhow::Result<()> {
     let times = &report.frame_ms_median;
     print::line(&format!(
-        "{} frames in {:.1} s, {:.1} fps (median), 95 % below {:.1} ms, {} GL errors",
-        report.frames, report.seconds, report.fps_median, report.frame_ms_95, report.gl_errors
+        "{} frames in {:.1} s, {:.1} fps (median), 95 % below {:.1} ms",
+        report.frames, report.seconds, report.fps_median, report.frame_ms_95
     ))?;
+    if let Some(errors) = report.gl_errors.filter(|&errors| errors > 0) {
+        print::line(&format!("  GL reported errors after {errors} frames"))?;
+    }
     print::line(&format!(
         "  picture {:.1} ms ({} × {}), waves {:.1}, read back {:.1}, panels {:.1}, swap {:.1}",
         times.picture,

@@ -61,13 +61,18 @@ impl Common {
     pub fn scene_with(&self, name_or_file: &str, values: &Values) -> Result<Scene, Error> {
         let scene = values.load(name_or_file)?;
         self.warn_when_known(&scene, false);
-        let unrolled = Layout::of(&scene).loose.len();
+        self.note_many(&scene);
+        Ok(scene)
+    }
+
+    /// Tells of more surfaces than a shader is quickly made of.
+    fn note_many(&self, scene: &Scene) {
+        let unrolled = Layout::of(scene).loose.len();
         if unrolled > MANY_SURFACES {
             self.note(&format!(
                 "note: {unrolled} surfaces that lie in no cells: compiling their shader the first time can take long"
             ));
         }
-        Ok(scene)
     }
 
     /// Tells what is odd about a scene that the renderer has checked, unless it was already
@@ -106,6 +111,7 @@ impl Common {
         let loaded = values.load(name_or_file).map_err(Error::from)?;
         let scene = loaded.at(seconds);
         self.warn_when_known(&scene, false);
+        self.note_many(&scene);
         Ok(scene)
     }
 

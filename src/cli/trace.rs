@@ -32,6 +32,15 @@ pub struct Arguments {
     values: Values,
     #[command(flatten)]
     options: TraceOptions,
+    /// Seconds on the paths of source, listener and surfaces; without it all stand where the
+    /// scene puts them
+    #[arg(
+        long,
+        allow_negative_numbers = true,
+        value_name = "SECONDS",
+        conflicts_with = "watch"
+    )]
+    time: Option<f64>,
     /// Write every wave's start, end, direction and status as CSV
     #[arg(long, value_name = "FILE.csv")]
     dump_waves: Option<PathBuf>,
@@ -77,7 +86,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     if arguments.watch {
         return watch(arguments, common, &settings);
     }
-    let scene = common.scene_with(&arguments.scene, &arguments.values)?;
+    let scene = common.scene_at(&arguments.scene, &arguments.values, arguments.time)?;
     let mut tracer = common.tracer()?;
     tracer.check(&scene, &settings)?;
     common.warn_checked(&scene);

@@ -2,14 +2,11 @@
 
 use super::app::App;
 use super::keys::Action;
-use super::save;
+use super::save::{self, free_file};
 use super::state::World;
 use crate::audio::PanningLaw;
 use crate::scene::BUILTIN_NAMES;
-use std::path::PathBuf;
-
-/// Names of files that are tried for one kind.
-const NAMES_AT_MOST: u32 = 9999;
+use std::path::{Path, PathBuf};
 
 impl App {
     /// Does what was asked for.
@@ -38,7 +35,7 @@ impl App {
             Action::Scene(name) => self.change_scene(&name),
             Action::Save => self.save(),
             Action::Screenshot => {
-                self.picture_wanted = free_file("echomarch", "png");
+                self.picture_wanted = free_file(Path::new(""), "echomarch", "png");
             }
             Action::Help => self.choices.help = !self.choices.help,
             Action::Panels => self.choices.panels = !self.choices.panels,
@@ -77,7 +74,7 @@ impl App {
             }
             Action::Record if self.sound.is_recording => self.record(None),
             Action::Record => {
-                let path = free_file("echomarch", "wav");
+                let path = free_file(Path::new(""), "echomarch", "wav");
                 self.record(path);
             }
             _ => {}
@@ -131,7 +128,7 @@ impl App {
             return;
         };
         let (world, path) = (&self.world, self.options.save.as_deref());
-        match save::save(&text, &world.moved(), &world.now, path) {
+        match save::save(&text, &world.name, &world.moved(), &world.now, path) {
             Ok(path) => {
                 let name = path.display().to_string();
                 self.saved.push(name.clone());
@@ -141,7 +138,7 @@ impl App {
                 self.say(if is_exact {
                     format!("saved {name}; the equal call is on standard output")
                 } else {
-                    format!("saved {name}; what moves by itself begins at its path's start")
+                    format!("saved {name}; it is not what is heard now")
                 });
             }
             Err(error) => self.say(error.to_string()),
@@ -159,11 +156,4 @@ impl App {
         };
         self.say(told);
     }
-}
-
-/// The next name `STEM-1.ENDING` that is free.
-fn free_file(stem: &str, ending: &str) -> Option<PathBuf> {
-    (1..NAMES_AT_MOST)
-        .map(|number| PathBuf::from(format!("{stem}-{number}.{ending}")))
-        .find(|path| !path.exists())
 }

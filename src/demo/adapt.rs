@@ -6,6 +6,9 @@
 /// Sides of the grid of waves that the control chooses from.
 const SIDES: [u32; 12] = [32, 64, 96, 128, 192, 256, 384, 512, 768, 1024, 1448, 2048];
 
+/// Waves that the control, and the slider for them, go to.
+pub const MOST_WAVES: u32 = 1 << 20;
+
 /// Pixels drawn for each of the window's, along one side, that the control chooses from.
 pub const SCALES: [f32; 8] = [0.2, 0.25, 0.33, 0.4, 0.5, 0.65, 0.8, 1.0];
 

@@ -2,8 +2,8 @@
 
 use super::adapt::{Control, SCALES, step_of};
 use super::keys::{Held, action};
-use super::mouse::Mouse;
 use super::latency::Latency;
+use super::mouse::Mouse;
 use super::overlay::Plan;
 use super::reload::Follower;
 use super::report::{Recorder, Report, Standing};
@@ -14,7 +14,7 @@ use super::view::{Drawn, View};
 use super::window::DemoWindow;
 use super::{DemoError, DemoOptions, overlay};
 use crate::scene::Scene;
-use crate::trace::{Frame, Tracer, Wave};
+use crate::trace::{Frame, Profile, Tracer, Wave};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 use winit::application::ApplicationHandler;
@@ -24,7 +24,8 @@ use winit::event_loop::{ActiveEventLoop, ControlFlow};
 use winit::keyboard::PhysicalKey;
 use winit::window::WindowId;
 
-/// The least time between two frames: no screen shows more.
+/// The least time between two frames, unless more of them are asked for: most screens show
+/// no more.
 const LEAST_INTERVAL: Duration = Duration::from_micros(16_600);
 
 /// Radians that the gaze turns for a pixel of the mouse.
@@ -57,6 +58,8 @@ pub(super) struct App {
     pub plan: Plan,
     pub paths: Vec<Vec<Wave>>,
     pub heard: Option<Frame>,
+    /// The algorithm of the frame that was begun last.
+    pub under_way: Profile,
     pub drawn: Drawn,
     pub scale_step: usize,
     pub scale_control: Control,
@@ -71,6 +74,8 @@ pub(super) struct App {
     pub stage: Option<Stage>,
     pub started: Instant,
     pub last: Instant,
+    /// When the last frame began: the window's events were looked at just before.
+    pub looked: Instant,
     next: Instant,
     is_over: bool,
     outcome: Result<Report, DemoError>,
@@ -93,6 +98,7 @@ impl App {
             plan: Plan::default(),
             paths: Vec::new(),
             heard: None,
+            under_way: options.settings.profile,
             drawn: Drawn::default(),
             scale_step: SCALES.len() - 1,
             scale_control: Control::default(),
@@ -107,6 +113,7 @@ impl App {
             stage: None,
             started: now,
             last: now,
+            looked: now,
             next: now,
             is_over: false,
             outcome: Ok(Report::default()),
@@ -126,6 +133,16 @@ impl App {
     /// Shows a line for a while.
     pub fn say(&mut self, text: impl Into<String>) {
         self.message = Some((text.into(), Instant::now()));
+    }
+
+    /// Whether GL is asked for errors after every frame.
+    pub fn checks_gl(&self) -> bool {
+        self.options.check_gl || cfg!(debug_assertions)
+    }
+
+    /// Frames after which GL reported an error; none where GL is not asked.
+    pub fn gl_errors(&self) -> Option<u64> {
+        self.checks_gl().then_some(self.recorder.gl_errors)
     }
 
     /// Seconds since the start.
@@ -153,6 +170,7 @@ impl App {
         }
         self.started = Instant::now();
         (self.last, self.next) = (self.started, self.started);
+        self.looked = self.started;
         Ok(())
     }
 
@@ -189,7 +207,7 @@ impl App {
         }
         let asked = action(key, self.held.control());
         if asked.is_some() || !self.held.wish().is_rest() {
-            self.latency.input(Instant::now());
+            self.latency.input(self.looked);
         }
         if let Some(asked) = asked {
             self.act(asked);
@@ -216,7 +234,7 @@ impl App {
         }
         let [right, down] = moved.by;
         if right != 0.0 || down != 0.0 {
-            self.latency.input(Instant::now());
+            self.latency.input(self.looked);
             let turn = |pixels: f64| (MOUSE * pixels) as f32;
             self.world.look(turn(right), -turn(down));
         }
@@ -255,6 +273,7 @@ impl App {
                 pitch: listener.pitch.to_degrees(),
             },
             source: self.world.now.source.position.to_array(),
+            gl_errors: self.gl_errors(),
             help: self.choices.help,
             saved: self.saved.clone(),
             ..Report::default()
@@ -266,14 +285,17 @@ impl App {
 
     /// The `trace` call nearest to what is heard, and whether its scene is that one.
     pub fn call(&self) -> (String, bool) {
-        let now = &self.world.now;
-        let names = self.saved.last().into_iter().chain([&self.world.name]);
+        let (world, settings) = (&self.world, &self.choices.settings);
+        let time = world.moves().then(|| world.looped());
+        let names = self.saved.last().into_iter().chain([&world.name]);
         let mut calls = names.map(|name| {
-            let is_exact = Scene::load(name).is_ok_and(|scene| stands_as(&scene, now));
-            (trace_call(name, &self.choices.settings), is_exact)
+            let at_time = |scene: Scene| time.map_or(scene.clone(), |seconds| scene.at(seconds));
+            let loaded = Scene::load(name).map(at_time);
+            let is_exact = loaded.is_ok_and(|scene| stands_as(&scene, &world.now));
+            (trace_call(name, time, settings), is_exact)
         });
         let first_exact = calls.find(|(_, is_exact)| *is_exact);
-        first_exact.unwrap_or_else(|| (trace_call(&self.world.name, &self.choices.settings), false))
+        first_exact.unwrap_or_else(|| (trace_call(&world.name, time, settings), false))
     }
 }
 
@@ -283,6 +305,7 @@ fn stands_as(a: &Scene, b: &Scene) -> bool {
     let turn = (one.yaw - other.yaw).sin().abs() + (one.pitch - other.pitch).sin().abs();
     a.source.position == b.source.position
         && one.position == other.position
+        && one.radius == other.radius
         && turn < 1e-4
         && a.surfaces == b.surfaces
 }
@@ -350,7 +373,8 @@ impl ApplicationHandler for App {
     fn about_to_wait(&mut self, events: &ActiveEventLoop) {
         let now = Instant::now();
         if now >= self.next && self.stage.is_some() && !events.exiting() {
-            self.next = (self.next + LEAST_INTERVAL).max(now);
+            let asked = Duration::from_secs_f64(1e-3 * self.options.frame_milliseconds);
+            self.next = (self.next + LEAST_INTERVAL.min(asked)).max(now);
             let is_last = self.is_last_frame();
             if let Err(error) = self.frame(is_last) {
                 self.outcome = Err(error);

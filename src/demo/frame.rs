@@ -1,7 +1,7 @@
 //! One frame, part by part: setup, waves, picture, panels, swap.
 
 use super::DemoError;
-use super::adapt::{SCALES, scale_costs, step_of, wave_ladder};
+use super::adapt::{MOST_WAVES, SCALES, scale_costs, step_of, wave_ladder};
 use super::app::{App, Stage};
 use super::error::sentence;
 use super::overlay::{self, Facts};
@@ -18,8 +18,6 @@ const PATHS: u32 = 80;
 const PATH_ITERATIONS: u32 = 16;
 /// Frames from one set of paths to the next.
 const PATHS_EVERY: u64 = 6;
-/// Waves that the control goes to.
-const MOST_WAVES: u32 = 1 << 20;
 /// Waves that take so many times what a frame may take are told of.
 const TOO_LONG: f64 = 2.0;
 /// How long a message stands.
@@ -73,6 +71,7 @@ impl App {
         times.work = milliseconds(began);
         self.recorder.frame(times, self.seconds());
         self.adapt(times);
+        self.looked = began;
         Ok(())
     }
 
@@ -105,7 +104,12 @@ impl App {
         let drawing = Instant::now();
         let gl = &stage.window.gl;
         self.drawn = stage.view.draw(gl, &self.world.now, size, scale)?;
-        times.picture = milliseconds(drawing);
+        // On a graphics card the call returns long before the picture is drawn.
+        times.picture = if gl.context().is_software() {
+            milliseconds(drawing)
+        } else {
+            self.drawn.milliseconds
+        };
         if self.choices.paths && self.choices.panels {
             let following = Instant::now();
             self.follow_paths(stage)?;
@@ -141,9 +145,9 @@ impl App {
         if is_due {
             let now = Instant::now();
             self.latency.trace_begins(now);
-            stage
-                .tracer
-                .frame_begin(&self.world.now, &self.choices.settings)?;
+            let settings = &self.choices.settings;
+            stage.tracer.frame_begin(&self.world.now, settings)?;
+            self.under_way = settings.profile;
         }
         Ok(())
     }
@@ -168,8 +172,8 @@ impl App {
         let spent = &frame.milliseconds;
         times.waves += spent.initialise + spent.march + spent.pan;
         times.read_back += spent.read_back;
-        let (profile, seconds) = (self.choices.settings.profile, self.seconds());
-        self.recorder.heard(&frame, profile, seconds);
+        let seconds = self.seconds();
+        self.recorder.heard(&frame, self.under_way, seconds);
         self.heard = Some(frame);
         Ok(())
     }
@@ -210,20 +214,25 @@ impl App {
             latency: self.latency.parts(),
             sound: &self.sound,
             levels: self.speaker.levels(),
-            gl_errors: self.recorder.gl_errors,
+            gl_errors: self.gl_errors(),
             message: self.message.as_ref().map(|(text, _)| text.as_str()),
             refusal: refusal.as_deref(),
             mouse_looks: self.mouse_looks,
             renderer: &renderer,
         };
+        let before = self.choices.settings.clone();
         let (chosen, plan) = (&mut self.choices, &mut self.plan);
         let mut actions = Vec::new();
         stage
             .window
             .draw_panels(|ui| actions.extend(overlay::draw(ui, &facts, chosen, plan)));
         times.overlay = milliseconds(drawing);
+        if let Err(error) = self.choices.settings.validate() {
+            self.choices.settings = before;
+            self.say(error.to_string());
+        }
         for action in actions {
-            self.latency.input(Instant::now());
+            self.latency.input(self.looked);
             self.act(action);
         }
         Ok(())
@@ -251,9 +260,7 @@ impl App {
     }
 
     fn check(&mut self, stage: &Stage) {
-        if (self.options.check_gl || cfg!(debug_assertions))
-            && stage.window.gl.context().check("a frame").is_err()
-        {
+        if self.checks_gl() && stage.window.gl.context().check("a frame").is_err() {
             self.recorder.gl_errors += 1;
         }
     }
@@ -264,29 +271,46 @@ impl App {
         let every = self.choices.trace_every.max(1) as usize;
         let last = self.recorder.last(every);
         let work = last.iter().map(|t| t.work).sum::<f64>() / last.len().max(1) as f64;
-        // Panels and waves alone say nothing of the picture.
-        if self.drawn.anew && self.choices.picture_scale.is_none() {
-            self.scale_control.add(work, times.picture);
-            let costs = scale_costs();
-            self.scale_step = self.scale_control.choose(&costs, self.scale_step, target);
-        }
         let on_waves = times.waves + times.read_back;
         if on_waves > TOO_LONG * target && !self.choices.adapt_waves && self.message.is_none() {
             self.say(format!(
                 "the waves take {on_waves:.0} ms a frame: T lets their number follow, [ halves it"
             ));
         }
-        if self.choices.adapt_waves && on_waves > 0.0 {
-            let ladder = wave_ladder(MOST_WAVES);
-            let costs: Vec<f64> = ladder.iter().map(|&waves| f64::from(waves)).collect();
-            let step = step_of(&ladder, self.choices.settings.waves);
-            self.wave_control.add(work, on_waves);
-            let chosen = self.wave_control.choose(&costs, step, target);
-            if chosen != step {
-                self.scale_control.forget();
-            }
-            self.choices.settings.waves = ladder[chosen];
+        // One change at a time: the other is measured anew after it.
+        if self.adapt_picture(work, times.picture) {
+            self.wave_control.forget();
+        } else if on_waves > 0.0 && self.adapt_waves(work, on_waves / every as f64) {
+            self.scale_control.forget();
         }
+    }
+
+    /// Whether another scale of the picture was chosen.
+    fn adapt_picture(&mut self, work: f64, on_picture: f64) -> bool {
+        // Panels and waves alone say nothing of the picture.
+        if !self.drawn.anew || self.choices.picture_scale.is_some() {
+            return false;
+        }
+        let (before, target) = (self.scale_step, self.options.frame_milliseconds);
+        self.scale_control.add(work, on_picture);
+        self.scale_step = self.scale_control.choose(&scale_costs(), before, target);
+        self.scale_step != before
+    }
+
+    /// Whether another number of waves was chosen, of which a frame pays `on_waves`
+    /// milliseconds on average.
+    fn adapt_waves(&mut self, work: f64, on_waves: f64) -> bool {
+        if !self.choices.adapt_waves {
+            return false;
+        }
+        let ladder = wave_ladder(MOST_WAVES);
+        let costs: Vec<f64> = ladder.iter().map(|&waves| f64::from(waves)).collect();
+        let before = step_of(&ladder, self.choices.settings.waves);
+        self.wave_control.add(work, on_waves);
+        let target = self.options.frame_milliseconds;
+        let chosen = self.wave_control.choose(&costs, before, target);
+        self.choices.settings.waves = ladder[chosen];
+        chosen != before
     }
 }
 

@@ -60,15 +60,15 @@ pub const HELP: [(&str, &[(&str, &str)]); 3] = [
             ("Arrow keys", "turn and look"),
             ("Click", "look with the mouse; Esc frees it"),
             ("F", "pick up the source, put it down"),
-            ("P", "hold what moves, go on"),
-            ("Backspace", "back to the beginning"),
+            ("P  Space", "hold what moves, go on"),
+            ("Backspace  Home", "back to the beginning"),
         ],
     ),
     (
         "Hear what changes",
         &[
             ("1  2  3", "thesis, march, hybrid"),
-            ("[  ]", "half, twice the waves"),
+            ("[  ]  PgUp/Dn", "half, twice the waves"),
             (",  .", "fewer, more iterations"),
             ("T", "waves follow the frame time"),
             ("N", "next scene"),
@@ -79,7 +79,7 @@ pub const HELP: [(&str, &[(&str, &str)]); 3] = [
     (
         "Keep",
         &[
-            ("F5", "save the scene, print the call"),
+            ("F5  Ctrl+S", "save the scene, print the call"),
             ("F9", "record the sound, stop"),
             ("F12", "picture of the window"),
             ("Tab", "show or hide the panels"),
@@ -97,7 +97,8 @@ pub const HINT: &str =
 pub fn action(key: KeyCode, control: bool) -> Option<Action> {
     if control {
         return match key {
-            KeyCode::KeyQ | KeyCode::KeyW => Some(Action::Quit),
+            // Not W, which walks.
+            KeyCode::KeyQ => Some(Action::Quit),
             KeyCode::KeyS => Some(Action::Save),
             _ => None,
         };

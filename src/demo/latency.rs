@@ -20,7 +20,8 @@ impl Gliding {
 /// The parts that were measured, in milliseconds; none that never were.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Parts {
-    /// From a key or a movement of the mouse to the beginning of the frame that traces it.
+    /// From a key or a movement of the mouse to the beginning of the frame that traces it, at
+    /// the most: it may have come at any time since the events were looked at before.
     pub input_to_trace: Option<f64>,
     /// From there to what was heard, read back.
     pub trace_to_read_back: Option<f64>,
@@ -31,6 +32,15 @@ pub struct Parts {
 }
 
 impl Parts {
+    /// Whether every part is known.
+    pub fn is_whole(&self) -> bool {
+        let sound = self.gains_to_buffer.and(self.buffer_to_device);
+        self.input_to_trace
+            .and(self.trace_to_read_back)
+            .and(sound)
+            .is_some()
+    }
+
     /// All parts that are known.
     pub fn total(&self) -> f64 {
         [
@@ -58,7 +68,7 @@ pub struct Latency {
 }
 
 impl Latency {
-    /// Something was pressed or moved that changes what is heard.
+    /// Something was pressed or moved that changes what is heard, not before `at`.
     pub fn input(&mut self, at: Instant) {
         self.input.get_or_insert(at);
     }
@@ -118,6 +128,8 @@ mod tests {
         assert_eq!(parts.input_to_trace, Some(10.0));
         assert_eq!(parts.trace_to_read_back, Some(15.0));
         assert_eq!(parts.buffer_to_device, None);
-        assert_eq!(parts.total(), 30.0);
+        assert_eq!((parts.total(), parts.is_whole()), (30.0, false));
+        latency.sound(Some(5.0), Some(20.0));
+        assert!(latency.parts().is_whole());
     }
 }

@@ -19,9 +19,9 @@ pub struct DemoOptions {
     pub frame_milliseconds: f64,
     /// Pixels drawn for each of the window's along a side; none to follow the frame's time.
     pub picture_scale: Option<f32>,
-    /// Width of the window in pixels.
+    /// Width of the window in pixels, before the screen's own scale.
     pub width: u32,
-    /// Height of the window in pixels.
+    /// Height of the window in pixels, before the screen's own scale.
     pub height: u32,
     /// The sound, as [`Sound::parse`](crate::audio::Sound::parse) takes it.
     pub sound: String,

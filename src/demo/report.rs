@@ -112,8 +112,8 @@ pub struct Report {
     pub window: [u32; 2],
     /// The picture's size in pixels at the end.
     pub picture: [u32; 2],
-    /// Frames after which GL reported an error.
-    pub gl_errors: u64,
+    /// Frames after which GL reported an error; none where GL was not asked.
+    pub gl_errors: Option<u64>,
     /// Resident memory in MiB.
     pub memory_mib: Memory,
     /// The sound.
@@ -219,7 +219,6 @@ impl Recorder {
         report.fps_median = 1000.0 / median(&whole).max(1e-3);
         report.frame_ms_95 = quantile(&whole, 0.95);
         (report.frames, report.traced) = (self.frames, self.traced);
-        report.gl_errors = self.gl_errors;
         report.memory_mib = Memory {
             at_end: resident_mib(),
             ..self.memory

@@ -4,14 +4,14 @@
 //! else stays as it was written, comments included.
 
 use crate::output::{OutputError, write_whole};
-use crate::scene::{Scene, SceneError};
+use crate::scene::{Scene, SceneError, Source};
 use crate::trace::{Directions, Profile, Settings};
 use glam::Vec3;
 use std::fmt::Write;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-/// Names of files that are tried for one scene.
+/// Names of files that are tried for one stem.
 const NAMES_AT_MOST: u32 = 9999;
 
 /// A scene that could not be saved.
@@ -28,7 +28,7 @@ pub enum SaveError {
     #[error("cannot save the scene: {0}")]
     NotAScene(#[from] SceneError),
     /// All names are taken.
-    #[error("cannot save the scene: {} and those after it are all taken", .0.display())]
+    #[error("cannot save the scene: {}-1.ron and those after it are all taken", .0.display())]
     NoName(PathBuf),
     /// The file cannot be written.
     #[error(transparent)]
@@ -80,44 +80,69 @@ pub fn with_places(text: &str, moved: &Moved) -> Result<String, SaveError> {
     Ok(text)
 }
 
-/// Saves `text` with what was moved, to `path` or else beside it under the next free name
-/// `NAME-1.ron`; the file is read again and must be `scene`.
+/// Saves `text` with what was moved, to `path`, or else in the folder of `origin` (the name
+/// or file that the text was loaded by) under the next free name `NAME-1.ron`.
+///
+/// What is to be written is read before, from the folder that it will lie in, where the files
+/// that it names must be: it must be `scene` where that was moved, and all else as in `text`.
 ///
 /// # Errors
 /// [`SaveError`]; then nothing is left behind.
 pub fn save(
     text: &str,
+    origin: &str,
     moved: &Moved,
     scene: &Scene,
     path: Option<&Path>,
 ) -> Result<PathBuf, SaveError> {
-    let text = with_places(text, moved)?;
-    let read = Scene::from_ron(&text, "the scene to be saved")?;
-    if !is_same(&read, scene, moved) {
-        return Err(SaveError::Differs);
-    }
     let path = match path {
         Some(path) => path.to_owned(),
-        None => free_name(&scene.name)?,
+        None => free_file(folder_of(Path::new(origin)), &stem(&scene.name), "ron")
+            .ok_or_else(|| SaveError::NoName(stem(&scene.name).into()))?,
     };
-    write_whole(&path, |out| out.write_all(text.as_bytes()))?;
+    let new = with_places(text, moved)?;
+    let read = |text: &str| Scene::from_ron_in(text, "the scene to be saved", folder_of(&path));
+    if !is_same(&read(&new)?, &read(text)?, scene, moved) {
+        return Err(SaveError::Differs);
+    }
+    write_whole(&path, |out| out.write_all(new.as_bytes()))?;
     Ok(path)
 }
 
-/// Whether both are heard alike: the same surfaces, and source and listener in one place
-/// but for the rounding of degrees.
-fn is_same(read: &Scene, scene: &Scene, moved: &Moved) -> bool {
+/// Whether what was `read` is as it stands `now` where it was moved, but for the rounding of
+/// degrees, and as it was `written` in all else.
+fn is_same(read: &Scene, written: &Scene, now: &Scene, moved: &Moved) -> bool {
     let near = |a: f32, b: f32| (a - b).abs() < 1e-4;
-    let source = moved.source.is_none() || read.source.position == scene.source.position;
-    let (a, b) = (&read.listener, &scene.listener);
-    let listener = moved.listener.is_none()
-        || a.position == b.position && near(a.yaw, b.yaw) && near(a.pitch, b.pitch);
-    let surfaces = read.surfaces.len() == scene.surfaces.len();
-    surfaces && source && listener && a.radius == b.radius
+    let source = match moved.source {
+        None => read.source == written.source,
+        Some(_) => read.source == Source::at(now.source.position),
+    };
+    let (a, b) = (&read.listener, &now.listener);
+    let listener = match moved.listener {
+        None => *a == written.listener,
+        Some(_) => {
+            let is_there = a.position == b.position && near(a.yaw, b.yaw) && near(a.pitch, b.pitch);
+            is_there && a.path.is_empty() && a.radius == b.radius
+        }
+    };
+    source && listener && read.surfaces == written.surfaces && read.name == written.name
 }
 
-fn free_name(scene: &str) -> Result<PathBuf, SaveError> {
-    let stem: String = scene
+/// The folder that a file lies in; the one worked in for a name alone.
+fn folder_of(file: &Path) -> &Path {
+    file.parent().unwrap_or(Path::new(""))
+}
+
+/// The first name `STEM-1.ENDING` in a folder that is free.
+pub fn free_file(folder: &Path, stem: &str, ending: &str) -> Option<PathBuf> {
+    (1..NAMES_AT_MOST)
+        .map(|number| folder.join(format!("{stem}-{number}.{ending}")))
+        .find(|path| !path.exists())
+}
+
+/// A scene's name as a part of a file's.
+fn stem(scene: &str) -> String {
+    scene
         .chars()
         .map(|c| {
             if c.is_alphanumeric() || c == '-' {
@@ -126,11 +151,7 @@ fn free_name(scene: &str) -> Result<PathBuf, SaveError> {
                 '_'
             }
         })
-        .collect();
-    (1..NAMES_AT_MOST)
-        .map(|number| PathBuf::from(format!("{stem}-{number}.ron")))
-        .find(|path| !path.exists())
-        .ok_or_else(|| SaveError::NoName(format!("{stem}-1.ron").into()))
+        .collect()
 }
 
 fn point(p: Vec3) -> String {
@@ -273,8 +294,9 @@ fn string_length(text: &str) -> usize {
     text.len()
 }
 
-/// The `trace` call that traces what the window traced.
-pub fn trace_call(scene: &str, settings: &Settings) -> String {
+/// The `trace` call that traces what the window traced, so many seconds on the scene's paths
+/// if it has any.
+pub fn trace_call(scene: &str, seconds: Option<f64>, settings: &Settings) -> String {
     let usual = Settings::of(settings.profile);
     let mut call = format!(
         "echomarch trace {} --profile {} --waves {} --iterations {}",
@@ -286,6 +308,9 @@ pub fn trace_call(scene: &str, settings: &Settings) -> String {
     let mut add = |option: &str, value: &dyn std::fmt::Display| {
         let _ = write!(call, " --{option} {value}");
     };
+    if let Some(seconds) = seconds {
+        add("time", &seconds);
+    }
     if settings.seed != usual.seed {
         add("seed", &settings.seed);
     }
@@ -353,7 +378,7 @@ mod tests {
             expected.listener.position = listener;
             (expected.listener.yaw, expected.listener.pitch) = (0.5, -0.25);
             expected.listener.path = crate::scene::Path::default();
-            assert!(is_same(&read, &expected, &moved), "{name}: {read:?}");
+            assert!(is_same(&read, &expected, &expected, &moved), "{name}");
             assert_eq!(read.surfaces, expected.surfaces);
             assert!(read.source.path.is_empty() && read.listener.path.is_empty());
             assert_eq!(with_places(&text, &Moved::default()).unwrap(), text);
@@ -387,25 +412,50 @@ mod tests {
             source: Some(Vec3::ONE),
             listener: None,
         };
-        let refused = save(&text, &moved, &scene, Some(&path));
+        let refused = save(&text, "corner", &moved, &scene, Some(&path));
         assert!(matches!(refused, Err(SaveError::Differs)) && !path.exists());
-        save(&text, &Moved::default(), &scene, Some(&path)).unwrap();
+        save(&text, "corner", &Moved::default(), &scene, Some(&path)).unwrap();
         assert_eq!(Scene::from_file(&path).unwrap().surfaces, scene.surfaces);
+    }
+
+    /// Protects scenes that name files: the new one lies beside the old one, where they are found, and nowhere
+    /// else.
+    #[test]
+    fn a_scene_that_names_files_is_saved_where_they_are() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("mine.ron");
+        let ball = "float field(vec3 p) { return length(p) - 1.0; }";
+        std::fs::write(folder.path().join("ball.glsl"), ball).unwrap();
+        let field = "Field(file: \"ball.glsl\", lipschitz: 1, size: (3, 3, 3))";
+        let text = format!(
+            "Scene(surfaces: [Surface(shape: {field})], source: Source(position: (0, 0, -5)), \
+             listener: Listener(position: (0, 0, 5), radius: 1))"
+        );
+        std::fs::write(&file, &text).unwrap();
+        let scene = Scene::from_file(&file).unwrap();
+        let origin = file.to_str().unwrap();
+        let saved = save(&text, origin, &Moved::default(), &scene, None).unwrap();
+        assert_eq!(saved, folder.path().join("mine-1.ron"));
+        assert_eq!(Scene::from_file(&saved).unwrap().surfaces, scene.surfaces);
+        let elsewhere = tempfile::tempdir().unwrap();
+        let path = elsewhere.path().join("x.ron");
+        let refused = save(&text, origin, &Moved::default(), &scene, Some(&path));
+        assert!(matches!(refused, Err(SaveError::NotAScene(_))) && !path.exists());
     }
 
     /// Protects the line from what a shell would take apart, and from options that go without saying.
     #[test]
     fn the_call_says_what_is_not_usual() {
-        let usual = trace_call("corner", &Settings::default());
+        let usual = trace_call("corner", None, &Settings::default());
         let expected = "echomarch trace corner --profile hybrid --waves 65536 --iterations 8";
         assert_eq!(usual, expected);
         let mut settings = Settings::thesis().with_seed(3);
         settings.min_distance = 0.01;
         settings.sum_on_gpu = true;
-        let call = trace_call("my room's.ron", &settings);
+        let call = trace_call("my room's.ron", Some(2.5), &settings);
         assert!(call.starts_with(r"echomarch trace 'my room'\''s.ron' --profile thesis"));
         assert!(
-            call.ends_with("--seed 3 --min-distance 0.01 --sum-on-gpu"),
+            call.ends_with("--time 2.5 --seed 3 --min-distance 0.01 --sum-on-gpu"),
             "{call}"
         );
     }

@@ -7,12 +7,15 @@ use crate::audio::PanningLaw;
 use crate::scene::{Scene, SceneError};
 use crate::trace::{MAX_ITERATIONS, MAX_WAVES, Profile, Settings};
 use glam::Vec3;
+use std::collections::HashMap;
 
 /// What was chosen.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Choices {
     /// How waves are traced.
     pub settings: Settings,
+    /// How they were traced last by the other algorithms.
+    others: HashMap<Profile, Settings>,
     /// A frame of waves for every so many pictures.
     pub trace_every: u32,
     /// Whether the number of waves follows the frame's time.
@@ -40,6 +43,7 @@ impl Choices {
     pub fn of(options: &DemoOptions) -> Choices {
         Choices {
             settings: options.settings.clone(),
+            others: HashMap::new(),
             trace_every: options.trace_every.max(1),
             adapt_waves: options.adapt_waves,
             picture_scale: options.picture_scale,
@@ -53,19 +57,24 @@ impl Choices {
         }
     }
 
-    /// Changes to another algorithm, with its own constants and everything else kept.
+    /// Changes to another algorithm: with its own constants as they were when it was left,
+    /// and with the waves, iterations and directions of now.
     pub fn set_profile(&mut self, profile: Profile) {
         if profile == self.settings.profile {
             return;
         }
+        let known = self.others.remove(&profile);
         let old = &self.settings;
-        let mut new = Settings::of(profile)
-            .with_waves(old.waves)
-            .with_iterations(old.iterations)
-            .with_seed(old.seed);
-        new.directions = old.directions;
-        new.sum_on_gpu = old.sum_on_gpu;
-        self.settings = new;
+        let new = Settings {
+            waves: old.waves,
+            iterations: old.iterations,
+            seed: old.seed,
+            directions: old.directions,
+            sum_on_gpu: old.sum_on_gpu,
+            ..known.unwrap_or_else(|| Settings::of(profile))
+        };
+        let old = std::mem::replace(&mut self.settings, new);
+        self.others.insert(old.profile, old);
     }
 
     /// Doubles or halves the number of waves, as often as `steps` says.
@@ -219,7 +228,12 @@ mod tests {
         choices.set_profile(Profile::Thesis);
         let expected = Settings::thesis().with_waves(1000).with_seed(5);
         assert_eq!(choices.settings, expected);
+        choices.settings.min_distance = 0.01;
         choices.change_waves(2);
+        choices.set_profile(Profile::March);
+        assert_eq!(choices.settings.waves, 4000);
+        choices.set_profile(Profile::Thesis);
+        assert_eq!(choices.settings.min_distance, 0.01);
         choices.change_iterations(-100);
         assert_eq!(
             (choices.settings.waves, choices.settings.iterations),

@@ -8,6 +8,7 @@ use crate::error::Error;
 use crate::gpu::{
     Context, Marks, Picture, Program, ProgramCache, WindowContext, full_screen_pass_rows,
 };
+use crate::picture::SOURCE_SHARE;
 use crate::scene::cells::Lists;
 use crate::scene::{Scene, glsl};
 use crate::trace::{SceneData, UserFields, check_surfaces};
@@ -17,9 +18,6 @@ use std::rc::Rc;
 
 /// Vertical field of view in radians.
 const FIELD_OF_VIEW: f32 = 70.0 / 180.0 * std::f32::consts::PI;
-
-/// Radius of the source's ball as a share of the listener's, as in `picture`.
-const SOURCE_SHARE: f32 = 0.12;
 
 /// Frames of stillness before the picture is refined.
 const STILL: u32 = 8;
@@ -47,6 +45,19 @@ pub struct View {
     refined: u32,
     /// Rows of it that a millisecond draws.
     pace: f64,
+    /// What the marks stand around, until its time is taken.
+    marked: Option<Marked>,
+    /// Milliseconds of the picture drawn last, as far as they are known.
+    took: f64,
+}
+
+/// A drawing between two marks.
+#[derive(Clone, Copy)]
+enum Marked {
+    /// The whole coarse picture.
+    Coarse,
+    /// So many rows of the fine one.
+    Rows(u32),
 }
 
 /// What was drawn in a frame.
@@ -56,7 +67,8 @@ pub struct Drawn {
     pub size: [u32; 2],
     /// Whether the picture was drawn anew rather than shown again.
     pub anew: bool,
-    /// Milliseconds that drawing took.
+    /// Milliseconds that drawing took: on a graphics card, where nothing waits for it, those
+    /// of the picture before.
     pub milliseconds: f64,
 }
 
@@ -77,6 +89,8 @@ impl View {
             still: 0,
             refined: 0,
             pace: 2.0,
+            marked: None,
+            took: 0.0,
         })
     }
 
@@ -92,6 +106,8 @@ impl View {
         [width, height]: [u32; 2],
         (scale, refines): (f32, bool),
     ) -> Result<Drawn, Error> {
+        // On a graphics card the last drawing is over by now, and nothing waits for its time.
+        self.take_time();
         let side = |pixels: u32| ((pixels as f32 * scale).round() as u32).clamp(1, pixels.max(1));
         let size = [side(width), side(height)];
         let same = |(shown, at): &Shown| *at == size && is_seen_alike(shown, scene);
@@ -114,7 +130,7 @@ impl View {
                 size[1],
                 0..size[1],
             )?;
-            self.marks.mark()?;
+            self.mark_end(Marked::Coarse)?;
             self.shown = Some((scene.clone(), size));
             (self.still, self.refined) = (0, 0);
         } else {
@@ -134,7 +150,7 @@ impl View {
             drawn.size = full;
         }
         if anew {
-            drawn.milliseconds = self.marks.milliseconds().iter().sum();
+            drawn.milliseconds = self.took;
         }
         Ok(drawn)
     }
@@ -148,11 +164,31 @@ impl View {
         let band = self.refined..self.refined + rows;
         self.marks.restart()?;
         full_screen_pass_rows(&self.context, &program, picture, full[0], full[1], band)?;
-        self.marks.mark()?;
-        let took: f64 = self.marks.milliseconds().iter().sum();
-        self.pace = f64::from(rows) / took.max(0.05);
+        self.mark_end(Marked::Rows(rows))?;
         self.refined += rows;
         Ok(())
+    }
+
+    /// What was drawn since the first mark ends here.
+    fn mark_end(&mut self, what: Marked) -> Result<(), Error> {
+        self.marks.mark()?;
+        self.marked = Some(what);
+        if self.marks.wait() {
+            self.take_time();
+        }
+        Ok(())
+    }
+
+    /// Takes the time of the drawing that was marked last.
+    fn take_time(&mut self) {
+        let Some(what) = self.marked.take() else {
+            return;
+        };
+        let took: f64 = self.marks.milliseconds().iter().sum();
+        match what {
+            Marked::Coarse => self.took = took,
+            Marked::Rows(rows) => self.pace = f64::from(rows) / took.max(0.05),
+        }
     }
 
     /// The program of the scene's structure, with the numbers of its surfaces set.
@@ -193,6 +229,7 @@ fn is_seen_alike(a: &Scene, b: &Scene) -> bool {
             listener.position,
             listener.yaw,
             listener.pitch,
+            listener.radius,
         )
     };
     pose(a) == pose(b) && a.surfaces == b.surfaces

@@ -4,7 +4,7 @@ use super::{DemoError, DemoOptions};
 use crate::gpu::{WindowContext, WindowDisplay};
 use egui_glow::Painter;
 use egui_glow::egui_winit::{EventResponse, State};
-use winit::dpi::{PhysicalPosition, PhysicalSize};
+use winit::dpi::{LogicalSize, PhysicalPosition, PhysicalSize};
 use winit::event::WindowEvent;
 use winit::event_loop::{ActiveEventLoop, EventLoop};
 use winit::platform::x11::{EventLoopBuilderExtX11, WindowAttributesExtX11};
@@ -51,7 +51,7 @@ impl DemoWindow {
         let display = WindowDisplay::of(events)?;
         let mut attributes = WindowAttributes::default()
             .with_title("Echomarch")
-            .with_inner_size(PhysicalSize::new(options.width, options.height))
+            .with_inner_size(LogicalSize::new(options.width, options.height))
             .with_min_inner_size(PhysicalSize::new(320, 180));
         if let Some(visual) = display.x11_visual() {
             attributes = attributes.with_x11_visual(visual as u32);

@@ -31,6 +31,11 @@ impl Marks {
         }
     }
 
+    /// Whether each mark waits for GL, so that its time is known at once.
+    pub fn wait(&self) -> bool {
+        !self.by_query
+    }
+
     /// Forgets all marks, and sets the first.
     ///
     /// # Errors

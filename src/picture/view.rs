@@ -9,7 +9,7 @@ use image::RgbaImage;
 
 /// Radius of the ball that stands for the source, as a share of the listener's: the one
 /// length of a scene that tells how large its things are.
-const SOURCE_SHARE: f32 = 0.12;
+pub(crate) const SOURCE_SHARE: f32 = 0.12;
 
 /// What the view shall be like.
 #[derive(Clone, Debug, PartialEq)]

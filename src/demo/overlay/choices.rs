@@ -1,6 +1,6 @@
 //! What can be chosen: scene, algorithm, waves, sound, and what adapts.
 
-use super::super::adapt::SCALES;
+use super::super::adapt::{MOST_WAVES, SCALES};
 use super::super::keys::Action;
 use super::super::sound::SOUNDS;
 use super::super::state::Choices;
@@ -8,10 +8,10 @@ use super::{Facts, style};
 use crate::audio::PanningLaw;
 use crate::scene::BUILTIN_NAMES;
 use crate::trace::Profile;
-use egui::{ComboBox, RichText, Slider, Ui};
+use egui::{ComboBox, RichText, Slider, SliderClamping, Ui};
 
-/// Waves that the slider goes to.
-const MOST_WAVES: u32 = 1 << 20;
+/// Metres of the shell at the slider's end.
+const WIDEST_SHELL: f64 = 1e8;
 
 /// Draws all controls.
 pub fn draw(ui: &mut Ui, facts: &Facts, chosen: &mut Choices, actions: &mut Vec<Action>) {
@@ -22,6 +22,14 @@ pub fn draw(ui: &mut Ui, facts: &Facts, chosen: &mut Choices, actions: &mut Vec<
     sound(ui, facts, chosen, actions);
     ui.separator();
     frame(ui, facts, chosen);
+}
+
+/// A slider that leaves a value beyond its ends alone until it is drawn.
+fn slider<'a, T: egui::emath::Numeric>(
+    value: &'a mut T,
+    range: std::ops::RangeInclusive<T>,
+) -> Slider<'a> {
+    Slider::new(value, range).clamping(SliderClamping::Edits)
 }
 
 fn scene(ui: &mut Ui, facts: &Facts, chosen: &mut Choices, actions: &mut Vec<Action>) {
@@ -85,26 +93,37 @@ fn waves(ui: &mut Ui, chosen: &mut Choices, actions: &mut Vec<Action>) {
     let settings = &mut chosen.settings;
     ui.add_enabled_ui(!chosen.adapt_waves, |ui| {
         let most = MOST_WAVES.max(settings.waves);
-        let slider = Slider::new(&mut settings.waves, 64..=most);
+        let slider = slider(&mut settings.waves, 64..=most);
         ui.add(slider.logarithmic(true).text("waves"));
     });
     ui.checkbox(&mut chosen.adapt_waves, "waves follow the frame time");
     let most = 64.max(settings.iterations);
-    ui.add(Slider::new(&mut settings.iterations, 1..=most).text("iterations"));
+    ui.add(slider(&mut settings.iterations, 1..=most).text("iterations"));
     match settings.profile {
         Profile::Thesis => {
-            let slider = Slider::new(&mut settings.min_distance, 0.001..=1.0);
+            let slider = slider(&mut settings.min_distance, 0.001..=1.0);
             ui.add(slider.logarithmic(true).suffix(" m").text("min. dist."));
         }
         Profile::March => {
-            let slider = Slider::new(&mut settings.min_distance, 0.001..=1e8);
-            ui.add(slider.logarithmic(true).suffix(" m").text("shell"));
+            let slider = slider(&mut settings.min_distance, 0.001..=WIDEST_SHELL as f32);
+            let slider = slider.custom_formatter(|metres, _| shell(metres));
+            ui.add(slider.logarithmic(true).text("shell"));
         }
         _ => {
             let text = "closed form: no minimum distance";
             ui.label(RichText::new(text).color(style::FAINT).small());
         }
     }
+}
+
+/// The width of the shell where steps are Newton's. As wide as the slider goes it is all of
+/// the scene.
+fn shell(metres: f64) -> String {
+    if metres >= WIDEST_SHELL {
+        return "all".to_owned();
+    }
+    let decimals = if metres < 1.0 { 3 } else { 0 };
+    format!("{metres:.decimals$} m")
 }
 
 fn sound(ui: &mut Ui, facts: &Facts, chosen: &mut Choices, actions: &mut Vec<Action>) {
@@ -163,15 +182,18 @@ fn frame(ui: &mut Ui, facts: &Facts, chosen: &mut Choices) {
     }
     if let Some(scale) = &mut chosen.picture_scale {
         let range = SCALES[0]..=SCALES[SCALES.len() - 1];
-        ui.add(Slider::new(scale, range).text("of the window"));
+        ui.add(slider(scale, range).text("of window"));
     }
     ui.horizontal(|ui| {
         ui.label("waves every");
-        ui.add(egui::DragValue::new(&mut chosen.trace_every).range(1..=60));
+        let every = egui::DragValue::new(&mut chosen.trace_every);
+        ui.add(every.range(1..=60).clamp_existing_to_range(false));
         ui.label("pictures");
     });
-    let errors = facts.gl_errors;
-    let colour = if errors > 0 { style::BAD } else { style::FAINT };
-    let text = format!("{}; {errors} GL errors", facts.renderer);
+    let (text, colour) = match facts.gl_errors {
+        None => (facts.renderer.to_owned(), style::FAINT),
+        Some(0) => (format!("{}; 0 GL errors", facts.renderer), style::FAINT),
+        Some(some) => (format!("{}; {some} GL errors", facts.renderer), style::BAD),
+    };
     ui.label(RichText::new(text).color(colour).small());
 }

@@ -93,12 +93,17 @@ fn latency(ui: &mut Ui, facts: &Facts) {
     let text = |part: Option<f64>| part.map_or("–".to_owned(), |ms| format!("{ms:.1}"));
     style::heading(ui, "FROM KEY TO EAR, MILLISECONDS");
     for (name, part) in [
-        ("key to trace", parts.input_to_trace),
+        ("key to trace, at most", parts.input_to_trace),
         ("trace to read-back", parts.trace_to_read_back),
         ("gains to sound buffer", parts.gains_to_buffer),
         ("buffer to device", parts.buffer_to_device),
     ] {
         style::row(ui, name, text(part));
     }
-    style::row(ui, "together", format!("{:.1}", parts.total()));
+    let together = if parts.is_whole() {
+        "together, at most"
+    } else {
+        "as far as known"
+    };
+    style::row(ui, together, format!("{:.1}", parts.total()));
 }

@@ -46,8 +46,8 @@ pub struct Facts<'a> {
     pub sound: &'a SoundStatus,
     /// Level of the left and the right channel, 0 to 1.
     pub levels: [f32; 2],
-    /// Frames after which GL reported an error.
-    pub gl_errors: u64,
+    /// Frames after which GL reported an error; none where GL is not asked.
+    pub gl_errors: Option<u64>,
     /// The last thing that was done or went wrong.
     pub message: Option<&'a str>,
     /// Why the scene's file as it is now is not what is seen.
@@ -76,11 +76,13 @@ pub fn draw(ui: &mut Ui, facts: &Facts, chosen: &mut Choices, plan: &mut Plan) -
 fn left(ui: &Ui, facts: &Facts, chosen: &Choices, plan: &mut Plan) {
     style::panel(ui, "left", Align2::LEFT_TOP, Vec2::splat(MARGIN), |ui| {
         ui.set_width(style::LEFT);
-        plan.draw(ui, facts, chosen.paths);
-        ui.add_space(3.0);
-        meters::draw(ui, facts);
-        ui.separator();
-        meters::heard(ui, facts);
+        scrolled(ui, facts, 3.5 * MARGIN, |ui| {
+            plan.draw(ui, facts, chosen.paths);
+            ui.add_space(3.0);
+            meters::draw(ui, facts);
+            ui.separator();
+            meters::heard(ui, facts);
+        });
     });
 }
 
@@ -88,14 +90,23 @@ fn right(ui: &Ui, facts: &Facts, chosen: &mut Choices, actions: &mut Vec<Action>
     let offset = Vec2::new(-MARGIN, MARGIN);
     style::panel(ui, "right", Align2::RIGHT_TOP, offset, |ui| {
         ui.set_width(style::RIGHT);
-        let height = facts.window[1] as f32 / ui.ctx().pixels_per_point();
-        let most = height - style::TIMES - 4.5 * MARGIN;
-        egui::ScrollArea::vertical()
-            // Else it would keep the height of the first frame's content.
-            .min_scrolled_height(most.max(80.0))
-            .max_height(most.max(80.0))
-            .show(ui, |ui| choices::draw(ui, facts, chosen, actions));
+        let below = style::TIMES + 4.5 * MARGIN;
+        scrolled(ui, facts, below, |ui| {
+            choices::draw(ui, facts, chosen, actions);
+        });
     });
+}
+
+/// As high as the window allows without so many points of it, and scrolled where that is too
+/// little.
+fn scrolled(ui: &mut Ui, facts: &Facts, without: f32, add: impl FnOnce(&mut Ui)) {
+    let height = facts.window[1] as f32 / ui.ctx().pixels_per_point();
+    let most = (height - without).max(80.0);
+    egui::ScrollArea::vertical()
+        // Else it would keep the height of the first frame's content.
+        .min_scrolled_height(most)
+        .max_height(most)
+        .show(ui, add);
 }
 
 fn lower(ui: &Ui, facts: &Facts) {
@@ -113,14 +124,21 @@ fn hint(ui: &Ui, facts: &Facts) {
         HINT
     };
     line(ui, "hint", MARGIN, RichText::new(text).color(style::TEXT));
-    let refused = || {
-        facts
-            .refusal
-            .map(|why| format!("{why} (the last scene stays)"))
-    };
-    if let Some(message) = facts.message.map(str::to_owned).or_else(refused) {
+    if let Some(message) = facts.message {
         let text = RichText::new(message).color(style::BRIGHT);
         line(ui, "message", MARGIN + ABOVE, text);
+    }
+    if let Some(why) = facts.refusal {
+        // It stands until the file is mended.
+        let text = RichText::new(format!("{why} (the last scene stays)"));
+        let text = text.color(style::BAD);
+        style::line(
+            ui,
+            "refusal",
+            Align2::CENTER_TOP,
+            Vec2::new(0.0, MARGIN),
+            text,
+        );
     }
 }
 

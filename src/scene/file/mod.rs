@@ -60,8 +60,19 @@ impl Scene {
     /// # Errors
     /// As of [`Scene::from_file`].
     pub fn from_ron(text: &str, origin: &str) -> Result<Scene, SceneError> {
-        let files = Attached::in_folder(origin, std::path::Path::new(""));
-        let scene = parse(text, &files)?;
+        Scene::from_ron_in(text, origin, std::path::Path::new(""))
+    }
+
+    /// As [`Scene::from_ron`]; the files that it names are in `folder`.
+    ///
+    /// # Errors
+    /// As of [`Scene::from_file`].
+    pub fn from_ron_in(
+        text: &str,
+        origin: &str,
+        folder: &std::path::Path,
+    ) -> Result<Scene, SceneError> {
+        let scene = parse(text, &Attached::in_folder(origin, folder))?;
         scene.check()?;
         Ok(scene)
     }

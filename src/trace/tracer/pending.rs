@@ -58,9 +58,12 @@ impl Pending {
             return Err(TraceError::NothingTraced.into());
         };
         // The passes were asked for first, so that they are there when the rest is.
-        if wait {
-            heard.wait(&mut self.heard)?;
-        } else if !heard.poll(&mut self.heard)? {
+        let is_there = if wait {
+            heard.wait(&mut self.heard)?
+        } else {
+            heard.poll(&mut self.heard)?
+        };
+        if !is_there {
             return Ok(false);
         }
         if begun.summed {
@@ -161,14 +164,15 @@ impl Tracer {
     }
 
     fn collect(&mut self, wait: bool) -> Result<Option<Frame>, Error> {
-        let Some(begun) = self.pending.begun else {
+        // After an error it is not asked for again.
+        let Some(begun) = self.pending.begun.take() else {
             return Ok(None);
         };
         let reading = Instant::now();
         if !self.pending.arrive(begun, wait)? {
+            self.pending.begun = Some(begun);
             return Ok(None);
         }
-        self.pending.begun = None;
         let (panning, counts) = self.pending.sum(begun);
         let read_back = in_milliseconds(reading.elapsed());
         let parts = self.pending.marks.milliseconds();
