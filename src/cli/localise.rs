@@ -1,5 +1,5 @@
 //! `echomarch localise`: where is the source? For an observer (`run`) and for people (`form`,
-//! `score`).
+//! `window`, `score`).
 
 use super::exit::BadInput;
 use super::options::{Common, check_range};
@@ -23,6 +23,7 @@ const EXAMPLES: &str = "\
 Examples:
   echomarch localise run -o out              an observer that answers from the levels alone
   echomarch localise form -o form --seed 7   sounds and a page for people: open form.html
+  echomarch localise window -o anna.json     the same questions in a window, traced live
   echomarch localise score answers-*.json    what they answered";
 
 const RUN_EXAMPLES: &str = "\
@@ -57,7 +58,10 @@ enum Command {
     Run(RunArguments),
     /// Write sounds and a page that takes the answers of people
     Form(FormArguments),
-    /// Score the answers that the page saved
+    /// Ask people in a window, with live sound
+    #[cfg(feature = "demo")]
+    Window(super::sitting::Arguments),
+    /// Score the answers that the page or the window saved
     Score(ScoreArguments),
 }
 
@@ -105,6 +109,16 @@ struct RunArguments {
 #[command(after_help = FORM_EXAMPLES)]
 struct FormArguments {
     #[command(flatten)]
+    trials: Trials,
+    /// A folder that is empty or not there yet
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+}
+
+/// The trials that people are given.
+#[derive(Args, Debug)]
+pub(super) struct Trials {
+    #[command(flatten)]
     stimuli: Stimuli,
     /// Profiles, separated by commas
     #[arg(long, visible_alias = "profile", value_delimiter = ',', value_name = "NAMES",
@@ -121,16 +135,13 @@ struct FormArguments {
     seed: u32,
     /// Length of each sound
     #[arg(long, default_value_t = 2.0, value_name = "SECONDS")]
-    seconds: f64,
-    /// A folder that is empty or not there yet
-    #[arg(short, long, value_name = "DIR")]
-    output: PathBuf,
+    pub(super) seconds: f64,
 }
 
 #[derive(Args, Debug)]
 #[command(after_help = SCORE_EXAMPLES)]
 struct ScoreArguments {
-    /// Files that the page saved; broken-off sessions too
+    /// Files that the page or the window saved; broken-off sessions too
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
 }
@@ -140,6 +151,8 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     match &arguments.command {
         Command::Run(arguments) => observe(arguments, common),
         Command::Form(arguments) => write_form(arguments, common),
+        #[cfg(feature = "demo")]
+        Command::Window(arguments) => super::sitting::run(arguments, common),
         Command::Score(arguments) => score_files(arguments, common),
     }
 }
@@ -231,36 +244,50 @@ fn check_settings(waves: &[u32], iterations: &[u32]) -> anyhow::Result<()> {
 }
 
 fn write_form(arguments: &FormArguments, common: &Common) -> anyhow::Result<()> {
-    check_range("--seconds", arguments.seconds, 0.1, 60.0)?;
-    let (waves, iterations) = (distinct(&arguments.waves), distinct(&arguments.iterations));
-    check_settings(&waves, &iterations)?;
-    let (scenes, sounds) = stimuli(&arguments.stimuli, common)?;
-    let options = FormOptions {
-        scenes,
-        sounds,
-        profiles: distinct(&arguments.profiles),
-        waves,
-        iterations,
-        seed: arguments.seed,
-        seconds: arguments.seconds,
-        law: arguments.stimuli.law,
-    };
-    check_range(
-        "the number of trials",
-        options.trials() as f64,
-        1.0,
-        MOST_TRIALS as f64,
-    )?;
+    let options = arguments.trials.options(common)?;
     form::prepare(&arguments.output).map_err(refused)?;
+    let form = build(&options, common)?;
+    form.write(&arguments.output).map_err(refused)?;
+    tell_form(arguments, common, &form)
+}
+
+impl Trials {
+    /// What the form shall hold.
+    pub(super) fn options(&self, common: &Common) -> anyhow::Result<FormOptions> {
+        check_range("--seconds", self.seconds, 0.1, 60.0)?;
+        let (waves, iterations) = (distinct(&self.waves), distinct(&self.iterations));
+        check_settings(&waves, &iterations)?;
+        let (scenes, sounds) = stimuli(&self.stimuli, common)?;
+        let options = FormOptions {
+            scenes,
+            sounds,
+            profiles: distinct(&self.profiles),
+            waves,
+            iterations,
+            seed: self.seed,
+            seconds: self.seconds,
+            law: self.stimuli.law,
+        };
+        check_range(
+            "the number of trials",
+            options.trials() as f64,
+            1.0,
+            MOST_TRIALS as f64,
+        )?;
+        Ok(options)
+    }
+}
+
+/// Traces the trials and draws their plans.
+pub(super) fn build(options: &FormOptions, common: &Common) -> anyhow::Result<Form> {
     let mut tracer = common.tracer()?;
     let bar = print::progress(common, 0, "settings");
-    let form = form::build(&mut tracer, &options, &mut |done, total| {
+    let form = form::build(&mut tracer, options, &mut |done, total| {
         bar.set_length(total);
         bar.set_position(done);
     })?;
     bar.finish_and_clear();
-    form.write(&arguments.output).map_err(refused)?;
-    tell_form(arguments, common, &form)
+    Ok(form)
 }
 
 fn refused(error: WriteError) -> anyhow::Error {

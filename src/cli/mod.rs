@@ -16,6 +16,8 @@ mod print;
 mod render;
 mod report;
 mod shader;
+#[cfg(feature = "demo")]
+mod sitting;
 mod slice;
 mod trace;
 mod verify;

@@ -1,10 +1,11 @@
 //! Events in, frames out.
 
 use super::adapt::{Control, SCALES, step_of};
-use super::keys::{Held, action};
+use super::keys::{Action, Held, action};
 use super::latency::Latency;
 use super::mouse::Mouse;
-use super::overlay::Plan;
+use super::overlay::{Paper, Plan};
+use super::question::{self, Question};
 use super::reload::Follower;
 use super::report::{Recorder, Report, Standing};
 use super::save::trace_call;
@@ -21,7 +22,7 @@ use winit::application::ApplicationHandler;
 use winit::error::EventLoopError;
 use winit::event::{ElementState, KeyEvent, MouseButton, StartCause, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow};
-use winit::keyboard::PhysicalKey;
+use winit::keyboard::{KeyCode, PhysicalKey};
 use winit::window::WindowId;
 
 /// The least time between two frames, unless more of them are asked for: most screens show
@@ -56,6 +57,9 @@ pub(super) struct App {
     pub mouse_looks: bool,
     mouse: Mouse,
     pub plan: Plan,
+    /// The localisation experiment, if that is what the window is for.
+    pub question: Option<Question>,
+    pub paper: Paper,
     pub paths: Vec<Vec<Wave>>,
     pub heard: Option<Frame>,
     /// The algorithm of the frame that was begun last.
@@ -96,6 +100,8 @@ impl App {
             mouse_looks: false,
             mouse: Mouse::default(),
             plan: Plan::default(),
+            question: None,
+            paper: Paper::default(),
             paths: Vec::new(),
             heard: None,
             under_way: options.settings.profile,
@@ -206,6 +212,10 @@ impl App {
             return;
         }
         let asked = action(key, self.held.control());
+        if self.question.is_some() {
+            self.key_of_question(key, asked);
+            return;
+        }
         if asked.is_some() || !self.held.wish().is_rest() {
             self.latency.input(self.looked);
         }
@@ -214,10 +224,22 @@ impl App {
         }
     }
 
+    /// While a question is put nobody walks, and nothing that is heard changes.
+    fn key_of_question(&mut self, key: KeyCode, usual: Option<Action>) {
+        if let Some(usual) = usual.filter(question::is_harmless) {
+            self.act(usual);
+        } else if !self.held.control()
+            && let Some(asked) = question::asked(key)
+        {
+            self.ask(asked);
+        }
+    }
+
     /// Lets the mouse look about, or gives it back.
     pub fn look_by_mouse(&mut self, wanted: bool) {
         if let Some(stage) = &self.stage
             && wanted != self.mouse_looks
+            && self.question.is_none()
         {
             self.mouse_looks = stage.window.capture_mouse(wanted);
         }
@@ -247,6 +269,12 @@ impl App {
         };
         if self.outcome.is_ok() {
             self.outcome = Ok(self.report(&stage));
+        }
+        if let Some(question) = &mut self.question
+            && let Err(error) = question.finish()
+            && self.outcome.is_ok()
+        {
+            self.outcome = Err(error.into());
         }
         // A recording ends whole.
         let _ = self.speaker.record(None);
@@ -337,7 +365,7 @@ impl ApplicationHandler for App {
             return;
         };
         let is_tab = matches!(&event, WindowEvent::KeyboardInput { event, .. }
-            if event.physical_key == PhysicalKey::Code(winit::keyboard::KeyCode::Tab));
+            if event.physical_key == PhysicalKey::Code(KeyCode::Tab));
         // Tab would move egui's focus about, and every key with it.
         let hides_from_panels = is_tab || self.mouse_looks && begins_something(&event);
         let is_theirs = !hides_from_panels && stage.window.on_event(&event).consumed;

@@ -7,6 +7,8 @@ use super::error::sentence;
 use super::overlay::{self, Facts};
 use super::report::FrameTimes;
 use super::view::Drawn;
+use super::walk::Wish;
+use crate::experiment::localise::form::unlit;
 use crate::picture::{RgbaImage, save_png};
 use crate::trace::Settings;
 use std::path::Path;
@@ -46,7 +48,11 @@ impl App {
         self.last = began;
         self.reread(stage);
         self.try_new(stage)?;
-        self.world.pass(&self.held.wish(), passed);
+        let wish = match self.question {
+            None => self.held.wish(),
+            Some(_) => Wish::default(),
+        };
+        self.world.pass(&wish, passed);
         let size = stage.window.size();
         if size[0] == 0 || size[1] == 0 {
             // Nothing can be seen; the ear goes on.
@@ -103,14 +109,17 @@ impl App {
         };
         let drawing = Instant::now();
         let gl = &stage.window.gl;
-        self.drawn = stage.view.draw(gl, &self.world.now, size, scale)?;
+        self.drawn = match self.question {
+            None => stage.view.draw(gl, &self.world.now, size, scale)?,
+            Some(_) => stage.view.draw(gl, &unlit(&self.world.now), size, scale)?,
+        };
         // On a graphics card the call returns long before the picture is drawn.
         times.picture = if gl.context().is_software() {
             milliseconds(drawing)
         } else {
             self.drawn.milliseconds
         };
-        if self.choices.paths && self.choices.panels {
+        if self.choices.paths && self.choices.panels && self.question.is_none() {
             let following = Instant::now();
             self.follow_paths(stage)?;
             times.paths = milliseconds(following);
@@ -221,6 +230,17 @@ impl App {
             renderer: &renderer,
         };
         let before = self.choices.settings.clone();
+        if let Some(question) = &self.question {
+            let paper = &mut self.paper;
+            let mut asked = Vec::new();
+            stage.window.draw_panels(|ui| {
+                asked.extend(overlay::draw_question(ui, question, paper));
+                overlay::draw_below_question(ui, &facts);
+            });
+            times.overlay = milliseconds(drawing);
+            asked.into_iter().for_each(|asked| self.ask(asked));
+            return Ok(());
+        }
         let (chosen, plan) = (&mut self.choices, &mut self.plan);
         let mut actions = Vec::new();
         stage
@@ -241,7 +261,13 @@ impl App {
     /// Tells the speakers what was chosen, and asks how they fare.
     fn hear(&mut self) {
         self.speaker.set_law(self.choices.law);
-        self.speaker.set_volume(self.choices.loudness());
+        let is_silent = self.question.as_ref().is_some_and(|q| !q.is_playing());
+        let loudness = if is_silent {
+            0.0
+        } else {
+            self.choices.loudness()
+        };
+        self.speaker.set_volume(loudness);
         self.sound = self.speaker.status();
         self.latency
             .sound(self.sound.gains_to_buffer, self.sound.buffer_to_device);

@@ -34,6 +34,7 @@ mod latency;
 mod mouse;
 mod options;
 mod overlay;
+mod question;
 mod reload;
 mod report;
 mod save;
@@ -51,12 +52,34 @@ pub use save::{Moved, SaveError, save, text_of, trace_call, with_places};
 pub use sound::SoundStatus;
 pub use walk::{BODY, Walker, Wish};
 
+use crate::experiment::localise::sitting::Sitting;
+
 /// Opens the window and stays until it is closed.
 ///
 /// # Errors
 /// [`DemoError`]: a scene that cannot be traced, no display, no OpenGL.
 pub fn run(options: DemoOptions) -> Result<Report, DemoError> {
+    stay(app::App::new(options)?)
+}
+
+/// Opens the window on a sitting of the localisation experiment, whose sounds play for
+/// `seconds` each time, and stays until it is closed. Each answer is in the sitting's file
+/// as soon as it is locked.
+///
+/// # Errors
+/// [`DemoError`]: as of [`run`], and a file that cannot be written.
+pub fn run_sitting(
+    options: DemoOptions,
+    sitting: Sitting,
+    seconds: f64,
+) -> Result<Report, DemoError> {
     let mut app = app::App::new(options)?;
+    app.question = Some(question::Question::new(sitting, seconds));
+    app.stand();
+    stay(app)
+}
+
+fn stay(mut app: app::App) -> Result<Report, DemoError> {
     let events = window::event_loop()?;
     let ran = events.run_app(&mut app);
     app.result(ran)

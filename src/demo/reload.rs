@@ -22,7 +22,7 @@ impl App {
     /// Checks the scene that the window opens with, and follows it if it is a file.
     pub fn follow(&mut self, tracer: &mut Tracer) -> Result<(), crate::Error> {
         let (name, settings) = (&self.world.name, &self.choices.settings);
-        if BUILTIN_NAMES.contains(&name.as_str()) {
+        if self.question.is_some() || BUILTIN_NAMES.contains(&name.as_str()) {
             return tracer.check(&self.world.base, settings);
         }
         let reloading = Reloading::open(name, tracer, settings)?;

@@ -124,10 +124,18 @@ impl World {
     /// # Errors
     /// As [`Scene::load`].
     pub fn load(name: &str) -> Result<World, SceneError> {
-        let base = Scene::load(name)?;
         Ok(World {
             name: name.to_owned(),
             text: text_of(name).ok(),
+            ..World::of(Scene::load(name)?)
+        })
+    }
+
+    /// A scene that is in no file.
+    pub fn of(base: Scene) -> World {
+        World {
+            name: base.name.clone(),
+            text: None,
             now: base.clone(),
             base,
             seconds: 0.0,
@@ -135,7 +143,7 @@ impl World {
             walker: None,
             source: None,
             carrying: false,
-        })
+        }
     }
 
     /// Another scene under the same name: time, walker and a source that was moved stay.

@@ -53,13 +53,19 @@ impl Display {
 
     /// The same with a command of one's own that starts the program.
     pub fn start(&self, mut command: Command, arguments: &[&str]) -> Demo<'_> {
+        command
+            .args(["demo", "--json", "--waves", "4096", "--scale", "0.25"])
+            .args(["--screenshot", "last.png", "--no-help"])
+            .args(arguments);
+        self.open(command)
+    }
+
+    /// Opens the window that a whole command opens, in a folder of its own.
+    pub fn open(&self, mut command: Command) -> Demo<'_> {
         let folder = tempfile::tempdir().unwrap();
         let mut child = command
             .current_dir(folder.path())
             .env("DISPLAY", &self.name)
-            .args(["demo", "--json", "--waves", "4096", "--scale", "0.25"])
-            .args(["--screenshot", "last.png", "--no-help"])
-            .args(arguments)
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
             .spawn()

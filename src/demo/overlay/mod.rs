@@ -4,10 +4,12 @@ mod choices;
 mod help;
 mod meters;
 mod plan;
+mod question;
 mod style;
 mod times;
 
 pub use plan::Plan;
+pub use question::{Asked, Paper, draw as draw_question};
 pub use style::set_style;
 
 use super::keys::{Action, HINT};
@@ -114,6 +116,16 @@ fn lower(ui: &Ui, facts: &Facts) {
     style::panel(ui, "lower", Align2::RIGHT_BOTTOM, offset, |ui| {
         times::draw(ui, facts);
     });
+}
+
+/// What stands below the question: how the sound fares, and the last message.
+pub fn draw_below_question(ui: &Ui, facts: &Facts) {
+    let text = RichText::new(&facts.sound.text).color(style::FAINT);
+    line(ui, "hint", MARGIN, text);
+    if let Some(message) = facts.message {
+        let text = RichText::new(message).color(style::BRIGHT);
+        line(ui, "message", MARGIN + ABOVE, text);
+    }
 }
 
 /// The line that is always there, and the last message above it.

@@ -34,6 +34,7 @@ mod plot;
 mod random;
 mod report;
 pub mod score;
+pub mod sitting;
 pub mod statistics;
 mod sweep;
 

@@ -22,7 +22,7 @@ use crate::error::Error;
 use crate::output::{OutputError, write_whole};
 use crate::scene::Scene;
 use crate::trace::{Profile, Settings, Tracer};
-use plan::Plan;
+pub use plan::{Plan, unlit};
 use serde::Serialize;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -91,6 +91,8 @@ pub struct Form {
     law: PanningLaw,
     sounds: Vec<LoadedSound>,
     plans: Vec<Plan>,
+    /// The rooms, each as the listener faces it, in the order of the plans.
+    pub rooms: Vec<Scene>,
 }
 
 /// `experiment.json`.
@@ -151,6 +153,7 @@ pub fn build(
         law: options.law,
         sounds,
         plans,
+        rooms,
     })
 }
 
@@ -237,6 +240,11 @@ pub fn prepare(folder: &Path) -> Result<(), WriteError> {
 }
 
 impl Form {
+    /// The plan of a room.
+    pub fn plan(&self, room: usize) -> Option<&Plan> {
+        self.plans.get(room)
+    }
+
     /// The page.
     pub fn html(&self) -> String {
         page::html(self)

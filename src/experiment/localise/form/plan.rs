@@ -43,21 +43,19 @@ impl Plan {
     /// [`Error::Picture`], [`Error::Gpu`] and [`Error::Scene`].
     pub fn new(context: &Context, scene: &Scene) -> Result<Plan, Error> {
         let listener = &scene.listener;
-        let mut unlit = scene.clone();
+        let mut seen = unlit(scene);
         // Bounds shall not be told by where the source is.
-        unlit.source = Source::at(listener.position);
-        let bounds = Bounds::of(&unlit, listener.position.y);
+        let lamp = std::mem::replace(&mut seen.source, Source::at(listener.position));
+        let bounds = Bounds::of(&seen, listener.position.y);
+        seen.source = lamp;
         let (min, max) = seen_by(scene, bounds);
         let plan = draw(scene, bounds, min, max);
-        // A lamp over the shoulder.
-        let behind = listener.up() - listener.forward();
-        unlit.source = Source::at(listener.position + 0.5 * listener.radius * behind);
         let options = ViewOptions {
             width: 640,
             height: 360,
             ..ViewOptions::default()
         };
-        let view = first_person(context, &unlit, &options)?;
+        let view = first_person(context, &seen, &options)?;
         Ok(Plan {
             min,
             max,
@@ -66,6 +64,16 @@ impl Plan {
             view_png: png(&view)?,
         })
     }
+}
+
+/// The scene without its source: seen by a lamp over the listener's shoulder, no light gives
+/// away where the sound comes from.
+pub fn unlit(scene: &Scene) -> Scene {
+    let listener = &scene.listener;
+    let behind = listener.up() - listener.forward();
+    let mut unlit = scene.clone();
+    unlit.source = Source::at(listener.position + 0.5 * listener.radius * behind);
+    unlit
 }
 
 /// The part of the listener's plane that holds these bounds of the world.

@@ -1,0 +1,75 @@
+//! `echomarch localise window`: the questions of the form, in a window with live sound.
+
+use super::exit::BadInput;
+use super::localise::{Trials, build};
+use super::options::{Common, check_ending, check_range};
+use super::print;
+use crate::demo::{DemoOptions, run_sitting};
+use crate::experiment::localise::sitting::{Sitting, SittingError};
+use crate::output::check_file;
+use clap::Args;
+use std::path::PathBuf;
+
+const EXAMPLES: &str = "\
+Examples:
+  echomarch localise window -o anna.json             48 trials; again to go on where one stopped
+  echomarch localise window -o anna.json --scenes corner --sounds speech --iterations 8
+  echomarch localise score anna.json
+
+Space plays, a click on the plan marks, Enter locks; all keys stand beside what they do.";
+
+/// Arguments of `localise window`.
+#[derive(Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub struct Arguments {
+    #[command(flatten)]
+    trials: Trials,
+    /// Where the answers are kept; a file that is there is taken up where it was broken off
+    #[arg(short, long, value_name = "FILE.json")]
+    output: PathBuf,
+    /// A code for the person, not a name
+    #[arg(long, default_value = "", value_name = "CODE")]
+    participant: String,
+    /// Loudness, 0 to 1
+    #[arg(long, allow_negative_numbers = true, default_value_t = 0.5)]
+    volume: f32,
+    /// Sound device by its name, as demo --list-devices has it
+    #[arg(long, value_name = "NAME")]
+    device: Option<String>,
+    /// Picture of the window at the end
+    #[arg(long, value_name = "FILE.png")]
+    screenshot: Option<PathBuf>,
+}
+
+/// Runs the subcommand.
+pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
+    check_ending(&arguments.output, "json")?;
+    check_range("--volume", f64::from(arguments.volume), 0.0, 1.0)?;
+    if let Some(picture) = &arguments.screenshot {
+        check_ending(picture, "png")?;
+        check_file(picture)?;
+    }
+    let options = arguments.trials.options(common)?;
+    let form = build(&options, common)?;
+    let opened = Sitting::open(form, arguments.output.clone(), &arguments.participant);
+    let sitting = opened.map_err(|error| match error {
+        SittingError::Output(error) => anyhow::Error::from(error),
+        other => BadInput(other.to_string()).into(),
+    })?;
+    let window = DemoOptions {
+        volume: arguments.volume,
+        device: arguments.device.clone(),
+        screenshot: arguments.screenshot.clone(),
+        help: false,
+        check_gl: common.json,
+        ..DemoOptions::default()
+    };
+    let report = run_sitting(window, sitting, arguments.trials.seconds)?;
+    if common.json {
+        return print::json(&report);
+    }
+    print::line(&format!(
+        "the answers are in {}",
+        arguments.output.display()
+    ))
+}
