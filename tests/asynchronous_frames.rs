@@ -3,7 +3,7 @@
 mod common;
 
 use common::{builtin, for_each_api};
-use echomarch::{Settings, Tracer};
+use echomarch::{Profile, Settings, Tracer};
 
 /// Protects the read-back through a pixel buffer: bit for bit what a frame that waits answers, summed on either
 /// side, and a frame that waits is not disturbed by one begun before it.
@@ -55,5 +55,68 @@ fn a_frame_is_collected_once() {
         assert!(frame.counts.listener_hits > 0);
         assert!(!tracer.is_frame_pending());
         assert!(tracer.frame_poll().unwrap().is_none());
+    });
+}
+
+/// Protects frames that are spread over many pictures: bit for bit what the frame in one piece answers, whatever is
+/// drawn between the parts, and as the scene stood when it was begun.
+#[test]
+fn a_frame_in_parts_is_the_frame_in_one_piece() {
+    for_each_api(|context| {
+        let mut tracer = Tracer::new(context).unwrap();
+        let mut beside = tracer.beside().unwrap();
+        let mut parts = 0;
+        for profile in [Profile::Thesis, Profile::March, Profile::Hybrid] {
+            for sum_on_gpu in [false, true] {
+                let mut settings = Settings::of(profile).with_waves(4099).with_iterations(5);
+                settings.sum_on_gpu = sum_on_gpu;
+                let mut scene = builtin("corner");
+                let whole = tracer.frame(&scene, &settings).unwrap();
+                tracer.frame_begin_in_parts(&scene, &settings).unwrap();
+                scene.source.position.x += 1.0;
+                loop {
+                    assert!(tracer.is_frame_pending() && tracer.is_frame_in_parts());
+                    assert!(tracer.frame_poll().unwrap().is_none());
+                    // With the same programs, and other uniforms.
+                    beside
+                        .frame(&scene, &settings.clone().with_waves(64))
+                        .unwrap();
+                    parts += 1;
+                    // No time at all: one row after the other.
+                    if tracer.frame_go_on(0.0).unwrap() {
+                        break;
+                    }
+                }
+                let late = tracer.frame_wait().unwrap().unwrap();
+                assert_eq!((late.panning, late.counts), (whole.panning, whole.counts));
+                assert!(late.milliseconds.march > 0.0);
+                assert!(!tracer.is_frame_pending());
+            }
+        }
+        assert!(parts > 6 * 16, "{parts} parts");
+    });
+}
+
+/// Protects callers that cannot wait for all parts, or no longer want them: waiting traces what is left, and any
+/// other frame gives them up.
+#[test]
+fn a_frame_in_parts_may_be_waited_for_or_given_up() {
+    for_each_api(|context| {
+        let mut tracer = Tracer::new(context).unwrap();
+        let (scene, settings) = (builtin("corner"), Settings::default().with_waves(4099));
+        assert!(tracer.frame_go_on(1.0).unwrap());
+        let whole = tracer.frame(&scene, &settings).unwrap();
+        tracer.frame_begin_in_parts(&scene, &settings).unwrap();
+        tracer.frame_go_on(0.0).unwrap();
+        let waited = tracer.frame_wait().unwrap().unwrap();
+        assert_eq!(
+            (waited.panning, waited.counts),
+            (whole.panning, whole.counts)
+        );
+        tracer.frame_begin_in_parts(&scene, &settings).unwrap();
+        let other = settings.clone().with_waves(100);
+        let now = tracer.frame(&scene, &other).unwrap();
+        assert!(!tracer.is_frame_pending() && now.panning != whole.panning);
+        assert!(tracer.frame_wait().unwrap().is_none());
     });
 }

@@ -114,6 +114,7 @@ impl App {
                 self.previous = Some(old);
                 self.paths.clear();
                 self.heard = None;
+                self.begins_anew = true;
                 self.scale_control.forget();
                 self.wave_control.forget();
                 self.say(format!("scene {name}"));

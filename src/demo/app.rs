@@ -15,7 +15,7 @@ use super::view::{Drawn, View};
 use super::window::DemoWindow;
 use super::{DemoError, DemoOptions, overlay};
 use crate::scene::Scene;
-use crate::trace::{Frame, Profile, Tracer, Wave};
+use crate::trace::{Frame, Settings, Tracer, Wave};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 use winit::application::ApplicationHandler;
@@ -62,8 +62,12 @@ pub(super) struct App {
     pub paper: Paper,
     pub paths: Vec<Vec<Wave>>,
     pub heard: Option<Frame>,
-    /// The algorithm of the frame that was begun last.
-    pub under_way: Profile,
+    /// The settings of the frame of waves that was begun last.
+    pub under_way: Settings,
+    /// Whether that frame is of a scene that has gone.
+    pub begins_anew: bool,
+    /// Milliseconds that the last frame of waves took in all.
+    pub on_waves: f64,
     pub drawn: Drawn,
     pub scale_step: usize,
     pub scale_control: Control,
@@ -104,7 +108,9 @@ impl App {
             paper: Paper::default(),
             paths: Vec::new(),
             heard: None,
-            under_way: options.settings.profile,
+            under_way: options.settings.clone(),
+            begins_anew: true,
+            on_waves: 0.0,
             drawn: Drawn::default(),
             scale_step: SCALES.len() - 1,
             scale_control: Control::default(),

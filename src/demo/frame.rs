@@ -1,7 +1,7 @@
 //! One frame, part by part: setup, waves, picture, panels, swap.
 
 use super::DemoError;
-use super::adapt::{MOST_WAVES, SCALES, scale_costs, step_of, wave_ladder};
+use super::adapt::{MOST_WAVES, SCALES, median, scale_costs, step_of, wave_ladder};
 use super::app::{App, Stage};
 use super::error::sentence;
 use super::overlay::{self, Facts};
@@ -20,12 +20,21 @@ const PATHS: u32 = 80;
 const PATH_ITERATIONS: u32 = 16;
 /// Frames from one set of paths to the next.
 const PATHS_EVERY: u64 = 6;
+/// The share of a frame's time that waves are given which do not fit it.
+const SHARE_OF_WAVES: f64 = 0.4;
+/// The last frames, by which it is judged whether they do.
+const FRAMES_LOOKED_AT: usize = 10;
 /// Waves that take so many times what a frame may take are told of.
 const TOO_LONG: f64 = 2.0;
 /// How long a message stands.
 const MESSAGE: Duration = Duration::from_secs(4);
 /// Frames that are shown in the panels.
 const FRAMES_SHOWN: usize = 100;
+
+/// What a frame took beside its waves, in milliseconds.
+fn without_waves(times: &FrameTimes) -> f64 {
+    times.work - times.waves - times.read_back
+}
 
 fn milliseconds(from: Instant) -> f64 {
     from.elapsed().as_secs_f64() * 1e3
@@ -135,6 +144,7 @@ impl App {
         let Some(previous) = self.previous.take() else {
             return Err(error);
         };
+        self.begins_anew = true;
         let why = sentence(&error);
         if previous.name == self.world.name {
             self.refuse(why);
@@ -146,19 +156,50 @@ impl App {
         Ok(())
     }
 
-    /// Collects the waves of the last frame, and begins those of this one.
+    /// Collects the waves of the last frame and begins those of this one; or goes on with
+    /// waves that take longer than a frame may.
     fn waves(&mut self, stage: &mut Stage, times: &mut FrameTimes) -> Result<(), DemoError> {
         let every = u64::from(self.choices.trace_every.max(1));
         let is_due = self.recorder.frames.is_multiple_of(every);
-        self.collect(stage, is_due, times)?;
-        if is_due {
-            let now = Instant::now();
-            self.latency.trace_begins(now);
+        let in_parts = stage.tracer.is_frame_in_parts();
+        let is_stale = self.begins_anew || self.under_way != self.choices.settings;
+        if !in_parts {
+            self.collect(stage, is_due, times)?;
+        }
+        let tracing = Instant::now();
+        if is_due && !in_parts || in_parts && is_stale {
+            self.latency.trace_begins(tracing);
             let settings = &self.choices.settings;
-            stage.tracer.frame_begin(&self.world.now, settings)?;
-            self.under_way = settings.profile;
+            stage
+                .tracer
+                .frame_begin_in_parts(&self.world.now, settings)?;
+            self.under_way = settings.clone();
+            self.begins_anew = false;
+        }
+        stage.tracer.frame_go_on(self.time_for_waves())?;
+        if stage.window.gl.context().is_software() {
+            // Elsewhere the card tells when the frame is collected.
+            times.waves += milliseconds(tracing);
         }
         Ok(())
+    }
+
+    /// Milliseconds that the waves of one frame may take: all that a frame of them takes, if
+    /// the time holds that beside the rest; else a share of it.
+    fn time_for_waves(&self) -> f64 {
+        let target = self.options.frame_milliseconds;
+        let share = SHARE_OF_WAVES * target;
+        let others: Vec<f64> = self
+            .recorder
+            .last(FRAMES_LOOKED_AT)
+            .iter()
+            .map(without_waves)
+            .collect();
+        if median(&others) + self.on_waves <= target {
+            // Foreseen, not exactly known.
+            return share.max(2.0 * self.on_waves);
+        }
+        share
     }
 
     /// Takes what was heard, if it is there, to the speakers.
@@ -179,10 +220,13 @@ impl App {
         self.speaker.set_panning(frame.panning);
         self.latency.read_back(Instant::now());
         let spent = &frame.milliseconds;
-        times.waves += spent.initialise + spent.march + spent.pan;
+        self.on_waves = spent.initialise + spent.march + spent.pan + spent.read_back;
+        if !stage.window.gl.context().is_software() {
+            times.waves += spent.initialise + spent.march + spent.pan;
+        }
         times.read_back += spent.read_back;
         let seconds = self.seconds();
-        self.recorder.heard(&frame, self.under_way, seconds);
+        self.recorder.heard(&frame, self.under_way.profile, seconds);
         self.heard = Some(frame);
         Ok(())
     }
@@ -296,17 +340,21 @@ impl App {
         let target = self.options.frame_milliseconds;
         let every = self.choices.trace_every.max(1) as usize;
         let last = self.recorder.last(every);
-        let work = last.iter().map(|t| t.work).sum::<f64>() / last.len().max(1) as f64;
-        let on_waves = times.waves + times.read_back;
+        let mean = |of: fn(&FrameTimes) -> f64| {
+            last.iter().map(of).sum::<f64>() / last.len().max(1) as f64
+        };
+        let (work, others) = (mean(|t| t.work), mean(without_waves));
+        let on_waves = self.on_waves;
         if on_waves > TOO_LONG * target && !self.choices.adapt_waves && self.message.is_none() {
             self.say(format!(
-                "the waves take {on_waves:.0} ms a frame: T lets their number follow, [ halves it"
+                "the waves take {on_waves:.0} ms, over several pictures: T lets their number \
+                 follow, [ halves it"
             ));
         }
         // One change at a time: the other is measured anew after it.
         if self.adapt_picture(work, times.picture) {
             self.wave_control.forget();
-        } else if on_waves > 0.0 && self.adapt_waves(work, on_waves / every as f64) {
+        } else if on_waves > 0.0 && self.adapt_waves(others, on_waves / every as f64) {
             self.scale_control.forget();
         }
     }
@@ -323,16 +371,16 @@ impl App {
         self.scale_step != before
     }
 
-    /// Whether another number of waves was chosen, of which a frame pays `on_waves`
-    /// milliseconds on average.
-    fn adapt_waves(&mut self, work: f64, on_waves: f64) -> bool {
+    /// Whether another number of waves was chosen. A frame would take `on_waves` milliseconds
+    /// for them on average, were they traced in one piece, beside `others`.
+    fn adapt_waves(&mut self, others: f64, on_waves: f64) -> bool {
         if !self.choices.adapt_waves {
             return false;
         }
         let ladder = wave_ladder(MOST_WAVES);
         let costs: Vec<f64> = ladder.iter().map(|&waves| f64::from(waves)).collect();
         let before = step_of(&ladder, self.choices.settings.waves);
-        self.wave_control.add(work, on_waves);
+        self.wave_control.add(others + on_waves, on_waves);
         let target = self.options.frame_milliseconds;
         let chosen = self.wave_control.choose(&costs, before, target);
         self.choices.settings.waves = ladder[chosen];

@@ -202,6 +202,7 @@ impl App {
         }
         self.choices.sound = put.stimulus.sound.clone();
         self.heard = None;
+        self.begins_anew = true;
         self.scale_control.forget();
     }
 

@@ -55,6 +55,7 @@ impl App {
                 self.previous = Some(self.world.clone());
                 self.world.change(follower.reloading.scene().clone());
                 self.paths.clear();
+                self.begins_anew = true;
                 self.has_reread(None);
             }
             Reload::Kept(error) => self.refuse(sentence(&error)),

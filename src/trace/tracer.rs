@@ -1,5 +1,6 @@
 //! One frame after the other on one context.
 
+mod parts;
 mod pending;
 
 use super::directions::{random_turn, unit_directions};
@@ -24,6 +25,7 @@ use crate::scene::cells::Lists;
 use crate::scene::glsl::{self, Placed, Placement};
 use glam::{Vec3, Vec4};
 use std::cell::RefCell;
+use std::ops::Range;
 use std::rc::Rc;
 use std::time::Instant;
 
@@ -218,6 +220,8 @@ impl Tracer {
     /// of the march that is the same for all iterations.
     fn prepare<'a>(&mut self, scene: &'a Scene, settings: &'a Settings) -> Result<Job<'a>, Error> {
         self.check_input(scene, settings)?;
+        // The textures are this frame's now.
+        self.pending.parts = None;
         let grid = Grid::new(settings.waves);
         let placement = match settings.profile {
             Profile::Thesis => Placement::world(),
@@ -325,6 +329,15 @@ impl Tracer {
     }
 
     fn march(&mut self, job: &Job, iterations: u32) -> Result<f64, Error> {
+        let height = self.targets()?.grid.height;
+        let time = self.march_rows(job, iterations, 0..height)?;
+        self.flip();
+        Ok(time)
+    }
+
+    /// Some rows of a pass of so many iterations; when all are drawn the pairs are to be
+    /// flipped.
+    fn march_rows(&self, job: &Job, iterations: u32, rows: Range<u32>) -> Result<f64, Error> {
         let targets = self.targets()?;
         let current = targets.pairs.current();
         job.march.set_texture("uOrigins", 0, &current.first);
@@ -332,11 +345,15 @@ impl Tracer {
         self.scene_data.bind(&job.march, 2);
         job.march.set_i32("uIterationsInPass", iterations as i32);
         let evaluations = job.evaluations(iterations);
-        let time = self.pass(&job.march, targets.grid, targets.pairs.next(), evaluations)?;
+        let next = targets.pairs.next();
+        self.pass_rows(&job.march, targets.grid, next, evaluations, rows)
+    }
+
+    /// What was written last is read next.
+    fn flip(&mut self) {
         if let Some(targets) = &mut self.targets {
             targets.pairs.flip();
         }
-        Ok(time)
     }
 
     fn finish(&mut self, job: &Job, initialise: f64, march: f64) -> Result<Frame, Error> {
@@ -407,11 +424,23 @@ impl Tracer {
         target: &impl Target,
         evaluations: u64,
     ) -> Result<f64, Error> {
+        self.pass_rows(program, grid, target, evaluations, 0..grid.height)
+    }
+
+    /// The same for some rows alone.
+    fn pass_rows(
+        &self,
+        program: &Program,
+        grid: Grid,
+        target: &impl Target,
+        evaluations: u64,
+        part: Range<u32>,
+    ) -> Result<f64, Error> {
         let waves = (EVALUATIONS_PER_DRAW / evaluations).min(WAVES_PER_DRAW);
         let rows = (waves / u64::from(grid.width)).max(1) as u32;
         let draw = || {
-            for start in (0..grid.height).step_by(rows as usize) {
-                let band = start..start + rows;
+            for start in part.clone().step_by(rows as usize) {
+                let band = start..(start + rows).min(part.end);
                 let (width, height) = (grid.width, grid.height);
                 full_screen_pass_rows(&self.context, program, target, width, height, band)?;
             }

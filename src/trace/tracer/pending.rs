@@ -9,6 +9,7 @@ use super::super::frame::in_milliseconds;
 use super::super::{
     Counts, Frame, Grid, Milliseconds, Panning, Settings, TraceError, panning, sum,
 };
+use super::parts::{Pace, Parts};
 use super::{Job, Tracer};
 use crate::error::Error;
 use crate::gpu::{AsyncRead, Context, Marks};
@@ -18,19 +19,24 @@ use std::time::Instant;
 /// What is kept between the beginning of a frame and its end, and from one to the next.
 pub(super) struct Pending {
     /// Whether a frame is being begun: its passes are then not waited for.
-    beginning: bool,
-    marks: Marks,
+    pub(super) beginning: bool,
+    pub(super) marks: Marks,
+    /// A frame of which not all parts are drawn, and how fast they are.
+    pub(super) parts: Option<Parts>,
+    pub(super) pace: Pace,
     /// What was heard, and the passes where they were summed on the GPU.
     reads: Option<[AsyncRead; 2]>,
-    begun: Option<Begun>,
+    pub(super) begun: Option<Begun>,
     heard: Vec<f32>,
     passes: Vec<f32>,
 }
 
 /// A frame under way.
 #[derive(Clone, Copy)]
-struct Begun {
-    at: Instant,
+pub(super) struct Begun {
+    pub(super) at: Instant,
+    /// Milliseconds of the march, if it was drawn in parts.
+    pub(super) in_parts: Option<f64>,
     grid: Grid,
     summed: bool,
     are_evaluations: bool,
@@ -41,11 +47,18 @@ impl Pending {
         Pending {
             beginning: false,
             marks: Marks::new(context),
+            parts: None,
+            pace: Pace::new(context),
             reads: None,
             begun: None,
             heard: Vec::new(),
             passes: Vec::new(),
         }
+    }
+
+    /// Forgets the frame under way.
+    pub fn give_up(&mut self) {
+        (self.begun, self.parts) = (None, None);
     }
 
     pub fn is_beginning(&self) -> bool {
@@ -90,7 +103,7 @@ impl Tracer {
     /// # Errors
     /// As [`Tracer::frame`].
     pub fn frame_begin(&mut self, scene: &Scene, settings: &Settings) -> Result<(), Error> {
-        self.pending.begun = None;
+        self.pending.give_up();
         self.pending.beginning = true;
         let begun = self.begin(scene, settings);
         self.pending.beginning = false;
@@ -100,7 +113,7 @@ impl Tracer {
 
     /// Whether a frame was begun and not yet collected.
     pub fn is_frame_pending(&self) -> bool {
-        self.pending.begun.is_some()
+        self.pending.begun.is_some() || self.pending.parts.is_some()
     }
 
     /// The frame begun, if it is there; `None` where it is not yet, or none was begun.
@@ -114,11 +127,13 @@ impl Tracer {
         self.collect(false)
     }
 
-    /// Waits for the frame begun; `None` where none was.
+    /// Waits for the frame begun, after tracing what is left of one in parts; `None` where
+    /// none was begun.
     ///
     /// # Errors
     /// [`Error::Gpu`] when the renderer fails.
     pub fn frame_wait(&mut self) -> Result<Option<Frame>, Error> {
+        while !self.frame_go_on(f64::INFINITY)? {}
         self.collect(true)
     }
 
@@ -134,7 +149,7 @@ impl Tracer {
         self.begin_reading(&job)
     }
 
-    fn begin_reading(&mut self, job: &Job) -> Result<Begun, Error> {
+    pub(super) fn begin_reading(&mut self, job: &Job) -> Result<Begun, Error> {
         let Some(targets) = &self.targets else {
             return Err(TraceError::NothingTraced.into());
         };
@@ -157,6 +172,7 @@ impl Tracer {
         }
         Ok(Begun {
             at: job.began,
+            in_parts: None,
             grid,
             summed: sum.is_some(),
             are_evaluations: job.settings.count_evaluations,
@@ -177,12 +193,14 @@ impl Tracer {
         let read_back = in_milliseconds(reading.elapsed());
         let parts = self.pending.marks.milliseconds();
         let part = |index: usize| parts.get(index).copied().unwrap_or_default();
+        // Between initialise and pan of a frame in parts lie pictures too.
+        let march = begun.in_parts.unwrap_or_else(|| part(1));
         Ok(Some(Frame {
             panning,
             counts,
             milliseconds: Milliseconds {
                 initialise: part(0),
-                march: part(1),
+                march,
                 pan: part(2),
                 read_back,
                 total: in_milliseconds(begun.at.elapsed()),

@@ -1,0 +1,214 @@
+//! Frames whose waves are traced a part at a time.
+//!
+//! A frame that takes longer than a picture may is spread over several pictures: each call
+//! draws as many rows of waves as fit the time that it is given, in the order of the passes.
+//! What comes of it is bit for bit what the frame in one piece gives, as of the moment when
+//! it was begun.
+//!
+//! How many rows fit is foreseen from those before. Software renderers are waited for, so
+//! that their time is measured at once; on a graphics card nothing waits, and the time of a
+//! part is known when the next one is asked for.
+
+use super::super::Settings;
+use super::{Job, Tracer};
+use crate::error::Error;
+use crate::gpu::{Context, GpuError, Marks};
+use crate::scene::Scene;
+use std::time::Instant;
+
+/// Rows that are drawn before anything is known of their time.
+const FIRST_ROWS: u32 = 8;
+
+/// By how many times the pace may seem to rise from one part to the next: one that was
+/// quick by chance shall not be followed by one that takes far too long.
+const MOST_FASTER: f64 = 4.0;
+
+/// A frame of which not all parts are drawn.
+pub(super) struct Parts {
+    scene: Scene,
+    settings: Settings,
+    progress: Progress,
+}
+
+/// How far a frame has come.
+#[derive(Clone, Copy)]
+struct Progress {
+    began: Instant,
+    /// Iterations that are not in any pass yet.
+    left: u32,
+    /// Iterations of the pass under way; 0 when all passes are over.
+    in_pass: u32,
+    /// Rows of it that are drawn.
+    rows: u32,
+    /// Milliseconds spent on all parts so far, as far as they are known.
+    spent: f64,
+}
+
+/// How fast rows are drawn.
+pub(super) struct Pace {
+    marks: Marks,
+    /// Milliseconds of a row of one iteration; none before the first part.
+    milliseconds: Option<f64>,
+    /// Rows times iterations between the marks, whose time is not taken yet.
+    marked: Option<f64>,
+}
+
+impl Pace {
+    pub fn new(context: &Context) -> Pace {
+        Pace {
+            marks: Marks::new(context),
+            milliseconds: None,
+            marked: None,
+        }
+    }
+
+    /// Rows of so many iterations that fit a time, at least one.
+    fn rows(&self, iterations: u32, milliseconds: f64) -> u32 {
+        match self.milliseconds {
+            None => FIRST_ROWS,
+            Some(row) => (milliseconds / (row * f64::from(iterations)).max(1e-6)) as u32,
+        }
+        .max(1)
+    }
+
+    /// Takes the time between the marks, once GL has passed them.
+    fn take(&mut self) -> Option<f64> {
+        let work = self.marked.take()?;
+        let took: f64 = self.marks.milliseconds().iter().sum();
+        let pace = took / work;
+        let least = self.milliseconds.map_or(0.0, |old| old / MOST_FASTER);
+        self.milliseconds = Some(pace.max(least));
+        Some(took)
+    }
+
+    /// Takes down what one part was: its milliseconds, measured or foreseen.
+    fn end(&mut self, rows: u32, iterations: u32) -> Result<f64, GpuError> {
+        self.marks.mark()?;
+        let work = f64::from(rows) * f64::from(iterations);
+        self.marked = Some(work);
+        if self.marks.wait() {
+            return Ok(self.take().unwrap_or_default());
+        }
+        Ok(self.milliseconds.unwrap_or_default() * work)
+    }
+}
+
+/// Frames in parts.
+impl Tracer {
+    /// Begins a frame of the scene as it stands, whose waves [`Tracer::frame_go_on`] traces a
+    /// part at a time. A frame begun before and not yet collected is given up, and so is this
+    /// one by any other frame before its last part is drawn.
+    ///
+    /// # Errors
+    /// As [`Tracer::frame`].
+    pub fn frame_begin_in_parts(
+        &mut self,
+        scene: &Scene,
+        settings: &Settings,
+    ) -> Result<(), Error> {
+        self.pending.give_up();
+        let job = self.prepare(scene, settings)?;
+        self.pending.marks.restart()?;
+        self.without_waiting(|tracer| tracer.initialise(&job))?;
+        self.pending.marks.mark()?;
+        let in_pass = job.iterations_per_pass().min(settings.iterations);
+        let progress = Progress {
+            began: job.began,
+            left: settings.iterations - in_pass,
+            in_pass,
+            rows: 0,
+            spent: 0.0,
+        };
+        self.pending.parts = Some(Parts {
+            scene: scene.clone(),
+            settings: settings.clone(),
+            progress,
+        });
+        Ok(())
+    }
+
+    /// Goes on with a frame in parts for about so many milliseconds, one part at the least;
+    /// whether all of it is drawn now, so that [`Tracer::frame_poll`] will give it. Without
+    /// such a frame there is nothing to draw.
+    ///
+    /// # Errors
+    /// As [`Tracer::frame`].
+    pub fn frame_go_on(&mut self, milliseconds: f64) -> Result<bool, Error> {
+        let Some(Parts {
+            scene,
+            settings,
+            mut progress,
+        }) = self.pending.parts.take()
+        else {
+            return Ok(true);
+        };
+        let job = self.prepare(&scene, &settings)?;
+        self.draw_parts(&job, &mut progress, milliseconds)?;
+        if progress.in_pass > 0 {
+            self.pending.parts = Some(Parts {
+                scene,
+                settings,
+                progress,
+            });
+            return Ok(false);
+        }
+        self.pending.marks.mark()?;
+        self.without_waiting(|tracer| tracer.pan(&job))?;
+        self.pending.marks.mark()?;
+        let mut begun = self.begin_reading(&job)?;
+        begun.at = progress.began;
+        begun.in_parts = Some(progress.spent);
+        self.pending.begun = Some(begun);
+        Ok(true)
+    }
+
+    /// Whether a frame in parts was begun, of which not all is drawn.
+    pub fn is_frame_in_parts(&self) -> bool {
+        self.pending.parts.is_some()
+    }
+
+    fn draw_parts(
+        &mut self,
+        job: &Job,
+        progress: &mut Progress,
+        milliseconds: f64,
+    ) -> Result<(), Error> {
+        // On a graphics card the last part is over by now.
+        self.pending.pace.take();
+        let height = self.targets()?.grid.height;
+        let mut left = milliseconds;
+        while progress.in_pass > 0 {
+            let iterations = progress.in_pass;
+            let pace = &mut self.pending.pace;
+            let rows = pace.rows(iterations, left).min(height - progress.rows);
+            pace.marks.restart()?;
+            let band = progress.rows..progress.rows + rows;
+            self.without_waiting(|tracer| tracer.march_rows(job, iterations, band))?;
+            let took = self.pending.pace.end(rows, iterations)?;
+            progress.spent += took;
+            left -= took;
+            progress.rows += rows;
+            if progress.rows == height {
+                self.flip();
+                progress.rows = 0;
+                progress.in_pass = job.iterations_per_pass().min(progress.left);
+                progress.left -= progress.in_pass;
+            }
+            if left <= 0.0 || self.pending.pace.milliseconds.is_none() {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// Does something whose passes are not waited for.
+    fn without_waiting<T>(
+        &mut self,
+        what: impl FnOnce(&mut Tracer) -> Result<T, Error>,
+    ) -> Result<T, Error> {
+        self.pending.beginning = true;
+        let done = what(self);
+        self.pending.beginning = false;
+        done
+    }
+}
