@@ -45,9 +45,9 @@ fn answers(session: &str, given: usize) -> Value {
         trial
     };
     json!({
-        "format": "echomarch-localise-answers", "version": 1, "experiment": "00c0ffee",
+        "format": "echomarch-localise-answers", "version": 2, "experiment": "00c0ffee",
         "session": session, "participant": "p1", "started": "2026-11-20T19:50:00.000Z",
-        "saved": "2026-11-20T20:00:00.000Z",
+        "saved": "2026-11-20T20:00:00.000Z", "order": [2, 3, 1],
         "trials": trials.into_iter().enumerate().map(of).collect::<Vec<_>>(),
     })
 }
@@ -198,6 +198,15 @@ fn broken_off_sessions_are_scored_and_merged() {
     assert!(stdout(&output).contains("No trial is answered."));
 }
 
+/// A click that has no direction.
+fn at_the_listener() -> Value {
+    let mut text = answers("a", 3);
+    for axis in ["right_m", "ahead_m", "azimuth_deg"] {
+        text["trials"][0]["answer"][axis] = json!(0.0);
+    }
+    text
+}
+
 /// Whatever is wrong with a file is told in a sentence with its name, and exit code 2.
 #[test]
 fn bad_answers_are_refused() {
@@ -209,7 +218,10 @@ fn bad_answers_are_refused() {
     };
     let cases = [
         (changed("/format", json!("shopping-list")), "shopping-list"),
-        (changed("/version", json!(2)), "version 2"),
+        (changed("/version", json!(1)), "version 1"),
+        (changed("/order", json!([1, 2, 2])), "order"),
+        (changed("/order", json!([1, 2])), "order"),
+        (changed("/session", json!("")), "session"),
         (changed("/trials", json!([])), "no trial"),
         (changed("/trials/1/number", json!(1)), "trial 1"),
         (changed("/trials/1/answer/azimuth_deg", json!(400.0)), "400"),
@@ -223,6 +235,17 @@ fn bad_answers_are_refused() {
         ),
         (changed("/trials/2/answer/side", json!("above")), "above"),
         (changed("/trials/0/stimulus/pan", json!(-3.0)), "pan"),
+        (
+            changed("/trials/1/answer/seconds", json!(-0.5)),
+            "seconds must be 0 or more",
+        ),
+        (changed("/trials/1/answer/plays", json!(0)), "plays"),
+        (changed("/trials/0/stimulus/waves", json!(0)), "waves"),
+        (
+            changed("/trials/0/stimulus/iterations", json!(0)),
+            "iterations",
+        ),
+        (at_the_listener(), "at the listener"),
         (json!([1, 2]), "no answers"),
     ];
     for (text, told) in &cases {
@@ -242,4 +265,10 @@ fn bad_answers_are_refused() {
     let other = write(folder.path(), "two.json", &other);
     let both = ["localise", "score", argument(&one), argument(&other)];
     refuse(&both, "differ in trial 1");
+    let other = changed("/order", json!([2, 1, 3]));
+    let other = write(folder.path(), "two.json", &other);
+    refuse(
+        &[&both[..3], &[argument(&other)]].concat(),
+        "differ in trial",
+    );
 }

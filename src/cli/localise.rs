@@ -119,7 +119,7 @@ struct FormArguments {
     /// Numbers of iterations, separated by commas
     #[arg(long, value_delimiter = ',', value_name = "N", default_values_t = [4, 8])]
     iterations: Vec<u32>,
-    /// Order of the trials, and start directions of the waves
+    /// Orders of the trials, and start directions of the waves
     #[arg(long, default_value_t = 1, value_name = "N")]
     seed: u32,
     /// Length of each sound
@@ -293,7 +293,6 @@ fn refused(error: WriteError) -> anyhow::Error {
     match error {
         WriteError::NotEmpty { .. } => BadInput(error.to_string()).into(),
         WriteError::Output(error) => error.into(),
-        WriteError::Sound(error) => error.into(),
     }
 }
 

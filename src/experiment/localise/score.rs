@@ -191,6 +191,10 @@ impl Merged {
             let shorter = self.session.trials.len().min(other.trials.len());
             return Err(contradiction(shorter as u32 + 1));
         }
+        let mut orders = self.session.order.iter().zip(&other.order);
+        if let Some((_, &number)) = orders.find(|(mine, its)| mine != its) {
+            return Err(contradiction(number));
+        }
         for (mine, its) in self.session.trials.iter_mut().zip(&other.trials) {
             if mine.stimulus != its.stimulus || differ(mine, its) {
                 return Err(contradiction(its.number));
