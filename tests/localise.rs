@@ -236,9 +236,13 @@ fn a_report_adds_up_and_becomes_csv_markdown_and_svg() {
         plateau.scene == "obstacles" && plateau.profile == "thesis" && plateau.fixed == 4
     });
     assert_eq!(nothing.unwrap().count, None);
+    check_files(&report);
+}
 
+/// The texts and the picture hold what the report does.
+fn check_files(report: &LocaliseReport) {
     let mut csv = Vec::new();
-    write_csv(&report, &mut csv).unwrap();
+    write_csv(report, &mut csv).unwrap();
     let csv = String::from_utf8(csv).unwrap();
     let lines: Vec<&str> = csv.lines().collect();
     assert_eq!(lines.len(), 1 + 5 * (3 + 3) + 2 * 36);
@@ -249,7 +253,7 @@ fn a_report_adds_up_and_becomes_csv_markdown_and_svg() {
             assert!(columns().contains(&wanted), "{wanted}");
         }
     }
-    let text = markdown(&report);
+    let text = markdown(report);
     for heading in [
         "## In the open",
         "## corner",
@@ -258,7 +262,7 @@ fn a_report_adds_up_and_becomes_csv_markdown_and_svg() {
     ] {
         assert!(text.contains(heading), "{text}");
     }
-    let svg = plot_svg(&report).unwrap();
+    let svg = plot_svg(report).unwrap();
     assert!(svg.starts_with("<svg") && svg.contains("obstacles, 8 iterations"));
     assert!(svg.contains("rough interval"));
 }

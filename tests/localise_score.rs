@@ -207,16 +207,16 @@ fn at_the_listener() -> Value {
     text
 }
 
-/// Whatever is wrong with a file is told in a sentence with its name, and exit code 2.
-#[test]
-fn bad_answers_are_refused() {
-    let folder = tempfile::tempdir().unwrap();
-    let changed = |path: &str, value: Value| {
-        let mut text = answers("a", 3);
-        *text.pointer_mut(path).unwrap() = value;
-        text
-    };
-    let cases = [
+/// A whole file with one value changed.
+fn changed(path: &str, value: Value) -> Value {
+    let mut text = answers("a", 3);
+    *text.pointer_mut(path).unwrap() = value;
+    text
+}
+
+/// Files that are no answers, each with a word of what is told of it.
+fn wrong() -> Vec<(Value, &'static str)> {
+    vec![
         (changed("/format", json!("shopping-list")), "shopping-list"),
         (changed("/version", json!(1)), "version 1"),
         (changed("/order", json!([1, 2, 2])), "order"),
@@ -247,8 +247,14 @@ fn bad_answers_are_refused() {
         ),
         (at_the_listener(), "at the listener"),
         (json!([1, 2]), "no answers"),
-    ];
-    for (text, told) in &cases {
+    ]
+}
+
+/// Whatever is wrong with a file is told in a sentence with its name, and exit code 2.
+#[test]
+fn bad_answers_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    for (text, told) in &wrong() {
         let file = write(folder.path(), "bad.json", text);
         refuse(&["localise", "score", argument(&file)], told);
         refuse(&["localise", "score", argument(&file)], "bad.json");

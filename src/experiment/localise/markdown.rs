@@ -172,16 +172,18 @@ fn write_scene(scene: &SceneReport, out: &mut String) -> std::fmt::Result {
     )?;
     for facing in &scene.facings {
         for limit in &facing.limits {
+            let is_heard = limit.heard > 0.0;
+            let told = |text: String| if is_heard { text } else { none() };
             writeln!(
                 out,
-                "| {:+.1} | {:+.1} | {} | {:+.4} | {:.4} | {:.4} % | {:+.1} |",
+                "| {:+.1} | {:+.1} | {} | {} | {} | {:.4} % | {} |",
                 facing.azimuth_deg,
                 facing.lateral_deg,
                 limit.iterations,
-                limit.pan,
-                limit.uncertainty,
+                told(format!("{:+.4}", limit.pan)),
+                told(format!("{:.4}", limit.uncertainty)),
                 100.0 * limit.heard,
-                limit.lateral_deg
+                told(format!("{:+.1}", limit.lateral_deg)),
             )?;
         }
     }

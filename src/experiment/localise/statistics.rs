@@ -12,9 +12,10 @@
 //!   independent ([`figures_of_people`]). It still tells nothing of the choice of truths.
 //!
 //! Drawing with replacement narrows a spread by √((*n* − 1)/*n*); a drawing's spread is widened
-//! by as much. Of fewer than [`LEAST_DRAWN`] seeds an interval covers too little to be called
-//! one of 95 % (a test below measures it), and is marked as rough; of fewer persons there is
-//! none.
+//! by as much. With [`LEAST_DRAWN`] seeds the interval of a bias holds the truth in 92 of 100
+//! simulated cases, that of a spread in 83; with 2 in 75 and 70 (a test below). So with fewer
+//! than five an interval is not called one of 95 %, but marked as rough; of fewer persons there
+//! is none.
 
 use super::random::Random;
 use crate::experiment::median;
@@ -324,14 +325,15 @@ mod tests {
         held
     }
 
-    /// Protects the name of the intervals: from five answers a truth on they hold the truth
-    /// in about 95 %, and of two in far fewer, which is why these are called rough.
+    /// Protects the name of the intervals, and what is said of it: with five answers a truth
+    /// they hold a bias in about 92 % and a spread in 83 %, and with two in far fewer, which is
+    /// why these are called rough. The allowance is three standard errors of 300 runs.
     #[test]
     fn five_answers_make_an_interval_and_two_do_not() {
         let [bias, spread] = coverage(LEAST_DRAWN);
-        assert!(bias > 0.87 && spread > 0.80, "{bias}, {spread}");
+        assert!(bias > 0.87 && spread > 0.77, "{bias}, {spread}");
         let [rough, _] = coverage(2);
-        assert!(rough < 0.85, "{rough}");
+        assert!(rough < 0.83, "{rough}");
     }
 
     /// Protects people's intervals: a person who answers often is still one, and a few
