@@ -280,6 +280,27 @@ fn the_keyboard_is_enough() {
     }
 }
 
+/// Protects answers that only the page knows: where the browser keeps nothing it says so and
+/// asks before it is closed, until they are saved.
+#[test]
+fn a_browser_that_keeps_nothing_is_told_of() {
+    let folder = tempfile::tempdir().unwrap();
+    let page = form(&folder.path().join("form"));
+    let driver = Driver::start();
+    let browser = driver.open(&folder.path().join("home"), folder.path());
+    browser.go(&page);
+    browser.run("Storage.prototype.setItem = () => { throw new Error('full'); };");
+    browser.click("#begin");
+    browser.wait_for("#warning", "keeps nothing");
+    assert_eq!(asks_before_closing(&browser), false, "nothing is answered");
+    answer(&browser, 90, 0, "right", 4);
+    browser.wait_for("#number", "Sound 2 of 3");
+    assert_eq!(asks_before_closing(&browser), true);
+    let file = save(&browser, folder.path());
+    assert_eq!(asks_before_closing(&browser), false);
+    assert_eq!(score(&[&file])["sessions"][0]["answered"], 1);
+}
+
 /// Protects people from one order for all: every session has its own, which it saves.
 #[test]
 fn each_person_has_an_order_of_their_own() {
