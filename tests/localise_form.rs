@@ -14,6 +14,11 @@ use std::time::{Duration, Instant};
 
 const TRIALS: usize = 3;
 
+/// What WebDriver calls these keys.
+const TAB: char = '\u{E004}';
+const ENTER: char = '\u{E007}';
+const RIGHT: char = '\u{E014}';
+
 /// A form of three trials.
 fn form(folder: &Path) -> PathBuf {
     succeed(&[
@@ -37,13 +42,23 @@ fn form(folder: &Path) -> PathBuf {
     folder.join("form.html")
 }
 
-/// Answers the trial that is shown: a click so many pixels beside the plan's middle.
+/// A click so many pixels beside the listener, which is elsewhere on each facing's plan.
+fn click_beside(browser: &Browser, right: i32, down: i32) {
+    let from_the_middle = "const plan = document.getElementById('plan');\
+         const at = plan.getScreenCTM(), box = plan.getBoundingClientRect();\
+         return [at.e - box.left - box.width / 2, at.f - box.top - box.height / 2];";
+    let listener = browser.run(from_the_middle);
+    let pixels = |axis: usize| listener[axis].as_f64().unwrap().round() as i32;
+    browser.click_at("#plan", pixels(0) + right, pixels(1) + down);
+}
+
+/// Answers the trial that is shown: a click so many pixels beside the listener.
 fn answer(browser: &Browser, right: i32, down: i32, side: &str, confidence: u32) {
     browser.wait_for("#lock", "Lock the answer");
     let disabled = "return document.getElementById('lock').disabled";
     browser.click("#play");
     browser.wait_for("#plays", "played 1 time");
-    browser.click_at("#plan", right, down);
+    click_beside(browser, right, down);
     browser.click(&format!("#sides input[value={side}]"));
     assert_eq!(browser.run(disabled), true, "one question is still open");
     browser.click(&format!("#confidences input[value='{confidence}']"));
@@ -91,7 +106,7 @@ fn begin(browser: &Browser, page: &Path, downloads: &Path) -> PathBuf {
     // Looking back shows the answer and lets nothing be changed.
     browser.click("#back");
     browser.wait_for("#missing", "locked");
-    browser.click_at("#plan", -90, 0);
+    click_beside(browser, -90, 0);
     browser.wait_for("#clicked", "to the right");
     let open = "return document.querySelectorAll('#trial input:not(:disabled)').length";
     assert_eq!(browser.run(open), 0);
@@ -150,15 +165,201 @@ fn a_session_is_answered_broken_off_taken_up_and_scored() {
     browser.wait_for("#number", "Sound 2 of 3");
     browser.wait_for("#status", "p1, 1 of 3");
     let again = save(&browser, &downloads);
-    let answers = |file: &Path| {
-        let text = fs::read_to_string(file).unwrap();
-        serde_json::from_str::<serde_json::Value>(&text).unwrap()["trials"].clone()
-    };
-    assert_eq!(answers(&first), answers(&again));
-    let clicked = answers(&first)[0]["answer"]["azimuth_deg"]
-        .as_f64()
-        .unwrap();
+    assert_eq!(file_of(&first)["trials"], file_of(&again)["trials"]);
+    assert_eq!(file_of(&first)["order"], file_of(&again)["order"]);
+    let number = file_of(&first)["order"][0].as_u64().unwrap() as usize;
+    let answer = &file_of(&first)["trials"][number - 1]["answer"];
+    let clicked = answer["azimuth_deg"].as_f64().unwrap();
     assert!(clicked > 15.0 && clicked < 165.0, "{clicked}");
+    assert!(answer["seconds"].as_f64().unwrap() < 60.0, "{answer}");
+}
+
+fn file_of(path: &Path) -> serde_json::Value {
+    serde_json::from_str(&fs::read_to_string(path).unwrap()).unwrap()
+}
+
+/// Whether the page asks before it is closed.
+fn asks_before_closing(browser: &Browser) -> serde_json::Value {
+    browser.run(
+        "const event = new Event('beforeunload', { cancelable: true });\
+         dispatchEvent(event); return event.defaultPrevented;",
+    )
+}
+
+/// Protects what is said of a trial that is not locked yet from looking back and from a
+/// reload.
+#[test]
+fn what_is_not_locked_yet_is_kept() {
+    let folder = tempfile::tempdir().unwrap();
+    let page = form(&folder.path().join("form"));
+    let driver = Driver::start();
+    let browser = driver.open(&folder.path().join("home"), folder.path());
+    browser.go(&page);
+    browser.click("#begin");
+    answer(&browser, 90, 0, "right", 4);
+    browser.wait_for("#number", "Sound 2 of 3");
+    browser.click("#play");
+    browser.wait_for("#plays", "played 1 time");
+    click_beside(&browser, -90, 0);
+    browser.click("#sides input[value=left]");
+    let mark = browser.text("#clicked");
+    assert!(mark.contains("to the left"), "{mark}");
+    let is_kept = || {
+        browser.wait_for("#number", "Sound 2 of 3");
+        assert_eq!(browser.text("#clicked"), mark);
+        assert_eq!(browser.text("#plays"), "played 1 time");
+        let side = "return document.querySelector('#sides input:checked').value";
+        assert_eq!(browser.run(side), "left");
+        assert!(browser.text("#missing").contains("how sure"));
+    };
+    browser.click("#back");
+    browser.wait_for("#clicked", "to the right");
+    browser.click("#forward");
+    is_kept();
+    browser.go(&page);
+    browser.click("#sessions .continue");
+    is_kept();
+    browser.click("#confidences input[value='2']");
+    browser.click("#lock");
+    browser.wait_for("#number", "Sound 3 of 3");
+    assert_eq!(browser.text("#plays"), "", "the next one begins anew");
+    assert_eq!(browser.errors(), Vec::<String>::new());
+}
+
+/// Protects those who have no mouse: every trial can be answered by keys alone, and the page
+/// asks before a whole session is lost.
+#[test]
+fn the_keyboard_is_enough() {
+    let folder = tempfile::tempdir().unwrap();
+    let page = form(&folder.path().join("form"));
+    let driver = Driver::start();
+    let browser = driver.open(&folder.path().join("home"), folder.path());
+    browser.go(&page);
+    browser.click("#begin");
+    for number in 1..=TRIALS {
+        browser.wait_for("#number", &format!("Sound {number} of 3"));
+        let focus = "return document.activeElement.id";
+        assert_eq!(browser.run(focus), "play");
+        browser.press(" ");
+        browser.wait_for("#plays", "played 1 time");
+        // The first of each group of choices, then the plan.
+        browser.press(&format!("{TAB} {TAB} {TAB}"));
+        assert_eq!(browser.run(focus), "plan");
+        browser.press(&RIGHT.to_string());
+        browser.wait_for("#clicked", "90° to the right");
+        browser.press(&'\u{E012}'.to_string());
+        let missing = browser.text("#missing");
+        assert!(missing.contains("beside yourself"), "{missing}");
+        browser.press(&RIGHT.to_string());
+        // Past what is there to look back with.
+        for _ in 0..3 {
+            if browser.run(focus) != "lock" {
+                browser.press(&TAB.to_string());
+            }
+        }
+        assert_eq!(browser.run(focus), "lock");
+        assert_eq!(asks_before_closing(&browser), false);
+        browser.press(&ENTER.to_string());
+    }
+    browser.wait_for("#end", "Thank you");
+    assert_eq!(asks_before_closing(&browser), true);
+    assert_eq!(browser.run("return document.activeElement.id"), "save");
+    let file = save(&browser, folder.path());
+    assert_eq!(asks_before_closing(&browser), false);
+    let answers = &file_of(&file)["trials"];
+    for trial in answers.as_array().unwrap() {
+        let answer = &trial["answer"];
+        assert_eq!(
+            (&answer["right_m"], &answer["ahead_m"]),
+            (&0.5.into(), &0.into())
+        );
+        assert_eq!(
+            (&answer["side"], &answer["confidence"]),
+            (&"left".into(), &1.into())
+        );
+    }
+}
+
+/// Protects answers that only the page knows: where the browser keeps nothing it says so and
+/// asks before it is closed, until they are saved.
+#[test]
+fn a_browser_that_keeps_nothing_is_told_of() {
+    let folder = tempfile::tempdir().unwrap();
+    let page = form(&folder.path().join("form"));
+    let driver = Driver::start();
+    let browser = driver.open(&folder.path().join("home"), folder.path());
+    browser.go(&page);
+    browser.run("Storage.prototype.setItem = () => { throw new Error('full'); };");
+    browser.click("#begin");
+    browser.wait_for("#warning", "keeps nothing");
+    assert_eq!(asks_before_closing(&browser), false, "nothing is answered");
+    answer(&browser, 90, 0, "right", 4);
+    browser.wait_for("#number", "Sound 2 of 3");
+    assert_eq!(asks_before_closing(&browser), true);
+    let file = save(&browser, folder.path());
+    assert_eq!(asks_before_closing(&browser), false);
+    assert_eq!(score(&[&file])["sessions"][0]["answered"], 1);
+}
+
+/// Protects people from one order for all: every session has its own, which it saves.
+#[test]
+fn each_person_has_an_order_of_their_own() {
+    let folder = tempfile::tempdir().unwrap();
+    let page = form(&folder.path().join("form"));
+    let driver = Driver::start();
+    let browser = driver.open(&folder.path().join("home"), folder.path());
+    let mut orders = Vec::new();
+    for _ in 0..12 {
+        browser.go(&page);
+        browser.click("#begin");
+        browser.wait_for("#number", "Sound 1 of 3");
+        let file = file_of(&save(&browser, folder.path()));
+        let order = file["order"].as_array().unwrap().clone();
+        let mut sorted: Vec<u64> = order.iter().map(|n| n.as_u64().unwrap()).collect();
+        sorted.sort_unstable();
+        assert_eq!(sorted, [1, 2, 3]);
+        orders.push(order);
+    }
+    // Twelve of six orders: all alike once in 300 million.
+    assert!(orders.iter().any(|order| *order != orders[0]));
+}
+
+/// Protects large forms: sounds that lie beside the page are 16-bit WAV files, which every
+/// browser plays, and the page plays them.
+#[test]
+fn a_large_form_plays_the_sounds_beside_it() {
+    let folder = tempfile::tempdir().unwrap();
+    // Nine trials of a minute are 99 MiB of sound.
+    let at = folder.path().join("form");
+    succeed(&[
+        "localise",
+        "form",
+        "-o",
+        argument(&at),
+        "--scenes",
+        "corner",
+        "--sounds",
+        "sine:500",
+        "--waves",
+        "64,256,1024",
+        "--iterations",
+        "2",
+        "--seconds",
+        "60",
+    ]);
+    let page = at.join("form.html");
+    assert!(fs::metadata(&page).unwrap().len() < 8 << 20);
+    let reader = hound::WavReader::open(at.join("sounds/001.wav")).unwrap();
+    let spec = reader.spec();
+    assert_eq!((spec.channels, spec.bits_per_sample), (2, 16));
+    assert_eq!(spec.sample_format, hound::SampleFormat::Int);
+    assert_eq!(reader.duration(), 60 * 48_000);
+    let driver = Driver::start();
+    let browser = driver.open(&folder.path().join("home"), folder.path());
+    browser.go(&page);
+    browser.click("#begin");
+    browser.click("#play");
+    browser.wait_for("#plays", "played 1 time");
 }
 
 /// Files that are none are refused with a word, and nothing begins.
@@ -169,7 +370,30 @@ fn a_file_of_another_kind_is_not_taken_up() {
     let driver = Driver::start();
     let browser = driver.open(&folder.path().join("home"), folder.path());
     browser.go(&page);
-    for (text, told) in [("{", "JSON"), ("{}", "no answers of this kind")] {
+    // A whole file, and what can be wrong in it.
+    browser.click("#begin");
+    answer(&browser, 90, 0, "right", 4);
+    browser.wait_for("#number", "Sound 2 of 3");
+    let whole = file_of(&save(&browser, folder.path()));
+    let number = whole["order"][0].as_u64().unwrap() - 1;
+    let changed = |path: &str, value: serde_json::Value| {
+        let mut text = whole.clone();
+        *text.pointer_mut(path).unwrap() = value;
+        text.to_string()
+    };
+    let of_answer = |field: &str| format!("/trials/{number}/answer/{field}");
+    browser.go(&page);
+    for (text, told) in [
+        ("{".to_owned(), "JSON"),
+        ("{}".to_owned(), "no answers of this kind"),
+        ("null".to_owned(), "no answers of this kind"),
+        (changed("/order", serde_json::json!([1, 1, 2])), "order"),
+        (changed("/session", 7.into()), "session"),
+        (changed("/trials", serde_json::json!([])), "trials"),
+        (changed(&of_answer("seconds"), (-1).into()), "damaged"),
+        (changed(&of_answer("side"), "above".into()), "damaged"),
+        (changed(&of_answer("right_m"), (-3).into()), "damaged"),
+    ] {
         let file = folder.path().join("wrong.json");
         fs::write(&file, text).unwrap();
         browser.type_into("#load", argument(&file));

@@ -9,10 +9,12 @@ use crate::audio::{PanningLaw, SAMPLE_RATE, Sound, SoundSpec};
 use crate::error::Error;
 use crate::experiment::localise::form::{self, Form, FormOptions, MOST_TRIALS, WriteError};
 use crate::experiment::localise::score::{Group, ScoreReport, score};
+use crate::experiment::localise::statistics::{ErrorFigures, LEAST_DRAWN};
 use crate::experiment::localise::{
-    self, LocaliseOptions, LocaliseReport, ROOMS, SOUNDS, markdown, plot_svg, write_csv,
+    self, LocaliseOptions, LocaliseReport, MOST_WORK, OpenCase, ROOMS, SOUNDS, markdown, plot_svg,
+    write_csv, write_score_csv,
 };
-use crate::output::write_whole;
+use crate::output::{prepare_folder, write_whole};
 use crate::scene::Scene;
 use crate::trace::{Profile, Settings};
 use clap::{Args, Subcommand};
@@ -42,7 +44,8 @@ Examples:
 const SCORE_EXAMPLES: &str = "\
 Examples:
   echomarch localise score answers-*.json
-  echomarch localise score --json anna.json bert.json";
+  echomarch localise score --json anna.json bert.json
+  echomarch localise score -o out answers-*.json";
 
 /// Arguments of `localise`.
 #[derive(Args, Debug)]
@@ -130,7 +133,7 @@ pub(super) struct Trials {
     /// Numbers of iterations, separated by commas
     #[arg(long, value_delimiter = ',', value_name = "N", default_values_t = [4, 8])]
     iterations: Vec<u32>,
-    /// Order of the trials, and start directions of the waves
+    /// Orders of the trials, and start directions of the waves
     #[arg(long, default_value_t = 1, value_name = "N")]
     seed: u32,
     /// Length of each sound
@@ -144,6 +147,9 @@ struct ScoreArguments {
     /// Files that the page or the window saved; broken-off sessions too
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
+    /// Write score.csv and score.json into this folder
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
 }
 
 /// Runs the subcommand.
@@ -177,6 +183,7 @@ fn observe(arguments: &RunArguments, common: &Common) -> anyhow::Result<()> {
         return Ok(());
     };
     let path = folder.join("localise.md");
+    let text = format!("{text}\n![Median errors](localise.svg)\n");
     write_whole(&path, |out| out.write_all(text.as_bytes()))?;
     if common.json {
         return Ok(());
@@ -203,9 +210,28 @@ fn run_options(arguments: &RunArguments, common: &Common) -> anyhow::Result<Loca
         options.seeds = seeds;
     }
     check_settings(&options.waves, &options.iterations)?;
-    let open = |settings: &Settings| options.profiles.contains(&settings.profile);
+    check_work(arguments, &options)?;
+    let open = |case: &OpenCase| options.profiles.contains(&case.settings.profile);
     options.open.retain(open);
     Ok(options)
+}
+
+/// Settings that are too large are refused if they were asked for; if not, the report tells
+/// of them.
+fn check_work(arguments: &RunArguments, options: &LocaliseOptions) -> anyhow::Result<()> {
+    let left_out = options.left_out();
+    let Some((waves, iterations)) = left_out.first() else {
+        return Ok(());
+    };
+    let is_asked = !arguments.waves.is_empty() && !arguments.iterations.is_empty();
+    if is_asked || left_out.len() == options.waves.len() * options.iterations.len() {
+        return Err(BadInput(format!(
+            "{waves} waves with {iterations} iterations are too large: waves × iterations must \
+             be up to {MOST_WORK}"
+        ))
+        .into());
+    }
+    Ok(())
 }
 
 fn stimuli(from: &Stimuli, common: &Common) -> anyhow::Result<(Vec<Scene>, Vec<SoundSpec>)> {
@@ -294,7 +320,6 @@ fn refused(error: WriteError) -> anyhow::Error {
     match error {
         WriteError::NotEmpty { .. } => BadInput(error.to_string()).into(),
         WriteError::Output(error) => error.into(),
-        WriteError::Sound(error) => error.into(),
     }
 }
 
@@ -326,13 +351,26 @@ fn tell_form(arguments: &FormArguments, common: &Common, form: &Form) -> anyhow:
 
 fn score_files(arguments: &ScoreArguments, common: &Common) -> anyhow::Result<()> {
     let report = score(&arguments.files).map_err(|error| BadInput(error.to_string()))?;
+    if let Some(folder) = &arguments.output {
+        prepare_folder(folder)?;
+        write_whole(&folder.join("score.csv"), |out| {
+            write_score_csv(&report, out)
+        })?;
+        write_whole(&folder.join("score.json"), |out| {
+            Ok(serde_json::to_writer_pretty(out, &report)?)
+        })?;
+    }
     if common.json {
         return print::json(&report);
     }
     for note in &report.notes {
         common.note(&format!("note: {note}"));
     }
-    print_score(&report)
+    print_score(&report)?;
+    match &arguments.output {
+        Some(folder) => print::line(&format!("\nwritten: {}/score.csv, .json", folder.display())),
+        None => Ok(()),
+    }
 }
 
 fn print_score(report: &ScoreReport) -> anyhow::Result<()> {
@@ -353,18 +391,21 @@ fn print_score(report: &ScoreReport) -> anyhow::Result<()> {
     let mut printed = print::table(&[
         "scene",
         "sound",
+        "law",
         "profile",
         "waves",
         "it.",
         "answers",
+        "people",
         "error from source",
         "interval",
         "outward bias",
+        "spread",
         "error from observer",
         "left said L/C/R",
         "centre",
         "right",
-        "front-back",
+        "clicked behind",
         "confidence",
     ]);
     for group in &report.groups {
@@ -372,36 +413,46 @@ fn print_score(report: &ScoreReport) -> anyhow::Result<()> {
     }
     print::line(&format!(
         "\n{printed}\n\nErrors: median absolute, in degrees, of the click's azimuth folded to the \
-         front, with its 95 %\nbootstrap interval. Observer: what it answers to the same sounds, \
-         by their levels alone.\nFront-back: share of clicks behind for a source ahead, or the \
-         other way round."
+         front. Interval: 95 %, by a\nbootstrap over people; it and the spread need \
+         {LEAST_DRAWN} people. Observer: what it answers to the same sounds,\nby their levels \
+         alone. Silent: no wave was heard, and the sound was in the middle."
     ))
 }
 
 fn group_cells(group: &Group) -> Vec<String> {
+    let all = if group.heard { "all" } else { "silent" };
     let or_all = |name: &String| match name.is_empty() {
-        true => "all".to_owned(),
+        true => all.to_owned(),
         false => name.clone(),
     };
-    let number = |number: Option<u32>| number.map_or_else(|| "all".to_owned(), |n| n.to_string());
-    let source = &group.source;
+    let number = |number: Option<u32>| number.map_or_else(|| all.to_owned(), |n| n.to_string());
+    let none = || "—".to_owned();
+    let source = group.source.as_ref();
+    let interval = source.and_then(|error| error.median_abs.interval_deg);
+    let spread = source.and_then(|error| error.spread);
+    let spread = spread.filter(|spread| spread.interval_deg.is_some());
+    let median = |error: &ErrorFigures| format!("{:.1}", error.median_abs.deg);
+    let outward = source.and_then(|error| error.outward_bias);
     let mut cells = vec![
         or_all(&group.scene),
         or_all(&group.sound),
+        or_all(&group.law),
         or_all(&group.profile),
         number(group.waves),
         number(group.iterations),
         group.answers.to_string(),
-        format!("{:.1}", source.median_abs_deg),
-        format!("{:.1} … {:.1}", source.low_deg, source.high_deg),
-        format!("{:+.1}", source.outward_bias_deg),
-        format!("{:.1}", group.observer.median_abs_deg),
+        group.people.to_string(),
+        source.map_or_else(none, median),
+        interval.map_or_else(none, |[low, high]| format!("{low:.1} … {high:.1}")),
+        outward.map_or_else(none, |bias| format!("{:+.1}", bias.deg)),
+        spread.map_or_else(none, |spread| format!("{:.1}", spread.deg)),
+        group.observer.as_ref().map_or_else(none, median),
     ];
     let said = group
         .confusion
         .map(|row| row.map(|n| n.to_string()).join("/"));
     cells.extend(said);
-    cells.push(format!("{:.0} %", 100.0 * group.front_back_confused));
+    cells.push(format!("{:.0} %", 100.0 * group.clicked_behind));
     cells.push(format!("{:.1}", group.confidence));
     cells
 }

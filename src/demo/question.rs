@@ -23,7 +23,7 @@ const STEP: f64 = 0.04;
 #[derive(Debug)]
 pub struct Question {
     sitting: Sitting,
-    /// The trial under way, from 0; none when all are answered.
+    /// The index of the trial under way; none when all are answered.
     trial: Option<usize>,
     /// What is marked so far.
     pub draft: Draft,

@@ -159,6 +159,16 @@ impl Browser<'_> {
         self.ask("POST", "/actions", Some(&actions));
     }
 
+    /// Keys pressed one after the other, wherever the focus is.
+    pub fn press(&self, keys: &str) {
+        let strokes = keys
+            .chars()
+            .flat_map(|key| ["keyDown", "keyUp"].map(|kind| json!({ "type": kind, "value": key })));
+        let strokes: Vec<Value> = strokes.collect();
+        let actions = json!({ "actions": [{ "type": "key", "id": "keys", "actions": strokes }] });
+        self.ask("POST", "/actions", Some(&actions));
+    }
+
     /// Keys into an element; a path into a field for files.
     pub fn type_into(&self, css: &str, text: &str) {
         let path = format!("/element/{}/value", self.element(css));

@@ -110,6 +110,16 @@ pub mod cli {
         serde_json::from_slice(&output.stdout).unwrap()
     }
 
+    /// Runs it and demands that it is refused as bad input, in one sentence that holds `told`.
+    pub fn refuse(arguments: &[&str], told: &str) {
+        let output = echomarch(arguments);
+        let said = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {said}");
+        assert!(said.contains(told), "{arguments:?}: {said}");
+        assert_eq!(said.trim_end().lines().count(), 1, "one sentence: {said}");
+        assert!(output.stdout.is_empty());
+    }
+
     pub fn stdout(output: &Output) -> &str {
         std::str::from_utf8(&output.stdout).unwrap()
     }

@@ -4,6 +4,7 @@
 //! a trial without an answer counts as such.
 
 use super::observer::Side;
+use crate::trace::Settings;
 use serde::{Deserialize, Serialize};
 use std::io;
 use std::path::{Path, PathBuf};
@@ -11,8 +12,8 @@ use std::path::{Path, PathBuf};
 /// What a file of answers says that it is.
 pub const FORMAT: &str = "echomarch-localise-answers";
 
-/// The only version that there is.
-pub const VERSION: u32 = 1;
+/// The only version that is read: since 2 the order of the trials is each person's own.
+pub const VERSION: u32 = 2;
 
 /// Confidence runs from 1, a guess, to this, certain.
 pub const MOST_CONFIDENT: u32 = 5;
@@ -35,7 +36,9 @@ pub struct Session {
     pub started: String,
     /// When the file was saved, in ISO 8601.
     pub saved: String,
-    /// Every trial of the form, in the order that it was heard in.
+    /// The numbers of the trials in the order that they were heard in.
+    pub order: Vec<u32>,
+    /// Every trial of the form, by number.
     pub trials: Vec<TrialAnswer>,
 }
 
@@ -43,7 +46,7 @@ pub struct Session {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TrialAnswer {
-    /// Place in the order, from 1.
+    /// Its number in the form, from 1.
     pub number: u32,
     /// What was heard.
     pub stimulus: StimulusInfo,
@@ -99,7 +102,7 @@ pub struct Answer {
     pub confidence: u32,
     /// How often it was played.
     pub plays: u32,
-    /// From the first playing to the answer, in seconds.
+    /// From the first playing to the answer, in seconds, while the trial was shown.
     pub seconds: f64,
     /// When, in ISO 8601.
     pub answered: String,
@@ -203,6 +206,15 @@ impl Session {
         if self.trials.is_empty() {
             return Err("there is no trial in it".to_owned());
         }
+        let mut order = self.order.clone();
+        order.sort_unstable();
+        if !order.iter().copied().eq(1..=self.trials.len() as u32) {
+            let count = self.trials.len();
+            return Err(format!("order must hold each of 1 to {count} once"));
+        }
+        if self.session.is_empty() {
+            return Err("session must not be empty".to_owned());
+        }
         for (index, trial) in self.trials.iter().enumerate() {
             let number = trial.number;
             if number as usize != index + 1 {
@@ -221,6 +233,9 @@ impl Session {
 
 impl StimulusInfo {
     fn check(&self) -> Result<(), String> {
+        let mut settings = Settings::default().with_waves(self.waves);
+        settings = settings.with_iterations(self.iterations);
+        settings.validate().map_err(|error| error.to_string())?;
         within("yaw_deg", self.yaw_deg, f64::MAX)?;
         within("pan", self.pan, 1.0)?;
         within("source_azimuth_deg", self.source_azimuth_deg, 180.0)?;
@@ -235,6 +250,17 @@ impl Answer {
         within("ahead_m", self.ahead_m, f64::MAX)?;
         within("azimuth_deg", self.azimuth_deg, 180.0)?;
         within("seconds", self.seconds, f64::MAX)?;
+        if self.seconds < 0.0 {
+            return Err(format!("seconds must be 0 or more, not {}", self.seconds));
+        }
+        if self.plays == 0 {
+            return Err("plays must be 1 or more, not 0".to_owned());
+        }
+        // At the listener there is no direction.
+        const LEAST_M: f64 = 0.001;
+        if self.right_m.hypot(self.ahead_m) <= LEAST_M {
+            return Err("the click lies at the listener".to_owned());
+        }
         // Numbers are saved with fewer digits than they are reckoned with.
         const ROUNDING_DEG: f64 = 1.0;
         let clicked = self.right_m.atan2(self.ahead_m).to_degrees();

@@ -6,7 +6,7 @@ use crate::audio::{Mixer, PanningLaw, SAMPLE_RATE, Sound, SoundSpec};
 use crate::error::Error;
 use crate::scene::{Scene, Source};
 use crate::trace::{Settings, Tracer};
-use glam::Vec3;
+use glam::DVec3;
 
 /// Beside the middle, in degrees, in scenes whose own source is not clearly beside it.
 const BESIDE_DEG: f64 = 45.0;
@@ -48,12 +48,33 @@ pub fn standing(scene: &Scene) -> Scene {
 /// The scene with its source at an azimuth (degrees, right of the gaze) and as far from the
 /// listener as `metres`, at the height of the ears.
 pub fn source_at(scene: &Scene, azimuth_deg: f64, metres: f64) -> Scene {
+    source_towards(scene, (azimuth_deg, 0.0), metres)
+}
+
+/// The same with an elevation above the ears, in degrees, after the azimuth.
+pub fn source_towards(
+    scene: &Scene,
+    (azimuth_deg, elevation_deg): (f64, f64),
+    metres: f64,
+) -> Scene {
     let mut placed = standing(scene);
     let angle = f64::from(scene.listener.yaw) + azimuth_deg.to_radians();
     let (sin, cos) = angle.sin_cos();
-    let offset = Vec3::new((metres * sin) as f32, 0.0, (-metres * cos) as f32);
-    placed.source.position = scene.listener.position + offset;
+    let (up, level) = elevation_deg.to_radians().sin_cos();
+    let unit = DVec3::new(sin * level, up, -cos * level);
+    placed.source.position = scene.listener.position + (metres * unit).as_vec3();
     placed
+}
+
+/// The scene with every surface sunk so far below that nothing comes back from it: a scene
+/// has to have one.
+pub fn without_ground(scene: &Scene) -> Scene {
+    const METRES: f32 = 1000.0;
+    let mut bare = scene.clone();
+    for surface in &mut bare.surfaces {
+        surface.position.y -= METRES;
+    }
+    bare
 }
 
 /// A sound of the experiment, loaded once.
@@ -133,8 +154,8 @@ pub fn observe(
     Ok(Observer::new(scene, law).answer_deg(levels))
 }
 
-/// The most that levels could tell of a scene: the panning of `frames` frames of `hybrid` with
-/// `waves` waves each, turned lattices of directions, taken together.
+/// The converged panning of `hybrid`: that of `frames` frames with `waves` waves each, turned
+/// lattices of directions, taken together.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Converged {
     /// Panning value.
@@ -209,8 +230,13 @@ mod tests {
         for wanted in [-80.0, 0.0, 30.0] {
             let placed = source_at(&scene, wanted, 5.0);
             assert!((azimuth_deg(&placed) - wanted).abs() < 1e-3);
-            assert!((placed.source.position - scene.listener.position).length() - 5.0 < 1e-5);
+            let away = (placed.source.position - scene.listener.position).length();
+            assert!((away - 5.0).abs() < 1e-5, "{away}");
         }
+        // Raised, and seen as far beside as 30 degrees ahead is.
+        let raised = source_towards(&scene, (45.0, 45.0), 5.0);
+        assert!((azimuth_deg(&raised) - 45.0).abs() < 1e-3);
+        assert!((lateral_deg(&raised) - 30.0).abs() < 1e-3);
     }
 
     /// Protects a loudspeaker from clicks: a sound begins and ends at nothing.

@@ -1,15 +1,12 @@
 //! The report as Markdown.
 
 use super::report::{Cell, LocaliseReport, Plateau, SceneReport};
-use super::statistics::ErrorFigures;
+use super::shown::{first_sound, interval, none, number, shown_plateaus, signed, with_interval};
+use super::statistics::{ErrorFigures, LEAST_DRAWN};
+use super::{AUDIBLE_DEG, MOST_WORK};
 use crate::experiment::{THESIS_TABLES, WAVE_COUNTS};
 use crate::trace::Profile;
 use std::fmt::Write;
-
-/// The plateaus that are shown: along waves with these iterations, the thesis' own …
-const PLATEAU_ITERATIONS: [u32; 2] = [4, 8];
-/// … and along iterations with so many waves.
-const PLATEAU_WAVES: u32 = 65_536;
 
 /// The whole report: what people read, and what the program prints.
 pub fn markdown(report: &LocaliseReport) -> String {
@@ -24,17 +21,20 @@ fn write_all(report: &LocaliseReport, out: &mut String) -> std::fmt::Result {
     writeln!(
         out,
         "{}, panning law {}, {} seeds for each setting and facing, {:.0} s. Angles in degrees, \
-         positive to the\nright. Intervals: percentile bootstrap of the median, {:.0} %, {} \
-         drawings. An angle of up to {}° is in the centre.\n",
+         positive to the\nright; errors are medians of the absolute. Intervals: percentile \
+         bootstrap, {} drawings, {}.\nAn angle of up to {}° is in the centre. Trials in which \
+         nothing is heard are in no error.\n",
         report.renderer,
         report.law,
         report.seeds,
         report.seconds,
-        100.0 * report.confidence,
         report.resamples,
+        intervals(report),
         report.centre_deg
     )?;
+    write_left_out(report, out)?;
     write_open(report, out)?;
+    write_alike(report, out)?;
     for scene in &report.scenes {
         write_scene(scene, out)?;
     }
@@ -43,12 +43,38 @@ fn write_all(report: &LocaliseReport, out: &mut String) -> std::fmt::Result {
     write_limits_of_levels(report, out)
 }
 
+/// What the intervals are.
+fn intervals(report: &LocaliseReport) -> String {
+    match report.rough {
+        true => format!("rough: fewer than {LEAST_DRAWN} seeds"),
+        false => format!(
+            "{:.0} % (~: rough, fewer than {LEAST_DRAWN} heard answers to a truth)",
+            100.0 * report.confidence
+        ),
+    }
+}
+
+fn write_left_out(report: &LocaliseReport, out: &mut String) -> std::fmt::Result {
+    if report.left_out.is_empty() {
+        return Ok(());
+    }
+    let told = |&(waves, iterations): &(u32, u32)| format!("{waves} × {iterations}");
+    let told: Vec<String> = report.left_out.iter().map(told).collect();
+    writeln!(
+        out,
+        "Left out, more than {MOST_WORK} waves × iterations: {}.\n",
+        told.join(", ")
+    )
+}
+
 fn write_open(report: &LocaliseReport, out: &mut String) -> std::fmt::Result {
     writeln!(out, "## In the open\n")?;
     writeln!(
         out,
         "The source stands around the listener of open-field; 1 iteration hears the straight \
-         way alone, more\nalso the ground, from below.\n"
+         way alone, more\nalso the ground, from below, where there is one. The observer is told \
+         how far the source is, which no person\nis; the blind one is not, and takes it for \
+         far.\n"
     )?;
     header(
         out,
@@ -56,38 +82,78 @@ fn write_open(report: &LocaliseReport, out: &mut String) -> std::fmt::Result {
             "profile",
             "waves",
             "it.",
+            "ground",
             "metres",
             "m",
             "azimuths",
-            "median error",
+            "error",
             "interval",
             "outward bias",
             "spread",
             "worst azimuth",
+            "blind m",
+            "blind error",
+            "outward bias",
         ],
     )?;
     for open in &report.open {
-        let worst = open.azimuths.iter().max_by(|a, b| {
-            let of = |at: &super::OpenAzimuth| at.error.median_abs_deg;
-            of(a).total_cmp(&of(b))
-        });
-        let worst = worst.map(|at| format!("{:.2} at {}", at.error.median_abs_deg, at.azimuth_deg));
-        let error = &open.all;
+        let median = |at: &super::OpenDirection| Some((at.error?.median_abs.deg, at.azimuth_deg));
+        let worst = open.azimuths.iter().filter_map(median);
+        let worst = worst.max_by(|a, b| a.0.total_cmp(&b.0));
+        let worst = worst.map(|(error, at)| format!("{error:.2} at {at}"));
+        let (all, blind) = (open.all.as_ref(), open.blind.as_ref());
         writeln!(
             out,
-            "| {} | {} | {} | {} | {:.4} | {} | {:.2} | {} | {:+.2} | {:.2} | {} |",
+            "| {} | {} | {} | {} | {} | {:.4} | {} | {} | {} | {} | {} | {} | {:.4} | {} | {} |",
             open.profile,
             open.waves,
             open.iterations,
+            if open.ground { "yes" } else { "no" },
             open.distance_m,
             open.mean_side,
             open.azimuths.len(),
-            error.median_abs_deg,
-            interval(error),
-            error.outward_bias_deg,
-            error.spread_deg,
-            worst.unwrap_or_default(),
+            all.map_or_else(none, |error| format!("{:.2}", error.median_abs.deg)),
+            interval(all, |of| Some(of.median_abs), 2),
+            with_interval(all, |of| of.outward_bias, 2),
+            with_interval(all, |of| of.spread, 2),
+            worst.unwrap_or_else(none),
+            open.blind_mean_side,
+            with_interval(blind, |of| Some(of.median_abs), 1),
+            signed(blind, |of| of.outward_bias),
         )?;
+    }
+    writeln!(out)
+}
+
+/// Three sources that have the same levels, and what is answered to them.
+fn write_alike(report: &LocaliseReport, out: &mut String) -> std::fmt::Result {
+    writeln!(
+        out,
+        "Ahead, behind and above: three sources 30° beside the median plane, and the mean \
+         answers to them.\n"
+    )?;
+    header(
+        out,
+        &[
+            "profile", "it.", "ground", "azimuth", "height", "lateral", "answer", "spread",
+        ],
+    )?;
+    for open in &report.open {
+        for at in &open.alike {
+            writeln!(
+                out,
+                "| {} | {} | {} | {:+} | {:+} | {:+.1} | {} | {} |",
+                open.profile,
+                open.iterations,
+                if open.ground { "yes" } else { "no" },
+                at.azimuth_deg,
+                at.elevation_deg,
+                at.lateral_deg,
+                at.answer_deg
+                    .map_or_else(none, |answer| format!("{answer:+.1}")),
+                number(at.error.as_ref(), |of| of.spread),
+            )?;
+        }
     }
     writeln!(out)
 }
@@ -96,8 +162,8 @@ fn write_scene(scene: &SceneReport, out: &mut String) -> std::fmt::Result {
     writeln!(out, "## {}\n", scene.scene)?;
     writeln!(
         out,
-        "Source {:.2} m away, listener {:.2} m in radius, m = {:.4}. The best that levels can \
-         do, by facing:\n",
+        "Source {:.2} m away, listener {:.2} m in radius, m = {:.4}. The converged panning of \
+         `hybrid`, by facing:\n",
         scene.distance_m, scene.radius_m, scene.mean_side
     )?;
     header(
@@ -106,20 +172,25 @@ fn write_scene(scene: &SceneReport, out: &mut String) -> std::fmt::Result {
     )?;
     for facing in &scene.facings {
         for limit in &facing.limits {
+            let is_heard = limit.heard > 0.0;
+            let told = |text: String| if is_heard { text } else { none() };
             writeln!(
                 out,
-                "| {:+.1} | {:+.1} | {} | {:+.4} | {:.4} | {:.4} % | {:+.1} |",
+                "| {:+.1} | {:+.1} | {} | {} | {} | {:.4} % | {} |",
                 facing.azimuth_deg,
                 facing.lateral_deg,
                 limit.iterations,
-                limit.pan,
-                limit.uncertainty,
+                told(format!("{:+.4}", limit.pan)),
+                told(format!("{:.4}", limit.uncertainty)),
                 100.0 * limit.heard,
-                limit.lateral_deg
+                told(format!("{:+.1}", limit.lateral_deg)),
             )?;
         }
     }
-    writeln!(out, "\nThe first sound, all facings:\n")?;
+    writeln!(
+        out,
+        "\nThe first sound, all facings; said L/C/R/–: left, centre, right, nothing heard:\n"
+    )?;
     header(
         out,
         &[
@@ -129,15 +200,15 @@ fn write_scene(scene: &SceneReport, out: &mut String) -> std::fmt::Result {
             "hits",
             "unheard",
             "error from source",
-            "interval",
+            "bias",
             "outward bias",
             "spread",
             "error from limit",
-            "interval",
             "bias",
-            "left said L/C/R",
+            "left said L/C/R/–",
             "centre",
             "right",
+            "side right",
         ],
     )?;
     for cell in first_sound(scene) {
@@ -150,78 +221,56 @@ fn write_cell(cell: &Cell, out: &mut String) -> std::fmt::Result {
     let said = cell
         .confusion
         .map(|row| row.map(|n| n.to_string()).join("/"));
+    let right = cell.side_right.map_or_else(none, |of| {
+        let [low, high] = of.interval.map(|end| 100.0 * end);
+        format!("{:.0} % ({low:.0} … {high:.0})", 100.0 * of.share)
+    });
+    let (source, limit) = (cell.source.as_ref(), cell.limit.as_ref());
+    let median = |of: &ErrorFigures| Some(of.median_abs);
     writeln!(
         out,
-        "| {} | {} | {} | {:.1} | {:.0} % | {:.1} | {} | {:+.1} | {:.1} | {:.1} | {} | {:+.1} | \
-         {} |",
+        "| {} | {} | {} | {:.1} | {:.0} % | {} | {} | {} | {} | {} | {} | {} | {right} |",
         cell.profile,
         cell.waves,
         cell.iterations,
         cell.hits,
         100.0 * cell.unheard,
-        cell.source.median_abs_deg,
-        interval(&cell.source),
-        cell.source.outward_bias_deg,
-        cell.source.spread_deg,
-        cell.limit.median_abs_deg,
-        interval(&cell.limit),
-        cell.limit.bias_deg,
+        with_interval(source, median, 1),
+        with_interval(source, |of| Some(of.bias), 1),
+        with_interval(source, |of| of.outward_bias, 1),
+        with_interval(source, |of| of.spread, 1),
+        with_interval(limit, median, 1),
+        with_interval(limit, |of| Some(of.bias), 1),
         said.join(" | "),
     )
 }
 
-/// Rows of the first sound: the others' are the same but for rounding.
-pub(super) fn first_sound(scene: &SceneReport) -> impl Iterator<Item = &Cell> {
-    let first = scene.cells.first().map(|cell| cell.sound.as_str());
-    scene
-        .cells
-        .iter()
-        .filter(move |cell| Some(cell.sound.as_str()) == first)
-}
-
 fn write_plateaus(report: &LocaliseReport, out: &mut String) -> std::fmt::Result {
+    let shown = shown_plateaus(report);
     writeln!(out, "## Where more stops helping\n")?;
     writeln!(
         out,
-        "From: the smallest count from which on the median error is within the interval of the \
-         largest count's, or\nbelow it; a count at which half of the trials hear nothing does \
-         not qualify. Best: the count with the smallest\nmedian error. The first sound; along \
-         waves with the thesis' iterations, along iterations with {PLATEAU_WAVES} waves,\nthe \
-         rest in the JSON file.\n"
+        "From: the smallest count from which on the figure is within the upper end of the \
+         largest count's interval, or\nwithin {AUDIBLE_DEG}° of it, which is the least turn that \
+         people notice ahead (Mills 1958). \"Not by\": only the largest count\nitself is, so it \
+         may go on getting better. A count at which half of the trials hear nothing does not \
+         qualify.\nLeast: the count with the smallest figure. The first sound; the rest in the \
+         JSON file.\n"
     )?;
     header(
         out,
         &[
             "scene",
-            "error from",
+            "of",
             "along",
             "with",
             "profile",
             "from",
-            "best",
-            "of",
-            "error there",
-            "interval",
+            "least",
+            "of counts to",
+            "there",
         ],
     )?;
-    let first = report.scenes.first().and_then(|scene| scene.cells.first());
-    let first = first.map(|cell| cell.sound.as_str());
-    let shown = |plateau: &&Plateau| {
-        let is_shown = match plateau.along {
-            "waves" => PLATEAU_ITERATIONS.contains(&plateau.fixed),
-            _ => plateau.fixed == PLATEAU_WAVES,
-        };
-        is_shown && Some(plateau.sound.as_str()) == first
-    };
-    let mut shown: Vec<&Plateau> = report.plateaus.iter().filter(shown).collect();
-    let place = |of: &Plateau| {
-        report
-            .scenes
-            .iter()
-            .position(|scene| scene.scene == of.scene)
-    };
-    // The profiles side by side.
-    shown.sort_by_key(|of| (place(of), of.against, of.along, of.fixed));
     for plateau in shown {
         write_plateau(plateau, out)?;
     }
@@ -233,24 +282,29 @@ fn write_plateau(plateau: &Plateau, out: &mut String) -> std::fmt::Result {
         "waves" => "iterations",
         _ => "waves",
     };
-    let told = |count: Option<u32>| count.map_or_else(|| "none".to_owned(), |n| n.to_string());
+    let of = match plateau.of {
+        "spread" => "spread".to_owned(),
+        truth => format!("error from {truth}"),
+    };
+    let there = plateau.there.map_or_else(none, |figure| {
+        let ends = figure.interval_deg;
+        let ends = ends.map(|[low, high]| format!(" ({low:.1} … {high:.1})"));
+        format!("{:.1}{}", figure.deg, ends.unwrap_or_default())
+    });
     writeln!(
         out,
-        "| {} | {} | {} | {} {other} | {} | {} | {} | {} | {:.1} | {} |",
+        "| {} | {of} | {} | {} {other} | {} | {} | {} | {} | {there} |",
         plateau.scene,
-        plateau.against,
         plateau.along,
         plateau.fixed,
         plateau.profile,
-        told(plateau.count),
-        told(plateau.best),
+        plateau.told(),
+        plateau.least.map_or_else(none, |n| n.to_string()),
         plateau.largest,
-        plateau.error.median_abs_deg,
-        interval(&plateau.error),
     )
 }
 
-/// Trials in which nothing arrives: the answer is then the middle, whatever the truth.
+/// Trials in which nothing arrives: the sound is then in the middle, whatever the truth.
 fn write_unheard(report: &LocaliseReport, out: &mut String) -> std::fmt::Result {
     writeln!(out, "## What is heard at all\n")?;
     writeln!(
@@ -310,20 +364,17 @@ fn write_limits_of_levels(report: &LocaliseReport, out: &mut String) -> std::fmt
     writeln!(out, "## What levels cannot tell\n")?;
     writeln!(
         out,
-        "- Front from back, above from below: both have the same levels. Truth and answer are \
-         lateral angles, folded to\n  the front.\n\
+        "- Front from back, above from the height of the ears: the answers are the same (above). \
+         Truth and answer are\n  lateral angles, folded to the front.\n\
          - One sound from another: the answers differ by {:.1e}° at the most, since the gains \
          are the same at every frequency.\n\
          - A source in the middle from silence: when no wave arrives the sound goes on, in the \
          middle.\n\
          - Where a hidden source is: what arrives comes from the openings and walls. The error \
-         of the limit from the source\n  is the panning's, not the tracing's.",
+         of the converged panning of\n  `hybrid` from the source is the panning's, not that of \
+         too few waves.",
         report.largest_difference_of_sounds_deg
     )
-}
-
-fn interval(error: &ErrorFigures) -> String {
-    format!("{:.1} … {:.1}", error.low_deg, error.high_deg)
 }
 
 fn header(out: &mut String, headings: &[&str]) -> std::fmt::Result {

@@ -12,8 +12,8 @@
 //!   sound, profile, count of waves and of iterations, over several seeds and three ways to
 //!   face ([`facings`]). Every answer is held against two truths: the *source*, the lateral
 //!   angle of the straight way to it; and the *limit*, what the observer answers to the
-//!   converged panning of `hybrid` after as many iterations, which is the best that any
-//!   panning by level can do.
+//!   converged panning of `hybrid` after as many iterations. A trial in which nothing is heard
+//!   has no answer and is counted apart.
 //! - *For people*: [`form`] writes the sounds and a page that plays them and takes the
 //!   answers; [`score`] reads these.
 //!
@@ -29,11 +29,13 @@ pub mod form;
 mod listen;
 mod markdown;
 pub mod observer;
+mod open;
 mod plateaus;
 mod plot;
 mod random;
 mod report;
 pub mod score;
+mod shown;
 pub mod sitting;
 pub mod statistics;
 mod sweep;
@@ -41,14 +43,19 @@ mod sweep;
 pub use answers::{
     Answer, AnswersError, FORMAT, MOST_CONFIDENT, Session, StimulusInfo, TrialAnswer, VERSION,
 };
-pub use csv::{COLUMNS, write_csv};
-pub use listen::{Converged, Heard, LoadedSound, converge, facings, listen, observe, source_at};
+pub use csv::{columns, score_columns, write_csv, write_score_csv};
+pub use listen::{
+    Converged, Heard, LoadedSound, converge, facings, listen, observe, source_at, source_towards,
+    without_ground,
+};
 pub use markdown::markdown;
 pub use observer::{CENTRE_DEG, Levels, Observer, Side};
+pub use plateaus::AUDIBLE_DEG;
 pub use plot::plot_svg;
 pub use random::Random;
 pub use report::{
-    Cell, FacingReport, LimitReport, LocaliseReport, OpenAzimuth, OpenReport, Plateau, SceneReport,
+    Cell, FacingReport, LimitReport, LocaliseReport, OpenDirection, OpenReport, Plateau,
+    SceneReport,
 };
 pub use sweep::run;
 
@@ -63,6 +70,15 @@ pub const OPEN_DISTANCE_M: f64 = 5.0;
 /// largest.
 pub const MOST_WORK: u64 = 8 << 20;
 
+/// One setting in the open.
+#[derive(Clone, Debug)]
+pub struct OpenCase {
+    /// Profile and counts.
+    pub settings: Settings,
+    /// Whether there is a ground that reflects.
+    pub ground: bool,
+}
+
 /// What to run.
 #[derive(Clone, Debug)]
 pub struct LocaliseOptions {
@@ -74,7 +90,7 @@ pub struct LocaliseOptions {
     pub profiles: Vec<Profile>,
     /// Counts of waves.
     pub waves: Vec<u32>,
-    /// Counts of iterations. Settings of more than [`MOST_WORK`] are left out.
+    /// Counts of iterations. Settings of more than [`MOST_WORK`] are left out, and told of.
     pub iterations: Vec<u32>,
     /// Frames of each setting and facing, a seed each.
     pub seeds: u32,
@@ -85,7 +101,7 @@ pub struct LocaliseOptions {
     /// Waves and frames of the converged panning.
     pub limit: (u32, u32),
     /// With what to run in the open.
-    pub open: Vec<Settings>,
+    pub open: Vec<OpenCase>,
     /// Where the source is in the open, in degrees.
     pub azimuths_deg: Vec<f64>,
 }
@@ -94,8 +110,9 @@ impl LocaliseOptions {
     /// The thesis' scenes and sounds, its counts of waves, and iterations around its 4 and 8:
     /// some minutes on two cores.
     pub fn new(scenes: Vec<Scene>, sounds: Vec<SoundSpec>) -> LocaliseOptions {
-        let open = Profile::ALL.map(|profile| Settings::of(profile).with_iterations(1));
-        let ground = Settings::hybrid();
+        let case = |settings, ground| OpenCase { settings, ground };
+        let straight = |profile| case(Settings::of(profile).with_iterations(1), true);
+        let defaults = [false, true].map(|ground| case(Settings::hybrid(), ground));
         LocaliseOptions {
             scenes,
             sounds,
@@ -106,7 +123,11 @@ impl LocaliseOptions {
             law: PanningLaw::Linear,
             sound_seconds: 0.5,
             limit: (1 << 20, 8),
-            open: open.into_iter().chain([ground]).collect(),
+            open: Profile::ALL
+                .into_iter()
+                .map(straight)
+                .chain(defaults)
+                .collect(),
             azimuths_deg: (-8..=8).map(|tens| 10.0 * f64::from(tens)).collect(),
         }
     }
@@ -122,20 +143,30 @@ impl LocaliseOptions {
         }
     }
 
-    /// Every profile with every count, by waves: another count takes other textures.
+    /// Waves and iterations, by waves: another count takes other textures.
+    fn counts(&self) -> impl Iterator<Item = (u32, u32)> {
+        let of = |&waves| self.iterations.iter().map(move |&count| (waves, count));
+        self.waves.iter().flat_map(of)
+    }
+
+    /// Settings that are too large to be run: of more than [`MOST_WORK`] waves × iterations.
+    pub fn left_out(&self) -> Vec<(u32, u32)> {
+        let is_large = |&(waves, iterations): &(u32, u32)| too_large(waves, iterations);
+        self.counts().filter(is_large).collect()
+    }
+
+    /// Every profile with every count.
     fn settings(&self) -> Vec<Settings> {
         let mut all = Vec::new();
-        for &waves in &self.waves {
-            for &iterations in &self.iterations {
-                if u64::from(waves) * u64::from(iterations) > MOST_WORK {
-                    continue;
-                }
-                let of = |&profile: &Profile| {
-                    let settings = Settings::of(profile);
-                    settings.with_waves(waves).with_iterations(iterations)
-                };
-                all.extend(self.profiles.iter().map(of));
+        for (waves, iterations) in self.counts() {
+            if too_large(waves, iterations) {
+                continue;
             }
+            let of = |&profile: &Profile| {
+                let settings = Settings::of(profile);
+                settings.with_waves(waves).with_iterations(iterations)
+            };
+            all.extend(self.profiles.iter().map(of));
         }
         all
     }
@@ -146,6 +177,10 @@ impl LocaliseOptions {
         let cells = self.settings().len() as u64;
         self.open.len() as u64 + self.scenes.len() as u64 * (FACINGS + cells)
     }
+}
+
+fn too_large(waves: u32, iterations: u32) -> bool {
+    u64::from(waves) * u64::from(iterations) > MOST_WORK
 }
 
 /// The thesis' two scenes.

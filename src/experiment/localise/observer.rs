@@ -27,8 +27,11 @@
 //! # What it cannot know
 //! Two levels are one number. Front and back, above and below have the same levels: only the
 //! lateral angle can be told, which for a source at the height of the ears is its azimuth,
-//! folded to the front. The observer is told *R* and the straight distance *D*, as a test
-//! person sees the scene and its size; it is not told what is reflected where.
+//! folded to the front. The observer is told *R* and the true straight distance *D*, which no
+//! test person is: the source is on no picture. So it knows more than a person can. The
+//! *blind* observer ([`Observer::blind`]) is not told *D* and takes the source for a far one,
+//! *m* = 2/3; a near source then seems further beside than it is. Neither is told what is
+//! reflected where.
 
 use crate::audio::PanningLaw;
 use crate::scene::Scene;
@@ -115,7 +118,7 @@ impl Side {
     }
 }
 
-/// The observer, told how large the listener is and how far the source.
+/// The observer, told how large the listener is and how far the source, or neither.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Observer {
     mean_side: f64,
@@ -128,6 +131,14 @@ impl Observer {
         let ratio = f64::from(scene.listener.radius) / direct_distance(scene);
         Observer {
             mean_side: mean_side(ratio),
+            law,
+        }
+    }
+
+    /// An observer that is told no distance: *m* is that of a far source.
+    pub fn blind(law: PanningLaw) -> Observer {
+        Observer {
+            mean_side: mean_side(0.0),
             law,
         }
     }

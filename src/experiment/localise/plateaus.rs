@@ -1,22 +1,38 @@
 //! From which count of waves or iterations on more does not help.
+//!
+//! A count is as good as the largest if its figure is within the larger of two bounds: the
+//! upper end of the largest count's interval, and its figure plus [`AUDIBLE_DEG`], since less
+//! is no difference to a listener. The plateau begins at the smallest count from which on all
+//! are as good. Where that is the largest count itself, nothing is known of where it begins.
 
 use super::report::{Cell, Plateau, SceneReport};
-use super::statistics::{ErrorFigures, Step, plateau};
+use super::statistics::Figure;
+
+/// The minimum audible angle ahead, in degrees (Mills 1958): the smallest turn of a tone of
+/// 250 to 1000 Hz that people notice with real ears, so certainly by levels alone.
+pub const AUDIBLE_DEG: f64 = 1.0;
 
 /// What grows, by name, and how to read it and the other one off a cell.
 type Axis = (&'static str, fn(&Cell) -> u32, fn(&Cell) -> u32);
 
-const AXES: [Axis; 2] = [
-    ("waves", |cell| cell.waves, |cell| cell.iterations),
-    ("iterations", |cell| cell.iterations, |cell| cell.waves),
-];
+const WAVES: Axis = ("waves", |cell| cell.waves, |cell| cell.iterations);
+const ITERATIONS: Axis = ("iterations", |cell| cell.iterations, |cell| cell.waves);
 
-/// A truth, by name, and how to read the errors from it off a cell.
-type Truth = (&'static str, fn(&Cell) -> &ErrorFigures);
+/// A figure, by name, and how to read it off a cell.
+type Measure = (&'static str, fn(&Cell) -> Option<Figure>);
 
-const TRUTHS: [Truth; 2] = [
-    ("source", |cell| &cell.source),
-    ("limit", |cell| &cell.limit),
+const SOURCE: Measure = ("source", |cell| Some(cell.source?.median_abs));
+const LIMIT: Measure = ("limit", |cell| Some(cell.limit?.median_abs));
+const SPREAD: Measure = ("spread", |cell| cell.source?.spread);
+
+/// What is looked at along what. Not the limit along iterations: it is another one after each
+/// iteration.
+const LOOKS: [(Axis, Measure); 5] = [
+    (WAVES, SOURCE),
+    (WAVES, LIMIT),
+    (WAVES, SPREAD),
+    (ITERATIONS, SOURCE),
+    (ITERATIONS, SPREAD),
 ];
 
 /// A count says nothing of where from this share of unheard trials on.
@@ -30,10 +46,8 @@ pub fn find(scenes: &[SceneReport]) -> Vec<Plateau> {
         for (sound, profile) in kinds(&scene.cells) {
             let of = |cell: &&Cell| cell.sound == sound && cell.profile == profile;
             let cells: Vec<&Cell> = scene.cells.iter().filter(of).collect();
-            for axis in &AXES {
-                for truth in &TRUTHS {
-                    found.extend(along(&scene.scene, &cells, axis, truth));
-                }
+            for (axis, measure) in &LOOKS {
+                found.extend(along(&scene.scene, &cells, axis, measure));
             }
         }
     }
@@ -52,7 +66,7 @@ fn kinds(cells: &[Cell]) -> Vec<(&str, &str)> {
     kinds
 }
 
-fn along(scene: &str, cells: &[&Cell], axis: &Axis, truth: &Truth) -> Vec<Plateau> {
+fn along(scene: &str, cells: &[&Cell], axis: &Axis, measure: &Measure) -> Vec<Plateau> {
     const LEAST_COUNTS: usize = 3;
     let (name, growing, fixed) = axis;
     let mut values: Vec<u32> = cells.iter().map(|cell| fixed(cell)).collect();
@@ -68,36 +82,92 @@ fn along(scene: &str, cells: &[&Cell], axis: &Axis, truth: &Truth) -> Vec<Platea
         let last = (row.len() >= LEAST_COUNTS).then(|| row.last().copied())??;
         let steps: Vec<Step> = row
             .iter()
-            .map(|cell| step(growing(cell), cell, truth.1(cell)))
+            .map(|cell| Step {
+                count: growing(cell),
+                figure: measure.1(cell).filter(|_| cell.unheard < MOST_UNHEARD),
+            })
             .collect();
         Some(Plateau {
             scene: scene.to_owned(),
             sound: last.sound.clone(),
             profile: last.profile.clone(),
-            against: truth.0,
+            of: measure.0,
             along: name,
             fixed: value,
             count: plateau(&steps),
-            best: best(&steps),
+            least: least(&steps),
             largest: growing(last),
-            error: *truth.1(last),
+            there: measure.1(last),
         })
     };
     values.into_iter().filter_map(plateau_at).collect()
 }
 
-fn step(count: u32, cell: &Cell, error: &ErrorFigures) -> Step {
-    Step {
-        count,
-        median_deg: error.median_abs_deg,
-        interval_deg: (error.low_deg, error.high_deg),
-        heard: cell.unheard < MOST_UNHEARD,
-    }
+/// One count on the way to the largest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Step {
+    /// Waves or iterations.
+    count: u32,
+    /// The figure there; none if there was not enough to hear for it to mean anything.
+    figure: Option<Figure>,
 }
 
-/// The count with the smallest median error, of those that are heard.
-fn best(steps: &[Step]) -> Option<u32> {
-    let heard = steps.iter().filter(|step| step.heard);
-    let best = heard.min_by(|a, b| a.median_deg.total_cmp(&b.median_deg));
-    best.map(|step| step.count)
+/// The smallest count from which on every figure is as good as the largest count's. `steps`
+/// in order of the count; one that is not heard ends the plateau. None if the largest count is
+/// not heard.
+fn plateau(steps: &[Step]) -> Option<u32> {
+    let last = steps.last()?.figure?;
+    let high = last.interval_deg.map_or(last.deg, |[_, high]| high);
+    let highest = high.max(last.deg + AUDIBLE_DEG);
+    let settled = steps
+        .iter()
+        .rev()
+        .take_while(|step| step.figure.is_some_and(|figure| figure.deg <= highest));
+    settled.last().map(|step| step.count)
+}
+
+/// The count with the smallest figure, of those that are heard.
+fn least(steps: &[Step]) -> Option<u32> {
+    let heard = steps
+        .iter()
+        .filter_map(|step| Some((step.count, step.figure?.deg)));
+    let least = heard.min_by(|a, b| a.1.total_cmp(&b.1));
+    least.map(|(count, _)| count)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn step(count: u32, deg: f64, half: f64) -> Step {
+        let interval_deg = Some([deg - half, deg + half]);
+        let figure = Some(Figure { deg, interval_deg });
+        Step { count, figure }
+    }
+
+    /// Protects the plateau: a lucky small count does not end it, silence does.
+    #[test]
+    fn the_plateau_begins_where_all_that_follow_are_as_good() {
+        let mut steps = [5.5, 9.0, 6.9, 5.0].map(|deg| step(0, deg, 2.0));
+        for (count, step) in [1, 2, 4, 8].into_iter().zip(&mut steps) {
+            step.count = count;
+        }
+        assert_eq!((plateau(&steps), least(&steps)), (Some(4), Some(8)));
+        steps[2].figure = None;
+        assert_eq!(plateau(&steps), Some(8));
+        steps[3].figure = None;
+        assert_eq!((plateau(&steps), least(&steps)), (None, Some(1)));
+        assert_eq!(plateau(&[]), None);
+    }
+
+    /// Protects against a plateau that never begins only because the last interval is
+    /// narrower than anyone hears.
+    #[test]
+    fn what_nobody_hears_is_as_good() {
+        let steps = |third| [step(1, 4.0, 0.1), step(2, third, 0.1), step(4, 0.2, 0.1)];
+        assert_eq!(plateau(&steps(1.19)), Some(2));
+        assert_eq!(plateau(&steps(1.21)), Some(4));
+        let unsure = [step(1, 3.0, 0.1), step(2, 0.2, 4.0)];
+        assert_eq!(plateau(&unsure), Some(1));
+    }
 }

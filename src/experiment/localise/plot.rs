@@ -1,9 +1,10 @@
 //! The report as one picture: the open field, then each room's errors against waves and
-//! iterations, a colour a profile, bars for the medians' intervals.
+//! iterations, a colour a profile, bars for the medians' intervals. Where half of the trials
+//! hear nothing points are hollow, and where none hears anything there is none.
 
-use super::markdown::first_sound;
 use super::report::{Cell, LocaliseReport, SceneReport};
-use super::statistics::ErrorFigures;
+use super::shown::{first_sound, measured};
+use super::statistics::{ErrorFigures, Figure, LEAST_DRAWN};
 use plotters::coord::Shift;
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
@@ -22,14 +23,36 @@ const COLOURS: [(&str, RGBColor); 3] = [
     ("hybrid", RGBColor(0, 158, 115)),
 ];
 const GROUND: RGBColor = RGBColor(120, 120, 120);
+const BARE: RGBColor = RGBColor(204, 121, 167);
 
-/// What the panels of waves are at, where it was measured.
+/// What the panels of waves are at, where it was measured; otherwise the most there is.
 const ITERATIONS: u32 = 8;
-/// What the panels of iterations are at, where it was measured.
+/// What the panels of iterations are at, where it was measured; otherwise the most there is.
 const WAVES: u32 = 65_536;
 
+/// From this share of unheard trials on a point is hollow.
+const HOLLOW: f64 = 0.5;
+
 /// A count or azimuth, and the error there.
-type Point = (f64, ErrorFigures);
+#[derive(Clone, Copy)]
+struct Point {
+    x: f64,
+    /// None where nothing is heard: a gap.
+    error: Option<Figure>,
+    is_hollow: bool,
+}
+
+impl Point {
+    fn new(x: f64, error: Option<ErrorFigures>, unheard: f64) -> Point {
+        let error = error.map(|error| error.median_abs);
+        let is_hollow = unheard >= HOLLOW;
+        Point {
+            x,
+            error,
+            is_hollow,
+        }
+    }
+}
 
 /// A line of a panel.
 struct Line {
@@ -51,9 +74,12 @@ pub fn plot_svg(report: &LocaliseReport) -> Result<String, PlotError> {
         let height = TITLE_HEIGHT + ROW_HEIGHT * rows as u32;
         let root = SVGBackend::with_string(&mut svg, (WIDTH, height)).into_drawing_area();
         root.fill(&WHITE)?;
+        let interval = match report.rough {
+            true => format!("rough interval (fewer than {LEAST_DRAWN} seeds)"),
+            false => format!("{:.0} % interval", 100.0 * report.confidence),
+        };
         let title = format!(
-            "Localisation by levels: median absolute error with its {:.0} % interval, {}",
-            100.0 * report.confidence,
+            "Localisation by levels: median absolute error with its {interval}, {}",
             report.renderer
         );
         let body = root.titled(&title, ("sans-serif", 20))?;
@@ -69,11 +95,13 @@ pub fn plot_svg(report: &LocaliseReport) -> Result<String, PlotError> {
 
 fn plot_open(panel: &Panel, report: &LocaliseReport) -> Result<(), PlotError> {
     let line = |open: &super::OpenReport| {
-        let (heard, colour) = match open.iterations {
-            1 => ("", colour(&open.profile)),
-            _ => (" with the ground", GROUND),
+        let (heard, colour) = match (open.iterations, open.ground) {
+            (1, _) => ("", colour(&open.profile)),
+            (_, true) => (" with the ground", GROUND),
+            (_, false) => (", more iterations, no ground", BARE),
         };
-        let points = open.azimuths.iter().map(|at| (at.azimuth_deg, at.error));
+        let points = open.azimuths.iter();
+        let points = points.map(|at| Point::new(at.azimuth_deg, at.error, 0.0));
         Line {
             name: format!("{}, {} waves{heard}", open.profile, open.waves),
             colour,
@@ -91,15 +119,21 @@ fn plot_open(panel: &Panel, report: &LocaliseReport) -> Result<(), PlotError> {
 }
 
 fn plot_scene(row: &Panel, scene: &SceneReport) -> Result<(), PlotError> {
+    let (Some(iterations), Some(waves)) = (
+        measured(scene, ITERATIONS, |cell| cell.iterations),
+        measured(scene, WAVES, |cell| cell.waves),
+    ) else {
+        return Ok(());
+    };
     let panels = row.split_evenly((1, 3));
     let name = &scene.scene;
-    let by_waves = |error: fn(&Cell) -> ErrorFigures| {
-        let at = ITERATIONS;
+    let by_waves = |error: fn(&Cell) -> Option<ErrorFigures>| {
         lines(scene, |cell| {
-            (cell.iterations == at).then(|| (cell.waves, error(cell)))
+            let point = || Point::new(cell.waves.into(), error(cell), cell.unheard);
+            (cell.iterations == iterations).then(point)
         })
     };
-    let caption = format!("{name}, {ITERATIONS} iterations");
+    let caption = format!("{name}, {iterations} iterations");
     let axes = ("waves", "error from limit, degrees");
     plot_lines(
         &panels[0],
@@ -117,15 +151,16 @@ fn plot_scene(row: &Panel, scene: &SceneReport) -> Result<(), PlotError> {
         &by_waves(|cell| cell.source),
     )?;
     let by_iterations = lines(scene, |cell| {
-        (cell.waves == WAVES).then_some((cell.iterations, cell.source))
+        let point = || Point::new(cell.iterations.into(), cell.source, cell.unheard);
+        (cell.waves == waves).then(point)
     });
-    let caption = format!("{name}, {WAVES} waves");
+    let caption = format!("{name}, {waves} waves");
     let axes = ("iterations", "error from source, degrees");
     plot_lines(&panels[2], &caption, axes, true, &by_iterations)
 }
 
 /// A line a profile through the cells that `pick` wants.
-fn lines(scene: &SceneReport, pick: impl Fn(&Cell) -> Option<(u32, ErrorFigures)>) -> Vec<Line> {
+fn lines(scene: &SceneReport, pick: impl Fn(&Cell) -> Option<Point>) -> Vec<Line> {
     let line = |(name, colour): (&str, RGBColor)| Line {
         name: name.to_owned(),
         colour,
@@ -133,7 +168,6 @@ fn lines(scene: &SceneReport, pick: impl Fn(&Cell) -> Option<(u32, ErrorFigures)
         points: first_sound(scene)
             .filter(|cell| cell.profile == name)
             .filter_map(&pick)
-            .map(|(count, error)| (f64::from(count), error))
             .collect(),
     };
     COLOURS.into_iter().map(line).collect()
@@ -151,13 +185,15 @@ fn plot_lines(
     let all = || lines.iter().flat_map(|line| &line.points);
     let (least, most) = all().fold(
         (f64::INFINITY, f64::NEG_INFINITY),
-        |(least, most), point| (least.min(place(point.0)), most.max(place(point.0))),
+        |(least, most), point| (least.min(place(point.x)), most.max(place(point.x))),
     );
     if least > most {
         return Ok(());
     }
     let margin = (0.04 * (most - least)).max(0.1);
-    let highest = all().fold(1.0, |highest, point| f64::max(highest, point.1.high_deg));
+    let high = |error: Figure| error.interval_deg.map_or(error.deg, |[_, high]| high);
+    let highest = all().filter_map(|point| point.error);
+    let highest = highest.fold(1.0, |highest, error| f64::max(highest, high(error)));
     let mut chart = ChartBuilder::on(panel)
         .margin(12)
         .margin_right(22)
@@ -197,20 +233,36 @@ fn plot_lines(
 
 type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
-/// The medians, joined, and their intervals as bars.
+/// The medians, joined but over gaps, and their intervals as bars.
 fn draw_line(chart: &mut Chart, line: &Line, place: impl Fn(f64) -> f64) -> Result<(), PlotError> {
     let (colour, width) = (line.colour, line.width);
-    let middle = line
-        .points
-        .iter()
-        .map(|(x, error)| (place(*x), error.median_abs_deg));
+    let stroke = colour.stroke_width(width);
+    let spot = |point: &Point| Some((place(point.x), point.error?.deg));
+    let joined = line.points.split(|point| point.error.is_none());
+    let joined = joined.map(|points| points.iter().filter_map(spot).collect::<Vec<_>>());
+    let joined = joined.filter(|points| points.len() > 1);
+    let joined = joined.map(|points| PathElement::new(points, stroke));
     chart
-        .draw_series(LineSeries::new(middle.clone(), colour.stroke_width(width)).point_size(3))?
+        .draw_series(joined)?
         .label(&line.name)
-        .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], colour.stroke_width(width)));
-    let bars = line.points.iter().map(|(x, error)| {
-        let ends = [(place(*x), error.low_deg), (place(*x), error.high_deg)];
-        PathElement::new(ends, colour.mix(0.5).stroke_width(4))
+        .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], stroke));
+    let dots = |hollow: bool| {
+        let wanted = line
+            .points
+            .iter()
+            .filter(move |point| point.is_hollow == hollow);
+        wanted.filter_map(spot)
+    };
+    let full = dots(false).map(|at| Circle::new(at, 3, colour.filled()));
+    chart.draw_series(full)?;
+    let white = dots(true).map(|at| Circle::new(at, 4, WHITE.filled()));
+    chart.draw_series(white)?;
+    let ring = dots(true).map(|at| Circle::new(at, 4, colour.stroke_width(2)));
+    chart.draw_series(ring)?;
+    let bars = line.points.iter().filter_map(|point| {
+        let [low, high] = point.error?.interval_deg?;
+        let ends = [(place(point.x), low), (place(point.x), high)];
+        Some(PathElement::new(ends, colour.mix(0.5).stroke_width(4)))
     });
     chart.draw_series(bars)?;
     Ok(())

@@ -1,6 +1,6 @@
 //! What the experiment with the observer finds, as plain data.
 
-use super::statistics::ErrorFigures;
+use super::statistics::{ErrorFigures, Figure, Share};
 use serde::Serialize;
 
 /// The whole experiment.
@@ -14,12 +14,16 @@ pub struct LocaliseReport {
     pub seeds: u32,
     /// How long it took, in seconds.
     pub seconds: f64,
-    /// Share of resampled medians in an interval.
+    /// What the intervals are to hold: see `rough`.
     pub confidence: f64,
+    /// Whether there are fewer seeds than an interval of that name takes.
+    pub rough: bool,
     /// Drawings of the bootstrap.
     pub resamples: usize,
     /// Lateral angles up to this are the centre, in degrees.
     pub centre_deg: f64,
+    /// Settings of the rooms that were too large, as waves and iterations.
+    pub left_out: Vec<(u32, u32)>,
     /// The observer in the open, where it has to be right.
     pub open: Vec<OpenReport>,
     /// The rooms.
@@ -37,25 +41,41 @@ pub struct OpenReport {
     pub profile: String,
     /// Waves.
     pub waves: u32,
-    /// Iterations: 1 hears the straight way alone, more also the ground.
+    /// Iterations: 1 hears the straight way alone, more also the ground if there is one.
     pub iterations: u32,
+    /// Whether there is a ground that reflects.
+    pub ground: bool,
     /// How far the source is, in metres.
     pub distance_m: f64,
     /// *m* of the observer.
     pub mean_side: f64,
-    /// Over all azimuths.
-    pub all: ErrorFigures,
+    /// *m* of the observer that is not told the distance.
+    pub blind_mean_side: f64,
+    /// Over all azimuths; none if nothing is heard.
+    pub all: Option<ErrorFigures>,
+    /// The same of the observer that is not told the distance.
+    pub blind: Option<ErrorFigures>,
     /// An entry an azimuth.
-    pub azimuths: Vec<OpenAzimuth>,
+    pub azimuths: Vec<OpenDirection>,
+    /// An entry a direction that has the lateral angle of the others: ahead, behind, above.
+    pub alike: Vec<OpenDirection>,
 }
 
 /// The observer with the source in one direction.
 #[derive(Clone, Copy, Debug, Serialize)]
-pub struct OpenAzimuth {
-    /// Where the source is, in degrees.
+pub struct OpenDirection {
+    /// Where the source is, right of the gaze, in degrees.
     pub azimuth_deg: f64,
-    /// How the answers are.
-    pub error: ErrorFigures,
+    /// Where it is, above the ears, in degrees.
+    pub elevation_deg: f64,
+    /// What levels can tell of that, in degrees.
+    pub lateral_deg: f64,
+    /// The mean answer, in degrees; none if nothing is heard.
+    pub answer_deg: Option<f64>,
+    /// How the answers are; none if nothing is heard.
+    pub error: Option<ErrorFigures>,
+    /// The same of the observer that is not told the distance.
+    pub blind: Option<ErrorFigures>,
 }
 
 /// One room.
@@ -84,7 +104,7 @@ pub struct FacingReport {
     pub azimuth_deg: f64,
     /// The same as far as levels can tell it.
     pub lateral_deg: f64,
-    /// The best any panning by level can do.
+    /// The converged panning of `hybrid`, an entry a count of iterations.
     pub limits: Vec<LimitReport>,
 }
 
@@ -116,17 +136,20 @@ pub struct Cell {
     pub iterations: u32,
     /// Facings × seeds.
     pub trials: u32,
-    /// Share of the trials in which no wave arrived: their answer is the middle.
+    /// Share of the trials in which no wave arrived. They are in no other figure but the hits
+    /// and the last column of the confusion.
     pub unheard: f64,
     /// Waves that arrived, mean over the trials.
     pub hits: f64,
-    /// Against the straight way to the source.
-    pub source: ErrorFigures,
+    /// Against the straight way to the source; none if nothing is heard.
+    pub source: Option<ErrorFigures>,
     /// Against the converged panning of `hybrid` after as many iterations.
-    pub limit: ErrorFigures,
+    pub limit: Option<ErrorFigures>,
     /// Trials: rows the side of the source, columns the side answered, each left, centre,
-    /// right.
-    pub confusion: [[u32; 3]; 3],
+    /// right; the last column those in which nothing was heard.
+    pub confusion: [[u32; 4]; 3],
+    /// Share of the heard trials with the right side; none if nothing is heard.
+    pub side_right: Option<Share>,
 }
 
 /// From where on more does not help.
@@ -138,21 +161,34 @@ pub struct Plateau {
     pub sound: String,
     /// Name of the profile.
     pub profile: String,
-    /// The truth: `source` (the straight way) or `limit` (the converged panning).
-    pub against: &'static str,
+    /// Of which figure: the median error against the `source` (the straight way) or the
+    /// `limit` (the converged panning), or the `spread`.
+    pub of: &'static str,
     /// What grows: `waves` or `iterations`.
     pub along: &'static str,
     /// The other of the two, which does not.
     pub fixed: u32,
-    /// The smallest count from which the median error stays within the interval of the
-    /// largest count's, or below it, with more than half of the trials hearing something;
-    /// none if that is not so at the largest.
+    /// The smallest count from which on every figure is within the upper end of the largest
+    /// count's interval, or within the audible angle of it, with more than half of the trials
+    /// hearing something. None if that is not so at the largest; the largest itself if the
+    /// plateau does not begin before it, so that nothing is known of where it does.
     pub count: Option<u32>,
-    /// The count with the smallest median error, of those that hear something in more than
-    /// half of their trials.
-    pub best: Option<u32>,
+    /// The count with the smallest figure, of those that hear something in more than half of
+    /// their trials.
+    pub least: Option<u32>,
     /// The largest count there was.
     pub largest: u32,
-    /// Median error at the largest count, with its interval, in degrees.
-    pub error: ErrorFigures,
+    /// The figure at the largest count, in degrees; none if nothing is heard there.
+    pub there: Option<Figure>,
+}
+
+impl Plateau {
+    /// The count in words: a number, `not by` the largest, or `none`.
+    pub fn told(&self) -> String {
+        match self.count {
+            None => "none".to_owned(),
+            Some(count) if count == self.largest => format!("not by {count}"),
+            Some(count) => count.to_string(),
+        }
+    }
 }

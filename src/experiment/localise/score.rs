@@ -2,12 +2,14 @@
 //!
 //! A click on the plan has an azimuth all around; levels tell only its lateral angle. So the
 //! error is that of the azimuth folded to the front, and how many clicks lie behind is told
-//! apart. Several files of one session are one session: answers are locked once given, so
+//! apart. Intervals and spread are those of persons ([`figures_of_people`]): one person's
+//! answers are not independent. Sounds in which no wave was heard are a group of their own:
+//! they are in the middle, wherever their source is. Several files of one session are one session: answers are locked once given, so
 //! later files only add to earlier ones; two that contradict each other are refused.
 
 use super::answers::{Answer, AnswersError, Session, StimulusInfo, TrialAnswer};
 use super::observer::{Side, folded_deg};
-use super::statistics::{ErrorFigures, Pair, figures, mean};
+use super::statistics::{ErrorFigures, Pair, figures_of_people, mean};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -16,7 +18,8 @@ use std::path::{Path, PathBuf};
 pub struct ScoreReport {
     /// An entry a session, in the order given.
     pub sessions: Vec<SessionLine>,
-    /// All answers together, then those of each scene, sound and setting.
+    /// All answers to what was heard together, then those of each scene, sound, law and
+    /// setting, then all answers to sounds in which nothing was.
     pub groups: Vec<Group>,
     /// What was noticed about the files.
     pub notes: Vec<String>,
@@ -46,24 +49,30 @@ pub struct Group {
     pub scene: String,
     /// Name of the sound; empty for all.
     pub sound: String,
+    /// Name of the panning law; empty for all.
+    pub law: String,
     /// Name of the profile; empty for all.
     pub profile: String,
     /// Waves; none for all.
     pub waves: Option<u32>,
     /// Iterations; none for all.
     pub iterations: Option<u32>,
+    /// Whether any wave was heard in these sounds.
+    pub heard: bool,
     /// How many.
     pub answers: usize,
+    /// Of how many persons, by their codes; sessions without a code are persons of their own.
+    pub people: usize,
     /// Folded clicks against the lateral angle of the source.
-    pub source: ErrorFigures,
+    pub source: Option<ErrorFigures>,
     /// Folded clicks against what the observer answers to the same sounds.
-    pub observer: ErrorFigures,
+    pub observer: Option<ErrorFigures>,
     /// Rows the side of the source, columns the side ticked, each left, centre, right.
     pub confusion: [[u32; 3]; 3],
     /// Share of the answers whose ticked side is the click's.
     pub side_is_clicked: f64,
-    /// Share of clicks that are behind when the source is ahead, or the other way round.
-    pub front_back_confused: f64,
+    /// Share of clicks that are behind.
+    pub clicked_behind: f64,
     /// Mean confidence, 1 to 5.
     pub confidence: f64,
 }
@@ -75,7 +84,12 @@ struct Merged {
 }
 
 /// An answered trial.
-type Answered<'a> = (&'a StimulusInfo, &'a Answer);
+#[derive(Clone, Copy)]
+struct Answered<'a> {
+    person: &'a str,
+    stimulus: &'a StimulusInfo,
+    answer: &'a Answer,
+}
 
 /// Reads and scores files of answers.
 ///
@@ -105,20 +119,37 @@ pub fn score(files: &[PathBuf]) -> Result<ScoreReport, AnswersError> {
             line.trials
         ));
     }
+    note_experiments(&sessions, &mut notes);
+    let (heard, silent): (Vec<Answered>, Vec<Answered>) =
+        all.into_iter().partition(|of| of.stimulus.hits > 0);
     let mut groups = Vec::new();
-    if !all.is_empty() {
-        groups.push(group(&all, None));
+    groups.extend(group(&heard, None));
+    for kind in kinds(&heard) {
+        let of = |answer: &&Answered| key(answer.stimulus) == key(kind);
+        let alike: Vec<Answered> = heard.iter().filter(of).copied().collect();
+        groups.extend(group(&alike, Some(kind)));
     }
-    for kind in kinds(&all) {
-        let of = |answer: &&Answered| key(answer.0) == key(kind);
-        let alike: Vec<Answered> = all.iter().filter(of).copied().collect();
-        groups.push(group(&alike, Some(kind)));
-    }
+    groups.extend(group(&silent, None));
     Ok(ScoreReport {
         sessions,
         groups,
         notes,
     })
+}
+
+/// Answers to different forms are pooled where their settings are the same: not silently.
+fn note_experiments(sessions: &[SessionLine], notes: &mut Vec<String>) {
+    let mut forms: Vec<&str> = sessions.iter().map(|of| of.experiment.as_str()).collect();
+    forms.sort_unstable();
+    forms.dedup();
+    if forms.len() > 1 {
+        notes.push(format!(
+            "the sessions are of {} different forms ({}), whose sounds differ: what has the same \
+             settings is taken together",
+            forms.len(),
+            forms.join(", ")
+        ));
+    }
 }
 
 fn merge(files: &[PathBuf], notes: &mut Vec<String>) -> Result<Vec<Merged>, AnswersError> {
@@ -160,6 +191,10 @@ impl Merged {
             let shorter = self.session.trials.len().min(other.trials.len());
             return Err(contradiction(shorter as u32 + 1));
         }
+        let mut orders = self.session.order.iter().zip(&other.order);
+        if let Some((_, &number)) = orders.find(|(mine, its)| mine != its) {
+            return Err(contradiction(number));
+        }
         for (mine, its) in self.session.trials.iter_mut().zip(&other.trials) {
             if mine.stimulus != its.stimulus || differ(mine, its) {
                 return Err(contradiction(its.number));
@@ -181,61 +216,83 @@ fn differ(one: &TrialAnswer, other: &TrialAnswer) -> bool {
 }
 
 fn answered(session: &Session) -> impl Iterator<Item = Answered<'_>> {
-    let trials = session.trials.iter();
-    trials.filter_map(|trial| Some((&trial.stimulus, trial.answer.as_ref()?)))
+    let person = match session.participant.as_str() {
+        "" => session.session.as_str(),
+        code => code,
+    };
+    session.trials.iter().filter_map(move |trial| {
+        Some(Answered {
+            person,
+            stimulus: &trial.stimulus,
+            answer: trial.answer.as_ref()?,
+        })
+    })
 }
 
-fn key(of: &StimulusInfo) -> (&str, &str, &str, u32, u32) {
-    (&of.scene, &of.sound, &of.profile, of.waves, of.iterations)
+fn key(of: &StimulusInfo) -> (&str, &str, &str, &str, u32, u32) {
+    let names = (&of.scene, &of.sound, &of.law, &of.profile);
+    (names.0, names.1, names.2, names.3, of.waves, of.iterations)
 }
 
 /// One stimulus of each kind, in order of the kinds.
 fn kinds<'a>(all: &[Answered<'a>]) -> Vec<&'a StimulusInfo> {
-    let mut kinds: Vec<&StimulusInfo> = all.iter().map(|answer| answer.0).collect();
+    let mut kinds: Vec<&StimulusInfo> = all.iter().map(|of| of.stimulus).collect();
     kinds.sort_by(|a, b| key(a).cmp(&key(b)));
     kinds.dedup_by(|a, b| key(a) == key(b));
     kinds
 }
 
-/// The figures of some answers: of one kind, or of all.
-fn group(answers: &[Answered], kind: Option<&StimulusInfo>) -> Group {
-    let pairs = |truth: fn(&StimulusInfo) -> f64| -> Vec<Pair> {
-        let pair = |&(stimulus, answer): &Answered| Pair {
-            truth_deg: truth(stimulus),
-            answer_deg: folded_deg(answer.azimuth_deg),
+/// The answers of each person together.
+fn people<'a>(answers: &[Answered<'a>]) -> Vec<Vec<Answered<'a>>> {
+    let mut people: Vec<Vec<Answered>> = Vec::new();
+    for answer in answers {
+        match people.iter_mut().find(|of| of[0].person == answer.person) {
+            Some(person) => person.push(*answer),
+            None => people.push(vec![*answer]),
+        }
+    }
+    people
+}
+
+/// The figures of some answers, of one kind or of all; none of none.
+fn group(answers: &[Answered], kind: Option<&StimulusInfo>) -> Option<Group> {
+    let first = answers.first()?;
+    let people = people(answers);
+    let errors = |truth: fn(&StimulusInfo) -> f64| {
+        let pair = |of: &Answered| Pair {
+            truth_deg: truth(of.stimulus),
+            answer_deg: folded_deg(of.answer.azimuth_deg),
         };
-        answers.iter().map(pair).collect()
+        let of_person = |answers: &Vec<Answered>| answers.iter().map(pair).collect();
+        figures_of_people(&people.iter().map(of_person).collect::<Vec<Vec<Pair>>>())
     };
     let share = |is: fn(&Answered) -> bool| {
-        mean(answers.iter().map(|answer| f64::from(u8::from(is(answer)))))
+        let count = answers.iter().filter(|answer| is(answer)).count();
+        count as f64 / answers.len() as f64
     };
     let mut confusion = [[0; 3]; 3];
-    for (stimulus, answer) in answers {
-        confusion[Side::of(stimulus.source_lateral_deg) as usize][answer.side as usize] += 1;
+    for of in answers {
+        confusion[Side::of(of.stimulus.source_lateral_deg) as usize][of.answer.side as usize] += 1;
     }
     let name = |of: fn(&StimulusInfo) -> &String| kind.map_or_else(String::new, |k| of(k).clone());
-    Group {
+    let confidence = answers.iter().map(|of| f64::from(of.answer.confidence));
+    Some(Group {
         scene: name(|kind| &kind.scene),
         sound: name(|kind| &kind.sound),
+        law: name(|kind| &kind.law),
         profile: name(|kind| &kind.profile),
         waves: kind.map(|kind| kind.waves),
         iterations: kind.map(|kind| kind.iterations),
+        heard: first.stimulus.hits > 0,
         answers: answers.len(),
-        source: figures(&pairs(|of| of.source_lateral_deg)),
-        observer: figures(&pairs(|of| of.observer_lateral_deg)),
+        people: people.len(),
+        source: errors(|of| of.source_lateral_deg),
+        observer: errors(|of| of.observer_lateral_deg),
         confusion,
-        side_is_clicked: share(|(_, answer)| {
-            Side::of(folded_deg(answer.azimuth_deg)) == answer.side
-        }),
-        front_back_confused: share(|(stimulus, answer)| {
-            is_behind(stimulus.source_azimuth_deg) != is_behind(answer.azimuth_deg)
-        }),
-        confidence: mean(
-            answers
-                .iter()
-                .map(|(_, answer)| f64::from(answer.confidence)),
-        ),
-    }
+        side_is_clicked: share(|of| Side::of(folded_deg(of.answer.azimuth_deg)) == of.answer.side),
+        clicked_behind: share(|of| is_behind(of.answer.azimuth_deg)),
+        confidence: mean(confidence).unwrap_or(0.0),
+    })
 }
 
 fn is_behind(azimuth_deg: f64) -> bool {

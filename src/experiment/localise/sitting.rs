@@ -6,6 +6,7 @@
 
 use super::answers::{Answer, AnswersError, FORMAT, Session, StimulusInfo, TrialAnswer, VERSION};
 use super::form::{Form, Plan};
+use super::random::Random;
 use crate::output::{OutputError, write_whole};
 use crate::scene::Scene;
 use crate::trace::{Profile, Settings};
@@ -25,7 +26,7 @@ pub struct Sitting {
 /// One trial, as it is put to a person.
 #[derive(Clone, Copy, Debug)]
 pub struct Put<'a> {
-    /// Place in the order, from 1.
+    /// Its number, from 1: not its place in the order.
     pub number: u32,
     /// What is heard.
     pub stimulus: &'a StimulusInfo,
@@ -88,10 +89,15 @@ impl Sitting {
         })
     }
 
-    /// The first trial without an answer, from 0.
+    /// The next trial without an answer, in this sitting's order: its index.
     pub fn next(&self) -> Option<usize> {
-        let trials = &self.session.trials;
-        trials.iter().position(|trial| trial.answer.is_none())
+        let order = self.session.order.iter();
+        let trials = order.filter_map(|&number| (number as usize).checked_sub(1));
+        let is_open = |&index: &usize| {
+            let trial = self.session.trials.get(index);
+            trial.is_some_and(|trial| trial.answer.is_none())
+        };
+        trials.into_iter().find(is_open)
     }
 
     /// Trials that are answered, and all.
@@ -104,7 +110,7 @@ impl Sitting {
         &self.file
     }
 
-    /// A trial, from 0.
+    /// A trial, by its index: one less than its number.
     pub fn trial(&self, index: usize) -> Option<Put<'_>> {
         let trial = self.session.trials.get(index)?;
         let place = self.form.trials.get(index)?.plan;
@@ -155,12 +161,16 @@ fn begun(form: &Form, participant: &str) -> Session {
         answer: None,
     });
     let started = now();
+    // Nothing but another name, and another order, for every sitting.
+    let id = RandomState::new().build_hasher().finish();
+    let mut order: Vec<u32> = (1..=form.trials.len() as u32).collect();
+    Random::new(id).shuffle(&mut order);
     Session {
         format: FORMAT.to_owned(),
         version: VERSION,
         experiment: form.experiment.clone(),
-        // Nothing but another name for every sitting.
-        session: format!("{:016x}", RandomState::new().build_hasher().finish()),
+        session: format!("{id:016x}"),
+        order,
         participant: participant.to_owned(),
         saved: started.clone(),
         started,

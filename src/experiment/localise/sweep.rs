@@ -1,25 +1,33 @@
 //! Runs the observer through scenes and settings.
 
-use super::listen::{LoadedSound, converge, facings, listen, source_at};
+use super::listen::{LoadedSound, converge, facings, listen};
 use super::observer::{Levels, Observer, Side, azimuth_deg, direct_distance, lateral_deg};
-use super::report::{
-    Cell, FacingReport, LimitReport, LocaliseReport, OpenAzimuth, OpenReport, SceneReport,
-};
-use super::statistics::{CONFIDENCE, Pair, RESAMPLES, figures, mean};
-use super::{LocaliseOptions, OPEN_DISTANCE_M, plateaus};
+use super::report::{Cell, FacingReport, LimitReport, LocaliseReport, SceneReport};
+use super::statistics::{CONFIDENCE, LEAST_DRAWN, Pair, RESAMPLES, Share, figures, mean};
+use super::{LocaliseOptions, plateaus};
 use crate::error::Error;
 use crate::scene::Scene;
 use crate::trace::{Settings, Tracer};
 use std::time::Instant;
 
 /// What the trials need all the time.
-struct Run<'a> {
+pub(super) struct Run<'a> {
     tracer: &'a mut Tracer,
-    options: &'a LocaliseOptions,
+    pub(super) options: &'a LocaliseOptions,
     sounds: Vec<LoadedSound>,
     largest_difference: f64,
     done: u64,
     progress: &'a mut dyn FnMut(u64, u64),
+}
+
+/// One frame, heard.
+pub(super) struct Answers {
+    /// An answer a sound, in degrees.
+    pub(super) told: Vec<f64>,
+    /// The first sound's, of the observer that is not told the distance.
+    pub(super) blind: Option<f64>,
+    /// Waves that arrived.
+    pub(super) hits: u64,
 }
 
 /// One frame of one facing.
@@ -54,8 +62,8 @@ pub fn run(
         progress,
     };
     let mut open = Vec::new();
-    for settings in &options.open {
-        open.push(run.open(settings)?);
+    for case in &options.open {
+        open.push(run.open(case)?);
     }
     let mut scenes = Vec::new();
     for scene in &options.scenes {
@@ -68,8 +76,10 @@ pub fn run(
         seeds: options.seeds,
         seconds: began.elapsed().as_secs_f64(),
         confidence: CONFIDENCE,
+        rough: (options.seeds as usize) < LEAST_DRAWN,
         resamples: RESAMPLES,
         centre_deg: super::CENTRE_DEG,
+        left_out: options.left_out(),
         plateaus: plateaus::find(&scenes),
         open,
         scenes,
@@ -78,54 +88,28 @@ pub fn run(
 }
 
 impl Run<'_> {
-    fn step(&mut self) {
+    pub(super) fn step(&mut self) {
         self.done += 1;
         (self.progress)(self.done, self.options.steps());
     }
 
-    /// The answers to one frame, a sound each, and how many waves it heard.
-    fn hear(&mut self, scene: &Scene, settings: &Settings) -> Result<(Vec<f64>, u64), Error> {
+    /// The answers to one frame.
+    pub(super) fn hear(&mut self, scene: &Scene, settings: &Settings) -> Result<Answers, Error> {
         let law = self.options.law;
         let heard = listen(self.tracer, scene, settings)?;
         let observer = Observer::new(scene, law);
-        let answer =
-            |sound: &LoadedSound| observer.answer_deg(Levels::of(&sound.mixed(heard.pan, law)));
-        let answers: Vec<f64> = self.sounds.iter().map(answer).collect();
-        let first = answers.first().copied().unwrap_or(0.0);
-        let differences = answers.iter().map(|other| (other - first).abs());
+        let levels = |sound: &LoadedSound| Levels::of(&sound.mixed(heard.pan, law));
+        let levels: Vec<Levels> = self.sounds.iter().map(levels).collect();
+        let told = levels.iter().map(|&levels| observer.answer_deg(levels));
+        let told: Vec<f64> = told.collect();
+        let first = told.first().copied().unwrap_or(0.0);
+        let differences = told.iter().map(|other| (other - first).abs());
         self.largest_difference = differences.fold(self.largest_difference, f64::max);
-        Ok((answers, heard.hits))
-    }
-
-    fn open(&mut self, settings: &Settings) -> Result<OpenReport, Error> {
-        let field = Scene::builtin("open-field")?;
-        let mut azimuths = Vec::new();
-        let mut all = Vec::new();
-        for &azimuth_deg in &self.options.azimuths_deg {
-            let scene = source_at(&field, azimuth_deg, OPEN_DISTANCE_M);
-            let mut pairs = Vec::new();
-            for seed in 1..=self.options.seeds {
-                let (answers, _) = self.hear(&scene, &settings.clone().with_seed(seed))?;
-                pairs.extend(answers.first().map(|&answer_deg| Pair {
-                    truth_deg: lateral_deg(&scene),
-                    answer_deg,
-                }));
-            }
-            let error = figures(&pairs);
-            azimuths.push(OpenAzimuth { azimuth_deg, error });
-            all.extend(pairs);
-        }
-        self.step();
-        let there = source_at(&field, 0.0, OPEN_DISTANCE_M);
-        Ok(OpenReport {
-            profile: settings.profile.to_string(),
-            waves: settings.waves,
-            iterations: settings.iterations,
-            distance_m: OPEN_DISTANCE_M,
-            mean_side: Observer::new(&there, self.options.law).mean_side(),
-            all: figures(&all),
-            azimuths,
-        })
+        let blind = levels
+            .first()
+            .map(|&of| Observer::blind(law).answer_deg(of));
+        let hits = heard.hits;
+        Ok(Answers { told, blind, hits })
     }
 
     fn scene(&mut self, scene: &Scene) -> Result<SceneReport, Error> {
@@ -142,12 +126,12 @@ impl Run<'_> {
                 let first = 1 + index as u32 * self.options.seeds;
                 for seed in first..first + self.options.seeds {
                     let seeded = settings.clone().with_seed(seed);
-                    let (answers, hits) = self.hear(facing, &seeded)?;
+                    let heard = self.hear(facing, &seeded)?;
                     trials.push(Trial {
                         source_deg: report.lateral_deg,
                         limit_deg: report.limit_deg(settings.iterations),
-                        hits,
-                        answers,
+                        hits: heard.hits,
+                        answers: heard.told,
                     });
                 }
             }
@@ -198,33 +182,42 @@ impl FacingReport {
     }
 }
 
+/// The last column of a confusion: nothing was heard.
+const NOTHING: usize = 3;
+
+/// The figures of one sound in one setting. Silence is no answer: it would be the right one
+/// for a source ahead.
 fn cell(sound: &str, settings: &Settings, trials: &[Trial], index: usize) -> Cell {
-    let pairs = |truth: fn(&Trial) -> f64| -> Vec<Pair> {
+    let heard = || trials.iter().filter(|trial| trial.hits > 0);
+    let errors = |truth: fn(&Trial) -> f64| {
         let pair = |trial: &Trial| Pair {
             truth_deg: truth(trial),
             answer_deg: trial.answers[index],
         };
-        trials.iter().map(pair).collect()
+        figures(&heard().map(pair).collect::<Vec<Pair>>())
     };
-    let source = pairs(|trial| trial.source_deg);
-    let mut confusion = [[0; 3]; 3];
-    for pair in &source {
-        confusion[Side::of(pair.truth_deg) as usize][Side::of(pair.answer_deg) as usize] += 1;
+    let mut confusion = [[0; 4]; 3];
+    for trial in trials {
+        let said = match trial.hits {
+            0 => NOTHING,
+            _ => Side::of(trial.answers[index]) as usize,
+        };
+        confusion[Side::of(trial.source_deg) as usize][said] += 1;
     }
+    let right = (0..NOTHING).map(|side| confusion[side][side]).sum();
+    let all = trials.len() as u32;
+    let unheard = all - heard().count() as u32;
     Cell {
         sound: sound.to_owned(),
         profile: settings.profile.to_string(),
         waves: settings.waves,
         iterations: settings.iterations,
-        trials: trials.len() as u32,
-        unheard: mean(
-            trials
-                .iter()
-                .map(|trial| f64::from(u8::from(trial.hits == 0))),
-        ),
-        hits: mean(trials.iter().map(|trial| trial.hits as f64)),
-        limit: figures(&pairs(|trial| trial.limit_deg)),
-        source: figures(&source),
+        trials: all,
+        unheard: f64::from(unheard) / f64::from(all.max(1)),
+        hits: mean(trials.iter().map(|trial| trial.hits as f64)).unwrap_or(0.0),
+        limit: errors(|trial| trial.limit_deg),
+        source: errors(|trial| trial.source_deg),
         confusion,
+        side_right: Share::of(right, all - unheard),
     }
 }

@@ -1,17 +1,18 @@
-"use strict";
-// The form: one session at a time. An answer is stored the moment it is locked, under a key
-// of its own session, and what is stored is never replaced.
+// The form: one session at a time. What is said of a trial is stored as it is said, under a key
+// of its own session; an answer that is locked is never replaced.
 (() => {
-  const data = JSON.parse(document.getElementById("data").textContent);
+  const { data, trials, newDraft, azimuth, isBeside, isObject, isAnswer, isSession, orderOf } = form;
   const prefix = `echomarch-localise:${data.experiment}:`;
   const byId = (id) => document.getElementById(id);
   const SVG = "http://www.w3.org/2000/svg";
 
-  let session = null; // { session, participant, started, answers: { number: answer } }
-  let place = 0; // index of the trial shown
-  let draft = null; // { right_m, ahead_m } clicked, not locked
-  let plays = 0;
-  let firstPlayed = null;
+  // { session, participant, started, order: [number], answers: { number: answer },
+  //   drafts: { number: draft }, saved: answers in the last file }
+  let session = null;
+  let place = 0; // of the trial shown, in the session's order
+  let draft = null; // { spot, side, confidence, plays, seconds } of it, see newDraft
+  let since = null; // when the draft's seconds began to run, by performance.now()
+  let isKept = true; // whether this browser keeps what is stored
   let audio = null;
 
   // ---- what is kept -------------------------------------------------------------
@@ -29,16 +30,27 @@
     }
   };
 
+  const keepsNothing = () => {
+    isKept = false;
+    warn("This browser keeps nothing: save a file before you close the page.");
+  };
+
   // What is stored wins: answers are locked, in whichever tab they were given.
   const store = () => {
     const stored = read(session.session);
-    if (stored) {
+    if (isSession(stored)) {
       session.answers = { ...session.answers, ...stored.answers };
+      session.drafts = { ...stored.drafts, ...session.drafts };
+      session.saved = Math.max(session.saved, stored.saved);
+    }
+    for (const number of Object.keys(session.answers)) {
+      delete session.drafts[number];
     }
     try {
       localStorage.setItem(prefix + session.session, JSON.stringify(session));
+      isKept = true;
     } catch {
-      warn("This browser keeps nothing: save a file before you close the page.");
+      keepsNothing();
     }
   };
 
@@ -52,15 +64,16 @@
         }
       }
     } catch {
-      warn("This browser keeps nothing: save a file before you close the page.");
+      keepsNothing();
     }
-    const usable = found.filter((one) => one && one.session && one.answers);
-    return usable.sort((a, b) => (a.started < b.started ? 1 : -1));
+    return found.filter(isSession).sort((a, b) => (a.started < b.started ? 1 : -1));
   };
 
   const answered = (one) => Object.keys(one.answers).length;
-  const answerOf = (index) => session.answers[data.trials[index].number] || null;
-  const firstOpen = () => data.trials.findIndex((trial) => !session.answers[trial.number]);
+  const isComplete = () => answered(session) === data.trials.length;
+  const trialAt = (index) => trials.get(session.order[index]);
+  const answerOf = (index) => session.answers[session.order[index]] || null;
+  const firstOpen = () => session.order.findIndex((number) => !session.answers[number]);
 
   // ---- pages --------------------------------------------------------------------
 
@@ -97,6 +110,7 @@
 
   const enter = (one) => {
     session = one;
+    draft = null;
     warn("");
     store();
     goOn();
@@ -107,8 +121,10 @@
     if (open < 0) {
       stopSound();
       show("end");
+      byId("save").focus();
     } else {
       showTrial(open);
+      byId("play").focus();
     }
   };
 
@@ -119,28 +135,51 @@
       session: name,
       participant: byId("participant").value.trim(),
       started: new Date().toISOString(),
+      order: orderOf(name),
       answers: {},
+      drafts: {},
+      saved: 0,
     });
   };
 
   // ---- one trial ----------------------------------------------------------------
 
+  const seconds = () =>
+    draft.seconds + (since === null ? 0 : (performance.now() - since) / 1000);
+
+  // What is said of the trial shown, unless it is locked: also before it is left.
+  const keep = () => {
+    if (session && draft && !answerOf(place)) {
+      session.drafts[session.order[place]] = { ...draft, seconds: seconds() };
+      store();
+    }
+  };
+
+  const takeUp = (index) => {
+    const answer = answerOf(index);
+    if (answer) {
+      const { side, confidence } = answer;
+      return { ...newDraft(), spot: answer, side, confidence };
+    }
+    return { ...newDraft(), ...session.drafts[session.order[index]] };
+  };
+
   const showTrial = (index) => {
+    keep();
     stopSound();
     place = index;
-    const answer = answerOf(index);
-    draft = answer;
-    plays = 0;
-    firstPlayed = null;
-    const plan = data.plans[data.trials[index].plan];
+    const isLocked = answerOf(index) !== null;
+    draft = takeUp(index);
+    since = draft.plays > 0 ? performance.now() : null;
+    const plan = data.plans[trialAt(index).plan];
     byId("number").textContent = `Sound ${index + 1} of ${data.trials.length}`;
     byId("view").src = plan.view;
     byId("bar").style.width = `${(100 * answered(session)) / data.trials.length}%`;
     for (const input of document.querySelectorAll("#trial fieldset input")) {
-      input.checked = answer !== null && String(answer[input.name]) === input.value;
-      input.disabled = answer !== null;
+      input.checked = String(draft[input.name]) === input.value;
+      input.disabled = isLocked;
     }
-    byId("trial").classList.toggle("locked", answer !== null);
+    byId("trial").classList.toggle("locked", isLocked);
     drawPlan(plan);
     update();
     show("trial");
@@ -176,10 +215,10 @@
   const drawMark = (unit) => {
     const mark = byId("mark");
     mark.replaceChildren();
-    if (!draft) {
+    if (!draft.spot) {
       return;
     }
-    const [x, y] = [draft.right_m, -draft.ahead_m];
+    const [x, y] = [draft.spot.right_m, -draft.spot.ahead_m];
     const line = { stroke: "#d55e00", "stroke-width": 0.5 * unit };
     mark.append(
       element("path", { d: `M 0 0 L ${x} ${y}`, "stroke-dasharray": unit, fill: "none", ...line }),
@@ -188,15 +227,13 @@
     );
   };
 
-  const azimuth = (spot) => (Math.atan2(spot.right_m, spot.ahead_m) * 180) / Math.PI;
-
   const placeMark = (right, ahead) => {
     if (answerOf(place)) {
       return;
     }
-    const plan = data.plans[data.trials[place].plan];
+    const plan = data.plans[trialAt(place).plan];
     const held = (value, axis) => Math.min(Math.max(value, plan.min[axis]), plan.max[axis]);
-    draft = { right_m: held(right, 0), ahead_m: held(ahead, 1) };
+    draft.spot = { right_m: held(right, 0), ahead_m: held(ahead, 1) };
     drawMark((plan.max[0] - plan.min[0]) / 100);
     update();
   };
@@ -211,11 +248,12 @@
   const pressOnPlan = (event) => {
     const steps = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
     const step = steps[event.key];
-    if (!step) {
+    // With another key they are the browser's: a page back, a word on.
+    if (!step || event.altKey || event.ctrlKey || event.metaKey) {
       return;
     }
     event.preventDefault();
-    const from = draft || { right_m: 0, ahead_m: 0 };
+    const from = draft.spot || { right_m: 0, ahead_m: 0 };
     placeMark(from.right_m + 0.5 * step[0], from.ahead_m + 0.5 * step[1]);
   };
 
@@ -229,7 +267,7 @@
   const play = async () => {
     stopSound();
     const index = place;
-    audio = new Audio(data.trials[index].audio);
+    audio = new Audio(trialAt(index).audio);
     try {
       await audio.play();
     } catch (error) {
@@ -239,8 +277,8 @@
       return;
     }
     if (index === place) {
-      plays += 1;
-      firstPlayed = firstPlayed || Date.now();
+      draft.plays += 1;
+      since = since === null ? performance.now() : since;
       update();
     }
   };
@@ -250,45 +288,78 @@
     return input ? input.value : null;
   };
 
+  const choose = () => {
+    draft.side = chosen("side");
+    draft.confidence = chosen("confidence") && Number(chosen("confidence"));
+    update();
+  };
+
+  const missing = () => {
+    const { spot, side, confidence, plays } = draft;
+    const all = [
+      [plays === 0, "play the sound"],
+      [!spot, "click on the plan"],
+      [spot && !isBeside(spot), "put the mark beside yourself"],
+      [!side, "choose a side"],
+      [!confidence, "say how sure you are"],
+    ];
+    return all.filter(([is]) => is).map(([, what]) => what);
+  };
+
+  const where = (spot) => {
+    if (!spot || !isBeside(spot)) {
+      return "You are the circle; the arrow is your gaze.";
+    }
+    const side = spot.right_m < 0 ? "left" : "right";
+    return `The mark is ${Math.abs(azimuth(spot)).toFixed(0)}° to the ${side} of your gaze.`;
+  };
+
+  // Only what changes, since it is read out.
+  const say = (id, text) => {
+    if (byId(id).textContent !== text) {
+      byId(id).textContent = text;
+    }
+  };
+
   const update = () => {
     const locked = answerOf(place);
-    const missing = [];
-    if (!locked) {
-      if (plays === 0) missing.push("play the sound");
-      if (!draft) missing.push("click on the plan");
-      if (!chosen("side")) missing.push("choose a side");
-      if (!chosen("confidence")) missing.push("say how sure you are");
-    }
-    byId("lock").disabled = !locked && missing.length > 0;
+    const open = locked ? [] : missing();
+    byId("lock").disabled = open.length > 0;
     byId("lock").textContent = locked ? "Go on" : "Lock the answer and go on";
-    byId("missing").textContent = locked
-      ? "This answer is locked."
-      : missing.length > 0 ? `Still to do: ${missing.join(", ")}.` : "";
-    byId("plays").textContent = plays > 0 ? `played ${plays} times`.replace(/^(played 1) times/, "$1 time") : "";
-    byId("clicked").textContent = draft
-      ? `The mark is ${Math.abs(azimuth(draft)).toFixed(0)}° to the ${draft.right_m < 0 ? "left" : "right"} of your gaze.`
-      : "You are the circle; the arrow is your gaze.";
+    const still = open.length > 0 ? `Still to do: ${open.join(", ")}.` : "";
+    say("missing", locked ? "This answer is locked." : still);
+    const times = draft.plays === 1 ? "time" : "times";
+    say("plays", draft.plays > 0 ? `played ${draft.plays} ${times}` : "");
+    say("clicked", where(draft.spot));
     byId("back").disabled = place === 0;
-    const open = firstOpen();
-    byId("forward").disabled = place + 1 >= data.trials.length || (open >= 0 && place >= open);
+    const first = firstOpen();
+    byId("forward").disabled = place + 1 >= data.trials.length || (first >= 0 && place >= first);
+    keep();
   };
 
   const lock = () => {
     if (!answerOf(place)) {
-      const now = new Date();
-      session.answers[data.trials[place].number] = {
-        right_m: draft.right_m,
-        ahead_m: draft.ahead_m,
-        azimuth_deg: azimuth(draft),
-        side: chosen("side"),
-        confidence: Number(chosen("confidence")),
-        plays,
-        seconds: (now.getTime() - firstPlayed) / 1000,
-        answered: now.toISOString(),
+      const { right_m, ahead_m } = draft.spot;
+      session.answers[session.order[place]] = {
+        right_m,
+        ahead_m,
+        azimuth_deg: azimuth(draft.spot),
+        side: draft.side,
+        confidence: draft.confidence,
+        plays: draft.plays,
+        seconds: seconds(),
+        answered: new Date().toISOString(),
       };
       store();
     }
     goOn();
+  };
+
+  // What only this page knows, or what is complete and not handed in.
+  const warnOfLoss = (event) => {
+    if (session && answered(session) > session.saved && (!isKept || isComplete())) {
+      event.preventDefault();
+    }
   };
 
   // ---- files --------------------------------------------------------------------
@@ -303,6 +374,7 @@
       participant: session.participant,
       started: session.started,
       saved: now,
+      order: session.order,
       trials: data.trials.map(({ number, stimulus }) => ({
         number,
         stimulus,
@@ -315,7 +387,32 @@
     link.download = `answers-${session.session}-${now.replace(/[-:]/g, "").replace(/[T.]/g, "-")}.json`;
     link.click();
     setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+    session.saved = answered(session);
+    store();
     byId("saved").textContent = `Saved as ${link.download} among your downloads.`;
+  };
+
+  // The session of a file, whose trials and answers are what a form saves.
+  const sessionOf = (file) => {
+    const { session: name, participant, started, order } = file;
+    const answers = {};
+    const isTrial = (trial, index) => isObject(trial) && trial.number === index + 1;
+    if (!Array.isArray(file.trials) || file.trials.length !== trials.size
+      || !file.trials.every(isTrial)) {
+      throw new Error("its trials are not those of this form");
+    }
+    for (const { number, answer } of file.trials.filter((trial) => trial.answer)) {
+      if (!isAnswer(answer)) {
+        throw new Error(`the answer to trial ${number} is damaged`);
+      }
+      answers[number] = answer;
+    }
+    const saved = Object.keys(answers).length;
+    const found = { session: name, participant, started, order, answers, drafts: {}, saved };
+    if (!isSession(found)) {
+      throw new Error("the session, its person, its beginning or its order is damaged");
+    }
+    return found;
   };
 
   const load = async () => {
@@ -325,20 +422,13 @@
     }
     try {
       const file = JSON.parse(await chosenFile.text());
-      if (file.format !== data.format || file.version !== data.version) {
+      if (!isObject(file) || file.format !== data.format || file.version !== data.version) {
         throw new Error("it holds no answers of this kind of form");
       }
       if (file.experiment !== data.experiment) {
         throw new Error("it belongs to another form");
       }
-      const answers = {};
-      for (const trial of file.trials) {
-        if (trial.answer) {
-          answers[trial.number] = trial.answer;
-        }
-      }
-      const { session: name, participant, started } = file;
-      enter({ session: name, participant, started, answers });
+      enter(sessionOf(file));
     } catch (error) {
       warn(`${chosenFile.name} cannot be taken up: ${error.message}`);
     }
@@ -380,11 +470,13 @@
   on("play", "click", play);
   on("plan", "click", clickPlan);
   on("plan", "keydown", pressOnPlan);
-  on("trial", "change", update);
+  on("trial", "change", choose);
   on("lock", "click", lock);
   on("back", "click", () => showTrial(place - 1));
   on("forward", "click", () => showTrial(place + 1));
   on("review", "click", () => showTrial(0));
   on("save", "click", save);
+  addEventListener("pagehide", keep);
+  addEventListener("beforeunload", warnOfLoss);
   showStart();
 })();

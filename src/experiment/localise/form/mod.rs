@@ -5,9 +5,11 @@
 //! the gaze upwards, as the listener faces the screen, and does not show the source; the view
 //! is lit from behind the listener, so that no light gives the source away.
 //!
-//! The order of the trials depends on the form's seed and their number alone. Answers
-//! are locked once given. Beside the page lie the same sounds as WAV files (32-bit float),
-//! numbered in the order of the trials, and `experiment.json`, which says what each is.
+//! Trials are numbered in an order that depends on the form's seed and their number alone, so
+//! that no number gives anything away. Each person hears them in an order of their own, which
+//! the page makes of form, seed and session and saves with the answers. Answers are locked
+//! once given. Beside the page lie the same sounds as WAV files (16 bits, which every browser
+//! plays), by the trials' numbers, and `experiment.json`, which says what each is.
 
 mod encode;
 mod page;
@@ -17,7 +19,7 @@ use super::answers::StimulusInfo;
 use super::listen::{LoadedSound, facings, listen};
 use super::observer::{Levels, Observer, azimuth_deg, lateral_deg};
 use super::random::Random;
-use crate::audio::{PanningLaw, SoundSpec, WavWriter};
+use crate::audio::{PanningLaw, SoundSpec};
 use crate::error::Error;
 use crate::output::{OutputError, write_whole};
 use crate::scene::Scene;
@@ -46,7 +48,7 @@ pub struct FormOptions {
     pub waves: Vec<u32>,
     /// Counts of iterations.
     pub iterations: Vec<u32>,
-    /// Order of the trials, and start directions of the waves.
+    /// Numbering of the trials, their orders, and start directions of the waves.
     pub seed: u32,
     /// Length of each sound, in seconds.
     pub seconds: f64,
@@ -66,7 +68,7 @@ impl FormOptions {
 /// One trial.
 #[derive(Clone, Debug, Serialize)]
 pub struct Trial {
-    /// Place in the order, from 1.
+    /// Its number, from 1: not its place in a person's order.
     pub number: usize,
     /// What is heard.
     pub stimulus: StimulusInfo,
@@ -81,9 +83,9 @@ pub struct Trial {
 pub struct Form {
     /// Which form: another for any difference in its trials.
     pub experiment: String,
-    /// Order of the trials.
+    /// Numbering of the trials, their orders, and start directions of the waves.
     pub seed: u32,
-    /// The trials, in order.
+    /// The trials, by number.
     pub trials: Vec<Trial>,
     /// Whether the page holds the sounds.
     pub embedded: bool,
@@ -214,9 +216,6 @@ pub enum WriteError {
     /// A file cannot be written.
     #[error(transparent)]
     Output(#[from] OutputError),
-    /// A sound cannot be written.
-    #[error(transparent)]
-    Sound(#[from] Error),
 }
 
 /// Makes the folder, and proves that it is empty and can be written to: to be called before
@@ -259,10 +258,8 @@ impl Form {
         let sounds = folder.join("sounds");
         crate::output::prepare_folder(&sounds)?;
         for trial in &self.trials {
-            let path = folder.join(&trial.file);
-            let mut writer = WavWriter::create(path).map_err(Error::from)?;
-            writer.write(&self.samples(trial)).map_err(Error::from)?;
-            writer.finish().map_err(Error::from)?;
+            let wav = encode::wav_16(&self.samples(trial));
+            write_whole(&folder.join(&trial.file), |out| out.write_all(&wav))?;
         }
         let key = Key {
             experiment: &self.experiment,

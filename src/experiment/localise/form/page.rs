@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 const PAGE: &str = include_str!("form.html");
 const STYLE: &str = include_str!("form.css");
-const PROGRAM: &str = include_str!("form.js");
+const PROGRAM: &str = concat!(include_str!("form_data.js"), include_str!("form.js"));
 
 /// The whole page.
 pub fn html(form: &Form) -> String {
@@ -44,6 +44,7 @@ fn data(form: &Form) -> Value {
         "format": FORMAT,
         "version": VERSION,
         "experiment": form.experiment,
+        "seed": form.seed,
         "mostConfident": MOST_CONFIDENT,
         "plans": plans.collect::<Vec<_>>(),
         "trials": trials.collect::<Vec<_>>(),
