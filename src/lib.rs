@@ -31,12 +31,12 @@
 //! | --- | --- |
 //! | [`scene`] | surfaces, source, listener, paths; RON files; distances; the scene as GLSL |
 //! | [`trace`] | settings, the [`Tracer`], one [`Frame`], [`Panning`] |
-//! | [`audio`] | sounds, panning laws, mixer, WAV files |
+//! | [`audio`] | sounds, panning laws, mixer, WAV files; live sound (feature `audio`) |
 //! | [`offline`] | a moving scene to sound, without a sound card |
 //! | [`gpu`] | OpenGL without acoustics: contexts, programs, textures, passes, clocks |
 //! | [`mod@reference`] | the same and the exact waves on the CPU, to check against |
 //! | `picture` | what the listener sees, and the plan with paths (feature `experiment`) |
-//! | `experiment` | the thesis' tables, run for real (feature `experiment`) |
+//! | `experiment` | the thesis' experiments, run for real, and what accuracy costs (feature `experiment`) |
 //! | `demo` | the window: walk through a scene and hear it (feature `demo`) |
 //! | [`output`] | files that are there whole or not at all |
 //!
