@@ -183,6 +183,50 @@ fn a_field_that_does_not_compile_opens_no_window() {
     assert_eq!(output.status.code(), Some(2), "{told}");
 }
 
+/// Protects the picture from waves that take long: it goes on while they are traced a part at a time, a change of
+/// algorithm does not wait for them, and what is heard is what the frame in one piece hears.
+#[test]
+fn the_picture_goes_on_while_waves_take_long() {
+    let display = Display::new();
+    let mut slow = command();
+    slow.args([
+        "demo",
+        "obstacles",
+        "--profile",
+        "thesis",
+        "--waves",
+        "262144",
+        "--json",
+    ])
+    .args(["--scale", "0.2", "--screenshot", "last.png", "--no-help"]);
+    let demo = display.open(slow);
+    sleep(Duration::from_secs(6));
+    demo.key("3");
+    sleep(Duration::from_secs(2));
+    let (report, _, _) = demo.quit();
+    let pans = report["pans"].as_array().unwrap();
+    let of = |profile| pans.iter().filter(move |pan| pan["profile"] == profile);
+    let end = of("thesis").last().unwrap()["seconds"].as_f64().unwrap();
+    let pictures = report["frames"].as_f64().unwrap() / report["seconds"].as_f64().unwrap();
+    let heard = of("thesis").count() as f64 / end;
+    assert!(
+        pictures > 4.0 * heard,
+        "{pictures} pictures and {heard} frames of waves a second"
+    );
+    let arguments = [
+        "trace",
+        "obstacles",
+        "--profile",
+        "thesis",
+        "--waves",
+        "262144",
+        "--json",
+    ];
+    let traced: Value = serde_json::from_slice(&succeed(&arguments).stdout).unwrap();
+    assert!(of("thesis").all(|pan| pan["pan"] == traced["pan"]));
+    assert!(of("hybrid").count() > 3);
+}
+
 /// Protects windows that are drawn larger and smaller while they run: picture and panels follow.
 #[test]
 fn a_window_may_change_its_size() {
@@ -245,6 +289,7 @@ fn panels_take_clicks_after_the_mouse_has_looked_about() {
     // The buttons "2 march" and "save".
     click(["825", "115"]);
     click(["885", "38"]);
+    demo.wait_for("saved corner-1.ron");
     display.xdotool(&["mousemove", "--window", &window, "480", "270"]);
     let (report, _, _) = demo.quit();
     assert_eq!(report["profile"], "march");
