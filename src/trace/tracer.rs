@@ -1,5 +1,6 @@
 //! One frame after the other on one context.
 
+mod job;
 mod parts;
 mod pending;
 
@@ -10,10 +11,9 @@ use super::programs::Programs;
 use super::scene_data::SceneData;
 use super::sum::Sum;
 use super::user_fields::UserFields;
-use super::waves::{STATUS_DEAD, STATUS_STARTED, waves};
+use super::waves::{STATUS_DEAD, waves};
 use super::{
-    Counts, Frame, Grid, MARCHES_PER_PASS, MAX_FIELD_STEPS, Milliseconds, Panning, Profile,
-    Settings, TraceError, Wave, panning,
+    Counts, Frame, Grid, Milliseconds, Panning, Profile, Settings, TraceError, Wave, panning,
 };
 use crate::error::Error;
 use crate::gpu::{
@@ -22,8 +22,9 @@ use crate::gpu::{
 };
 use crate::scene::Scene;
 use crate::scene::cells::Lists;
-use crate::scene::glsl::{self, Placed, Placement};
+use crate::scene::glsl::Placement;
 use glam::{Vec3, Vec4};
+use job::{Job, set_grid};
 use std::cell::RefCell;
 use std::ops::Range;
 use std::rc::Rc;
@@ -67,18 +68,6 @@ struct Targets {
     pan: RenderTarget,
     /// Made for the first frame that is summed on the GPU.
     sum: Option<Sum>,
-}
-
-/// One frame's input, checked, with what follows from it.
-struct Job<'a> {
-    scene: &'a Scene,
-    settings: &'a Settings,
-    placement: Placement,
-    placed: Placed,
-    march: Rc<Program>,
-    initialise: Rc<Program>,
-    pan: Rc<Program>,
-    began: Instant,
 }
 
 impl Tracer {
@@ -471,68 +460,4 @@ impl Targets {
             sum: None,
         })
     }
-}
-
-impl Job<'_> {
-    /// Uniforms that a program does not have are passed over.
-    fn set_uniforms(&self, grid: Grid) {
-        let (program, settings) = (&self.march, self.settings);
-        set_grid(program, grid);
-        program.set_vec4_array("uSurfaces", &self.placed.uniform_values());
-        program.set_vec4("uListener", self.listener());
-        program.set_f32("uMinDistance", settings.min_distance);
-        program.set_f32("uMaxDistance", settings.max_distance);
-        program.set_f32("uStartOffset", settings.start_offset);
-        program.set_f32("uNormalStep", settings.normal_step);
-        program.set_f32("uLipschitz", settings.lipschitz);
-        program.set_f32("uDistanceFactor", settings.distance_factor);
-        program.set_i32("uStepBound", settings.step_bound() as i32);
-        program.set_i32("uFieldSteps", MAX_FIELD_STEPS as i32);
-    }
-
-    /// Whether a wave of this frame takes steps.
-    fn marches(&self) -> bool {
-        self.settings.profile != Profile::Hybrid || glsl::marches_fields(self.scene, false)
-    }
-
-    fn iterations_per_pass(&self) -> u32 {
-        match self.settings.profile {
-            Profile::Hybrid if !self.marches() => self.settings.iterations_per_pass,
-            _ => self.settings.iterations_per_pass.min(MARCHES_PER_PASS),
-        }
-    }
-
-    /// Evaluations of one surface that a wave may take in so many iterations.
-    fn evaluations(&self, iterations: u32) -> u64 {
-        let steps = match self.settings.profile {
-            Profile::Hybrid if !self.marches() => 1,
-            Profile::Hybrid => MAX_FIELD_STEPS,
-            _ => self.settings.step_bound(),
-        };
-        let objects = self.scene.surfaces.len() as u64 + 1;
-        u64::from(iterations) * u64::from(steps) * objects
-    }
-
-    fn listener(&self) -> Vec4 {
-        let listener = &self.scene.listener;
-        self.placement
-            .place(listener.position)
-            .extend(listener.radius)
-    }
-
-    /// The thesis marches waves even out of a solid; elsewhere a source in a solid sends
-    /// none.
-    fn start_status(&self) -> f32 {
-        let nearest = self.scene.surface_distance(self.scene.source.position);
-        let is_buried = -nearest.distance > self.placed.slack(nearest.object);
-        match self.settings.profile {
-            Profile::March | Profile::Hybrid if is_buried => STATUS_DEAD,
-            _ => STATUS_STARTED,
-        }
-    }
-}
-
-fn set_grid(program: &Program, grid: Grid) {
-    program.set_u32("uWaveCount", grid.waves);
-    program.set_u32("uGridWidth", grid.width);
 }

@@ -1,0 +1,86 @@
+//! What one frame needs: its input, checked, and what follows from it.
+
+use super::super::waves::{STATUS_DEAD, STATUS_STARTED};
+use super::super::{Grid, MARCHES_PER_PASS, MAX_FIELD_STEPS, Profile, Settings};
+use crate::gpu::Program;
+use crate::scene::Scene;
+use crate::scene::glsl::{self, Placed, Placement};
+use glam::Vec4;
+use std::rc::Rc;
+use std::time::Instant;
+
+/// One frame's input, checked, with what follows from it.
+pub(super) struct Job<'a> {
+    pub scene: &'a Scene,
+    pub settings: &'a Settings,
+    pub placement: Placement,
+    pub placed: Placed,
+    pub march: Rc<Program>,
+    pub initialise: Rc<Program>,
+    pub pan: Rc<Program>,
+    pub began: Instant,
+}
+
+impl Job<'_> {
+    /// Uniforms that a program does not have are passed over.
+    pub fn set_uniforms(&self, grid: Grid) {
+        let (program, settings) = (&self.march, self.settings);
+        set_grid(program, grid);
+        program.set_vec4_array("uSurfaces", &self.placed.uniform_values());
+        program.set_vec4("uListener", self.listener());
+        program.set_f32("uMinDistance", settings.min_distance);
+        program.set_f32("uMaxDistance", settings.max_distance);
+        program.set_f32("uStartOffset", settings.start_offset);
+        program.set_f32("uNormalStep", settings.normal_step);
+        program.set_f32("uLipschitz", settings.lipschitz);
+        program.set_f32("uDistanceFactor", settings.distance_factor);
+        program.set_i32("uStepBound", settings.step_bound() as i32);
+        program.set_i32("uFieldSteps", MAX_FIELD_STEPS as i32);
+    }
+
+    /// Whether a wave of this frame takes steps.
+    pub fn marches(&self) -> bool {
+        self.settings.profile != Profile::Hybrid || glsl::marches_fields(self.scene, false)
+    }
+
+    pub fn iterations_per_pass(&self) -> u32 {
+        match self.settings.profile {
+            Profile::Hybrid if !self.marches() => self.settings.iterations_per_pass,
+            _ => self.settings.iterations_per_pass.min(MARCHES_PER_PASS),
+        }
+    }
+
+    /// Evaluations of one surface that a wave may take in so many iterations.
+    pub fn evaluations(&self, iterations: u32) -> u64 {
+        let steps = match self.settings.profile {
+            Profile::Hybrid if !self.marches() => 1,
+            Profile::Hybrid => MAX_FIELD_STEPS,
+            _ => self.settings.step_bound(),
+        };
+        let objects = self.scene.surfaces.len() as u64 + 1;
+        u64::from(iterations) * u64::from(steps) * objects
+    }
+
+    pub fn listener(&self) -> Vec4 {
+        let listener = &self.scene.listener;
+        self.placement
+            .place(listener.position)
+            .extend(listener.radius)
+    }
+
+    /// The thesis marches waves even out of a solid; elsewhere a source in a solid sends
+    /// none.
+    pub fn start_status(&self) -> f32 {
+        let nearest = self.scene.surface_distance(self.scene.source.position);
+        let is_buried = -nearest.distance > self.placed.slack(nearest.object);
+        match self.settings.profile {
+            Profile::March | Profile::Hybrid if is_buried => STATUS_DEAD,
+            _ => STATUS_STARTED,
+        }
+    }
+}
+
+pub(super) fn set_grid(program: &Program, grid: Grid) {
+    program.set_u32("uWaveCount", grid.waves);
+    program.set_u32("uGridWidth", grid.width);
+}
