@@ -13,7 +13,7 @@ use std::sync::{Arc, LazyLock};
 use std::time::{Duration, Instant};
 
 use echomarch::audio::live::{Live, LiveError, LiveOptions, list_devices};
-use echomarch::audio::{NOISE_AMPLITUDE, SAMPLE_RATE, Sound};
+use echomarch::audio::{NOISE_AMPLITUDE, SAMPLE_RATE, SINE_AMPLITUDE, Sound};
 use sound_server::levels::{db, error_db, gains, rms};
 use sound_server::{Process, SINK, Server, wait_for};
 use tempfile::TempDir;
@@ -28,11 +28,15 @@ const STEP_S: f64 = 0.4;
 const PLACES: u32 = 9;
 const SWEEP_S: f64 = 3.0;
 
+/// Times that the device is closed and opened again.
+const CLOSINGS: u64 = 5;
+
 /// The player's half of each test; nothing when it is not started by one.
 #[test]
 fn player() {
     match std::env::var(PART).as_deref() {
         Ok("sweep") => play_sweep(),
+        Ok("close") => play_and_close(),
         Ok("endure") => play_on(),
         Ok("devices") => play_devices(),
         Ok("nothing") => play_without_device(),
@@ -93,6 +97,30 @@ fn play_sweep() {
     ));
     assert_eq!(status.restarts, 0);
     assert_eq!(status.sample_rate, 48_000);
+}
+
+/// A sine that is closed and opened again at several places of its period. The buffer is long,
+/// so that a machine that is busy leaves no gap.
+fn play_and_close() {
+    let options = LiveOptions {
+        buffer_frames: 4096,
+        ..LiveOptions::default()
+    };
+    let live = Live::start("sine:100".parse().unwrap(), options);
+    live.set_panning(1.0, 0.0);
+    for restarts in 0..CLOSINGS {
+        wait_for("the device", || {
+            let status = live.status();
+            status.device.is_some() && status.restarts == restarts
+        });
+        wait_for_sound(&live);
+        pause(0.4 + 0.0133 * restarts as f64);
+        live.set_device(None);
+    }
+    wait_for("the last device", || live.status().restarts == CLOSINGS);
+    wait_for_sound(&live);
+    pause(0.4);
+    println!("late callbacks {}", live.status().late_callbacks);
 }
 
 /// Plays until its input ends, and tells each change of its status.
@@ -324,6 +352,34 @@ fn recording_is_what_was_heard(file: &Path, heard: &[f32], line: &str) {
     let found = found.count();
     println!("{found} of {} pieces bit for bit", places.len());
     assert!(found * 2 > places.len());
+}
+
+/// Protects the end of a stream: what is under way is heard until it has faded, so that neither
+/// another device nor the end clicks.
+#[test]
+fn a_stream_that_is_closed_does_not_click() {
+    let server = Server::start();
+    let recorder = server.record(SINK, 48_000, 2);
+    let file = server.folder.path().join("heard.wav");
+    let player = Player::start(server.command(this_program()), "close", &file);
+    player.wait_for(&["late callbacks 0"]);
+    player.finish();
+    let left: Vec<f32> = recorder.stop().iter().step_by(2).copied().collect();
+    // The sine's own step, and what a glide of 20 ms adds to it.
+    let own = SINE_AMPLITUDE * 100.0 * std::f32::consts::TAU / 48_000.0;
+    let allowed = own + SINE_AMPLITUDE / 960.0;
+    let (mut rises, mut is_silent, mut largest) = (0, true, 0.0f32);
+    for piece in left.chunks(480) {
+        let is_now_silent = piece.iter().all(|s| s.abs() < 1e-6);
+        rises += u64::from(is_silent && !is_now_silent);
+        is_silent = is_now_silent;
+    }
+    for pair in left.windows(2) {
+        largest = largest.max((pair[1] - pair[0]).abs());
+    }
+    println!("largest step {largest:.5}, allowed {allowed:.5}, {rises} rises");
+    assert!(largest <= allowed + 1e-5, "{largest} above {allowed}");
+    assert_eq!(rises, CLOSINGS + 1);
 }
 
 #[test]

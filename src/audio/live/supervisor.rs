@@ -27,8 +27,10 @@ const FIRST_CALLBACK: Duration = Duration::from_secs(3);
 const RETRY: (Duration, Duration) = (Duration::from_millis(100), Duration::from_secs(5));
 /// A stream that ran for this long was no failed attempt.
 const PROVEN: Duration = Duration::from_secs(2);
-/// How long a fade-out before closing may take.
-const FADE_OUT: Duration = Duration::from_millis(120);
+/// What a fade-out before closing takes beside the buffers: the glide, and a little to spare.
+const FADE_OUT: Duration = Duration::from_millis(25);
+/// How long a fade-out may take beside three buffers, whatever latency the device tells.
+const FADE_OUT_LIMIT: Duration = Duration::from_millis(100);
 
 /// What the thread is asked for.
 #[derive(Debug)]
@@ -209,8 +211,7 @@ impl Supervisor {
 
     /// Notices a stream whose callbacks have stopped.
     fn watch(&mut self) {
-        let frames = self.common.shared.callback_frames.load(Relaxed);
-        let buffer = Duration::from_secs_f64(f64::from(frames) / f64::from(self.rate_hz));
+        let buffer = self.buffer();
         let Some(stream) = &mut self.stream else {
             return;
         };
@@ -255,10 +256,18 @@ impl Supervisor {
         if self.stream.is_none() {
             return;
         }
-        self.common.shared.is_muted.store(true, Relaxed);
-        let latency_ms = self.common.shared.latency_ms().unwrap_or(0.0).max(0.0);
-        let fade = Duration::from_secs_f64(0.03 + latency_ms / 1000.0);
-        thread::sleep(fade.min(FADE_OUT));
+        let shared = &self.common.shared;
+        shared.is_muted.store(true, Relaxed);
+        let latency = shared
+            .latency_ms()
+            .map(|ms| Duration::from_secs_f64(ms / 1000.0));
+        thread::sleep(fade_time(self.buffer(), latency));
+    }
+
+    /// The length of the block that the callback was asked for last.
+    fn buffer(&self) -> Duration {
+        let frames = self.common.shared.callback_frames.load(Relaxed);
+        Duration::from_secs_f64(f64::from(frames) / f64::from(self.rate_hz))
     }
 
     fn close(&mut self) {
@@ -379,4 +388,12 @@ impl Supervisor {
             state.last_error = Some(LiveError::RecordingRate { rate_hz }.to_string());
         }
     }
+}
+
+/// How long after the mute the last of the sound is heard: the next block begins up to a buffer
+/// later, its first sample is heard after the latency, and the glide follows. Where no latency
+/// is told, two buffers are under way.
+fn fade_time(buffer: Duration, latency: Option<Duration>) -> Duration {
+    let longest = 3 * buffer + FADE_OUT_LIMIT;
+    (buffer + latency.unwrap_or(2 * buffer) + FADE_OUT).min(longest)
 }
