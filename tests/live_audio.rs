@@ -134,6 +134,24 @@ fn sounds_that_change_do_not_click() {
     assert!(found);
 }
 
+/// Protects the first sound from clicking: it rises from the silence that was there before.
+#[test]
+fn a_sound_where_there_was_none_does_not_click() {
+    let (mut renderer, mut remote) = Renderer::new(None, SAMPLE_RATE, PanningLaw::Linear);
+    remote.set_panning(1.0, 0.0);
+    assert!(render(&mut renderer, 4800).iter().all(|&s| s == 0.0));
+    let mut late = sound("sine:100");
+    // A quarter of a period: it starts with its peak.
+    late.seek(120);
+    assert!(remote.set_sound(late, SAMPLE_RATE));
+    let step = largest_step(&channel(&render(&mut renderer, 4800), 0));
+    let own = SINE_AMPLITUDE * 100.0 * std::f32::consts::TAU / SAMPLE_RATE as f32;
+    let fade = SINE_AMPLITUDE / (SAMPLE_RATE as f32 / 50.0);
+    println!("largest step {step:.5}, allowed {:.5}", own + fade);
+    assert!(step <= own + fade + 1e-6);
+    assert!(step > own * 0.9, "the sine is to be heard");
+}
+
 #[test]
 fn a_sound_for_another_rate_is_not_played() {
     let (mut renderer, mut remote) = renderer("sine:440");

@@ -39,6 +39,8 @@ fn player() {
         Ok("close") => play_and_close(),
         Ok("endure") => play_on(),
         Ok("devices") => play_devices(),
+        Ok("recordings") => play_recordings(),
+        Ok("changes") => play_changes_in_silence(),
         Ok("nothing") => play_without_device(),
         _ => {}
     }
@@ -188,6 +190,72 @@ fn play_devices() {
     wait_for("the first device", || live.status().sample_rate == 48_000);
     wait_for_sound(&live);
     assert_eq!(live.status().restarts, 2);
+}
+
+/// Records from before the first device, which then has another rate than is assumed; over a
+/// change of the rate, which ends it; and once more.
+fn play_recordings() {
+    let live = start(Some("other"));
+    live.start_recording(&file()).unwrap();
+    wait_for_sound(&live);
+    pause(0.3);
+    let status = live.status();
+    assert!(status.is_recording, "{status:?}");
+    assert_eq!((status.sample_rate, status.notice), (44_100, None));
+    live.set_device(None);
+    wait_for("the end of the recording", || !live.status().is_recording);
+    wait_for_sound(&live);
+    let status = live.status();
+    let told = status.notice.unwrap();
+    assert!(told.contains("48000 Hz"), "{told}");
+    assert!(status.device.is_some() && status.has_sound);
+    // It was told: it stands in the way of nothing.
+    let again = file().with_file_name("again.wav");
+    live.start_recording(&again).unwrap();
+    let status = live.status();
+    assert!(status.is_recording && status.notice.is_none(), "{status:?}");
+    pause(2.0);
+    // What a program leaves that is broken off now.
+    let part = part_of("again");
+    let left = hound::WavReader::open(&part).unwrap().duration();
+    assert!(left > 24_000, "{left} frames in {}", part.display());
+    assert!(live.stop_recording().unwrap() > 48_000);
+    assert!(again.exists() && !part.exists());
+
+    live.set_sound("no-such-file.wav".parse().unwrap());
+    wait_for("the file's error", || live.status().notice.is_some());
+    let status = live.status();
+    assert!(status.notice.unwrap().contains("no-such-file.wav") && status.has_sound);
+    live.set_sound("speech".parse().unwrap());
+    wait_for("the sound", || live.status().notice.is_none());
+}
+
+/// The file beside [`FILE`] that is being written.
+fn part_of(stem: &str) -> PathBuf {
+    let files = std::fs::read_dir(file().parent().unwrap()).unwrap();
+    let names = files.map(|entry| entry.unwrap().path());
+    let is_part = |path: &PathBuf| {
+        let name = path.file_name().unwrap().to_str().unwrap();
+        name.starts_with(&format!("{stem}-")) && name.ends_with(".part.wav")
+    };
+    names.into_iter().find(is_part).unwrap()
+}
+
+/// Many sounds are chosen while there is no device: the last is heard.
+fn play_changes_in_silence() {
+    let live = start(Some("no such device"));
+    wait_for("an error", || live.status().last_error.is_some());
+    live.start_recording(&file()).unwrap();
+    for sound in ["sine:200", "sine:300", "sine:400", "sine:500", "noise"] {
+        live.set_sound(sound.parse().unwrap());
+        // Attempts to open it lie in between.
+        live.set_device(Some("no such device".to_owned()));
+        pause(0.1);
+    }
+    live.set_device(None);
+    wait_for_sound(&live);
+    pause(0.3);
+    assert!(live.stop_recording().unwrap() > 0);
 }
 
 fn play_without_device() {
@@ -462,16 +530,7 @@ fn a_server_that_hangs_is_given_up_and_found_again() {
 #[test]
 fn devices_are_listed_and_changed() {
     let server = Server::start();
-    server.pactl(&[
-        "load-module",
-        "module-null-sink",
-        "sink_name=other",
-        "rate=44100",
-        "channels=1",
-        "format=s16le",
-        "norewinds=1",
-        "sink_properties=device.description=Other",
-    ]);
+    server.load_other();
     let recorder = server.record("other", 44_100, 1);
     let file = server.folder.path().join("heard.wav");
     let player = Player::start(server.command(this_program()), "devices", &file);
@@ -484,6 +543,39 @@ fn devices_are_listed_and_changed() {
         .map(|piece| rms(piece.iter().copied()) / full)
         .fold(0.0, f64::max);
     assert!((loudest - 0.5).abs() < 0.05, "{loudest}");
+}
+
+/// Protects recordings from the rate of a device that comes later, and from one that ended by
+/// itself: each says what it holds, and makes room for the next.
+#[test]
+fn a_recording_follows_the_first_device_and_one_that_ended_is_followed_by_another() {
+    let server = Server::start();
+    server.load_other();
+    let file = server.folder.path().join("heard.wav");
+    let player = Player::start(server.command(this_program()), "recordings", &file);
+    player.finish();
+    for (name, rate_hz, at_least) in [("heard.wav", 44_100, 4410), ("again.wav", 48_000, 48_000)] {
+        let mut reader = hound::WavReader::open(file.with_file_name(name)).unwrap();
+        assert_eq!(reader.spec().sample_rate, rate_hz, "{name}");
+        assert!(reader.duration() > at_least, "{name}");
+        let loudest = reader.samples::<f32>().map(|s| s.unwrap().abs());
+        assert!(loudest.fold(0.0, f32::max) > 0.2, "{name}");
+    }
+}
+
+/// Protects from sounds that pile up while there is no device: of all that were chosen the last
+/// is heard, from its start.
+#[test]
+fn of_sounds_that_were_chosen_without_a_device_the_last_is_heard() {
+    let server = Server::start();
+    let file = server.folder.path().join("heard.wav");
+    let player = Player::start(server.command(this_program()), "changes", &file);
+    player.finish();
+    let mut reader = hound::WavReader::open(&file).unwrap();
+    let left: Vec<f32> = reader.samples().step_by(2).map(Result::unwrap).collect();
+    // 20 ms after the beginning the gains have risen: from then on it is noise.
+    let shift = shift_of(&left[960..1060], 960).expect("noise");
+    assert!(shift < SAMPLE_RATE as usize / 2, "{shift} samples in");
 }
 
 #[test]

@@ -117,6 +117,20 @@ impl Server {
         String::from_utf8(output.stdout).unwrap()
     }
 
+    /// Adds a second sink, `other`: 44.1 kHz, one channel.
+    pub fn load_other(&self) {
+        self.pactl(&[
+            "load-module",
+            "module-null-sink",
+            "sink_name=other",
+            "rate=44100",
+            "channels=1",
+            "format=s16le",
+            "norewinds=1",
+            "sink_properties=device.description=Other",
+        ]);
+    }
+
     /// Records what a sink plays, from now on.
     pub fn record(&self, sink: &str, rate_hz: u32, channels: u32) -> Recorder {
         let path = self.folder.path().join(format!("{sink}.raw"));

@@ -67,6 +67,9 @@ pub enum LiveError {
         /// The device's rate, in hertz.
         rate_hz: u32,
     },
+    /// A recording whose callback hangs.
+    #[error("the recording ended: the sound device has not given back what writes it")]
+    RecordingHeld,
     /// The operating system gave no thread.
     #[error("cannot start a thread: {source}")]
     Thread {
