@@ -329,6 +329,12 @@ impl Player {
         }
     }
 
+    /// How many threads it has now.
+    fn threads(&self) -> usize {
+        let tasks = std::fs::read_dir(format!("/proc/{}/task", self.process.0.id()));
+        tasks.unwrap().count()
+    }
+
     /// Lets it end, and fails if it does not end well.
     fn finish(mut self) {
         self.input = None;
@@ -521,9 +527,16 @@ fn a_server_that_hangs_is_given_up_and_found_again() {
     player.wait_for(&["device Some", "restarts 0", "heard true"]);
     server.signal("STOP");
     player.wait_for(&["device None", "heard false", "has taken no sound for 1.0 s"]);
-    pause(1.0);
+    // However often it is asked, no more threads wait for it, nor connections.
+    player.wait_for(&["device None", "has not answered for 5 s"]);
+    let threads = player.threads();
+    pause(8.0);
+    assert_eq!(player.threads(), threads);
     server.signal("CONT");
     player.wait_for(&["device Some", "restarts 1", "heard true"]);
+    let clients = server.pactl(&["list", "short", "clients"]);
+    // The player's, and perhaps the one that asks.
+    assert!(clients.lines().count() <= 2, "{clients}");
     player.finish();
 }
 

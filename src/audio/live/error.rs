@@ -45,6 +45,9 @@ pub enum LiveError {
         /// How long it was waited for.
         seconds: u64,
     },
+    /// The sound system's client panicked.
+    #[error("the sound system's client has broken down: it is started anew")]
+    BrokenDown,
     /// The device broke off.
     #[error("the sound device {device} is lost: {reason}")]
     Lost {

@@ -328,9 +328,7 @@ impl Supervisor {
                 self.deliver();
             }
             Err(error) => {
-                if matches!(error, LiveError::NoAnswer { .. }) {
-                    device::forget_host();
-                }
+                device::forget_broken(&error);
                 self.tell(&error);
                 self.close();
                 self.retry_later();
