@@ -24,6 +24,8 @@ mod glide;
 mod link;
 mod meter;
 mod patience;
+#[doc(hidden)]
+pub mod probe;
 mod recording;
 mod renderer;
 mod shared;
@@ -79,7 +81,8 @@ pub struct LiveStatus {
     /// Milliseconds from when a sample is made to when it is heard, as the sound system tells it
     /// for the first sample of a block; none if it does not.
     pub latency_ms: Option<f64>,
-    /// Milliseconds that the last pan waited until a block was made with it; none before the first.
+    /// Milliseconds that pans wait until a block is made with them, smoothed over the last ones;
+    /// none before the first.
     pub pan_waited_ms: Option<f64>,
     /// Times that the sound system said it ran dry. PulseAudio never says so.
     pub under_runs: u64,
@@ -198,7 +201,13 @@ impl Live {
     /// Level (RMS) of left and right over the last whole 50 ms, of full scale 1; 0 without a
     /// device.
     pub fn levels(&self) -> [f32; 2] {
-        self.common.shared.levels()
+        let shared = &self.common.shared;
+        // A callback that ends late may still tell levels after the device was closed.
+        if shared.is_open.load(Relaxed) {
+            shared.levels()
+        } else {
+            [0.0; 2]
+        }
     }
 
     /// Starts to write what is heard to a WAV file of 32-bit float samples, at the device's rate.

@@ -51,6 +51,8 @@ pub(super) struct Tap {
 /// Both take 20 ms. The first samples rise from silence.
 #[derive(Debug)]
 pub struct Renderer {
+    /// Which one it is, of those that one supervisor made.
+    pub(super) number: u64,
     shared: Arc<Shared>,
     inbox: Consumer<Message>,
     outbox: Producer<Message>,
@@ -91,6 +93,7 @@ impl Renderer {
         // Room for all that can be inside: what is under way, a sound that fades, a tap.
         let (outbox, from_outbox) = RingBuffer::new(2 * MESSAGES);
         let renderer = Self {
+            number: 0,
             shared: Arc::clone(&shared),
             inbox,
             outbox,

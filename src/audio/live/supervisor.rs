@@ -97,7 +97,10 @@ pub(super) struct Supervisor {
     common: Common,
     orders: Receiver<Order>,
     slot: Arc<Slot>,
+    grave: Arc<Slot>,
     remote: Remote,
+    /// The number of the renderer that the remote belongs to.
+    renderer: u64,
     rate_hz: u32,
     spec: SoundSpec,
     device: Option<String>,
@@ -137,7 +140,9 @@ impl Supervisor {
             common,
             orders,
             slot: Arc::new(Slot::new(Some(Box::new(renderer)))),
+            grave: Arc::new(Slot::new(None)),
             remote,
+            renderer: 0,
             rate_hz: SAMPLE_RATE,
             spec,
             device,
@@ -218,6 +223,7 @@ impl Supervisor {
     /// Sends what waits to the callback, if there is one, and frees what came back.
     fn deliver(&mut self) {
         self.remote.collect();
+        drop(self.grave.take());
         if self.stream.is_none() {
             return;
         }
@@ -311,8 +317,10 @@ impl Supervisor {
         if let Some(stream) = self.stream.take() {
             drop_elsewhere(stream.stream);
         }
+        shared.is_open.store(false, Relaxed);
         shared.set_levels([0.0; 2]);
         shared.set_latency_us(None);
+        shared.forget_pan();
         lock(&self.common.state).device = None;
     }
 
@@ -324,6 +332,7 @@ impl Supervisor {
                 state.restarts += u64::from(self.has_played);
                 drop(state);
                 self.has_played = true;
+                self.common.shared.is_open.store(true, Relaxed);
                 self.stream = Some(stream);
                 self.deliver();
             }
@@ -347,6 +356,7 @@ impl Supervisor {
         let callbacks = shared.callbacks.load(Relaxed);
         let link = Link {
             slot: Arc::clone(&self.slot),
+            grave: Arc::clone(&self.grave),
             shared: Arc::clone(shared),
             orders: self.common.orders.clone(),
             generation: self.generation,
@@ -405,7 +415,10 @@ impl Supervisor {
     /// Takes the renderer back from the last stream.
     fn take_renderer(&mut self) -> Box<Renderer> {
         for _ in 0..50 {
-            if let Some(renderer) = self.slot.take() {
+            // One that another was made in place of, and that came back since, is freed.
+            if let Some(renderer) = self.slot.take()
+                && renderer.number == self.renderer
+            {
                 return renderer;
             }
             // A callback of the old stream is at work on it.
@@ -414,8 +427,10 @@ impl Supervisor {
         // That callback hangs, and the renderer with it.
         let shared = Arc::clone(&self.common.shared);
         let sound = Sound::load(&self.spec, self.rate_hz).ok();
-        let (renderer, remote) = Renderer::with_shared(shared, sound, self.rate_hz);
+        let (mut renderer, remote) = Renderer::with_shared(shared, sound, self.rate_hz);
         self.remote = remote;
+        self.renderer += 1;
+        renderer.number = self.renderer;
         self.end_recording();
         Box::new(renderer)
     }
