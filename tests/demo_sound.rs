@@ -106,3 +106,44 @@ fn a_sound_server_that_is_started_again_is_played_to_again() {
     let longest = times.windows(2).map(|w| w[1] - w[0]).fold(0.0, f64::max);
     assert!(longest < 1.0, "no frame for {longest} s");
 }
+
+/// Protects `--record`: it begins before there is a device, and the file holds what is heard.
+#[test]
+fn what_is_heard_is_recorded() {
+    let display = Display::new();
+    let server = Server::start();
+    let arguments = ["corner", "--record", "heard.wav"];
+    let demo = open(&display, &server, &arguments);
+    sleep(Duration::from_secs(4));
+    let (report, _, folder) = demo.quit();
+    assert_eq!(report["sound"]["is_recording"], true, "{}", report["sound"]);
+    let mut reader = hound::WavReader::open(folder.path().join("heard.wav")).unwrap();
+    assert_eq!(reader.spec().sample_rate, 48_000);
+    assert_eq!(reader.spec().channels, 2);
+    let heard: Vec<f32> = reader.samples().map(Result::unwrap).collect();
+    let heard = gains(&heard, WINDOW);
+    assert!(heard.len() >= 40, "{} windows", heard.len());
+    // Nothing moves: after the first second, and before the fade at the end, all is the same.
+    let wanted = traced(&report).last().unwrap().1;
+    for window in &heard[20..heard.len() - 2] {
+        let off = error_db(*window, wanted);
+        assert!(off < 0.5, "{window:?} beside {wanted:?}");
+    }
+    let names = std::fs::read_dir(folder.path()).unwrap();
+    let names: Vec<_> = names.map(|entry| entry.unwrap().file_name()).collect();
+    let parts = names
+        .iter()
+        .filter(|n| n.to_string_lossy().contains("part"));
+    assert_eq!(parts.count(), 0, "{names:?}");
+}
+
+/// Protects the list that `--device` is chosen from: devices may share a name, never an id.
+#[test]
+fn devices_are_listed_with_name_and_id() {
+    let server = Server::start();
+    let mut program = server.command(env!("CARGO_BIN_EXE_echomarch"));
+    let output = program.args(["demo", "--list-devices"]).output().unwrap();
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(output.status.success(), "{text}");
+    assert_eq!(text, format!("* Null Output ({SINK})\n"));
+}
