@@ -396,24 +396,30 @@ fn the_levels_follow_the_panning_from_left_to_right() {
     recording_is_what_was_heard(&file, &heard, &line);
 }
 
-/// A tenth of a second of the file, taken from several places, stands in the monitor bit for bit.
+/// The whole file stands in the monitor bit for bit, one piece of 50 ms after the other. Where a
+/// busy machine leaves a gap the pieces after it are found further on, and one in the gap is lost.
 fn recording_is_what_was_heard(file: &Path, heard: &[f32], line: &str) {
+    const PIECE: usize = 4800;
     let mut reader = hound::WavReader::open(file).unwrap();
     assert_eq!(reader.spec().sample_rate, 48_000);
     let written: Vec<f32> = reader.samples().map(Result::unwrap).collect();
     assert!(line.contains(&format!("recorded {},", written.len() / 2)));
     assert!(written.len() as f64 / 96_000.0 > f64::from(PLACES) * STEP_S + SWEEP_S - 0.2);
-    let places = [0.2, 0.35, 0.5, 0.65, 0.8];
-    let found = places.iter().filter(|&&place| {
-        let start = (written.len() as f64 * place) as usize / 2 * 2;
-        let piece = &written[start..start + 9600];
-        (0..heard.len() - piece.len())
-            .step_by(2)
-            .any(|at| heard[at] == piece[0] && heard[at..at + piece.len()] == *piece)
-    });
-    let found = found.count();
-    println!("{found} of {} pieces bit for bit", places.len());
-    assert!(found * 2 > places.len());
+    let (mut place, mut gaps, mut lost) = (0, 0, 0);
+    let pieces = written.chunks_exact(PIECE);
+    let count = pieces.len();
+    for piece in pieces {
+        let is_there = |&at: &usize| heard[at] == piece[0] && heard[at..][..PIECE] == *piece;
+        let last = heard.len() - PIECE;
+        let Some(at) = (place..last).step_by(2).find(is_there) else {
+            lost += 1;
+            continue;
+        };
+        gaps += usize::from(at != place);
+        place = at + PIECE;
+    }
+    println!("{count} pieces bit for bit, but for {lost}; {gaps} gaps, the beginning's included");
+    assert!(lost * 20 <= count && gaps * 20 <= count);
 }
 
 /// Protects the end of a stream: what is under way is heard until it has faded, so that neither
@@ -536,7 +542,7 @@ fn devices_are_listed_and_changed() {
     let file = server.folder.path().join("heard.wav");
     let player = Player::start(server.command(this_program()), "devices", &file);
     player.finish();
-    // One channel of a device gets the mean of left and right: half of what is on the left.
+    // The server mixes left and right to the one channel: half of what is on the left.
     let full = f64::from(NOISE_AMPLITUDE) / 3f64.sqrt();
     let loudest = recorder
         .stop()
