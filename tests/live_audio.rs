@@ -269,7 +269,13 @@ fn integers_are_scaled() {
 #[test]
 fn integers_never_wrap() {
     let folder = TempDir::new().unwrap();
-    let square = |i: u32| if i / 100 % 2 == 0 { 2.0 } else { -2.0 };
+    let square = |i: u32| {
+        if (i / 100).is_multiple_of(2) {
+            2.0
+        } else {
+            -2.0
+        }
+    };
     let clip = wav(&folder, (0..9600).map(square));
     let (mut renderer, remote) = renderer(&clip);
     remote.set_panning(1.0, 0.0);
