@@ -268,6 +268,9 @@ impl Renderer {
                 .mix_to(&self.mono[done..end], gains, &mut stereo[2 * done..2 * end]);
             done = end;
         }
+        if self.glide.is_silent() && self.shared.is_muted.load(Relaxed) {
+            self.shared.has_faded.store(true, Relaxed);
+        }
     }
 
     fn record(&mut self, stereo: &[f32]) {

@@ -30,6 +30,8 @@ pub(super) struct Shared {
     pub(super) is_open: AtomicBool,
     /// Whether all fades to silence, before a stream is closed.
     pub(super) is_muted: AtomicBool,
+    /// Whether it has: a block was made with the end of that fade.
+    pub(super) has_faded: AtomicBool,
     /// The stream whose callback may play; the callbacks of others keep silent.
     pub(super) generation: AtomicU64,
     /// Callbacks so far, over all streams.
@@ -57,6 +59,7 @@ impl Shared {
             law: AtomicU8::new(0),
             is_open: AtomicBool::new(false),
             is_muted: AtomicBool::new(false),
+            has_faded: AtomicBool::new(false),
             generation: AtomicU64::new(0),
             callbacks: AtomicU64::new(0),
             callback_frames: AtomicU32::new(0),

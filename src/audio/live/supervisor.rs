@@ -28,8 +28,11 @@ const RETRY: (Duration, Duration) = (Duration::from_millis(100), Duration::from_
 const PROVEN: Duration = Duration::from_secs(2);
 /// What a fade-out before closing takes beside the buffers: the glide, and a little to spare.
 const FADE_OUT: Duration = Duration::from_millis(25);
-/// How long a fade-out may take beside three buffers, whatever latency the device tells.
+/// How long is waited beside two buffers, for the callback to fade and for what it made to be
+/// heard each: a stream that hangs shall not hold up the end.
 const FADE_OUT_LIMIT: Duration = Duration::from_millis(100);
+/// How often is looked whether the callback has faded.
+const FADE_OUT_GLANCE: Duration = Duration::from_millis(2);
 
 /// What the thread is asked for.
 #[derive(Debug)]
@@ -296,11 +299,16 @@ impl Supervisor {
             return;
         }
         let shared = &self.common.shared;
+        let limit = 2 * self.buffer() + FADE_OUT_LIMIT;
+        let start = Instant::now();
         shared.is_muted.store(true, Relaxed);
-        let latency = shared
-            .latency_ms()
-            .map(|ms| Duration::from_secs_f64(ms / 1000.0));
-        thread::sleep(fade_time(self.buffer(), latency));
+        while !shared.has_faded.load(Relaxed) && start.elapsed() < limit {
+            thread::sleep(FADE_OUT_GLANCE);
+        }
+        // The block that it ends in was made just now.
+        let latency = shared.latency_ms();
+        let latency = latency.map_or(limit, |ms| Duration::from_secs_f64(ms / 1000.0));
+        thread::sleep(latency.min(limit) + FADE_OUT);
     }
 
     /// The length of the block that the callback was asked for last.
@@ -353,6 +361,7 @@ impl Supervisor {
         let shared = &self.common.shared;
         shared.generation.store(self.generation, Relaxed);
         shared.is_muted.store(false, Relaxed);
+        shared.has_faded.store(false, Relaxed);
         let callbacks = shared.callbacks.load(Relaxed);
         let link = Link {
             slot: Arc::clone(&self.slot),
@@ -460,12 +469,4 @@ impl Supervisor {
             self.note(error.to_string());
         }
     }
-}
-
-/// How long after the mute the last of the sound is heard: the next block begins up to a buffer
-/// later, its first sample is heard after the latency, and the glide follows. Where no latency
-/// is told, two buffers are under way.
-fn fade_time(buffer: Duration, latency: Option<Duration>) -> Duration {
-    let longest = 3 * buffer + FADE_OUT_LIMIT;
-    (buffer + latency.unwrap_or(2 * buffer) + FADE_OUT).min(longest)
 }
