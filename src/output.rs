@@ -3,6 +3,7 @@
 //! Everything is written beside its target and renamed at the end, so that a run that
 //! is broken off leaves an older file as it was.
 
+use std::ffi::OsStr;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
@@ -75,6 +76,19 @@ pub(crate) fn followed(path: &Path) -> PathBuf {
 /// as any new file is. A target that is there but no plain file (a folder, a device) is
 /// refused, since a rename would replace it.
 pub(crate) fn temporary_beside(target: &Path) -> io::Result<NamedTempFile> {
+    temporary_named(target, ".echomarch-".as_ref(), ".part")
+}
+
+/// The same under a name that is seen: what a program that is broken off leaves is to be found.
+/// `heard.wav` becomes `heard-XXXXXX.part.wav`.
+#[cfg(feature = "audio")]
+pub(crate) fn visible_part_beside(target: &Path) -> io::Result<NamedTempFile> {
+    let mut begin = target.file_stem().unwrap_or_default().to_owned();
+    begin.push("-");
+    temporary_named(target, &begin, ".part.wav")
+}
+
+fn temporary_named(target: &Path, begin: &OsStr, end: &str) -> io::Result<NamedTempFile> {
     let ends_as_a_folder = target.as_os_str().as_encoded_bytes().ends_with(b"/");
     if ends_as_a_folder || target.file_name().is_none() {
         return Err(io::ErrorKind::IsADirectory.into());
@@ -90,7 +104,7 @@ pub(crate) fn temporary_beside(target: &Path) -> io::Result<NamedTempFile> {
         Ok(_) | Err(_) => {}
     }
     let mut builder = tempfile::Builder::new();
-    builder.prefix(".echomarch-").suffix(".part");
+    builder.prefix(begin).suffix(end);
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;

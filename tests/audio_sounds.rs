@@ -196,6 +196,52 @@ fn a_clip_loops_or_ends_in_silence() {
     assert!(clip.is_finished());
 }
 
+/// Protects a loop whose end does not fit its start from a click each time: no step is larger
+/// than the sound's own and the cross-fade's. The first time nothing is changed, nor without
+/// looping.
+#[test]
+fn a_clip_that_loops_does_not_click() {
+    let dir = TempDir::new().unwrap();
+    // It starts with a zero and ends with a peak, in 5003 samples: blocks end everywhere.
+    let count = 5003;
+    let hertz = 10.25 * 48_000.0 / f64::from(count - 1);
+    let tone = |i: u32| 0.5 * (TAU * hertz * f64::from(i) / 48_000.0).sin() as f32;
+    let samples: Vec<f32> = (0..count).map(tone).collect();
+    let path = write(&dir, float(1, SAMPLE_RATE), &samples);
+    let mut clip = load(&path).unwrap();
+    let mut looped = Vec::new();
+    for _ in 0..30 {
+        looped.extend(pull(&mut clip, 777));
+    }
+    assert_eq!(looped[..5003], samples);
+    // After the cross-fade of 5 ms it is the clip again, as long as it was.
+    assert_eq!(looped[5003 + 240..2 * 5003], samples[240..]);
+    let largest = looped
+        .windows(2)
+        .fold(0.0f32, |most, pair| most.max((pair[1] - pair[0]).abs()));
+    let own = (0.5 * TAU * hertz / 48_000.0) as f32;
+    let fade = 2.0 * 0.5 / 240.0;
+    println!("largest step {largest:.5}, allowed {:.5}", own + fade);
+    assert!(largest <= own + fade + 1e-6);
+    // A place in the second time is the same when it is sought.
+    clip.seek(5003 + 100);
+    assert_eq!(pull(&mut clip, 500), looped[5103..5603]);
+    clip.rewind();
+    clip.set_looping(false);
+    assert_eq!(pull(&mut clip, 5003), samples);
+}
+
+/// Protects a clip that was made to loop: its end fits its start, and nothing is changed.
+#[test]
+fn a_clip_that_fits_itself_is_looped_as_it_is() {
+    let dir = TempDir::new().unwrap();
+    let tone = |i: u32| 0.5 * (TAU * f64::from(i) / 100.0).sin() as f32;
+    let samples: Vec<f32> = (0..4800).map(tone).collect();
+    let path = write(&dir, float(1, SAMPLE_RATE), &samples);
+    let looped = pull(&mut load(&path).unwrap(), 9600);
+    assert_eq!(looped[4800..], samples);
+}
+
 #[test]
 fn resampling_keeps_frequency_level_and_length() {
     let dir = TempDir::new().unwrap();

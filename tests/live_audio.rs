@@ -2,8 +2,10 @@
 //! channels right.
 
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
+use echomarch::audio::live::probe::{self, Recorder};
 use echomarch::audio::live::{LiveError, Remote, Renderer};
 use echomarch::audio::{AudioError, PanningLaw, SAMPLE_RATE, SINE_AMPLITUDE, Sound};
+use tempfile::TempDir;
 
 /// Aborts the test when anything is allocated or freed within `assert_no_alloc`.
 #[global_allocator]
@@ -11,6 +13,23 @@ static ALLOCATOR: AllocDisabler = AllocDisabler;
 
 fn sound(text: &str) -> Sound {
     Sound::parse(text, SAMPLE_RATE).unwrap()
+}
+
+/// A WAV file of these samples; its path.
+fn wav(folder: &TempDir, samples: impl Iterator<Item = f32>) -> String {
+    let path = folder.path().join("clip.wav");
+    let spec = hound::WavSpec {
+        channels: 1,
+        sample_rate: SAMPLE_RATE,
+        bits_per_sample: 32,
+        sample_format: hound::SampleFormat::Float,
+    };
+    let mut writer = hound::WavWriter::create(&path, spec).unwrap();
+    for sample in samples {
+        writer.write_sample(sample).unwrap();
+    }
+    writer.finalize().unwrap();
+    path.to_str().unwrap().to_owned()
 }
 
 fn renderer(text: &str) -> (Renderer, Remote) {
@@ -63,6 +82,38 @@ fn the_callback_allocates_nothing_while_everything_changes() {
         assert!(floats.iter().all(|s| s.abs() <= 1.0));
     }
     assert!(freed > 500, "{freed}");
+}
+
+/// Protects the callback as a stream has it, a clip that starts over and a recording: nothing of
+/// it allocates either, and what is played is what is written.
+#[test]
+fn a_stream_with_a_clip_and_a_recording_allocates_nothing() {
+    let folder = TempDir::new().unwrap();
+    // It ends elsewhere than it starts, and starts over within a few blocks.
+    let clip = wav(&folder, (0..3000).map(|i| i as f32 / 3000.0));
+    let (renderer, mut remote) = renderer("sine:440");
+    let mut play = probe::player::<f32>(renderer, &remote, 2);
+    let mut block = vec![0.0f32; 2 * 1024];
+    let mut played = Vec::new();
+    for (round, text) in [clip.as_str(), "speech", clip.as_str()].iter().enumerate() {
+        let file = folder.path().join(format!("{round}.wav"));
+        let recorder = Recorder::start(&mut remote, &file, SAMPLE_RATE).unwrap();
+        assert!(remote.set_sound(sound(text), SAMPLE_RATE));
+        played.clear();
+        for i in 0..50 {
+            remote.set_panning(f64::from(i), 5.0);
+            assert_no_alloc(|| play(&mut block));
+            played.extend_from_slice(&block);
+        }
+        assert_eq!(recorder.finish().unwrap(), 50 * 1024);
+        let mut reader = hound::WavReader::open(&file).unwrap();
+        let written: Vec<f32> = reader.samples().map(Result::unwrap).collect();
+        assert!(written == played, "round {round}");
+        // The callback hands back the tap of a recording that is over.
+        assert_no_alloc(|| play(&mut block));
+        assert!(remote.collect() >= 2);
+    }
+    assert!(remote.levels() != [0.0, 0.0]);
 }
 
 #[test]
@@ -134,6 +185,24 @@ fn sounds_that_change_do_not_click() {
     assert!(found);
 }
 
+/// Protects the first sound from clicking: it rises from the silence that was there before.
+#[test]
+fn a_sound_where_there_was_none_does_not_click() {
+    let (mut renderer, mut remote) = Renderer::new(None, SAMPLE_RATE, PanningLaw::Linear);
+    remote.set_panning(1.0, 0.0);
+    assert!(render(&mut renderer, 4800).iter().all(|&s| s == 0.0));
+    let mut late = sound("sine:100");
+    // A quarter of a period: it starts with its peak.
+    late.seek(120);
+    assert!(remote.set_sound(late, SAMPLE_RATE));
+    let step = largest_step(&channel(&render(&mut renderer, 4800), 0));
+    let own = SINE_AMPLITUDE * 100.0 * std::f32::consts::TAU / SAMPLE_RATE as f32;
+    let fade = SINE_AMPLITUDE / (SAMPLE_RATE as f32 / 50.0);
+    println!("largest step {step:.5}, allowed {:.5}", own + fade);
+    assert!(step <= own + fade + 1e-6);
+    assert!(step > own * 0.9, "the sine is to be heard");
+}
+
 #[test]
 fn a_sound_for_another_rate_is_not_played() {
     let (mut renderer, mut remote) = renderer("sine:440");
@@ -187,13 +256,40 @@ fn every_number_of_channels_gets_its_share() {
 }
 
 #[test]
-fn integers_are_scaled_and_never_wrap() {
+fn integers_are_scaled() {
     let (mut renderer, remote) = renderer("sine:1000");
     remote.set_panning(1.0, 0.0);
     let mut out = vec![0i16; 2 * 4800];
     assert_no_alloc(|| renderer.fill_device(&mut out, 2));
     let peak = out.iter().map(|s| s.unsigned_abs()).max().unwrap();
     assert!((i32::from(peak) - 16_384).abs() <= 1, "{peak}");
+}
+
+/// Protects a sound beyond full scale from wrapping to the other sign.
+#[test]
+fn integers_never_wrap() {
+    let folder = TempDir::new().unwrap();
+    let square = |i: u32| {
+        if (i / 100).is_multiple_of(2) {
+            2.0
+        } else {
+            -2.0
+        }
+    };
+    let clip = wav(&folder, (0..9600).map(square));
+    let (mut renderer, remote) = renderer(&clip);
+    remote.set_panning(1.0, 0.0);
+    let mut out = vec![0i16; 2 * 2400];
+    assert_no_alloc(|| renderer.fill_device(&mut out, 2));
+    let (mut narrow, mut wide) = (vec![0i16; 2 * 2400], vec![0i32; 2 * 2400]);
+    renderer.fill_device(&mut narrow, 2);
+    renderer.fill_device(&mut wide, 2);
+    for i in 0..2400 {
+        let is_up = square(i) > 0.0;
+        let i = 2 * i as usize;
+        assert_eq!(narrow[i], if is_up { i16::MAX } else { i16::MIN });
+        assert_eq!(wide[i], if is_up { i32::MAX } else { i32::MIN });
+    }
 }
 
 #[test]

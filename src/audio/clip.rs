@@ -1,22 +1,40 @@
 //! A recorded sound, held in memory.
 
+/// How long a loop's start takes to grow out of its end, in seconds: much longer than a click,
+/// and too short to be heard as a change of its own.
+const SEAM_S: f64 = 0.005;
+
+/// A clip shorter than so many seams starts over at more than 50 Hz: its seam is a part of its
+/// tone and stays as it is.
+const SEAMS_AT_LEAST: usize = 4;
+
 /// Mono samples with a place to read from.
+///
+/// A looping clip whose end does not fit its start is cross-faded there: as it starts over, the
+/// sound comes from the end, played backwards so that it goes on without a step, and fades to the
+/// start. The first time the start is heard as it is, and the loop is as long as the clip.
 #[derive(Debug, Clone)]
 pub(super) struct Clip {
     /// Never empty.
     samples: Vec<f32>,
     next: usize,
     looping: bool,
+    /// Whether the clip has started over.
+    is_again: bool,
+    /// Samples of the cross-fade; 0 where the end fits the start.
+    seam: usize,
 }
 
 impl Clip {
     /// A looping clip at its start; `samples` must not be empty.
-    pub(super) fn new(samples: Vec<f32>) -> Self {
+    pub(super) fn new(samples: Vec<f32>, rate_hz: u32) -> Self {
         debug_assert!(!samples.is_empty());
         Self {
+            seam: seam(&samples, rate_hz),
             samples,
             next: 0,
             looping: true,
+            is_again: false,
         }
     }
 
@@ -35,6 +53,7 @@ impl Clip {
     /// Makes the sample with this number the next one; a looping clip's numbers go on past its end.
     pub(super) fn seek(&mut self, index: u64) {
         let length = self.samples.len() as u64;
+        self.is_again = self.looping && index >= length;
         self.next = if self.looping {
             index % length
         } else {
@@ -50,13 +69,45 @@ impl Clip {
                     return;
                 }
                 self.next = 0;
+                self.is_again = true;
             }
             let left = &self.samples[self.next..];
             let count = left.len().min(out.len());
             let (now, later) = out.split_at_mut(count);
             now.copy_from_slice(&left[..count]);
+            if self.is_again {
+                self.cross_fade(now);
+            }
             self.next += count;
             out = later;
         }
     }
+
+    /// Cross-fades what lies in the seam of `out`, which holds the samples from the next one on.
+    fn cross_fade(&self, out: &mut [f32]) {
+        let last = self.samples.len() - 1;
+        for (i, sample) in (self.next..self.seam).zip(out) {
+            let share = i as f32 / self.seam as f32;
+            let end = self.samples[last - i];
+            *sample = end + (*sample - end) * share;
+        }
+    }
+}
+
+/// How many samples are cross-faded where a clip starts over: none if the step there is no larger
+/// than those of the sound itself close by, as in a clip that was made to loop.
+fn seam(samples: &[f32], rate_hz: u32) -> usize {
+    let length = (f64::from(rate_hz) * SEAM_S) as usize;
+    if length == 0 || samples.len() < SEAMS_AT_LEAST * length {
+        return 0;
+    }
+    let (start, end) = (&samples[..length], &samples[samples.len() - length..]);
+    let own = largest_step(start).max(largest_step(end));
+    let step = (start[0] - end[length - 1]).abs();
+    if step > own { length } else { 0 }
+}
+
+fn largest_step(samples: &[f32]) -> f32 {
+    let steps = samples.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+    steps.fold(0.0, f32::max)
 }

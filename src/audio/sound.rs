@@ -8,8 +8,9 @@ use super::{AudioError, SAMPLE_RATES, SoundSpec, resample, wav_read};
 
 /// A mono sound that is read forwards, sample by sample; 1 is full scale.
 ///
-/// A sine, noise and speech never end. A WAV clip starts over at its end, without a cross-fade, unless
-/// [`set_looping`](Self::set_looping) turned that off: then it ends in silence.
+/// A sine, noise and speech never end. A WAV clip starts over at its end unless
+/// [`set_looping`](Self::set_looping) turned that off: then it ends in silence. Where its end does
+/// not fit its start, the first 5 ms are cross-faded with the end each time that it starts over.
 #[derive(Debug, Clone)]
 pub struct Sound {
     kind: Kind,
@@ -68,7 +69,7 @@ impl Sound {
                 if samples.is_empty() {
                     return Err(AudioError::EmptyWav { path: path.clone() });
                 }
-                Kind::Clip(Clip::new(samples))
+                Kind::Clip(Clip::new(samples, sample_rate))
             }
         };
         Ok(Self { kind })

@@ -73,11 +73,24 @@ pub(super) struct Speech {
     at: Option<u64>,
     from: Harmonics,
     to: Harmonics,
+    /// The pitch of the slot that was heard last.
+    pitch: SlotPitch,
+}
+
+/// How the pitch goes in a slot: it is hashed once a slot, not once a sample.
+#[derive(Debug, Clone, Copy)]
+struct SlotPitch {
+    slot: u64,
+    /// In hertz, at the slot's start and at its end.
+    here: f64,
+    next: f64,
+    /// The pitch's integral from the phrase's start to the slot's, in hertz times slots.
+    whole: f64,
 }
 
 impl Speech {
     pub(super) fn new(seed: u64, rate_hz: u32) -> Self {
-        Self {
+        let mut speech = Self {
             seed: hash(seed),
             rate_hz,
             index: 0,
@@ -85,7 +98,15 @@ impl Speech {
             at: None,
             from: [[0.0; 2]; MAX_HARMONICS],
             to: [[0.0; 2]; MAX_HARMONICS],
-        }
+            pitch: SlotPitch {
+                slot: 0,
+                here: 0.0,
+                next: 0.0,
+                whole: 0.0,
+            },
+        };
+        speech.pitch = speech.slot_pitch(0);
+        speech
     }
 
     pub(super) fn seek(&mut self, index: u64) {
@@ -103,6 +124,9 @@ impl Speech {
         let along = (self.index % self.hop) as f32 / self.hop as f32;
         let time = self.index as f64 / f64::from(self.rate_hz);
         let moment = Moment::at(time);
+        if self.pitch.slot != moment.slot {
+            self.pitch = self.slot_pitch(moment.slot);
+        }
         let voice = self.sum(along, self.phase_turns(&moment));
         let hiss = self.hiss(time) * self.hiss_level(&moment);
         self.index = self.index.wrapping_add(1);
@@ -205,13 +229,24 @@ impl Speech {
         here + (next - here) * smooth(moment.along)
     }
 
-    /// The pitch's integral since the start of the phrase, in turns.
-    fn phase_turns(&self, moment: &Moment) -> f64 {
-        let first = moment.slot - moment.slot % PHRASE_SLOTS;
-        let whole: f64 = (first..moment.slot)
+    fn slot_pitch(&self, slot: u64) -> SlotPitch {
+        let first = slot - slot % PHRASE_SLOTS;
+        let whole = (first..slot)
             .map(|slot| (self.pitch_of(slot) + self.pitch_of(slot + 1)) / 2.0)
             .sum();
-        let (here, next) = (self.pitch_of(moment.slot), self.pitch_of(moment.slot + 1));
+        SlotPitch {
+            slot,
+            here: self.pitch_of(slot),
+            next: self.pitch_of(slot + 1),
+            whole,
+        }
+    }
+
+    /// The pitch's integral since the start of the phrase, in turns; the slot's pitch is known.
+    fn phase_turns(&self, moment: &Moment) -> f64 {
+        let SlotPitch {
+            here, next, whole, ..
+        } = self.pitch;
         // The integral of smooth(x) is x³ − x⁴ / 2.
         let x = moment.along;
         let part = here * x + (next - here) * (x.powi(3) - x.powi(4) / 2.0);

@@ -8,6 +8,8 @@ use hound::{SampleFormat, WavSpec};
 use tempfile::NamedTempFile;
 
 use super::{AudioError, SAMPLE_RATE};
+#[cfg(feature = "audio")]
+use crate::output::visible_part_beside;
 use crate::output::{followed, temporary_beside};
 
 /// Bytes of one left and one right sample.
@@ -30,6 +32,9 @@ pub struct WavWriter {
     temporary: NamedTempFile,
     frames: u64,
 }
+
+/// Makes a temporary file beside another.
+type Beside = fn(&Path) -> io::Result<NamedTempFile>;
 
 /// `hound`'s writer has no `Debug`.
 struct Wav(hound::WavWriter<BufWriter<File>>);
@@ -57,9 +62,20 @@ impl WavWriter {
     /// Also [`AudioError::BadSampleRate`] if `rate_hz` is outside
     /// [`SAMPLE_RATES`](super::SAMPLE_RATES).
     pub fn create_at(target: impl Into<PathBuf>, rate_hz: u32) -> Result<Self, AudioError> {
+        Self::start(target.into(), rate_hz, temporary_beside)
+    }
+
+    /// As [`create_at`](Self::create_at), for a sound that comes as it is heard: the temporary
+    /// file's name is not hidden, so that it is found if the program is broken off.
+    #[cfg(feature = "audio")]
+    pub(super) fn record_at(target: &Path, rate_hz: u32) -> Result<Self, AudioError> {
+        Self::start(target.to_owned(), rate_hz, visible_part_beside)
+    }
+
+    fn start(target: PathBuf, rate_hz: u32, beside: Beside) -> Result<Self, AudioError> {
         super::sound::check_rate(rate_hz)?;
-        let target = followed(&target.into());
-        match start(&target, rate_hz) {
+        let target = followed(&target);
+        match start(&target, rate_hz, beside) {
             Ok((temporary, wav)) => Ok(Self {
                 target,
                 rate_hz,
@@ -100,6 +116,13 @@ impl WavWriter {
         Ok(())
     }
 
+    /// Makes the temporary file playable as far as it is.
+    #[cfg(feature = "audio")]
+    pub(super) fn flush(&mut self) -> Result<(), AudioError> {
+        let flushed = self.wav.0.flush();
+        flushed.map_err(|error| write_error(&self.target, to_io(error)))
+    }
+
     /// Completes the file and gives it the target's name, replacing an older one.
     ///
     /// # Errors
@@ -128,8 +151,9 @@ impl WavWriter {
 fn start(
     target: &Path,
     rate_hz: u32,
+    beside: Beside,
 ) -> io::Result<(NamedTempFile, hound::WavWriter<BufWriter<File>>)> {
-    let temporary = temporary_beside(target)?;
+    let temporary = beside(target)?;
     let file = BufWriter::new(temporary.reopen()?);
     let spec = WavSpec {
         channels: 2,

@@ -48,7 +48,7 @@ struct SoundOptions {
     /// Panning law: linear (the thesis), constant-power
     #[arg(long, default_value_t = PanningLaw::Linear, value_name = "LAW")]
     law: PanningLaw,
-    /// Sound device by its name, as --list-devices has it
+    /// Sound device by its name or its id, as --list-devices has them
     #[arg(long, value_name = "NAME")]
     device: Option<String>,
     /// List the sound devices and open no window
@@ -149,7 +149,7 @@ fn list_devices(common: &Common) -> anyhow::Result<()> {
     }
     for device in &devices {
         let mark = if device.default { "*" } else { " " };
-        print::line(&format!("{mark} {}", device.name))?;
+        print::line(&format!("{mark} {} ({})", device.name, device.id))?;
     }
     Ok(())
 }

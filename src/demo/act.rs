@@ -149,9 +149,10 @@ impl App {
     /// Begins a recording, or ends the one under way.
     pub fn record(&mut self, path: Option<PathBuf>) {
         let told = match self.speaker.record(path.as_deref()) {
-            Ok(()) => match path {
-                Some(path) => format!("recording to {}", path.display()),
-                None => "the recording is whole".to_owned(),
+            Ok(lost) => match (path, lost) {
+                (Some(path), _) => format!("recording to {}", path.display()),
+                (None, 0) => "the recording is whole".to_owned(),
+                (None, lost) => format!("the recording lacks {lost} frames: the disk was too slow"),
             },
             Err(reason) => reason,
         };

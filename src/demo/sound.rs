@@ -37,6 +37,8 @@ pub struct SoundStatus {
     pub buffer_to_device: Option<f64>,
     /// Whether what is heard is recorded.
     pub is_recording: bool,
+    /// Frames that the recording, or else the last one, lost.
+    pub dropped_frames: u64,
 }
 
 /// Where the gains go.
@@ -131,17 +133,18 @@ impl Speaker {
         }
     }
 
-    /// Begins a recording, or ends the one under way.
+    /// Begins a recording, or ends the one under way; the frames that it lost.
     ///
     /// # Errors
     /// Why it cannot be, as a sentence.
-    pub fn record(&mut self, path: Option<&Path>) -> Result<(), String> {
+    pub fn record(&mut self, path: Option<&Path>) -> Result<u64, String> {
         #[cfg(feature = "audio")]
         if let Some(live) = &self.live {
-            return match path {
-                Some(path) => live.start_recording(path).map_err(to_sentence),
-                None => live.stop_recording().map(|_| ()).map_err(to_sentence),
-            };
+            match path {
+                Some(path) => live.start_recording(path).map_err(to_sentence)?,
+                None => drop(live.stop_recording().map_err(to_sentence)?),
+            }
+            return Ok(live.status().dropped_frames);
         }
         let _ = path;
         Err(format!("{SILENT}: nothing to record"))
@@ -182,21 +185,69 @@ fn of_live(status: &LiveStatus) -> SoundStatus {
             let buffer = status.buffer_frames;
             let khz = f64::from(status.sample_rate) / 1000.0;
             let late = status.under_runs + status.late_callbacks;
-            format!("{device}: {khz} kHz, {buffer} frames, {late} late")
+            let plays = format!("{device}: {khz} kHz, {buffer} frames, {late} late");
+            match &status.notice {
+                Some(notice) if status.has_sound => format!("{notice} ({plays})"),
+                Some(notice) => format!("silent: {notice}"),
+                None => plays,
+            }
         }
         (None, Some(error)) => format!("silent: {error}"),
         (None, None) => "silent: no sound device yet".to_owned(),
     };
-    let is_heard = status.device.is_some();
+    let is_open = status.device.is_some();
+    let is_heard = is_open && status.has_sound;
     SoundStatus {
         text,
         is_heard,
-        sample_rate: is_heard.then_some(status.sample_rate),
-        buffer: is_heard.then_some(status.buffer_frames),
+        sample_rate: is_open.then_some(status.sample_rate),
+        buffer: is_open.then_some(status.buffer_frames),
         underruns: status.under_runs + status.late_callbacks,
         restarts: status.restarts,
         gains_to_buffer: status.pan_waited_ms.filter(|_| is_heard),
         buffer_to_device: status.latency_ms.filter(|_| is_heard),
         is_recording: status.is_recording,
+        dropped_frames: status.dropped_frames,
+    }
+}
+
+#[cfg(all(test, feature = "audio"))]
+mod tests {
+    use super::*;
+
+    fn playing() -> LiveStatus {
+        LiveStatus {
+            device: Some("Attic".to_owned()),
+            sample_rate: 48_000,
+            buffer_frames: 1024,
+            latency_ms: Some(20.0),
+            pan_waited_ms: None,
+            under_runs: 0,
+            late_callbacks: 2,
+            restarts: 0,
+            is_recording: false,
+            dropped_frames: 0,
+            has_sound: true,
+            last_error: Some("the sound device Cellar is lost".to_owned()),
+            notice: None,
+        }
+    }
+
+    /// Protects what the panel says: an old loss of the device is over, a sound that could not be
+    /// loaded is told although the device plays.
+    #[test]
+    fn what_went_wrong_is_shown_while_a_device_is_open() {
+        let well = of_live(&playing());
+        assert!(well.is_heard && well.text == "Attic: 48 kHz, 1024 frames, 2 late");
+        let notice = Some("cannot open the sound file drum.wav".to_owned());
+        let mut status = LiveStatus {
+            notice,
+            ..playing()
+        };
+        let old_sound = of_live(&status);
+        assert!(old_sound.is_heard && old_sound.text.contains("drum.wav (Attic"));
+        status.has_sound = false;
+        let none = of_live(&status);
+        assert!(!none.is_heard && none.text.contains("silent: cannot open"));
     }
 }

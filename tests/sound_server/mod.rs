@@ -6,7 +6,7 @@ pub mod levels;
 use std::fs::{self, File};
 use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime};
 
 use tempfile::TempDir;
 
@@ -117,6 +117,20 @@ impl Server {
         String::from_utf8(output.stdout).unwrap()
     }
 
+    /// Adds a second sink, `other`: 44.1 kHz, one channel.
+    pub fn load_other(&self) {
+        self.pactl(&[
+            "load-module",
+            "module-null-sink",
+            "sink_name=other",
+            "rate=44100",
+            "channels=1",
+            "format=s16le",
+            "norewinds=1",
+            "sink_properties=device.description=Other",
+        ]);
+    }
+
     /// Records what a sink plays, from now on.
     pub fn record(&self, sink: &str, rate_hz: u32, channels: u32) -> Recorder {
         let path = self.folder.path().join(format!("{sink}.raw"));
@@ -131,11 +145,18 @@ impl Server {
             .stdout(File::create(&path).unwrap())
             .spawn()
             .unwrap();
-        let recorder = Recorder {
+        let mut recorder = Recorder {
             process: Process(child),
             path,
+            began_s: f64::INFINITY,
         };
         wait_for("the recorder hears", || recorder.samples().len() > 4800);
+        // What is in the file was heard before now: the freshest look tells when it began.
+        for _ in 0..30 {
+            let seconds = recorder.frames(channels) as f64 / f64::from(rate_hz);
+            recorder.began_s = recorder.began_s.min(now_s() - seconds);
+            std::thread::sleep(Duration::from_millis(7));
+        }
         recorder
     }
 }
@@ -144,9 +165,21 @@ impl Server {
 pub struct Recorder {
     process: Process,
     path: PathBuf,
+    /// When its first sample was heard, at the latest: seconds as [`now_s`] has them.
+    pub began_s: f64,
+}
+
+/// The time, in seconds, by the clock that all programs share.
+pub fn now_s() -> f64 {
+    let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
+    since.unwrap().as_secs_f64()
 }
 
 impl Recorder {
+    fn frames(&self, channels: u32) -> u64 {
+        fs::metadata(&self.path).unwrap().len() / u64::from(4 * channels)
+    }
+
     /// All samples so far, interleaved.
     pub fn samples(&self) -> Vec<f32> {
         let bytes = fs::read(&self.path).unwrap();

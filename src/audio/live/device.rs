@@ -60,9 +60,12 @@ fn host() -> Arc<Host> {
     host
 }
 
-/// Looks for the sound system anew next time, without asking the last one.
-pub(super) fn forget_host() {
-    *kept_host() = None;
+/// Looks for the sound system anew next time if its client broke down. One that only does not
+/// answer is kept: it answers when the server does, and another would have to wait as well.
+pub(super) fn forget_broken(error: &LiveError) {
+    if matches!(error, LiveError::BrokenDown) {
+        *kept_host() = None;
+    }
 }
 
 /// Keeps ALSA from writing to the standard error stream, on this thread.
@@ -77,8 +80,8 @@ fn hush() {}
 
 /// The output devices; none if there is no sound system or it does not answer.
 pub fn list_devices() -> Vec<DeviceInfo> {
-    within(ANSWER_LIMIT, || false, list).unwrap_or_else(|_| {
-        forget_host();
+    within(ANSWER_LIMIT, || false, list).unwrap_or_else(|error| {
+        forget_broken(&error);
         Vec::new()
     })
 }

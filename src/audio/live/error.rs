@@ -45,6 +45,9 @@ pub enum LiveError {
         /// How long it was waited for.
         seconds: u64,
     },
+    /// The sound system's client panicked.
+    #[error("the sound system's client has broken down: it is started anew")]
+    BrokenDown,
     /// The device broke off.
     #[error("the sound device {device} is lost: {reason}")]
     Lost {
@@ -67,6 +70,9 @@ pub enum LiveError {
         /// The device's rate, in hertz.
         rate_hz: u32,
     },
+    /// A recording whose callback hangs.
+    #[error("the recording ended: the sound device has not given back what writes it")]
+    RecordingHeld,
     /// The operating system gave no thread.
     #[error("cannot start a thread: {source}")]
     Thread {

@@ -32,6 +32,11 @@ impl Glide {
         }
     }
 
+    /// Whether it has arrived in silence.
+    pub(super) fn is_silent(&self) -> bool {
+        self.left == 0 && self.target == Gains::SILENT
+    }
+
     /// Goes on by up to `most` samples: how many, and the gains that the last of them has.
     pub(super) fn advance(&mut self, most: usize) -> (usize, Gains) {
         if self.left == 0 {

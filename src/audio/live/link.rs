@@ -1,7 +1,7 @@
 //! Between a stream of the sound system and the renderer: what its callbacks do.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::sync::atomic::Ordering::Relaxed;
 use std::sync::mpsc::Sender;
 use std::time::{Duration, Instant};
 
@@ -20,6 +20,8 @@ pub(super) type Slot = AtomicCell<Option<Box<Renderer>>>;
 #[derive(Clone)]
 pub(super) struct Link {
     pub(super) slot: Arc<Slot>,
+    /// A renderer that another was made in place of: the supervisor frees it.
+    pub(super) grave: Arc<Slot>,
     pub(super) shared: Arc<Shared>,
     pub(super) orders: Sender<Order>,
     /// The stream's number.
@@ -32,7 +34,7 @@ impl Link {
         &self,
         channels: usize,
         rate_hz: u32,
-    ) -> impl FnMut(&mut [T], &OutputCallbackInfo) + Send + 'static {
+    ) -> impl FnMut(&mut [T], &OutputCallbackInfo) + Send + 'static + use<T> {
         let link = self.clone();
         let mut last = None;
         move |out, info| {
@@ -55,9 +57,28 @@ impl Link {
             return;
         };
         renderer.fill_device(out, channels);
-        if let Some(newer) = self.slot.swap(Some(renderer)) {
-            // This callback hung for so long that the supervisor made another renderer.
-            self.slot.store(Some(newer));
+        self.put_back(renderer);
+    }
+
+    /// Puts the renderer back. If a callback hung for so long that the supervisor made another
+    /// one, the newer stays in the slot.
+    fn put_back(&self, renderer: Box<Renderer>) {
+        let mut mine = renderer;
+        loop {
+            let number = mine.number;
+            match self.slot.swap(Some(mine)) {
+                None => return,
+                Some(other) if other.number < number => return self.bury(other),
+                Some(newer) => mine = newer,
+            }
+        }
+    }
+
+    /// Leaves a renderer to the supervisor; nothing is freed here.
+    fn bury(&self, renderer: Box<Renderer>) {
+        if let Some(another) = self.grave.swap(Some(renderer)) {
+            // Two within one look of the supervisor's have never been seen: that one is leaked.
+            std::mem::forget(another);
         }
     }
 
@@ -90,20 +111,53 @@ impl Link {
     /// told, and no more, for there may be hundreds.
     pub(super) fn complainer(&self) -> impl FnMut(cpal::Error) + Send + 'static {
         let link = self.clone();
-        let is_told = AtomicBool::new(false);
+        let mut is_told = false;
         move |error| match error.kind() {
             ErrorKind::Xrun => {
                 link.shared.under_runs.fetch_add(1, Relaxed);
             }
             ErrorKind::DeviceChanged | ErrorKind::RealtimeDenied => {}
-            _ if is_told.swap(true, Relaxed) => {}
+            _ if is_told => {}
             _ => {
+                is_told = true;
                 // If the supervisor is gone, so is the stream soon.
                 let _ = link.orders.send(Order::Lost {
                     generation: link.generation,
                     reason: error.to_string(),
                 });
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::audio::{PanningLaw, SAMPLE_RATE};
+
+    fn numbered(number: u64) -> Box<Renderer> {
+        let (mut renderer, _) = Renderer::new(None, SAMPLE_RATE, PanningLaw::Linear);
+        renderer.number = number;
+        Box::new(renderer)
+    }
+
+    /// Protects the renderer that belongs to the supervisor's remote: a callback that hung puts
+    /// back what it had, and the newer one stays, whichever comes first; the other is freed by the
+    /// supervisor, not by the callback.
+    #[test]
+    fn the_newer_renderer_stays_and_the_older_is_buried() {
+        for (there, back) in [(2, 1), (1, 2)] {
+            let (orders, _receiver) = std::sync::mpsc::channel();
+            let link = Link {
+                slot: Arc::new(Slot::new(Some(numbered(there)))),
+                grave: Arc::new(Slot::new(None)),
+                shared: Arc::new(Shared::new(PanningLaw::Linear)),
+                orders,
+                generation: 0,
+            };
+            link.put_back(numbered(back));
+            assert_eq!(link.slot.take().unwrap().number, 2);
+            assert_eq!(link.grave.take().unwrap().number, 1);
         }
     }
 }

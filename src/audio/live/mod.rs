@@ -24,6 +24,8 @@ mod glide;
 mod link;
 mod meter;
 mod patience;
+#[doc(hidden)]
+pub mod probe;
 mod recording;
 mod renderer;
 mod shared;
@@ -79,7 +81,8 @@ pub struct LiveStatus {
     /// Milliseconds from when a sample is made to when it is heard, as the sound system tells it
     /// for the first sample of a block; none if it does not.
     pub latency_ms: Option<f64>,
-    /// Milliseconds that the last pan waited until a block was made with it; none before the first.
+    /// Milliseconds that pans wait until a block is made with them, smoothed over the last ones;
+    /// none before the first.
     pub pan_waited_ms: Option<f64>,
     /// Times that the sound system said it ran dry. PulseAudio never says so.
     pub under_runs: u64,
@@ -92,8 +95,13 @@ pub struct LiveStatus {
     pub is_recording: bool,
     /// Frames that the recording, or else the last one, lost because the disk was too slow.
     pub dropped_frames: u64,
+    /// Whether there is a sound to play: not, if none could be loaded at the device's rate.
+    pub has_sound: bool,
     /// What went wrong last, as a sentence; it stays when all is well again.
     pub last_error: Option<String>,
+    /// What went wrong last with a sound or a recording while the device may play on, as a
+    /// sentence; none once a sound was loaded or a recording begun since.
+    pub notice: Option<String>,
 }
 
 /// A sound that plays on a device until this is dropped.
@@ -184,33 +192,51 @@ impl Live {
             restarts: state.restarts,
             is_recording: recording.is_some_and(|recording| !recording.is_over()),
             dropped_frames: recording.map_or(state.dropped, Recording::dropped),
+            has_sound: state.has_sound,
             last_error: state.last_error.clone(),
+            notice: state.notice.clone(),
         }
     }
 
     /// Level (RMS) of left and right over the last whole 50 ms, of full scale 1; 0 without a
     /// device.
     pub fn levels(&self) -> [f32; 2] {
-        self.common.shared.levels()
+        let shared = &self.common.shared;
+        // A callback that ends late may still tell levels after the device was closed.
+        if shared.is_open.load(Relaxed) {
+            shared.levels()
+        } else {
+            [0.0; 2]
+        }
     }
 
     /// Starts to write what is heard to a WAV file of 32-bit float samples, at the device's rate.
     ///
     /// While there is no device nothing is heard, and nothing written. If the device comes back at
-    /// another rate the recording ends, and [`status`](Self::status) says so.
+    /// another rate than what was written the recording ends, as it does when the disk is full or
+    /// after 4 GiB; [`status`](Self::status) says so. One that has ended makes room for the next.
+    ///
+    /// Until the file is complete it is called as `path`, with `-`, six letters and `.part.wav`
+    /// at the end; it is playable up to the last second.
     ///
     /// # Errors
-    /// [`LiveError::AlreadyRecording`], [`LiveError::Thread`], or as
+    /// [`LiveError::AlreadyRecording`], or as
     /// [`WavWriter::create_at`](super::WavWriter::create_at).
     pub fn start_recording(&self, path: &Path) -> Result<(), LiveError> {
         let mut state = lock(&self.common.state);
+        if let Some(over) = state.recording.take_if(|recording| recording.is_over()) {
+            drop(state);
+            // What ended it was told when it happened.
+            let _ = over.finish();
+            state = lock(&self.common.state);
+        }
         if state.recording.is_some() {
             return Err(LiveError::AlreadyRecording);
         }
-        let (recording, tap) = Recording::start(path, state.rate_hz)?;
-        state.recording = Some(recording);
+        state.recording = Some(Recording::new(path, state.rate_hz)?);
+        state.notice = None;
         drop(state);
-        self.order(Order::Tap(tap));
+        self.order(Order::Record);
         Ok(())
     }
 
@@ -218,13 +244,14 @@ impl Live {
     /// [`LiveStatus::dropped_frames`].
     ///
     /// # Errors
-    /// [`LiveError::NotRecording`], or [`LiveError::Audio`] if the disk refused.
+    /// [`LiveError::NotRecording`], [`LiveError::Audio`] if the disk refused, or
+    /// [`LiveError::Thread`].
     pub fn stop_recording(&self) -> Result<u64, LiveError> {
         let mut state = lock(&self.common.state);
         let recording = state.recording.take().ok_or(LiveError::NotRecording)?;
         state.dropped = recording.dropped();
         drop(state);
-        Ok(recording.finish()?)
+        recording.finish()
     }
 
     fn order(&self, order: Order) {

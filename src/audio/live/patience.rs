@@ -1,5 +1,6 @@
 //! Waiting for a sound system that may never answer.
 
+use std::sync::atomic::{AtomicBool, Ordering::Acquire, Ordering::Release};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -12,30 +13,59 @@ pub(super) const ANSWER_LIMIT: Duration = Duration::from_secs(5);
 /// How often a waiting thread looks whether it shall give up.
 const GLANCE: Duration = Duration::from_millis(20);
 
-/// Runs `work` on a thread of its own and waits for it up to a limit, or until `is_off`.
+/// Whether a question is under way. There is one at a time, so that a sound system that hangs
+/// holds one thread and one connection, however often it is asked.
+static IS_ASKED: AtomicBool = AtomicBool::new(false);
+
+/// Ends the question when the thread that asks it ends, by a panic too.
+struct Question;
+
+impl Question {
+    /// None while another is under way.
+    fn begin() -> Option<Self> {
+        (!IS_ASKED.swap(true, Acquire)).then(|| Self)
+    }
+}
+
+impl Drop for Question {
+    fn drop(&mut self) {
+        IS_ASKED.store(false, Release);
+    }
+}
+
+/// Runs `work`, which asks the sound system, on a thread of its own and waits for it up to a
+/// limit, or until `is_off`.
 ///
-/// If it answers later, the answer is dropped on that thread.
+/// If it answers later, the answer is dropped on that thread; until then nothing else is asked.
 pub(super) fn within<T: Send + 'static>(
     limit: Duration,
     is_off: impl Fn() -> bool,
     work: impl FnOnce() -> T + Send + 'static,
 ) -> Result<T, LiveError> {
-    let (sender, receiver) = mpsc::channel();
-    spawn("echomarch-open", move || {
-        // Nobody listens any more: the answer goes.
-        let _ = sender.send(work());
-    })?;
     let start = Instant::now();
+    let is_enough = || is_off() || start.elapsed() > limit;
     let no_answer = LiveError::NoAnswer {
         seconds: limit.as_secs(),
     };
+    let question = loop {
+        match Question::begin() {
+            Some(question) => break question,
+            None if is_enough() => return Err(no_answer),
+            None => thread::sleep(GLANCE),
+        }
+    };
+    let (sender, receiver) = mpsc::channel();
+    spawn("echomarch-open", move || {
+        let answer = work();
+        drop(question);
+        // Nobody listens any more: the answer goes.
+        let _ = sender.send(answer);
+    })?;
     loop {
         match receiver.recv_timeout(GLANCE) {
             Ok(answer) => return Ok(answer),
-            Err(RecvTimeoutError::Disconnected) => return Err(no_answer),
-            Err(RecvTimeoutError::Timeout) if is_off() || start.elapsed() > limit => {
-                return Err(no_answer);
-            }
+            Err(RecvTimeoutError::Disconnected) => return Err(LiveError::BrokenDown),
+            Err(RecvTimeoutError::Timeout) if is_enough() => return Err(no_answer),
             Err(RecvTimeoutError::Timeout) => {}
         }
     }
@@ -51,4 +81,30 @@ fn spawn(name: &str, work: impl FnOnce() + Send + 'static) -> Result<(), LiveErr
     let spawned = thread::Builder::new().name(name.to_owned()).spawn(work);
     spawned.map_err(|source| LiveError::Thread { source })?;
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects a sound system that hangs from being asked over and over, each time by another
+    /// thread; and a panic from being called a time-out. One test: there is one question for all.
+    #[test]
+    fn one_question_at_a_time_and_a_panic_is_told() {
+        let (answer, hangs) = mpsc::channel::<()>();
+        let brief = Duration::from_millis(50);
+        let first = within(brief, || false, move || hangs.recv().is_ok());
+        assert!(matches!(first, Err(LiveError::NoAnswer { .. })));
+        let second = within(
+            brief,
+            || false,
+            || unreachable!("the first is still under way"),
+        );
+        assert!(matches!(second, Err(LiveError::NoAnswer { .. })));
+        answer.send(()).unwrap();
+        assert_eq!(within(ANSWER_LIMIT, || false, || 3).unwrap(), 3);
+        let panicked: Result<(), _> = within(ANSWER_LIMIT, || false, || panic!("on purpose"));
+        assert!(matches!(panicked, Err(LiveError::BrokenDown)));
+        assert_eq!(within(ANSWER_LIMIT, || false, || 4).unwrap(), 4);
+    }
 }

@@ -1,15 +1,17 @@
 //! What was heard, to a file: the thread behind a recording.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
+use std::sync::mpsc::Sender;
 use std::thread::{self, JoinHandle};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use rtrb::{Consumer, RingBuffer};
 
 use super::LiveError;
 use super::renderer::Tap;
+use super::supervisor::Order;
 use crate::audio::{AudioError, WavWriter};
 
 /// What the ring holds, in seconds: longer than a disk commonly stalls.
@@ -18,44 +20,85 @@ const RING_S: usize = 4;
 /// How often the ring is emptied.
 const PERIOD: Duration = Duration::from_millis(20);
 
-/// A recording under way.
+/// How often the file is made playable as far as it is: what a program that is broken off loses.
+const FLUSH: Duration = Duration::from_secs(1);
+
+/// A recording under way, or one that is over and was not finished yet.
 #[derive(Debug)]
 pub(super) struct Recording {
+    path: PathBuf,
     rate_hz: u32,
     is_over: Arc<AtomicBool>,
     dropped: Arc<AtomicU64>,
-    writer: JoinHandle<Result<u64, AudioError>>,
+    /// The file, until something plays.
+    waiting: Option<WavWriter>,
+    /// The thread that has the file since then.
+    writer: Option<Result<JoinHandle<Result<u64, AudioError>>, LiveError>>,
 }
 
 impl Recording {
-    /// Starts a file, and a thread that writes it; the tap is for the callback.
-    pub(super) fn start(path: &Path, rate_hz: u32) -> Result<(Self, Tap), LiveError> {
-        let file = WavWriter::create_at(path, rate_hz)?;
-        let (ring, from_ring) = RingBuffer::new(2 * RING_S * rate_hz as usize);
-        let is_over = Arc::new(AtomicBool::new(false));
-        let dropped = Arc::new(AtomicU64::new(0));
-        let is_over_there = Arc::clone(&is_over);
-        let writer = thread::Builder::new()
-            .name("echomarch-record".to_owned())
-            .spawn(move || write(file, from_ring, &is_over_there))
-            .map_err(|source| LiveError::Thread { source })?;
-        let tap = Tap {
-            ring,
-            is_over: Arc::clone(&is_over),
-            dropped: Arc::clone(&dropped),
-        };
-        let recording = Self {
+    /// Starts a file. Until [`begin`](Self::begin) nothing is written.
+    pub(super) fn new(path: &Path, rate_hz: u32) -> Result<Self, LiveError> {
+        Ok(Self {
+            path: path.to_owned(),
             rate_hz,
-            is_over,
-            dropped,
-            writer,
-        };
-        Ok((recording, tap))
+            is_over: Arc::new(AtomicBool::new(false)),
+            dropped: Arc::new(AtomicU64::new(0)),
+            waiting: Some(WavWriter::record_at(path, rate_hz)?),
+            writer: None,
+        })
     }
 
-    /// Samples a second of the file.
-    pub(super) fn rate_hz(&self) -> u32 {
-        self.rate_hz
+    /// Starts the thread that writes; the tap is for the callback. None if it was started before.
+    /// What goes wrong is told to the supervisor.
+    pub(super) fn begin(&mut self, orders: &Sender<Order>) -> Option<Tap> {
+        let file = self.waiting.take()?;
+        let (ring, from_ring) = RingBuffer::new(2 * RING_S * self.rate_hz as usize);
+        let is_over = Arc::clone(&self.is_over);
+        let there = orders.clone();
+        let writer = thread::Builder::new()
+            .name("echomarch-record".to_owned())
+            .spawn(move || write_or_tell(file, from_ring, &is_over, &there))
+            .map_err(|source| LiveError::Thread { source });
+        if let Err(error) = &writer {
+            self.end();
+            tell(orders, error);
+        }
+        let tap = writer.is_ok().then(|| Tap {
+            ring,
+            is_over: Arc::clone(&self.is_over),
+            dropped: Arc::clone(&self.dropped),
+        });
+        self.writer = Some(writer);
+        tap
+    }
+
+    /// Begins a file at another rate in place of one that nothing was written to.
+    ///
+    /// # Errors
+    /// [`LiveError::RecordingRate`] if something was: the recording is over then.
+    pub(super) fn change_rate(&mut self, rate_hz: u32) -> Result<(), LiveError> {
+        if self.rate_hz == rate_hz || self.is_over() {
+            return Ok(());
+        }
+        if self.waiting.take().is_none() {
+            self.end();
+            return Err(LiveError::RecordingRate { rate_hz });
+        }
+        match WavWriter::record_at(&self.path, rate_hz) {
+            Ok(file) => self.waiting = Some(file),
+            Err(error) => {
+                self.end();
+                return Err(error.into());
+            }
+        }
+        self.rate_hz = rate_hz;
+        Ok(())
+    }
+
+    /// Whether a callback was given the tap.
+    pub(super) fn has_begun(&self) -> bool {
+        self.writer.is_some()
     }
 
     /// Frames that were heard but are not in the file, because the disk was too slow.
@@ -74,22 +117,48 @@ impl Recording {
     }
 
     /// Completes the file; the frames in it.
-    pub(super) fn finish(self) -> Result<u64, AudioError> {
+    pub(super) fn finish(self) -> Result<u64, LiveError> {
         self.end();
-        match self.writer.join() {
-            Ok(frames) => frames,
-            Err(panic) => std::panic::resume_unwind(panic),
+        if let Some(file) = self.waiting {
+            file.finish()?;
+        }
+        match self.writer.transpose()?.map(JoinHandle::join) {
+            None => Ok(0),
+            Some(Ok(frames)) => Ok(frames?),
+            Some(Err(panic)) => std::panic::resume_unwind(panic),
         }
     }
 }
 
-/// Writes what comes through the ring until the recording is over.
+fn tell(orders: &Sender<Order>, error: &dyn std::error::Error) {
+    // Without a supervisor nobody plays, and whoever stops the recording gets its error.
+    let _ = orders.send(Order::Notice(error.to_string()));
+}
+
+/// As [`write`]; what ended the recording before it was stopped is told when it happens.
+fn write_or_tell(
+    file: WavWriter,
+    ring: Consumer<f32>,
+    is_over: &AtomicBool,
+    orders: &Sender<Order>,
+) -> Result<u64, AudioError> {
+    let written = write(file, ring, is_over, |error| tell(orders, error));
+    is_over.store(true, Relaxed);
+    if let Err(error) = &written {
+        tell(orders, error);
+    }
+    written
+}
+
+/// Writes what comes through the ring until the recording is over, or the file is full.
 fn write(
     mut file: WavWriter,
     mut ring: Consumer<f32>,
     is_over: &AtomicBool,
+    is_full: impl FnOnce(&AudioError),
 ) -> Result<u64, AudioError> {
     let mut frames = 0;
+    let mut flushed = Instant::now();
     loop {
         // Asked before the ring is emptied: what came until then is still written.
         let is_last = is_over.load(Relaxed);
@@ -97,18 +166,21 @@ fn write(
             // A block that is being written right now takes much less.
             thread::sleep(PERIOD);
         }
-        let written = empty(&mut file, &mut ring);
-        if written.is_err() {
-            is_over.store(true, Relaxed);
-        }
-        match written {
+        match empty(&mut file, &mut ring) {
             Ok(count) => frames += count,
             // What a file can hold is in it: that is kept.
-            Err(AudioError::WavTooLong { .. }) => break,
+            Err(error @ AudioError::WavTooLong { .. }) => {
+                is_full(&error);
+                break;
+            }
             Err(error) => return Err(error),
         }
         if is_last {
             break;
+        }
+        if flushed.elapsed() >= FLUSH {
+            file.flush()?;
+            flushed = Instant::now();
         }
         thread::sleep(PERIOD);
     }

@@ -51,6 +51,8 @@ pub(super) struct Tap {
 /// Both take 20 ms. The first samples rise from silence.
 #[derive(Debug)]
 pub struct Renderer {
+    /// Which one it is, of those that one supervisor made.
+    pub(super) number: u64,
     shared: Arc<Shared>,
     inbox: Consumer<Message>,
     outbox: Producer<Message>,
@@ -91,6 +93,7 @@ impl Renderer {
         // Room for all that can be inside: what is under way, a sound that fades, a tap.
         let (outbox, from_outbox) = RingBuffer::new(2 * MESSAGES);
         let renderer = Self {
+            number: 0,
             shared: Arc::clone(&shared),
             inbox,
             outbox,
@@ -126,9 +129,9 @@ impl Renderer {
 
     /// Goes on at another rate with a sound made for it. Frees what it had: not for the callback.
     pub(super) fn change_rate(&mut self, rate_hz: u32, sound: Option<Sound>) {
+        self.settle();
         let position = (self.position_s() * f64::from(rate_hz)).round() as u64;
         self.rate_hz = rate_hz;
-        self.next = None;
         self.position = position;
         self.sound = sound.map(|mut sound| {
             sound.seek(position);
@@ -137,8 +140,32 @@ impl Renderer {
         self.meter = Meter::new(rate_hz);
     }
 
-    /// Begins from silence, as after a gap.
-    pub(super) fn begin(&mut self) {
+    /// Takes what is under way at once, without a fade. Frees what it had: not for the callback.
+    fn settle(&mut self) {
+        if let Some((sound, played)) = self.next.take() {
+            self.sound = Some(sound);
+            self.position = played;
+        }
+        while let Ok(message) = self.inbox.pop() {
+            match message {
+                Message::Sound { sound, rate_hz } if rate_hz == self.rate_hz => {
+                    self.sound = Some(sound);
+                    self.position = 0;
+                }
+                Message::Sound { .. } => {}
+                Message::Tap(tap) => self.tap = Some(tap),
+            }
+        }
+    }
+
+    /// Begins from silence, as after a gap, with the start of another sound if there is one: the
+    /// last of those that came meanwhile. Frees what it had: not for the callback.
+    pub(super) fn begin(&mut self, newest: Option<Sound>) {
+        self.settle();
+        if newest.is_some() {
+            self.sound = newest;
+            self.position = 0;
+        }
         self.glide = Glide::new(fade_length(self.rate_hz));
         self.mixer = silent_mixer();
     }
@@ -177,9 +204,6 @@ impl Renderer {
             match self.inbox.pop() {
                 Ok(Message::Sound { sound, rate_hz }) if rate_hz == self.rate_hz => {
                     self.next = Some((sound, 0));
-                    if self.sound.is_none() {
-                        self.swap_sounds();
-                    }
                 }
                 // Made for a device that is gone: the next opening brought its own.
                 Ok(stale @ Message::Sound { .. }) => self.hand_out(stale),
@@ -243,6 +267,9 @@ impl Renderer {
             self.mixer
                 .mix_to(&self.mono[done..end], gains, &mut stereo[2 * done..2 * end]);
             done = end;
+        }
+        if self.glide.is_silent() && self.shared.is_muted.load(Relaxed) {
+            self.shared.has_faded.store(true, Relaxed);
         }
     }
 

@@ -9,6 +9,9 @@ use crate::audio::{Gains, PanningLaw};
 /// Latency that was not told, or not measured yet.
 const NO_LATENCY: u64 = u64::MAX;
 
+/// The share of the newest waiting time in what is told.
+const FRESH: f64 = 0.15;
+
 /// Each value stands for itself, so the order in which they are seen does not matter.
 #[derive(Debug)]
 pub(super) struct Shared {
@@ -18,13 +21,17 @@ pub(super) struct Shared {
     epoch: Instant,
     /// Microseconds when the oldest pan was set that no callback has taken yet; 0 without one.
     pan_set_us: AtomicU64,
-    /// Microseconds that the last pan waited for a callback to take it.
+    /// Microseconds that pans waited for a callback to take them: glides after the last one.
     pan_waited_us: AtomicU64,
     /// 0 to 1, as the bits of an `f32`.
     volume: AtomicU32,
     law: AtomicU8,
+    /// Whether a device is open: what is told of levels is else of the past.
+    pub(super) is_open: AtomicBool,
     /// Whether all fades to silence, before a stream is closed.
     pub(super) is_muted: AtomicBool,
+    /// Whether it has: a block was made with the end of that fade.
+    pub(super) has_faded: AtomicBool,
     /// The stream whose callback may play; the callbacks of others keep silent.
     pub(super) generation: AtomicU64,
     /// Callbacks so far, over all streams.
@@ -50,7 +57,9 @@ impl Shared {
             pan_waited_us: AtomicU64::new(NO_LATENCY),
             volume: AtomicU32::new(1f32.to_bits()),
             law: AtomicU8::new(0),
+            is_open: AtomicBool::new(false),
             is_muted: AtomicBool::new(false),
+            has_faded: AtomicBool::new(false),
             generation: AtomicU64::new(0),
             callbacks: AtomicU64::new(0),
             callback_frames: AtomicU32::new(0),
@@ -80,11 +89,20 @@ impl Shared {
         let set = self.pan_set_us.swap(0, Relaxed);
         if set != 0 {
             let waited = self.now_us().saturating_sub(set);
-            self.pan_waited_us.store(waited, Relaxed);
+            let smooth = match self.pan_waited_us.load(Relaxed) {
+                NO_LATENCY => waited,
+                before => glide(before, waited),
+            };
+            self.pan_waited_us.store(smooth, Relaxed);
         }
     }
 
-    /// Milliseconds that the last pan waited for a callback to take it; none before the first.
+    /// Forgets a pan that no callback took: the next stream's is not to be blamed for it.
+    pub(super) fn forget_pan(&self) {
+        self.pan_set_us.store(0, Relaxed);
+    }
+
+    /// Milliseconds that pans waited for a callback to take them, smoothed; none before the first.
     pub(super) fn pan_waited_ms(&self) -> Option<f64> {
         told(self.pan_waited_us.load(Relaxed))
     }
@@ -142,6 +160,11 @@ impl Shared {
     pub(super) fn latency_ms(&self) -> Option<f64> {
         told(self.latency_us.load(Relaxed))
     }
+}
+
+/// A value that goes on towards another.
+fn glide(from: u64, to: u64) -> u64 {
+    (from as f64 + FRESH * (to as f64 - from as f64)).round() as u64
 }
 
 /// In milliseconds, if it was told at all.

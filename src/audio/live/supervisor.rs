@@ -1,7 +1,6 @@
 //! The thread that keeps sound going: it opens the device, loads sounds, frees what the callback
 //! has done with, and opens the device again when it is lost.
 
-use std::collections::VecDeque;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -27,8 +26,13 @@ const FIRST_CALLBACK: Duration = Duration::from_secs(3);
 const RETRY: (Duration, Duration) = (Duration::from_millis(100), Duration::from_secs(5));
 /// A stream that ran for this long was no failed attempt.
 const PROVEN: Duration = Duration::from_secs(2);
-/// How long a fade-out before closing may take.
-const FADE_OUT: Duration = Duration::from_millis(120);
+/// What a fade-out before closing takes beside the buffers: the glide, and a little to spare.
+const FADE_OUT: Duration = Duration::from_millis(25);
+/// How long is waited beside two buffers, for the callback to fade and for what it made to be
+/// heard each: a stream that hangs shall not hold up the end.
+const FADE_OUT_LIMIT: Duration = Duration::from_millis(100);
+/// How often is looked whether the callback has faded.
+const FADE_OUT_GLANCE: Duration = Duration::from_millis(2);
 
 /// What the thread is asked for.
 #[derive(Debug)]
@@ -37,8 +41,10 @@ pub(super) enum Order {
     Sound(SoundSpec),
     /// Play on another device.
     Device(Option<String>),
-    /// Let the callback write to a recording.
-    Tap(Tap),
+    /// A recording waits in the state.
+    Record,
+    /// Something that is to be told: it happened on another thread.
+    Notice(String),
     /// A stream broke off.
     Lost { generation: u64, reason: String },
     /// End the thread.
@@ -51,7 +57,11 @@ pub(super) struct State {
     pub(super) device: Option<String>,
     pub(super) rate_hz: u32,
     pub(super) restarts: u64,
+    /// Whether the renderer has a sound.
+    pub(super) has_sound: bool,
     pub(super) last_error: Option<String>,
+    /// The last of them that says nothing of the device.
+    pub(super) notice: Option<String>,
     pub(super) recording: Option<Recording>,
     /// Frames that the last finished recording lost.
     pub(super) dropped: u64,
@@ -63,7 +73,9 @@ impl State {
             device: None,
             rate_hz: SAMPLE_RATE,
             restarts: 0,
+            has_sound: false,
             last_error: None,
+            notice: None,
             recording: None,
             dropped: 0,
         }
@@ -88,15 +100,20 @@ pub(super) struct Supervisor {
     common: Common,
     orders: Receiver<Order>,
     slot: Arc<Slot>,
+    grave: Arc<Slot>,
     remote: Remote,
+    /// The number of the renderer that the remote belongs to.
+    renderer: u64,
     rate_hz: u32,
     spec: SoundSpec,
     device: Option<String>,
     buffer_frames: u32,
     stream: Option<OpenStream>,
     generation: u64,
-    /// For the callback, as soon as there is room.
-    waiting: VecDeque<Message>,
+    /// The sound that was loaded last, until there is a stream and room for it.
+    waiting: Option<Sound>,
+    /// The same for a recording.
+    tap: Option<Tap>,
     next_try: Instant,
     delay: Duration,
     has_played: bool,
@@ -126,14 +143,17 @@ impl Supervisor {
             common,
             orders,
             slot: Arc::new(Slot::new(Some(Box::new(renderer)))),
+            grave: Arc::new(Slot::new(None)),
             remote,
+            renderer: 0,
             rate_hz: SAMPLE_RATE,
             spec,
             device,
             buffer_frames: buffer_frames.max(1),
             stream: None,
             generation: 0,
-            waiting: VecDeque::new(),
+            waiting: None,
+            tap: None,
             next_try: Instant::now(),
             delay: RETRY.0,
             has_played: false,
@@ -169,12 +189,12 @@ impl Supervisor {
                 self.delay = RETRY.0;
                 self.next_try = Instant::now();
             }
-            Order::Tap(tap) => self.waiting.push_back(Message::Tap(tap)),
+            Order::Notice(text) => self.note(text),
             Order::Lost { generation, reason } if generation == self.generation => {
                 self.lose(reason);
             }
-            // Of a stream that is closed already.
-            Order::Lost { .. } | Order::Stop => {}
+            // Of a stream that is closed already, or seen to in the next moment.
+            Order::Lost { .. } | Order::Record | Order::Stop => {}
         }
     }
 
@@ -182,35 +202,58 @@ impl Supervisor {
     fn change_sound(&mut self, spec: SoundSpec) {
         match Sound::load(&spec, self.rate_hz) {
             Ok(sound) => {
-                let rate_hz = self.rate_hz;
                 self.spec = spec;
-                self.waiting
-                    .retain(|message| matches!(message, Message::Tap(_)));
-                self.waiting.push_back(Message::Sound { sound, rate_hz });
+                self.waiting = Some(sound);
+                let mut state = lock(&self.common.state);
+                state.has_sound = true;
+                state.notice = None;
             }
-            Err(error) => self.tell(&error.into()),
+            Err(error) => self.note(error.to_string()),
         }
+    }
+
+    /// Tells what is wrong with a sound or a recording.
+    fn note(&self, text: String) {
+        let mut state = lock(&self.common.state);
+        state.last_error = Some(text.clone());
+        state.notice = Some(text);
     }
 
     fn tell(&self, error: &LiveError) {
         lock(&self.common.state).last_error = Some(error.to_string());
     }
 
-    /// Sends what waits for the callback, and frees what came back.
+    /// Sends what waits to the callback, if there is one, and frees what came back.
     fn deliver(&mut self) {
         self.remote.collect();
-        while let Some(message) = self.waiting.pop_front() {
-            if let Err(message) = self.remote.send(message) {
-                self.waiting.push_front(message);
-                return;
-            }
+        drop(self.grave.take());
+        if self.stream.is_none() {
+            return;
+        }
+        if self.tap.is_none() {
+            let recording = &mut lock(&self.common.state).recording;
+            self.tap = recording
+                .as_mut()
+                .and_then(|recording| recording.begin(&self.common.orders));
+        }
+        if let Some(tap) = self.tap.take()
+            && !tap.is_over.load(Relaxed)
+            && let Err(Message::Tap(tap)) = self.remote.send(Message::Tap(tap))
+        {
+            self.tap = Some(tap);
+        }
+        let rate_hz = self.rate_hz;
+        if let Some(sound) = self.waiting.take()
+            && let Err(Message::Sound { sound, .. }) =
+                self.remote.send(Message::Sound { sound, rate_hz })
+        {
+            self.waiting = Some(sound);
         }
     }
 
     /// Notices a stream whose callbacks have stopped.
     fn watch(&mut self) {
-        let frames = self.common.shared.callback_frames.load(Relaxed);
-        let buffer = Duration::from_secs_f64(f64::from(frames) / f64::from(self.rate_hz));
+        let buffer = self.buffer();
         let Some(stream) = &mut self.stream else {
             return;
         };
@@ -255,10 +298,23 @@ impl Supervisor {
         if self.stream.is_none() {
             return;
         }
-        self.common.shared.is_muted.store(true, Relaxed);
-        let latency_ms = self.common.shared.latency_ms().unwrap_or(0.0).max(0.0);
-        let fade = Duration::from_secs_f64(0.03 + latency_ms / 1000.0);
-        thread::sleep(fade.min(FADE_OUT));
+        let shared = &self.common.shared;
+        let limit = 2 * self.buffer() + FADE_OUT_LIMIT;
+        let start = Instant::now();
+        shared.is_muted.store(true, Relaxed);
+        while !shared.has_faded.load(Relaxed) && start.elapsed() < limit {
+            thread::sleep(FADE_OUT_GLANCE);
+        }
+        // The block that it ends in was made just now.
+        let latency = shared.latency_ms();
+        let latency = latency.map_or(limit, |ms| Duration::from_secs_f64(ms / 1000.0));
+        thread::sleep(latency.min(limit) + FADE_OUT);
+    }
+
+    /// The length of the block that the callback was asked for last.
+    fn buffer(&self) -> Duration {
+        let frames = self.common.shared.callback_frames.load(Relaxed);
+        Duration::from_secs_f64(f64::from(frames) / f64::from(self.rate_hz))
     }
 
     fn close(&mut self) {
@@ -269,8 +325,10 @@ impl Supervisor {
         if let Some(stream) = self.stream.take() {
             drop_elsewhere(stream.stream);
         }
+        shared.is_open.store(false, Relaxed);
         shared.set_levels([0.0; 2]);
         shared.set_latency_us(None);
+        shared.forget_pan();
         lock(&self.common.state).device = None;
     }
 
@@ -282,12 +340,12 @@ impl Supervisor {
                 state.restarts += u64::from(self.has_played);
                 drop(state);
                 self.has_played = true;
+                self.common.shared.is_open.store(true, Relaxed);
                 self.stream = Some(stream);
+                self.deliver();
             }
             Err(error) => {
-                if matches!(error, LiveError::NoAnswer { .. }) {
-                    device::forget_host();
-                }
+                device::forget_broken(&error);
                 self.tell(&error);
                 self.close();
                 self.retry_later();
@@ -303,9 +361,11 @@ impl Supervisor {
         let shared = &self.common.shared;
         shared.generation.store(self.generation, Relaxed);
         shared.is_muted.store(false, Relaxed);
+        shared.has_faded.store(false, Relaxed);
         let callbacks = shared.callbacks.load(Relaxed);
         let link = Link {
             slot: Arc::clone(&self.slot),
+            grave: Arc::clone(&self.grave),
             shared: Arc::clone(shared),
             orders: self.common.orders.clone(),
             generation: self.generation,
@@ -335,22 +395,39 @@ impl Supervisor {
     fn prepare(&mut self, rate_hz: u32) {
         let mut renderer = self.take_renderer();
         if renderer.rate_hz() != rate_hz {
-            let sound = Sound::load(&self.spec, rate_hz)
-                .map_err(|error| self.tell(&error.into()))
-                .ok();
-            renderer.change_rate(rate_hz, sound);
+            let sound = self.load_again(rate_hz);
+            if self.waiting.is_some() {
+                self.waiting = sound;
+                renderer.change_rate(rate_hz, None);
+            } else {
+                renderer.change_rate(rate_hz, sound);
+            }
             self.rate_hz = rate_hz;
             self.tell_rate(rate_hz);
         }
-        renderer.begin();
+        renderer.begin(self.waiting.take());
         self.slot.store(Some(renderer));
-        self.deliver();
+    }
+
+    /// Loads the sound that is wanted at another rate.
+    fn load_again(&self, rate_hz: u32) -> Option<Sound> {
+        let loaded = Sound::load(&self.spec, rate_hz);
+        let mut state = lock(&self.common.state);
+        if loaded.is_ok() && !state.has_sound {
+            state.notice = None;
+        }
+        state.has_sound = loaded.is_ok();
+        drop(state);
+        loaded.map_err(|error| self.note(error.to_string())).ok()
     }
 
     /// Takes the renderer back from the last stream.
     fn take_renderer(&mut self) -> Box<Renderer> {
         for _ in 0..50 {
-            if let Some(renderer) = self.slot.take() {
+            // One that another was made in place of, and that came back since, is freed.
+            if let Some(renderer) = self.slot.take()
+                && renderer.number == self.renderer
+            {
                 return renderer;
             }
             // A callback of the old stream is at work on it.
@@ -359,24 +436,37 @@ impl Supervisor {
         // That callback hangs, and the renderer with it.
         let shared = Arc::clone(&self.common.shared);
         let sound = Sound::load(&self.spec, self.rate_hz).ok();
-        let (renderer, remote) = Renderer::with_shared(shared, sound, self.rate_hz);
+        let (mut renderer, remote) = Renderer::with_shared(shared, sound, self.rate_hz);
         self.remote = remote;
+        self.renderer += 1;
+        renderer.number = self.renderer;
+        self.end_recording();
         Box::new(renderer)
+    }
+
+    /// The tap is lost with a renderer that hangs.
+    fn end_recording(&self) {
+        let is_ended = match &lock(&self.common.state).recording {
+            Some(recording) if recording.has_begun() && !recording.is_over() => {
+                recording.end();
+                true
+            }
+            _ => false,
+        };
+        if is_ended {
+            self.note(LiveError::RecordingHeld.to_string());
+        }
     }
 
     /// A file has one rate: a recording at another one ends.
     fn tell_rate(&self, rate_hz: u32) {
         let mut state = lock(&self.common.state);
         state.rate_hz = rate_hz;
-        let ended = match &state.recording {
-            Some(recording) if recording.rate_hz() != rate_hz && !recording.is_over() => {
-                recording.end();
-                true
-            }
-            _ => false,
-        };
-        if ended {
-            state.last_error = Some(LiveError::RecordingRate { rate_hz }.to_string());
+        let recording = state.recording.as_mut();
+        let changed = recording.map_or(Ok(()), |recording| recording.change_rate(rate_hz));
+        drop(state);
+        if let Err(error) = changed {
+            self.note(error.to_string());
         }
     }
 }

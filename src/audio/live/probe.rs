@@ -1,0 +1,63 @@
+//! What a device drives, without a device: for the test that forbids it to allocate.
+
+use std::path::Path;
+use std::sync::{Arc, mpsc};
+use std::time::Duration;
+
+use cpal::{FromSample, OutputCallbackInfo, OutputStreamTimestamp, Sample, StreamInstant};
+
+use super::LiveError;
+use super::link::{Link, Slot};
+use super::recording::Recording;
+use super::renderer::{Message, Remote, Renderer};
+
+/// The callback that a stream of `channels` channels would have, for this renderer.
+pub fn player<T: Sample + FromSample<f32>>(
+    renderer: Renderer,
+    remote: &Remote,
+    channels: usize,
+) -> impl FnMut(&mut [T]) + use<T> {
+    let rate_hz = renderer.rate_hz();
+    let (orders, _) = mpsc::channel();
+    let link = Link {
+        slot: Arc::new(Slot::new(Some(Box::new(renderer)))),
+        grave: Arc::new(Slot::new(None)),
+        shared: Arc::clone(&remote.shared),
+        orders,
+        generation: 0,
+    };
+    let mut play = link.player::<T>(channels, rate_hz);
+    let callback = StreamInstant::ZERO;
+    let playback = callback + Duration::from_millis(20);
+    let info = OutputCallbackInfo::new(OutputStreamTimestamp { callback, playback });
+    move |out| play(out, &info)
+}
+
+/// A recording of what a renderer plays.
+#[derive(Debug)]
+pub struct Recorder(Recording);
+
+impl Recorder {
+    /// Starts a file at `rate_hz` samples a second; it stays empty if too much is under way.
+    ///
+    /// # Errors
+    /// As [`Live::start_recording`](super::Live::start_recording).
+    pub fn start(remote: &mut Remote, path: &Path, rate_hz: u32) -> Result<Self, LiveError> {
+        let mut recording = Recording::new(path, rate_hz)?;
+        let (orders, _) = mpsc::channel();
+        if let Some(tap) = recording.begin(&orders)
+            && remote.send(Message::Tap(tap)).is_err()
+        {
+            recording.end();
+        }
+        Ok(Self(recording))
+    }
+
+    /// Completes the file; the frames in it.
+    ///
+    /// # Errors
+    /// As [`Live::stop_recording`](super::Live::stop_recording).
+    pub fn finish(self) -> Result<u64, LiveError> {
+        self.0.finish()
+    }
+}
