@@ -206,7 +206,9 @@ fn the_picture_goes_on_while_waves_take_long() {
     let (report, _, _) = demo.quit();
     let pans = report["pans"].as_array().unwrap();
     let of = |profile| pans.iter().filter(move |pan| pan["profile"] == profile);
-    let end = of("thesis").next_back().unwrap()["seconds"].as_f64().unwrap();
+    let end = of("thesis").next_back().unwrap()["seconds"]
+        .as_f64()
+        .unwrap();
     let pictures = report["frames"].as_f64().unwrap() / report["seconds"].as_f64().unwrap();
     let heard = of("thesis").count() as f64 / end;
     assert!(

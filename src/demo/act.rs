@@ -154,7 +154,10 @@ impl App {
                 (None, 0) => "the recording is whole".to_owned(),
                 (None, lost) => format!("the recording lacks {lost} frames: the disk was too slow"),
             },
-            Err(reason) => reason,
+            Err(reason) => {
+                (self.options.announce)(&reason);
+                reason
+            }
         };
         self.say(told);
     }

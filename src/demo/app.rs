@@ -282,9 +282,18 @@ impl App {
         {
             self.outcome = Err(error.into());
         }
-        // A recording ends whole.
-        let _ = self.speaker.record(None);
+        self.end_recording();
         stage.window.close();
+    }
+
+    /// A recording under way ends whole, or it is told why not.
+    fn end_recording(&mut self) {
+        if self.speaker.status().is_recording
+            && let Err(reason) = self.speaker.record(None)
+            && self.outcome.is_ok()
+        {
+            self.outcome = Err(DemoError::Recording { reason });
+        }
     }
 
     fn report(&mut self, stage: &Stage) -> Report {

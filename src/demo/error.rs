@@ -19,6 +19,12 @@ pub enum DemoError {
     /// A scene, settings or a renderer that do not work.
     #[error("{}", sentence(.0))]
     Failed(#[from] crate::Error),
+    /// A recording that could not be ended whole.
+    #[error("the recording is not whole: {reason}")]
+    Recording {
+        /// Why.
+        reason: String,
+    },
     /// What was to be written cannot be.
     #[error(transparent)]
     Write(#[from] crate::output::OutputError),
