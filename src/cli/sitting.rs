@@ -16,7 +16,8 @@ Examples:
   echomarch localise window -o anna.json --scenes corner --sounds speech --iterations 8
   echomarch localise score anna.json
 
-Space plays, a click on the plan marks, Enter locks; all keys stand beside what they do.";
+Space plays, a click on the plan or the arrow keys mark, Enter locks; the other keys stand
+beside what they do.";
 
 /// Arguments of `localise window`.
 #[derive(Args, Debug)]

@@ -4,7 +4,7 @@ use super::adapt::{Control, SCALES, step_of};
 use super::keys::{Action, Held, action};
 use super::latency::Latency;
 use super::mouse::Mouse;
-use super::overlay::{Paper, Plan};
+use super::overlay::{Asked, Paper, Plan};
 use super::question::{self, Question};
 use super::reload::Follower;
 use super::report::{Recorder, Report, Standing};
@@ -60,6 +60,8 @@ pub(super) struct App {
     /// The localisation experiment, if that is what the window is for.
     pub question: Option<Question>,
     pub paper: Paper,
+    /// What keys have asked for since the last frame while a question is put.
+    pub asked: Vec<Asked>,
     pub paths: Vec<Vec<Wave>>,
     pub heard: Option<Frame>,
     /// The settings of the frame of waves that was begun last.
@@ -106,6 +108,7 @@ impl App {
             plan: Plan::default(),
             question: None,
             paper: Paper::default(),
+            asked: Vec::new(),
             paths: Vec::new(),
             heard: None,
             under_way: options.settings.clone(),
@@ -201,7 +204,7 @@ impl App {
     }
 
     /// A key goes up or down. `is_synthetic` says that it was down already when the window
-    /// got the keyboard: it was pressed for another one, and asks for nothing here.
+    /// got the keyboard: it was pressed for another one, and does nothing at once here; who holds W walks.
     fn key(&mut self, event: &KeyEvent, is_synthetic: bool) {
         let PhysicalKey::Code(key) = event.physical_key else {
             return;
@@ -230,14 +233,12 @@ impl App {
         }
     }
 
-    /// While a question is put nobody walks, and nothing that is heard changes.
+    /// While a question is put nobody walks, and of what is heard only the volume changes.
     fn key_of_question(&mut self, key: KeyCode, usual: Option<Action>) {
         if let Some(usual) = usual.filter(question::is_harmless) {
             self.act(usual);
-        } else if !self.held.control()
-            && let Some(asked) = question::asked(key)
-        {
-            self.ask(asked);
+        } else if !self.held.control() {
+            self.asked.extend(question::asked(key));
         }
     }
 

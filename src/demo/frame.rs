@@ -5,6 +5,7 @@ use super::adapt::{MOST_WAVES, SCALES, median, scale_costs, step_of, wave_ladder
 use super::app::{App, Stage};
 use super::error::sentence;
 use super::overlay::{self, Facts};
+use super::question::Question;
 use super::report::FrameTimes;
 use super::view::Drawn;
 use super::walk::Wish;
@@ -173,10 +174,17 @@ impl App {
             stage
                 .tracer
                 .frame_begin_in_parts(&self.world.now, settings)?;
+            if self.begins_anew || self.under_way != *settings {
+                // Of these nothing is known yet.
+                self.on_waves = 0.0;
+            }
             self.under_way = settings.clone();
             self.begins_anew = false;
         }
         stage.tracer.frame_go_on(self.time_for_waves())?;
+        if let Some(spent) = stage.tracer.spent_in_parts() {
+            self.on_waves = self.on_waves.max(spent);
+        }
         if stage.window.gl.context().is_software() {
             // Elsewhere the card tells when the frame is collected.
             times.waves += milliseconds(tracing);
@@ -214,7 +222,8 @@ impl App {
         } else {
             stage.tracer.frame_poll()?
         };
-        let Some(frame) = frame else {
+        // What was begun for a scene that has gone is not heard.
+        let Some(frame) = frame.filter(|_| !self.begins_anew) else {
             return Ok(());
         };
         self.speaker.set_panning(frame.panning);
@@ -282,6 +291,8 @@ impl App {
                 overlay::draw_below_question(ui, &facts);
             });
             times.overlay = milliseconds(drawing);
+            // Clicks first: keys are pressed after what is seen of them.
+            asked.append(&mut self.asked);
             asked.into_iter().for_each(|asked| self.ask(asked));
             return Ok(());
         }
@@ -305,7 +316,9 @@ impl App {
     /// Tells the speakers what was chosen, and asks how they fare.
     fn hear(&mut self) {
         self.speaker.set_law(self.choices.law);
-        let is_silent = self.question.as_ref().is_some_and(|q| !q.is_playing());
+        // Nor with the panning of the trial before.
+        let is_silent = |q: &Question| !q.is_playing() || self.heard.is_none();
+        let is_silent = self.question.as_ref().is_some_and(is_silent);
         let loudness = if is_silent {
             0.0
         } else {
@@ -345,7 +358,8 @@ impl App {
         };
         let (work, others) = (mean(|t| t.work), mean(without_waves));
         let on_waves = self.on_waves;
-        if on_waves > TOO_LONG * target && !self.choices.adapt_waves && self.message.is_none() {
+        let is_told = self.message.is_some() || self.question.is_some();
+        if on_waves > TOO_LONG * target && !self.choices.adapt_waves && !is_told {
             self.say(format!(
                 "the waves take {on_waves:.0} ms, over several pictures: T lets their number \
                  follow, [ halves it"

@@ -68,7 +68,7 @@ pub const HELP: [(&str, &[(&str, &str)]); 3] = [
         "Hear what changes",
         &[
             ("1  2  3", "thesis, march, hybrid"),
-            ("[  ]  PgUp/Dn", "half, twice the waves"),
+            ("[  ]  PgDn PgUp", "half, twice the waves"),
             (",  .", "fewer, more iterations"),
             ("T", "waves follow the frame time"),
             ("N", "next scene"),

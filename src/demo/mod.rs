@@ -73,7 +73,14 @@ pub fn run_sitting(
     sitting: Sitting,
     seconds: f64,
 ) -> Result<Report, DemoError> {
-    let mut app = app::App::new(options)?;
+    // Nothing is heard before it is asked for.
+    let volume = options.volume;
+    let silent = DemoOptions {
+        volume: 0.0,
+        ..options
+    };
+    let mut app = app::App::new(silent)?;
+    app.choices.volume = volume;
     app.question = Some(question::Question::new(sitting, seconds));
     app.stand();
     stay(app)

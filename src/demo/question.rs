@@ -9,9 +9,8 @@ use super::app::App;
 use super::keys::Action;
 use super::overlay::Asked;
 use super::state::World;
-use crate::experiment::localise::sitting::{Put, Sitting, now, settings_of};
+use crate::experiment::localise::sitting::{Put, Sitting, SittingError, now, settings_of};
 use crate::experiment::localise::{Answer, MOST_CONFIDENT, Side};
-use crate::output::OutputError;
 use glam::DVec2;
 use std::time::{Duration, Instant};
 use winit::keyboard::KeyCode;
@@ -69,6 +68,11 @@ impl Question {
         self.sitting.progress()
     }
 
+    /// Whether every answer is in the file.
+    pub fn is_saved(&self) -> bool {
+        self.sitting.is_saved()
+    }
+
     /// Where the answers are kept.
     pub fn file(&self) -> String {
         self.sitting.file().display().to_string()
@@ -108,8 +112,8 @@ impl Question {
     /// Writes what could not be written before.
     ///
     /// # Errors
-    /// [`OutputError`] when it still cannot.
-    pub fn finish(&mut self) -> Result<(), OutputError> {
+    /// [`SittingError`] when it still cannot.
+    pub fn finish(&mut self) -> Result<(), SittingError> {
         match self.sitting.is_saved() {
             true => Ok(()),
             false => self.sitting.save(),
@@ -181,7 +185,8 @@ pub fn asked(key: KeyCode) -> Option<Asked> {
     }
 }
 
-/// Whether a key's usual action makes no difference to what is heard or answered.
+/// Whether a key's usual action makes no difference to the direction that is heard, nor to
+/// what is answered.
 pub fn is_harmless(action: &Action) -> bool {
     matches!(
         action,
@@ -200,7 +205,12 @@ impl App {
         if let Ok(law) = put.stimulus.law.parse() {
             self.choices.law = law;
         }
-        self.choices.sound = put.stimulus.sound.clone();
+        let sound = put.stimulus.sound.clone();
+        // It is loaded while nothing is heard.
+        if let Err(reason) = self.speaker.set_sound(&sound) {
+            self.say(reason);
+        }
+        self.choices.sound = sound;
         self.heard = None;
         self.begins_anew = true;
         self.scale_control.forget();

@@ -63,12 +63,19 @@ impl UserFields {
     /// [`Error::Trace`] for a field that cannot be used, [`Error::Gpu`] when the renderer
     /// fails.
     pub fn check(&mut self, context: &Context, scene: &Scene) -> Result<(), Error> {
-        let mut new = false;
+        let known = self.checked.len();
+        let checked = self.check_new(context, scene);
+        if self.checked.len() > known {
+            self.forget_old(scene);
+        }
+        checked
+    }
+
+    fn check_new(&mut self, context: &Context, scene: &Scene) -> Result<(), Error> {
         for field in scene.user_fields() {
             if self.checked.iter().any(|known| Arc::ptr_eq(known, field)) {
                 continue;
             }
-            new = true;
             match self.checked.iter().find(|known| ***known == **field) {
                 // The same text, in a scene that was read again: one set of samples is enough.
                 Some(known) => {
@@ -79,9 +86,6 @@ impl UserFields {
                 None => check(context, field)?,
             }
             self.checked.push(Arc::clone(field));
-        }
-        if new {
-            self.forget_old(scene);
         }
         Ok(())
     }

@@ -45,6 +45,14 @@ pub fn draw(ui: &mut Ui, question: &Question, paper: &mut Paper) -> Vec<Asked> {
         let [answered, all] = question.progress();
         let Some(put) = question.put() else {
             ui.heading(format!("All {all} are answered"));
+            if !question.is_saved() {
+                ui.label(
+                    RichText::new("The last answers could not be written to").color(style::BAD),
+                );
+                ui.label(RichText::new(question.file()).strong());
+                ui.label("Closing the window (Ctrl+Q) tries once more.");
+                return;
+            }
             ui.label("Thank you. Your answers are kept in");
             ui.label(RichText::new(question.file()).strong());
             ui.label("Ctrl+Q closes the window.");
@@ -74,7 +82,7 @@ fn play(ui: &mut Ui, question: &Question, asked: &mut Vec<Asked>) {
             asked.push(Asked::Play);
         }
         let times = match question.plays() {
-            0 => "headphones on, face the screen".to_owned(),
+            0 => "headphones on, face the screen; − and + make it softer, louder".to_owned(),
             1 => "played once".to_owned(),
             times => format!("played {times} times"),
         };

@@ -37,11 +37,14 @@ pub fn facings(scene: &Scene) -> Vec<Scene> {
     [-beside, 0.0, beside].map(turned).into()
 }
 
-/// The scene without paths.
+/// The scene without anything that moves by itself.
 pub fn standing(scene: &Scene) -> Scene {
     let mut still = scene.clone();
     still.source = Source::at(scene.source.position);
     still.listener.path = Default::default();
+    for surface in &mut still.surfaces {
+        surface.drivers.clear();
+    }
     still
 }
 

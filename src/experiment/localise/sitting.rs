@@ -57,6 +57,25 @@ pub enum SittingError {
         /// The form that was asked for.
         ours: String,
     },
+    /// The file is there and holds the answers of somebody else.
+    #[error(
+        "{} holds the answers of {theirs:?}, not of {ours:?}: choose another file",
+        file.display()
+    )]
+    Somebody {
+        /// The file.
+        file: PathBuf,
+        /// The code in it.
+        theirs: String,
+        /// The code that was asked for.
+        ours: String,
+    },
+    /// Somebody else has written the file since it was taken up.
+    #[error("{} holds other answers by now, and is left alone", file.display())]
+    Changed {
+        /// The file.
+        file: PathBuf,
+    },
     /// The file cannot be written.
     #[error(transparent)]
     Output(#[from] OutputError),
@@ -64,7 +83,7 @@ pub enum SittingError {
 
 impl Sitting {
     /// Takes up what is in `file`, or begins a sitting that is kept there from the first answer
-    /// on. `participant` is a code, and may be empty.
+    /// on. `participant` is a code; empty it is nobody's, or that of the file.
     ///
     /// # Errors
     /// [`SittingError`].
@@ -79,6 +98,13 @@ impl Sitting {
                 file,
                 theirs: session.experiment,
                 ours: form.experiment,
+            });
+        }
+        if !participant.is_empty() && session.participant != participant {
+            return Err(SittingError::Somebody {
+                file,
+                theirs: session.participant,
+                ours: participant.to_owned(),
             });
         }
         Ok(Sitting {
@@ -125,8 +151,8 @@ impl Sitting {
     /// Keeps the answer to a trial that has none, and writes the file.
     ///
     /// # Errors
-    /// [`OutputError`]; the answer is kept all the same, and written with the next one.
-    pub fn lock(&mut self, index: usize, answer: Answer) -> Result<(), OutputError> {
+    /// [`SittingError`]; the answer is kept all the same, and written with the next one.
+    pub fn lock(&mut self, index: usize, answer: Answer) -> Result<(), SittingError> {
         if let Some(trial) = self.session.trials.get_mut(index) {
             trial.answer.get_or_insert(answer);
             self.saved = false;
@@ -134,17 +160,38 @@ impl Sitting {
         self.save()
     }
 
-    /// Writes the file.
+    /// Writes the file, unless it holds answers by now that would be lost.
     ///
     /// # Errors
-    /// [`OutputError`].
-    pub fn save(&mut self) -> Result<(), OutputError> {
+    /// [`SittingError`].
+    pub fn save(&mut self) -> Result<(), SittingError> {
+        if self.file.exists() && self.would_lose(&Session::read(&self.file)?) {
+            return Err(SittingError::Changed {
+                file: self.file.clone(),
+            });
+        }
         self.session.saved = now();
         write_whole(&self.file, |out| {
             Ok(serde_json::to_writer_pretty(out, &self.session)?)
         })?;
         self.saved = true;
         Ok(())
+    }
+
+    /// Whether that session has answers which this one has not.
+    fn would_lose(&self, there: &Session) -> bool {
+        let said = |session: &Session| -> Vec<Option<String>> {
+            let answers = session.trials.iter().map(|trial| trial.answer.as_ref());
+            let times = answers.map(|answer| answer.map(|answer| answer.answered.clone()));
+            times.collect()
+        };
+        let is_lost =
+            |(there, here): (Option<String>, Option<String>)| there.is_some() && there != here;
+        there.session != self.session.session
+            || said(there)
+                .into_iter()
+                .zip(said(&self.session))
+                .any(is_lost)
     }
 
     /// Whether every answer is in the file.

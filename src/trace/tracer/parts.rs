@@ -6,14 +6,15 @@
 //! it was begun.
 //!
 //! How many rows fit is foreseen from those before. Software renderers are waited for, so
-//! that their time is measured at once; on a graphics card nothing waits, and the time of a
-//! part is known when the next one is asked for.
+//! that their time is measured at once; on a graphics card the time of all parts of a call is
+//! asked for in the next one, a picture later, when they should long be over.
 
-use super::super::Settings;
+use super::super::{Grid, Settings};
 use super::{Job, Tracer};
 use crate::error::Error;
-use crate::gpu::{Context, GpuError, Marks};
+use crate::gpu::{Context, GpuError, Marks, Program};
 use crate::scene::Scene;
+use std::rc::Rc;
 use std::time::Instant;
 
 /// Rows that are drawn before anything is known of their time.
@@ -40,16 +41,18 @@ struct Progress {
     in_pass: u32,
     /// Rows of it that are drawn.
     rows: u32,
-    /// Milliseconds spent on all parts so far, as far as they are known.
+    /// Milliseconds spent on all parts so far; on a graphics card without those of the last
+    /// call.
     spent: f64,
 }
 
-/// How fast rows are drawn.
+/// How fast rows are drawn, by one program on one grid.
 pub(super) struct Pace {
     marks: Marks,
+    of: Option<(Rc<Program>, Grid)>,
     /// Milliseconds of a row of one iteration; none before the first part.
     milliseconds: Option<f64>,
-    /// Rows times iterations between the marks, whose time is not taken yet.
+    /// Rows times iterations of a call on a graphics card, whose time is not taken yet.
     marked: Option<f64>,
 }
 
@@ -57,39 +60,69 @@ impl Pace {
     pub fn new(context: &Context) -> Pace {
         Pace {
             marks: Marks::new(context),
+            of: None,
             milliseconds: None,
             marked: None,
         }
     }
 
-    /// Rows of so many iterations that fit a time, at least one.
+    /// Forgets what is known of another program, or of rows of another length.
+    fn be_of(&mut self, program: &Rc<Program>, grid: Grid) {
+        let is_same = |(known, of): &(Rc<Program>, Grid)| Rc::ptr_eq(known, program) && *of == grid;
+        if !self.of.as_ref().is_some_and(is_same) {
+            self.of = Some((Rc::clone(program), grid));
+            (self.milliseconds, self.marked) = (None, None);
+        }
+    }
+
+    /// Rows of so many iterations that fit a time.
     fn rows(&self, iterations: u32, milliseconds: f64) -> u32 {
         match self.milliseconds {
             None => FIRST_ROWS,
             Some(row) => (milliseconds / (row * f64::from(iterations)).max(1e-6)) as u32,
         }
-        .max(1)
     }
 
-    /// Takes the time between the marks, once GL has passed them.
-    fn take(&mut self) -> Option<f64> {
-        let work = self.marked.take()?;
-        let took: f64 = self.marks.milliseconds().iter().sum();
-        let pace = took / work;
+    fn learn(&mut self, took: f64, work: f64) {
         let least = self.milliseconds.map_or(0.0, |old| old / MOST_FASTER);
-        self.milliseconds = Some(pace.max(least));
-        Some(took)
+        self.milliseconds = Some((took / work).max(least));
     }
 
-    /// Takes down what one part was: its milliseconds, measured or foreseen.
-    fn end(&mut self, rows: u32, iterations: u32) -> Result<f64, GpuError> {
-        self.marks.mark()?;
-        let work = f64::from(rows) * f64::from(iterations);
-        self.marked = Some(work);
-        if self.marks.wait() {
-            return Ok(self.take().unwrap_or_default());
+    /// Milliseconds of a call on a graphics card, if that was not asked before. Waits for the
+    /// call, unless it is over.
+    pub fn take(&mut self) -> f64 {
+        let Some(work) = self.marked.take() else {
+            return 0.0;
+        };
+        let took: f64 = self.marks.milliseconds().iter().sum();
+        self.learn(took, work);
+        took
+    }
+
+    /// Milliseconds of a part just drawn, of so many rows times iterations: measured where
+    /// marks wait, else foreseen.
+    fn end_part(&mut self, work: f64) -> Result<f64, GpuError> {
+        if !self.marks.wait() {
+            return Ok(self.milliseconds.unwrap_or_default() * work);
         }
-        Ok(self.milliseconds.unwrap_or_default() * work)
+        self.marks.mark()?;
+        let took = self
+            .marks
+            .milliseconds()
+            .last()
+            .copied()
+            .unwrap_or_default();
+        self.learn(took, work);
+        Ok(took)
+    }
+
+    /// The end of a call, of so many rows times iterations in all.
+    fn end_call(&mut self, work: f64) -> Result<(), GpuError> {
+        if !self.marks.wait() {
+            self.marks.mark()?;
+            self.marked = Some(work);
+        }
+        Ok(())
     }
 }
 
@@ -108,6 +141,8 @@ impl Tracer {
     ) -> Result<(), Error> {
         self.pending.give_up();
         let job = self.prepare(scene, settings)?;
+        let grid = self.targets()?.grid;
+        self.pending.pace.be_of(&job.march, grid);
         self.pending.marks.restart()?;
         self.without_waiting(|tracer| tracer.initialise(&job))?;
         self.pending.marks.mark()?;
@@ -162,6 +197,14 @@ impl Tracer {
         Ok(true)
     }
 
+    /// Milliseconds spent so far on a frame in parts of which not all is drawn.
+    pub fn spent_in_parts(&self) -> Option<f64> {
+        self.pending
+            .parts
+            .as_ref()
+            .map(|parts| parts.progress.spent)
+    }
+
     /// Whether a frame in parts was begun, of which not all is drawn.
     pub fn is_frame_in_parts(&self) -> bool {
         self.pending.parts.is_some()
@@ -173,20 +216,27 @@ impl Tracer {
         progress: &mut Progress,
         milliseconds: f64,
     ) -> Result<(), Error> {
-        // On a graphics card the last part is over by now.
-        self.pending.pace.take();
+        progress.spent += self.pending.pace.take();
         let height = self.targets()?.grid.height;
-        let mut left = milliseconds;
+        self.pending.pace.marks.restart()?;
+        let (mut left, mut work) = (milliseconds, 0.0);
         while progress.in_pass > 0 {
             let iterations = progress.in_pass;
-            let pace = &mut self.pending.pace;
-            let rows = pace.rows(iterations, left).min(height - progress.rows);
-            pace.marks.restart()?;
+            let is_first = work == 0.0;
+            let fit = self.pending.pace.rows(iterations, left);
+            if !is_first && (fit == 0 || self.pending.pace.milliseconds.is_none()) {
+                break;
+            }
+            let rows = fit.max(1).min(height - progress.rows);
             let band = progress.rows..progress.rows + rows;
             self.without_waiting(|tracer| tracer.march_rows(job, iterations, band))?;
-            let took = self.pending.pace.end(rows, iterations)?;
-            progress.spent += took;
+            let part = f64::from(rows) * f64::from(iterations);
+            let took = self.pending.pace.end_part(part)?;
+            if self.pending.pace.marks.wait() {
+                progress.spent += took;
+            }
             left -= took;
+            work += part;
             progress.rows += rows;
             if progress.rows == height {
                 self.flip();
@@ -194,11 +244,8 @@ impl Tracer {
                 progress.in_pass = job.iterations_per_pass().min(progress.left);
                 progress.left -= progress.in_pass;
             }
-            if left <= 0.0 || self.pending.pace.milliseconds.is_none() {
-                break;
-            }
         }
-        Ok(())
+        Ok(self.pending.pace.end_call(work)?)
     }
 
     /// Does something whose passes are not waited for.

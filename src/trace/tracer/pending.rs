@@ -35,7 +35,8 @@ pub(super) struct Pending {
 #[derive(Clone, Copy)]
 pub(super) struct Begun {
     pub(super) at: Instant,
-    /// Milliseconds of the march, if it was drawn in parts.
+    /// Milliseconds of the march, if it was drawn in parts; on a graphics card without those
+    /// of the last call.
     pub(super) in_parts: Option<f64>,
     grid: Grid,
     summed: bool,
@@ -194,7 +195,10 @@ impl Tracer {
         let parts = self.pending.marks.milliseconds();
         let part = |index: usize| parts.get(index).copied().unwrap_or_default();
         // Between initialise and pan of a frame in parts lie pictures too.
-        let march = begun.in_parts.unwrap_or_else(|| part(1));
+        let march = match begun.in_parts {
+            Some(spent) => spent + self.pending.pace.take(),
+            None => part(1),
+        };
         Ok(Some(Frame {
             panning,
             counts,
