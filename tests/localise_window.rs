@@ -1,11 +1,13 @@
 //! The localisation experiment in the window, as a person does it.
-#![cfg(feature = "demo")]
+#![cfg(all(feature = "demo", feature = "audio"))]
 
 mod common;
+mod sound_server;
 
 use common::cli::{argument, command, echomarch, stderr, succeed};
 use common::window::{Demo, Display, Image};
 use serde_json::Value;
+use sound_server::Server;
 use std::path::Path;
 use std::thread::sleep;
 use std::time::Duration;
@@ -22,8 +24,8 @@ const TRIALS: [&str; 8] = [
     "8",
 ];
 
-fn open<'a>(display: &'a Display, answers: &Path) -> Demo<'a> {
-    let mut command = command();
+fn open<'a>(display: &'a Display, server: &Server, answers: &Path) -> Demo<'a> {
+    let mut command = server.command(env!("CARGO_BIN_EXE_echomarch"));
     command
         .args(["localise", "window", "-o", argument(answers), "--json"])
         .args(["--participant", "p7", "--screenshot", "last.png"])
@@ -48,8 +50,9 @@ fn a_person_answers_breaks_off_and_goes_on() {
     let folder = tempfile::tempdir().unwrap();
     let answers = folder.path().join("anna.json");
     let display = Display::new();
+    let server = Server::start();
 
-    let demo = open(&display, &answers);
+    let demo = open(&display, &server, &answers);
     // Nothing is played yet, and nobody walks here.
     demo.key("a").key("3").key("Return").hold("s", 0.5);
     assert!(!answers.exists());
@@ -77,7 +80,7 @@ fn a_person_answers_breaks_off_and_goes_on() {
         (&of(0), &of(1))
     );
 
-    let demo = open(&display, &answers);
+    let demo = open(&display, &server, &answers);
     for side in ["w", "d"] {
         demo.key("space")
             .key("Up")
@@ -135,6 +138,8 @@ fn the_picture_does_not_show_the_source() {
             ])
             .args(["--iterations", "1", "--screenshot", "last.png"]);
         let demo = display.open(command);
+        // Until the picture is drawn in full.
+        sleep(Duration::from_secs(4));
         let (_, picture, _): (_, Image, _) = demo.quit();
         picture
     };
@@ -163,8 +168,9 @@ fn a_file_of_something_else_is_refused_and_kept() {
     assert_eq!(std::fs::read_to_string(&answers).unwrap(), "{}");
 
     let display = Display::new();
+    let server = Server::start();
     std::fs::remove_file(&answers).unwrap();
-    let demo = open(&display, &answers);
+    let demo = open(&display, &server, &answers);
     demo.key("space").key("Up").key("w").key("5").key("Return");
     demo.quit();
     let before = std::fs::read(&answers).unwrap();
@@ -178,4 +184,19 @@ fn a_file_of_something_else_is_refused_and_kept() {
         stderr(&output)
     );
     assert_eq!(std::fs::read(&answers).unwrap(), before);
+}
+
+/// Protects the result from answers to what nobody heard: without a sound device nothing plays, and nothing is locked.
+#[test]
+fn without_sound_nothing_is_answered() {
+    let folder = tempfile::tempdir().unwrap();
+    let answers = folder.path().join("deaf.json");
+    let display = Display::new();
+    let mut server = Server::start();
+    server.kill();
+    let demo = open(&display, &server, &answers);
+    demo.key("space").key("Up").key("w").key("5").key("Return");
+    let (report, _, _) = demo.quit();
+    assert_eq!(report["sound"]["is_heard"], false);
+    assert!(!answers.exists());
 }

@@ -19,7 +19,8 @@ Examples:
   echomarch demo my.ron --waves 262144 --trace-every 2
   echomarch demo corner --seconds 10 --screenshot demo.png --json
 
-Keys stand in the window: F1 shows them all.";
+Keys stand in the window: F1 shows them all. Scenes: corner, obstacles, open-field, open-pillars,
+shoebox, whispering-gallery, parabolic-mirrors, colonnade, cave, morphing-room, menger.";
 
 /// Arguments of `demo`.
 #[derive(Args, Debug)]
@@ -241,8 +242,12 @@ fn print_text(report: &Report) -> anyhow::Result<()> {
     ))?;
     let latency = &report.latency_ms;
     print::line(&format!(
-        "  key to ear {:.1} ms as far as known; {}",
-        latency.total(),
+        "  key to ear {}; {}",
+        match latency.total() {
+            0.0 => "not measured".to_owned(),
+            total if latency.is_whole() => format!("{total:.1} ms at most"),
+            total => format!("{total:.1} ms as far as known"),
+        },
         report.sound.text
     ))?;
     if !report.trace_call_is_exact {

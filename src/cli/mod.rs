@@ -42,7 +42,8 @@ Examples:
   echomarch localise form -o form            where is the source? a form for people
   echomarch info                             the renderers there are
 
-Scenes: corner, obstacles, open-field, open-pillars, shoebox, or a file (.ron).";
+Scenes: corner, obstacles, open-field, open-pillars, shoebox, whispering-gallery, parabolic-mirrors,
+colonnade, cave, morphing-room, menger, or a file (.ron).";
 
 /// Traces sound waves through signed distance functions on the GPU: Sjöberg's 2011
 /// thesis as OpenGL fragment shaders.

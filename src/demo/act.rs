@@ -18,6 +18,8 @@ impl App {
                 self.say(format!("profile {profile}"));
             }
             Action::Waves(steps) => {
+                // Whoever chooses the number no longer wants it to follow the time.
+                self.choices.adapt_waves = false;
                 self.choices.change_waves(steps);
                 self.say(format!("{} waves", self.choices.settings.waves));
             }
@@ -42,7 +44,12 @@ impl App {
             Action::AdaptWaves => {
                 self.choices.adapt_waves = !self.choices.adapt_waves;
                 self.wave_control.forget();
+                self.say(match self.choices.adapt_waves {
+                    true => "the waves follow the frame time",
+                    false => "the waves stay as many",
+                });
             }
+            Action::FreeMouse if !self.mouse_looks => self.choices.help = false,
             Action::FreeMouse => self.look_by_mouse(false),
             Action::Quit => self.quit(),
             Action::Sound(_) | Action::Law | Action::Mute | Action::Volume(_) | Action::Record => {
@@ -91,11 +98,14 @@ impl App {
     }
 
     fn pause(&mut self) {
+        if !self.world.moves() {
+            self.say("nothing moves by itself in this scene");
+            return;
+        }
         self.world.paused = !self.world.paused;
-        self.say(match (self.world.moves(), self.world.paused) {
-            (false, _) => "nothing moves by itself in this scene",
-            (true, true) => "held: P lets it go on",
-            (true, false) => "it goes on",
+        self.say(match self.world.paused {
+            true => "held: P lets it go on",
+            false => "it goes on",
         });
     }
 
@@ -137,9 +147,9 @@ impl App {
                 (self.options.announce)(&format!("saved {name}"));
                 (self.options.announce)(&call);
                 self.say(if is_exact {
-                    format!("saved {name}; the equal call is on standard output")
+                    format!("saved {name}; the same as a trace call: see the terminal")
                 } else {
-                    format!("saved {name}; it is not what is heard now")
+                    format!("saved {name}")
                 });
             }
             Err(error) => self.say(error.to_string()),
@@ -150,6 +160,10 @@ impl App {
     pub fn record(&mut self, path: Option<PathBuf>) {
         let told = match self.speaker.record(path.as_deref()) {
             Ok(lost) => match (path, lost) {
+                (Some(path), _) if !self.sound.is_heard => format!(
+                    "recording to {} what is heard: nothing, without a sound device",
+                    path.display()
+                ),
                 (Some(path), _) => format!("recording to {}", path.display()),
                 (None, 0) => "the recording is whole".to_owned(),
                 (None, lost) => format!("the recording lacks {lost} frames: the disk was too slow"),

@@ -287,7 +287,7 @@ impl App {
             let paper = &mut self.paper;
             let mut asked = Vec::new();
             stage.window.draw_panels(|ui| {
-                asked.extend(overlay::draw_question(ui, question, paper));
+                asked.extend(overlay::draw_question(ui, &facts, question, paper));
                 overlay::draw_below_question(ui, &facts);
             });
             times.overlay = milliseconds(drawing);
@@ -338,6 +338,7 @@ impl App {
         }
         if let Some(path) = self.options.screenshot.as_ref().filter(|_| is_last) {
             keep_picture(stage, size, path)?;
+            (self.options.announce)(&format!("saved {}", path.display()));
         }
         Ok(())
     }

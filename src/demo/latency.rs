@@ -51,7 +51,7 @@ impl Parts {
         ]
         .iter()
         .flatten()
-        .sum()
+        .fold(0.0, |sum, part| sum + part)
     }
 }
 

@@ -222,6 +222,11 @@ impl App {
             return;
         };
         match asked {
+            // What is not heard cannot be answered.
+            Asked::Play if !self.sound.is_heard => {
+                let text = format!("nothing can be heard: {}", self.sound.text);
+                self.say(text);
+            }
             Asked::Play => {
                 question.play();
                 let sound = self.choices.sound.clone();

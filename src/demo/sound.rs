@@ -142,7 +142,12 @@ impl Speaker {
         if let Some(live) = &self.live {
             match path {
                 Some(path) => live.start_recording(path).map_err(to_sentence)?,
-                None => drop(live.stop_recording().map_err(to_sentence)?),
+                None => {
+                    let frames = live.stop_recording().map_err(to_sentence)?;
+                    if frames == 0 {
+                        return Err("it is empty: no sound device played".to_owned());
+                    }
+                }
             }
             return Ok(live.status().dropped_frames);
         }

@@ -19,6 +19,9 @@ use std::rc::Rc;
 /// Vertical field of view in radians.
 const FIELD_OF_VIEW: f32 = 70.0 / 180.0 * std::f32::consts::PI;
 
+/// The source's ball is not drawn nearer than so many of its radii.
+const NEAREST: f32 = 2.0;
+
 /// Frames of stillness before the picture is refined.
 const STILL: u32 = 8;
 
@@ -258,7 +261,13 @@ fn aim(program: &Program, scene: &Scene, [width, height]: [u32; 2]) {
     program.set_vec3("uRight", listener.right());
     program.set_vec3("uUp", listener.up());
     program.set_vec3("uForward", listener.forward());
-    let ball = scene.source.position.extend(SOURCE_SHARE * listener.radius);
+    let radius = SOURCE_SHARE * listener.radius;
+    // From within, or nearly, it would be all that is seen.
+    let is_near = scene.source.position.distance(listener.position) < NEAREST * radius;
+    let ball = scene
+        .source
+        .position
+        .extend(if is_near { 0.0 } else { radius });
     program.set_vec4("uSource", ball);
     program.set_vec2("uSize", Vec2::new(width as f32, height as f32));
     let pixel = 2.0 * (0.5 * FIELD_OF_VIEW).tan() / height as f32;

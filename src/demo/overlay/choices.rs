@@ -65,7 +65,7 @@ fn scene(ui: &mut Ui, facts: &Facts, chosen: &mut Choices, actions: &mut Vec<Act
         }
     });
     ui.horizontal(|ui| {
-        ui.checkbox(&mut chosen.paths, "paths of waves");
+        ui.checkbox(&mut chosen.paths, "paths of waves in the plan");
         if world.moves() {
             let text = if world.paused { "go on" } else { "hold" };
             if ui.button(text).clicked() {
@@ -102,12 +102,17 @@ fn waves(ui: &mut Ui, chosen: &mut Choices, actions: &mut Vec<Action>) {
     match settings.profile {
         Profile::Thesis => {
             let slider = slider(&mut settings.min_distance, 0.001..=1.0);
-            ui.add(slider.logarithmic(true).suffix(" m").text("min. dist."));
+            let slider = slider.custom_formatter(|metres, _| format!("{metres:.3} m"));
+            let slider = slider.logarithmic(true).text("min. dist.");
+            let why = "a march ends this near to a surface: the thesis' only measure of accuracy";
+            ui.add(slider).on_hover_text(why);
         }
         Profile::March => {
             let slider = slider(&mut settings.min_distance, 0.001..=WIDEST_SHELL as f32);
             let slider = slider.custom_formatter(|metres, _| shell(metres));
-            ui.add(slider.logarithmic(true).text("shell"));
+            let why = "within this distance of a surface steps are Newton's, along the ray";
+            ui.add(slider.logarithmic(true).text("shell"))
+                .on_hover_text(why);
         }
         _ => {
             let text = "closed form: no minimum distance";

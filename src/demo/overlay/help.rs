@@ -1,12 +1,15 @@
 //! The keys, all of them, in the middle of the window.
 
 use super::super::keys::{Action, HELP};
-use super::style;
-use egui::{Align2, Grid, RichText, Ui, Vec2};
+use super::{Facts, style};
+use egui::{Grid, RichText, Ui};
+
+/// Points of the window's height that are not for the keys.
+const HEADING: f32 = 80.0;
 
 /// Shows the keys; a button closes them.
-pub fn draw(ui: &Ui, actions: &mut Vec<Action>) {
-    style::panel(ui, "help", Align2::CENTER_CENTER, Vec2::ZERO, |ui| {
+pub fn draw(ui: &Ui, facts: &Facts, actions: &mut Vec<Action>) {
+    style::sheet(ui, "help", |ui| {
         ui.set_width(310.0);
         ui.horizontal(|ui| {
             ui.heading("Echomarch");
@@ -19,20 +22,24 @@ pub fn draw(ui: &Ui, actions: &mut Vec<Action>) {
         ui.label(
             RichText::new("Sound reaches you by waves that walls mirror.").color(style::FAINT),
         );
-        for (title, keys) in HELP {
-            ui.add_space(4.0);
-            ui.label(RichText::new(title).color(style::BRIGHT));
-            Grid::new(title)
-                .num_columns(2)
-                .min_col_width(92.0)
-                .spacing([10.0, 2.0])
-                .show(ui, |ui| {
-                    for (key, what) in keys {
-                        ui.label(RichText::new(*key).strong());
-                        ui.label(*what);
-                        ui.end_row();
-                    }
-                });
-        }
+        super::scrolled(ui, facts, HEADING, keys);
     });
+}
+
+fn keys(ui: &mut Ui) {
+    for (title, keys) in HELP {
+        ui.add_space(4.0);
+        ui.label(RichText::new(title).color(style::BRIGHT));
+        Grid::new(title)
+            .num_columns(2)
+            .min_col_width(92.0)
+            .spacing([10.0, 2.0])
+            .show(ui, |ui| {
+                for (key, what) in keys {
+                    ui.label(RichText::new(*key).strong());
+                    ui.label(*what);
+                    ui.end_row();
+                }
+            });
+    }
 }

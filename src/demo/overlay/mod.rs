@@ -23,6 +23,10 @@ use egui::{Align2, RichText, Ui, Vec2};
 
 /// Space between panels and the window's edge, in points.
 const MARGIN: f32 = 8.0;
+/// Width that both side panels need, in points.
+const ROOM_FOR_BOTH: f32 = style::LEFT + style::RIGHT + 8.0 * MARGIN;
+/// Width that the line at the bottom needs beside both, in points.
+const ROOM_FOR_LINE: f32 = ROOM_FOR_BOTH + 400.0;
 /// From one line of text in the middle to the one above it, in points.
 const ABOVE: f32 = 25.0;
 
@@ -63,14 +67,16 @@ pub struct Facts<'a> {
 /// Lays out everything; what was asked for comes out.
 pub fn draw(ui: &mut Ui, facts: &Facts, chosen: &mut Choices, plan: &mut Plan) -> Vec<Action> {
     let mut actions = Vec::new();
-    if chosen.panels {
+    if chosen.panels && width(ui, facts) >= ROOM_FOR_BOTH {
         left(ui, facts, chosen, plan);
+    }
+    if chosen.panels {
         right(ui, facts, chosen, &mut actions);
         lower(ui, facts);
     }
     hint(ui, facts);
     if chosen.help {
-        help::draw(ui, &mut actions);
+        help::draw(ui, facts, &mut actions);
     }
     actions
 }
@@ -78,7 +84,7 @@ pub fn draw(ui: &mut Ui, facts: &Facts, chosen: &mut Choices, plan: &mut Plan) -
 fn left(ui: &Ui, facts: &Facts, chosen: &Choices, plan: &mut Plan) {
     style::panel(ui, "left", Align2::LEFT_TOP, Vec2::splat(MARGIN), |ui| {
         ui.set_width(style::LEFT);
-        scrolled(ui, facts, 3.5 * MARGIN, |ui| {
+        scrolled(ui, facts, 3.5 * MARGIN + below_panels(ui, facts), |ui| {
             plan.draw(ui, facts, chosen.paths);
             ui.add_space(3.0);
             meters::draw(ui, facts);
@@ -92,11 +98,25 @@ fn right(ui: &Ui, facts: &Facts, chosen: &mut Choices, actions: &mut Vec<Action>
     let offset = Vec2::new(-MARGIN, MARGIN);
     style::panel(ui, "right", Align2::RIGHT_TOP, offset, |ui| {
         ui.set_width(style::RIGHT);
-        let below = style::TIMES + 4.5 * MARGIN;
+        let below = style::TIMES + 4.5 * MARGIN + below_panels(ui, facts);
         scrolled(ui, facts, below, |ui| {
             choices::draw(ui, facts, chosen, actions);
         });
     });
+}
+
+/// The window's width in points.
+fn width(ui: &Ui, facts: &Facts) -> f32 {
+    facts.window[0] as f32 / ui.ctx().pixels_per_point()
+}
+
+/// Points below the panels that are left to the line in the middle, where it has no room
+/// between them.
+fn below_panels(ui: &Ui, facts: &Facts) -> f32 {
+    match width(ui, facts) < ROOM_FOR_LINE {
+        true => ABOVE,
+        false => 0.0,
+    }
 }
 
 /// As high as the window allows without so many points of it, and scrolled where that is too
@@ -112,7 +132,7 @@ fn scrolled(ui: &mut Ui, facts: &Facts, without: f32, add: impl FnOnce(&mut Ui))
 }
 
 fn lower(ui: &Ui, facts: &Facts) {
-    let offset = Vec2::splat(-MARGIN);
+    let offset = Vec2::new(-MARGIN, -MARGIN - below_panels(ui, facts));
     style::panel(ui, "lower", Align2::RIGHT_BOTTOM, offset, |ui| {
         times::draw(ui, facts);
     });

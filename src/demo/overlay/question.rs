@@ -1,7 +1,7 @@
 //! The panel of the localisation experiment: the plan to answer on, and what else is asked.
 
 use super::super::question::Question;
-use super::style;
+use super::{Facts, style};
 use crate::experiment::localise::sitting::Put;
 use crate::experiment::localise::{MOST_CONFIDENT, Side};
 use egui::{
@@ -37,38 +37,47 @@ pub struct Paper {
 }
 
 /// Draws the panel; what was done comes out.
-pub fn draw(ui: &mut Ui, question: &Question, paper: &mut Paper) -> Vec<Asked> {
+pub fn draw(ui: &mut Ui, facts: &Facts, question: &Question, paper: &mut Paper) -> Vec<Asked> {
     let mut asked = Vec::new();
     let offset = Vec2::splat(super::MARGIN);
     style::panel(ui, "question", Align2::LEFT_TOP, offset, |ui| {
         ui.set_width(PLAN.x);
-        let [answered, all] = question.progress();
-        let Some(put) = question.put() else {
-            ui.heading(format!("All {all} are answered"));
-            if !question.is_saved() {
-                ui.label(
-                    RichText::new("The last answers could not be written to").color(style::BAD),
-                );
-                ui.label(RichText::new(question.file()).strong());
-                ui.label("Closing the window (Ctrl+Q) tries once more.");
-                return;
-            }
-            ui.label("Thank you. Your answers are kept in");
-            ui.label(RichText::new(question.file()).strong());
-            ui.label("Ctrl+Q closes the window.");
-            return;
-        };
-        ui.horizontal(|ui| {
-            ui.heading("Where does it come from?");
-            ui.label(RichText::new(format!("{} of {all}", answered + 1)).color(style::FAINT));
+        super::scrolled(ui, facts, 6.0 * super::MARGIN, |ui| {
+            content(ui, question, paper, &mut asked);
         });
-        play(ui, question, &mut asked);
-        paper.draw(ui, question, put, &mut asked);
-        sides(ui, question, &mut asked);
-        confidence(ui, question, &mut asked);
-        lock(ui, question, &mut asked);
     });
     asked
+}
+
+fn content(ui: &mut Ui, question: &Question, paper: &mut Paper, asked: &mut Vec<Asked>) {
+    let [answered, all] = question.progress();
+    let Some(put) = question.put() else {
+        ui.heading(format!("All {all} are answered"));
+        if !question.is_saved() {
+            ui.label(RichText::new("The last answers could not be written to").color(style::BAD));
+            ui.label(RichText::new(question.file()).strong());
+            ui.label("Closing the window (Ctrl+Q) tries once more.");
+            return;
+        }
+        ui.label("Thank you. Your answers are kept in");
+        ui.label(RichText::new(question.file()).strong());
+        ui.label("Ctrl+Q closes the window.");
+        return;
+    };
+    ui.horizontal(|ui| {
+        ui.heading("Where does it come from?");
+        ui.label(RichText::new(format!("{} of {all}", answered + 1)).color(style::FAINT));
+    });
+    play(ui, question, asked);
+    ui.label(
+        RichText::new("Mark on the plan where the sound is. The arrow is where you look.").small(),
+    );
+    paper.draw(ui, question, put, asked);
+    sides(ui, question, asked);
+    confidence(ui, question, asked);
+    lock(ui, question, asked);
+    let text = "Ctrl+Q ends: the same command goes on with the next.";
+    ui.label(RichText::new(text).color(style::FAINT).small());
 }
 
 fn play(ui: &mut Ui, question: &Question, asked: &mut Vec<Asked>) {

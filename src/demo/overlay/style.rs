@@ -81,6 +81,14 @@ pub fn panel(ui: &Ui, name: &str, at: Align2, offset: Vec2, add: impl FnOnce(&mu
     });
 }
 
+/// A panel in the middle, which nothing shines through.
+pub fn sheet(ui: &Ui, name: &str, add: impl FnOnce(&mut Ui)) {
+    let area = Area::new(Id::unique(name)).anchor(Align2::CENTER_CENTER, Vec2::ZERO);
+    at_once(ui, name, area, |ui| {
+        frame().fill(BACK.to_opaque()).show(ui, add);
+    });
+}
+
 /// A line of text at a place of the window, on a ground of its own; no mouse meets it.
 pub fn line(ui: &Ui, name: &str, at: Align2, offset: Vec2, text: RichText) {
     let area = Area::new(Id::unique(name)).anchor(at, offset);

@@ -17,6 +17,8 @@ const WIDTH: u32 = 560;
 const SOLID: [f64; 3] = [205.0, 211.0, 219.0];
 const LINE: [f64; 3] = [70.0, 78.0, 88.0];
 const AIR: [f64; 3] = [255.0, 255.0, 255.0];
+/// Beyond what is drawn of the world.
+const OUTSIDE: [f64; 3] = [232.0, 234.0, 237.0];
 
 /// Half of the line's width, in pixels.
 const HALF_LINE: f64 = 1.3;
@@ -96,7 +98,7 @@ fn seen_by(scene: &Scene, bounds: Bounds) -> (DVec2, DVec2) {
     })
 }
 
-/// The cut through the scene; what is outside of the world's `bounds` stays white.
+/// The cut through the scene; what is outside of the world's `bounds` is grey.
 fn draw(scene: &Scene, bounds: Bounds, min: DVec2, max: DVec2) -> RgbaImage {
     let (right, ahead) = horizontal_axes(scene);
     let listener = scene.listener.position.as_dvec3();
@@ -109,7 +111,7 @@ fn draw(scene: &Scene, bounds: Bounds, min: DVec2, max: DVec2) -> RgbaImage {
         let is_inside = (bounds.min.x..=bounds.max.x).contains(&point.x)
             && (bounds.min.y..=bounds.max.y).contains(&point.z);
         if !is_inside {
-            return colour(AIR);
+            return colour(OUTSIDE);
         }
         let pixels = f64::from(scene.surface_distance(point).distance) / metres;
         let solid = mix(AIR, SOLID, (0.5 - pixels).clamp(0.0, 1.0));
