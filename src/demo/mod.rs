@@ -1,9 +1,10 @@
 //! The window: one walks through a scene and hears it.
 //!
 //! The picture is sphere traced with the very distance function that the waves march
-//! through, its camera is the listener. Each picture traces a frame of waves and reads it
-//! back without waiting ([`Tracer::frame_begin`](crate::Tracer::frame_begin)); what it
-//! heard goes to the sound's thread. Panels show the plan, the levels, where the time
+//! through, its camera is the listener. Waves are traced beside the pictures, a part at a time
+//! where they take long, and read back without waiting
+//! ([`Tracer::frame_begin_in_parts`](crate::Tracer::frame_begin_in_parts)); what was heard goes
+//! to the sound's thread. Panels show the plan, the levels, where the time
 //! goes, and hold the controls.
 //!
 //! | file | what it does |
@@ -11,7 +12,7 @@
 //! | `app` | events in, frames out |
 //! | `act` | what keys and buttons ask for |
 //! | `frame` | one frame, part by part |
-//! | `window` | the window, its context, what draws the panels |
+//! | `window`, `mouse` | the window, its context, what draws the panels; the pointer |
 //! | `view` | the picture |
 //! | `overlay/` | the panels |
 //! | `state`, `walk`, `keys` | what was chosen, where one stands, which key does what |
@@ -20,6 +21,7 @@
 //! | `save` | scene files and `trace` calls |
 //! | `reload` | a scene file that changes while one walks in it |
 //! | `sound` | the speakers |
+//! | `question` | the localisation experiment |
 //!
 //! Threads: everything that draws and traces is on the thread that calls [`run`], which
 //! must be the process' first.

@@ -29,7 +29,7 @@ const STILL: u32 = 8;
 const REFINING: f64 = 12.0;
 
 /// Programs that are kept at the most: those of the scenes seen last.
-const PROGRAMS_KEPT: NonZeroUsize = NonZeroUsize::new(6).unwrap();
+const PROGRAMS_KEPT: NonZeroUsize = NonZeroUsize::new(4).unwrap();
 
 /// What the picture shows: the same again is not drawn again.
 type Shown = (Scene, [u32; 2]);
@@ -109,7 +109,8 @@ impl View {
         [width, height]: [u32; 2],
         (scale, refines): (f32, bool),
     ) -> Result<Drawn, Error> {
-        // On a graphics card the last drawing is over by now, and nothing waits for its time.
+        // On a graphics card the last drawing is a picture old: only a card that is behind is
+        // waited for here.
         self.take_time();
         let side = |pixels: u32| ((pixels as f32 * scale).round() as u32).clamp(1, pixels.max(1));
         let size = [side(width), side(height)];

@@ -3,12 +3,23 @@
 use super::PictureError;
 use crate::scene::{Field, Scene, Shape, Surface};
 use glam::{DMat3, Vec2, Vec3};
+use std::f32::consts::TAU;
 
 /// The share of the longer side that is left free around what is shown.
 const MARGIN: f32 = 0.05;
 
 /// The shorter side is at least this share of the longer one.
 const SLIMMEST: f32 = 0.4;
+
+/// How far the listener sees for the plan of an endless field, in radii of its sphere: the
+/// one length of a scene that tells how large its things are.
+const SIGHT: f32 = 60.0;
+/// Directions that it looks in.
+const SIGHTS: u32 = 48;
+/// Steps that one look takes at the most.
+const SIGHT_STEPS: u32 = 200;
+/// A look ends so near to a surface, as a share of [`SIGHT`]: a fraction of a pixel.
+const NEAR_ENOUGH: f32 = 1e-4;
 
 /// A part of the plan: world x and z in metres, in the vectors' x and y.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,7 +32,8 @@ pub struct Bounds {
 
 impl Bounds {
     /// The part that holds everything bounded that a cut at `height` (world y, metres)
-    /// meets, the source, the listener and their paths, with a margin.
+    /// meets, the source, the listener and their paths, with a margin; and where a field has
+    /// no end, as rock about a cave, the walls that the listener sees about it.
     pub fn of(scene: &Scene, height: f32) -> Bounds {
         let (source, listener) = (&scene.source, &scene.listener);
         let room_for_a_mark = 0.5 * listener.radius;
@@ -36,6 +48,11 @@ impl Bounds {
         for surface in &scene.surfaces {
             if let Some(extent) = extent(surface, height) {
                 bounds.add(extent);
+            }
+        }
+        if scene.surfaces.iter().any(is_endless_field) {
+            for wall in walls_about(scene, height) {
+                bounds.add(Bounds::around(wall, 0.0));
             }
         }
         bounds.with_margin()
@@ -128,6 +145,38 @@ fn field_extent(surface: &Surface, field: &Field, height: f32) -> Option<Bounds>
     })
 }
 
+/// Whether a surface is a field that fills more than any bounds hold.
+fn is_endless_field(surface: &Surface) -> bool {
+    let Shape::Field(field) = &surface.shape else {
+        return false;
+    };
+    let bounds = field.properties().bounds;
+    !(bounds.min.is_finite() && bounds.max.is_finite())
+}
+
+/// Where the listener's sight ends on surfaces, all around at `height`.
+fn walls_about(scene: &Scene, height: f32) -> Vec<Vec3> {
+    let eye = scene.listener.position.with_y(height);
+    let far = SIGHT * scene.listener.radius;
+    let sight = |index: u32| {
+        let (sin, cos) = (index as f32 / SIGHTS as f32 * TAU).sin_cos();
+        let ray = Vec3::new(cos, 0.0, sin);
+        let mut gone = 0.0;
+        for _ in 0..SIGHT_STEPS {
+            let clear = scene.surface_distance(eye + gone * ray).distance;
+            if clear < NEAR_ENOUGH * far {
+                return Some(eye + gone * ray);
+            }
+            gone += clear;
+            if gone > far {
+                return None;
+            }
+        }
+        None
+    };
+    (0..SIGHTS).filter_map(sight).collect()
+}
+
 fn corners(surface: &Surface, size: Vec3) -> [Vec3; 8] {
     std::array::from_fn(|index| {
         let sign = |bit: usize| if index & bit == 0 { -0.5 } else { 0.5 };
@@ -217,6 +266,28 @@ mod tests {
         let size = Vec3::new(1000.0, 1.0, 1000.0);
         let slab = Surface::new(Shape::Box { size }).at(Vec3::Y * -3.0);
         assert!(Bounds::of(&scene(slab), 0.0).max.x < 5.0);
+    }
+
+    /// Protects rooms that are hollows in endless rock: the walls that one meets walking straight on are shown.
+    #[test]
+    fn the_walls_of_a_hollow_are_shown() {
+        for name in ["cave", "whispering-gallery", "morphing-room"] {
+            let scene = Scene::builtin(name).unwrap();
+            let eye = scene.listener.position;
+            let bounds = Bounds::of(&scene, eye.y);
+            for ahead in [Vec3::X, -Vec3::X, Vec3::Z, -Vec3::Z] {
+                let at = |step: i32| eye + 0.02 * step as f32 * ahead;
+                let is_wall = |point: &Vec3| scene.surface_distance(*point).distance < 0.0;
+                let Some(wall) = (0..2000).map(at).find(is_wall) else {
+                    continue;
+                };
+                let wall = flat(wall);
+                assert!(
+                    wall.cmpge(bounds.min).all() && wall.cmple(bounds.max).all(),
+                    "{name}: {wall}"
+                );
+            }
+        }
     }
 
     /// Protects the renderer from bounds that are none.

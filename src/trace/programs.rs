@@ -9,9 +9,9 @@ use std::borrow::Cow;
 use std::num::NonZeroUsize;
 use std::rc::Rc;
 
-/// Programs that are kept at the most: all three profiles of six scenes, and the passes that
+/// Programs that are kept at the most: all three profiles of three scenes, and the passes that
 /// know no scene. Mesa's llvmpipe holds some 2 MiB for each.
-const PROGRAMS_KEPT: NonZeroUsize = NonZeroUsize::new(24).unwrap();
+const PROGRAMS_KEPT: NonZeroUsize = NonZeroUsize::new(12).unwrap();
 
 /// What the text of a program depends on.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]

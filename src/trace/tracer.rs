@@ -41,7 +41,7 @@ const EVALUATIONS_PER_DRAW: u64 = 1 << 33;
 
 /// Traces frames. Programs and textures are kept from frame to frame: a frame that
 /// only moves things compiles nothing and allocates nothing on the GPU. Of many scenes and
-/// profiles in turns the programs used last are kept, two dozen of them.
+/// profiles in turns the programs used last are kept, a dozen of them.
 pub struct Tracer {
     context: Context,
     clock: Clock,

@@ -65,7 +65,7 @@ fn scene(ui: &mut Ui, facts: &Facts, chosen: &mut Choices, actions: &mut Vec<Act
         }
     });
     ui.horizontal(|ui| {
-        ui.checkbox(&mut chosen.paths, "paths of waves in the plan");
+        ui.checkbox(&mut chosen.paths, "paths in the plan");
         if world.moves() {
             let text = if world.paused { "go on" } else { "hold" };
             if ui.button(text).clicked() {
