@@ -37,6 +37,10 @@ pub struct Arguments {
     /// Sound device by its name, as demo --list-devices has it
     #[arg(long, value_name = "NAME")]
     device: Option<String>,
+    /// Draw the picture at this share of the window's size; without it the share follows the
+    /// frame's time
+    #[arg(long, allow_negative_numbers = true, value_name = "SHARE")]
+    scale: Option<f32>,
     /// Picture of the window at the end
     #[arg(long, value_name = "FILE.png")]
     screenshot: Option<PathBuf>,
@@ -46,6 +50,12 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     check_ending(&arguments.output, "json")?;
     check_range("--volume", f64::from(arguments.volume), 0.0, 1.0)?;
+    check_range(
+        "--scale",
+        f64::from(arguments.scale.unwrap_or(1.0)),
+        0.05,
+        1.0,
+    )?;
     if let Some(picture) = &arguments.screenshot {
         check_ending(picture, "png")?;
         check_file(picture)?;
@@ -60,6 +70,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     let window = DemoOptions {
         volume: arguments.volume,
         device: arguments.device.clone(),
+        picture_scale: arguments.scale,
         screenshot: arguments.screenshot.clone(),
         help: false,
         check_gl: common.json,

@@ -5,6 +5,7 @@
 use super::cli::command;
 use serde_json::Value;
 use std::io::{BufRead, BufReader};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::mpsc::{self, Receiver};
@@ -211,12 +212,18 @@ impl Image {
     }
 
     /// The share of pixels that differ by more than a shade, in columns that panels do not cover.
-    pub fn difference(&self, other: &Image, columns: std::ops::Range<u32>) -> f64 {
+    pub fn difference(&self, other: &Image, columns: Range<u32>) -> f64 {
+        self.difference_in(other, columns, 0..u32::MAX)
+    }
+
+    /// The same, in some rows alone.
+    pub fn difference_in(&self, other: &Image, columns: Range<u32>, rows: Range<u32>) -> f64 {
         assert_eq!(self.pixels.len(), other.pixels.len());
         let pairs = self.pixels.chunks(4).zip(other.pixels.chunks(4));
         let (mut all, mut different) = (0u32, 0u32);
         for (index, (a, b)) in pairs.enumerate() {
-            if columns.contains(&(index as u32 % self.width)) {
+            let (row, column) = (index as u32 / self.width, index as u32 % self.width);
+            if columns.contains(&column) && rows.contains(&row) {
                 all += 1;
                 let apart = a.iter().zip(b).any(|(a, b)| a.abs_diff(*b) > 12);
                 different += u32::from(apart);
