@@ -204,7 +204,8 @@ impl App {
     }
 
     /// A key goes up or down. `is_synthetic` says that it was down already when the window
-    /// got the keyboard: it was pressed for another one, and does nothing at once here; who holds W walks.
+    /// got the keyboard: it was pressed for another one, and does nothing at once here; who
+    /// holds W walks.
     fn key(&mut self, event: &KeyEvent, is_synthetic: bool) {
         let PhysicalKey::Code(key) = event.physical_key else {
             return;
@@ -333,7 +334,10 @@ impl App {
         let time = world.moves().then(|| world.looped());
         let names = self.saved.last().into_iter().chain([&world.name]);
         let mut calls = names.map(|name| {
-            let at_time = |scene: Scene| time.map_or(scene.clone(), |seconds| scene.at(seconds));
+            let at_time = |scene: Scene| match time {
+                Some(seconds) => scene.at(seconds),
+                None => scene,
+            };
             let loaded = Scene::load(name).map(at_time);
             let is_exact = loaded.is_ok_and(|scene| stands_as(&scene, &world.now));
             (trace_call(name, time, settings), is_exact)

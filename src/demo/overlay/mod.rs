@@ -142,10 +142,7 @@ fn lower(ui: &Ui, facts: &Facts) {
 pub fn draw_below_question(ui: &Ui, facts: &Facts) {
     let text = RichText::new(&facts.sound.text).color(style::FAINT);
     line(ui, "hint", MARGIN, text);
-    if let Some(message) = facts.message {
-        let text = RichText::new(message).color(style::BRIGHT);
-        line(ui, "message", MARGIN + ABOVE, text);
-    }
+    message(ui, facts);
 }
 
 /// The line that is always there, and the last message above it.
@@ -156,10 +153,7 @@ fn hint(ui: &Ui, facts: &Facts) {
         HINT
     };
     line(ui, "hint", MARGIN, RichText::new(text).color(style::TEXT));
-    if let Some(message) = facts.message {
-        let text = RichText::new(message).color(style::BRIGHT);
-        line(ui, "message", MARGIN + ABOVE, text);
-    }
+    message(ui, facts);
     if let Some(why) = facts.refusal {
         // It stands until the file is mended.
         let text = RichText::new(format!("{why} (the last scene stays)"));
@@ -171,6 +165,14 @@ fn hint(ui: &Ui, facts: &Facts) {
             Vec2::new(0.0, MARGIN),
             text,
         );
+    }
+}
+
+/// The last message, above the line at the bottom.
+fn message(ui: &Ui, facts: &Facts) {
+    if let Some(message) = facts.message {
+        let text = RichText::new(message).color(style::BRIGHT);
+        line(ui, "message", MARGIN + ABOVE, text);
     }
 }
 

@@ -249,7 +249,7 @@ impl Tracer {
     }
 
     /// Does something whose passes are not waited for.
-    fn without_waiting<T>(
+    pub(super) fn without_waiting<T>(
         &mut self,
         what: impl FnOnce(&mut Tracer) -> Result<T, Error>,
     ) -> Result<T, Error> {

@@ -105,10 +105,8 @@ impl Tracer {
     /// As [`Tracer::frame`].
     pub fn frame_begin(&mut self, scene: &Scene, settings: &Settings) -> Result<(), Error> {
         self.pending.give_up();
-        self.pending.beginning = true;
-        let begun = self.begin(scene, settings);
-        self.pending.beginning = false;
-        self.pending.begun = Some(begun?);
+        let begun = self.without_waiting(|tracer| tracer.begin(scene, settings))?;
+        self.pending.begun = Some(begun);
         Ok(())
     }
 
