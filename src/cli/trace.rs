@@ -5,7 +5,9 @@ use super::options::{Common, TraceOptions, Values, check_ending};
 use super::print;
 use crate::output::{check_file, write_whole};
 use crate::scene::{BUILTIN_NAMES, Scene};
-use crate::trace::{Frame, Milliseconds, Profile, Reload, Reloading, Settings, Tracer, Wave};
+use crate::trace::{
+    Frame, MAX_FIELD_STEPS, Milliseconds, Profile, Reload, Reloading, Settings, Tracer, Wave,
+};
 use clap::Args;
 use serde::Serialize;
 use std::io::{self, Write};
@@ -146,8 +148,8 @@ fn trace(
     if frame.counts.guard_hits > 0 {
         let hits = frame.counts.guard_hits;
         common.note(&format!(
-            "warning: {hits} marches were given up after {} steps; their waves count as dead",
-            settings.step_bound()
+            "warning: {hits} marches were given up after {}; their waves count as dead",
+            step_bounds(scene, settings)
         ));
     }
     let renderer = tracer.context().renderer();
@@ -156,6 +158,19 @@ fn trace(
         return print::json(&report);
     }
     print_text(&report)
+}
+
+/// How many steps a march may take: fields have a bound of their own.
+fn step_bounds(scene: &Scene, settings: &Settings) -> String {
+    let has_fields = scene.surfaces.iter().any(|s| s.shape.field().is_some());
+    match settings.profile {
+        Profile::Hybrid => format!("{MAX_FIELD_STEPS} steps"),
+        Profile::March if has_fields => format!(
+            "{} steps, or {MAX_FIELD_STEPS} among fields",
+            settings.step_bound()
+        ),
+        _ => format!("{} steps", settings.step_bound()),
+    }
 }
 
 fn report<'a>(
