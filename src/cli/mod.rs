@@ -8,6 +8,7 @@ mod cost;
 #[cfg(feature = "demo")]
 mod demo;
 mod exit;
+mod field_trial;
 mod figures;
 mod info;
 mod localise;
@@ -81,6 +82,9 @@ enum Command {
     Verify(verify::Arguments),
     /// Where is the source? The localisation experiment, for an observer and for people
     Localise(localise::Arguments),
+    /// Try users' fields for another process of this program
+    #[command(hide = true)]
+    FieldTrial,
     /// List all renderers found (whatever --gl and --gpu say), their limits, and versions
     Info(info::Arguments),
 }
@@ -88,6 +92,10 @@ enum Command {
 /// Runs the program on the process' own arguments.
 pub fn run() -> ExitCode {
     let cli = Cli::parse();
+    if matches!(cli.command, Command::FieldTrial) {
+        return field_trial::answer(&cli.common);
+    }
+    field_trial::choose(&cli.common);
     let result = match &cli.command {
         #[cfg(feature = "demo")]
         Command::Demo(arguments) => demo::run(arguments, &cli.common),
@@ -102,6 +110,7 @@ pub fn run() -> ExitCode {
         Command::Verify(arguments) => verify::run(arguments, &cli.common),
         Command::Localise(arguments) => localise::run(arguments, &cli.common),
         Command::Info(arguments) => info::run(arguments, &cli.common),
+        Command::FieldTrial => Ok(()),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -25,7 +25,8 @@ impl App {
         if self.question.is_some() || BUILTIN_NAMES.contains(&name.as_str()) {
             return tracer.check(&self.world.base, settings);
         }
-        let reloading = Reloading::open(name, tracer, settings)?;
+        let reloading =
+            Reloading::open(name, tracer, settings)?.trying_too(super::view::shader_text);
         self.world.change(reloading.scene().clone());
         self.follower = Some(Follower {
             reloading,

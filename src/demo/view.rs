@@ -200,12 +200,10 @@ impl View {
         let context = &self.context;
         let compile = || {
             check_surfaces(context, scene)?;
-            UserFields::default().check(context, scene)?;
-            let mut sources = glsl::distance_sources(scene);
-            sources.push(glsl::source!("view/colour.glsl"));
-            sources.push(glsl::source!("view/walk.frag"));
+            let text = shader_text(scene);
+            UserFields::default().check(context, scene, || text.clone())?;
             let label = format!("the view of {}", scene.name);
-            Ok::<_, Error>(Program::fragment(context, &label, &glsl::join(&sources))?)
+            Ok::<_, Error>(Program::fragment(context, &label, &text)?)
         };
         let structure = glsl::structure(scene);
         let program = self.programs.get_or_compile(structure, compile)?;
@@ -222,6 +220,14 @@ impl View {
     pub fn forget(&mut self) {
         self.shown = None;
     }
+}
+
+/// The fragment shader of the picture, `#version` apart.
+pub fn shader_text(scene: &Scene) -> String {
+    let mut sources = glsl::distance_sources(scene);
+    sources.push(glsl::source!("view/colour.glsl"));
+    sources.push(glsl::source!("view/walk.frag"));
+    glsl::join(&sources)
 }
 
 /// Whether two scenes look the same: their names do not matter, and paths are not seen.

@@ -7,7 +7,7 @@ mod pending;
 use super::directions::{random_turn, unit_directions};
 use super::frame::{in_milliseconds, timed};
 use super::limits::{check_surfaces, check_waves};
-use super::programs::Programs;
+use super::programs::{Pass, Programs, shader_text};
 use super::scene_data::SceneData;
 use super::sum::Sum;
 use super::user_fields::UserFields;
@@ -261,7 +261,9 @@ impl Tracer {
         check_waves(&self.context, Grid::new(settings.waves))?;
         check_surfaces(&self.context, scene)?;
         let fields = &mut self.kept.borrow_mut().user_fields;
-        fields.check(&self.context, scene)
+        fields.check(&self.context, scene, || {
+            shader_text(scene, settings, Pass::March)
+        })
     }
 
     fn initialise(&self, job: &Job) -> Result<f64, Error> {
