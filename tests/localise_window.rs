@@ -12,6 +12,9 @@ use std::path::Path;
 use std::thread::sleep;
 use std::time::Duration;
 
+/// What the seed 7 makes of three trials.
+const ORDER: [u32; 3] = [3, 1, 2];
+
 /// Three trials.
 const TRIALS: [&str; 8] = [
     "--scenes",
@@ -29,6 +32,7 @@ fn open<'a>(display: &'a Display, server: &Server, answers: &Path) -> Demo<'a> {
     command
         .args(["localise", "window", "-o", argument(answers), "--json"])
         .args(["--participant", "p7", "--screenshot", "last.png"])
+        .args(["--order-seed", "7"])
         .args(TRIALS);
     display.open(command)
 }
@@ -97,6 +101,8 @@ fn a_person_answers_breaks_off_and_goes_on() {
         (trial(&kept, 0), &kept["participant"]),
         (&first, &"p7".into())
     );
+    // The order is that of the seed, on every machine.
+    assert_eq!(kept["order"], serde_json::json!(ORDER));
     let sides = [0, 1, 2].map(|place| trial(&kept, place)["answer"]["side"].clone());
     assert_eq!(sides, ["left", "centre", "right"]);
     // The plan has gone.
@@ -139,6 +145,8 @@ fn the_picture_does_not_show_the_source() {
             .args([
                 "--iterations",
                 "1",
+                "--order-seed",
+                "7",
                 "--screenshot",
                 "last.png",
                 "--scale",

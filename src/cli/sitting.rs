@@ -31,6 +31,9 @@ pub struct Arguments {
     /// A code for the person, not a name
     #[arg(long, default_value = "", value_name = "CODE")]
     participant: String,
+    /// Seed of the order of the trials in a sitting that begins [default: another for each]
+    #[arg(long, value_name = "N")]
+    order_seed: Option<u64>,
     /// Loudness, 0 to 1
     #[arg(long, allow_negative_numbers = true, default_value_t = 0.5)]
     volume: f32,
@@ -62,7 +65,12 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     }
     let options = arguments.trials.options(common)?;
     let form = build(&options, common)?;
-    let opened = Sitting::open(form, arguments.output.clone(), &arguments.participant);
+    let opened = Sitting::open(
+        form,
+        arguments.output.clone(),
+        &arguments.participant,
+        arguments.order_seed,
+    );
     let sitting = opened.map_err(|error| match error {
         SittingError::Output(error) => anyhow::Error::from(error),
         other => BadInput(other.to_string()).into(),
