@@ -47,6 +47,9 @@ pub struct Arguments {
     /// Picture of the window at the end
     #[arg(long, value_name = "FILE.png")]
     screenshot: Option<PathBuf>,
+    /// Tell every frame as a line of JSON on standard error
+    #[arg(long, hide = true)]
+    log_frames: bool,
 }
 
 /// Runs the subcommand.
@@ -82,6 +85,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
         screenshot: arguments.screenshot.clone(),
         help: false,
         check_gl: common.json,
+        log_frames: arguments.log_frames,
         ..DemoOptions::default()
     };
     let report = run_sitting(window, sitting, arguments.trials.seconds)?;
