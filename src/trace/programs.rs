@@ -71,7 +71,7 @@ impl Programs {
             scene.check()?;
             let label = format!("march ({}) of {}", settings.profile, scene.name);
             let text = glsl::join(&march_sources(scene, options));
-            trial::ensure(scene, &text)?;
+            trial::ensure(scene, &[&text])?;
             Ok(Program::fragment(context, &label, &text)?)
         })
     }

@@ -1,5 +1,7 @@
 //! A scene that follows its files while it is traced.
 
+#[cfg(feature = "demo")]
+use super::trial;
 use super::trial::Trial;
 use super::{Pass, Settings, Tracer, shader_text};
 use crate::error::Error;
@@ -72,11 +74,22 @@ impl Reloading {
         })
     }
 
-    /// Has this program tried as well, together with the tracer's, when users' fields are new.
+    /// Has these programs tried as well, together with the tracer's, now and when users'
+    /// fields are new.
+    ///
+    /// # Errors
+    /// [`Error::Trace`] for a field that cannot be used in them.
     #[cfg(feature = "demo")]
-    pub(crate) fn trying_too(mut self, program: fn(&Scene) -> String) -> Reloading {
-        self.others.push(program);
-        self
+    pub(crate) fn trying_too(
+        mut self,
+        programs: impl IntoIterator<Item = fn(&Scene) -> String>,
+    ) -> Result<Reloading, Error> {
+        self.others.extend(programs);
+        let texts = self.others.iter().map(|program| program(&self.scene));
+        let texts: Vec<String> = texts.collect();
+        let texts: Vec<&str> = texts.iter().map(String::as_str).collect();
+        trial::ensure(&self.scene, &texts)?;
+        Ok(self)
     }
 
     /// Looks at the files; to be called between frames, as often as one likes. A new scene

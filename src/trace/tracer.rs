@@ -335,7 +335,11 @@ impl Tracer {
         job.march.set_texture("uDirections", 1, &current.second);
         self.scene_data.bind(&job.march, 2);
         job.march.set_i32("uIterationsInPass", iterations as i32);
-        let evaluations = job.evaluations(iterations);
+        let mut evaluations = job.evaluations(iterations);
+        // No watchdog looks after what the processor draws.
+        if !self.context.is_software() {
+            evaluations = evaluations.saturating_mul(job.weight());
+        }
         let next = targets.pairs.next();
         self.pass_rows(&job.march, targets.grid, next, evaluations, rows)
     }

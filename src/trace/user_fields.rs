@@ -88,7 +88,7 @@ impl UserFields {
             return Ok(());
         }
         scene.check()?;
-        trial::ensure(scene, &program())?;
+        trial::ensure(scene, &[&program()])?;
         let known = self.checked.len();
         let checked = self.check_new(context, scene);
         if self.checked.len() > known {

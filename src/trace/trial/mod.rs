@@ -94,13 +94,13 @@ impl FieldTrial {
     }
 }
 
-/// Has the scene's fields, and a program that they are part of, tried as chosen; returns when
+/// Has the scene's fields, and programs that they are part of, tried as chosen; returns when
 /// they are. What was tried before is not tried again.
 ///
 /// # Errors
 /// [`Error::Trace`] for a field that cannot be used.
-pub(crate) fn ensure(scene: &Scene, program: &str) -> Result<(), Error> {
-    match Trial::begin(scene, &[program])? {
+pub(crate) fn ensure(scene: &Scene, programs: &[&str]) -> Result<(), Error> {
+    match Trial::begin(scene, programs)? {
         Some(trial) => trial.wait(),
         None => Ok(()),
     }

@@ -13,23 +13,27 @@ const DEEPEST: usize = 128;
 const LONGEST_ARRAY: u64 = 1 << 14;
 
 /// Takes out `precision highp float;` and its like: a shader has its own.
-pub fn leave_out_precisions(tokens: &mut Vec<Token>) {
+pub fn leave_out_precisions<'a>(tokens: &[Token<'a>]) -> Vec<Token<'a>> {
     let is_precision = |at: &[Token]| {
         matches!(at, [word, how, of, end] if word.is("precision")
             && how.is_word() && of.is_word() && end.is(";"))
     };
-    let mut left = 0;
-    let mut index = 0;
-    while index < tokens.len() {
-        if tokens.get(index..index + 4).is_some_and(is_precision) {
-            index += 4;
-            continue;
+    let mut left: Vec<Token> = Vec::with_capacity(tokens.len());
+    let mut after_one = false;
+    for token in tokens {
+        let mut token = *token;
+        // What stood on either side shall not become one.
+        if std::mem::take(&mut after_one) && token.space.is_empty() {
+            token.space = " ";
         }
-        tokens[left] = tokens[index];
-        left += 1;
-        index += 1;
+        left.push(token);
+        let before = left.len().saturating_sub(4);
+        if is_precision(&left[before..]) {
+            left.truncate(before);
+            after_one = true;
+        }
     }
-    tokens.truncate(left);
+    left
 }
 
 /// Refuses a text that is no field, or does what a field cannot do.

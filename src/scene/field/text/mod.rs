@@ -48,8 +48,8 @@ pub(super) fn read(text: &str) -> Result<Text, Refusal> {
     }
     let clean = tokens::clean(text);
     let (tokens, end) = tokens::tokens(&clean)?;
-    let mut tokens = preprocess::preprocess(&tokens)?;
-    check::leave_out_precisions(&mut tokens);
+    let tokens = preprocess::preprocess(&tokens)?;
+    let tokens = check::leave_out_precisions(&tokens);
     check::check(&tokens)?;
     Ok(Text {
         code: written(&tokens, end),
@@ -115,6 +115,10 @@ mod tests {
             read(text).unwrap().code,
             "\n\n\n // two\n\nfloat field(vec3 p) {\n  return ( 2.0 * ( p . x ) ) -A;\n}\n"
         );
+        let tight =
+            "#define A -1\nint a=1-A+A;int precision lowp int;b;float field(vec3 p){return p.x;}";
+        let expected = "\nint a=1- - 1 + - 1 ;int b;float field(vec3 p){return p.x;}\n";
+        assert_eq!(read(tight).unwrap().code, expected);
         let plain = "float field(vec3 p) {\n\n    return p.x; /* a\n */ }\n";
         assert_eq!(read(plain).unwrap().code, plain);
     }

@@ -8,6 +8,9 @@ use std::collections::{HashMap, HashSet};
 /// be, at every level of eight.
 const MOST_STEPS: usize = 8 * MOST_TOKENS;
 
+/// Characters of an `#error` that are told.
+const LONGEST_ERROR: usize = 200;
+
 /// Macros' calls within calls, at the most.
 const DEEPEST_CALL: u32 = 64;
 
@@ -88,7 +91,9 @@ impl<'a> Preprocessor<'a> {
             "version" => Ok(()),
             "error" => {
                 let words: Vec<&str> = rest.iter().take(20).map(|token| token.text).collect();
-                Err(told(format!("#error {}", words.join(" "))))
+                let mut words = words.join(" ");
+                words.truncate(LONGEST_ERROR);
+                Err(told(format!("#error {words}")))
             }
             "extension" | "pragma" | "line" | "include" => Err(told(format!(
                 "#{} is of a whole shader: a field cannot have it",
@@ -392,7 +397,7 @@ impl<'a> Expander<'a> {
         left.push(Item::End(name.text));
         let count = body.len();
         for (index, mut token) in body.into_iter().rev().enumerate() {
-            if index + 1 == count {
+            if index + 1 == count && !name.space.is_empty() {
                 token.space = name.space;
             }
             left.push(Item::Token(token));
