@@ -87,6 +87,9 @@ impl UserFields {
         if scene.user_fields().all(is_known) {
             return Ok(());
         }
+        for field in scene.user_fields() {
+            TraceError::check_text(field)?;
+        }
         scene.check()?;
         trial::ensure(scene, &[&program()])?;
         let known = self.checked.len();

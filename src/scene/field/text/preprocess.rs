@@ -77,9 +77,9 @@ impl<'a> Preprocessor<'a> {
         };
         let told = |why: String| (Some(line), why);
         match name.text {
-            "if" | "ifdef" | "ifndef" => return self.begin(line, name.text, rest),
-            "elif" | "else" | "endif" => return self.go_on(line, name.text, rest),
-            _ if !self.is_on() => return Ok(()),
+            "if" | "ifdef" | "ifndef" => self.begin(line, name.text, rest),
+            "elif" | "else" | "endif" => self.go_on(line, name.text, rest),
+            _ if !self.is_on() => Ok(()),
             "define" => self.expander.define(rest).map_err(told),
             "undef" => {
                 if let Some(name) = rest.first() {

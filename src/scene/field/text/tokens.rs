@@ -117,8 +117,8 @@ fn space_end(
         let rest = &text[at..];
         if rest.starts_with("//") {
             at += rest.find('\n').unwrap_or(rest.len());
-        } else if rest.starts_with("/*") {
-            let Some(length) = rest[2..].find("*/") else {
+        } else if let Some(inside) = rest.strip_prefix("/*") {
+            let Some(length) = inside.find("*/") else {
                 let line = line + super::newlines(&text[begin..at]);
                 return Err((Some(line), "this /* has no */".to_owned()));
             };

@@ -173,7 +173,7 @@ pub fn is_known(word: &str) -> bool {
 /// Whether a word could select components of a vector.
 pub fn is_selection(word: &str) -> bool {
     let is_of = |letters: &&str| word.chars().all(|c| letters.contains(c));
-    word.len() <= 4 && SELECTIONS.iter().any(|letters| is_of(&letters))
+    word.len() <= 4 && SELECTIONS.iter().any(is_of)
 }
 
 /// Why a field cannot have a word, if it cannot.
