@@ -1,8 +1,8 @@
 //! From an error to one sentence and an exit code.
 
+use super::print;
 use crate::error::Error;
 use crate::output::OutputError;
-use std::io::Write;
 use std::process::ExitCode;
 
 const FAILED: u8 = 1;
@@ -20,7 +20,7 @@ pub fn report(error: &anyhow::Error) -> ExitCode {
     }
     // The outermost error alone: ours name their cause in their own sentence.
     // With nowhere to write to, the exit code still tells.
-    let _ = writeln!(std::io::stderr(), "echomarch: {error}");
+    print::tell(&format!("echomarch: {error}"));
     ExitCode::from(code(error))
 }
 

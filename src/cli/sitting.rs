@@ -58,9 +58,11 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     )?;
     if let Some(picture) = &arguments.screenshot {
         check_ending(picture, "png")?;
-        check_file(picture)?;
     }
     let options = arguments.trials.options(common)?;
+    if let Some(picture) = &arguments.screenshot {
+        check_file(picture)?;
+    }
     let form = build(&options, common)?;
     let opened = Sitting::open(form, arguments.output.clone(), &arguments.participant);
     let sitting = opened.map_err(|error| match error {
@@ -74,8 +76,10 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
         screenshot: arguments.screenshot.clone(),
         help: false,
         check_gl: common.json,
+        is_asked_to_end: super::interrupt::is_asked,
         ..DemoOptions::default()
     };
+    super::interrupt::ask_from_now_on();
     let report = run_sitting(window, sitting, arguments.trials.seconds)?;
     if common.json {
         return print::json(&report);
