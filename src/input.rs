@@ -170,7 +170,7 @@ fn check_regular(kind: FileType) -> Result<(), InputError> {
         return Ok(());
     }
     let found = if kind.is_dir() {
-        "a folder"
+        "a directory"
     } else {
         special(kind)
     };
@@ -260,7 +260,7 @@ mod tests {
             (pipe.as_path(), "a pipe"),
             (Path::new("/dev/zero"), "a device"),
             (link.as_path(), "a device"),
-            (folder.path(), "a folder"),
+            (folder.path(), "a directory"),
         ] {
             let refused = read_text(path, 9).unwrap_err().to_string();
             assert_eq!(refused, format!("it is {found}, not a regular file"));

@@ -6,9 +6,11 @@ use std::borrow::Cow;
 pub(crate) const LONGEST_NAME: usize = 200;
 
 /// Lines of a message at the most.
+#[cfg(feature = "cli")]
 const MOST_LINES: usize = 10;
 
 /// Characters of a message at the most.
+#[cfg(feature = "cli")]
 const MOST_CHARACTERS: usize = 1000;
 
 /// The text in one line, for a terminal: what is not seen as it stands (escape codes and other
@@ -18,19 +20,28 @@ pub(crate) fn in_a_line(text: &str) -> Cow<'_, str> {
 }
 
 /// As [`in_a_line`]; ends of lines and tabs stay.
+#[cfg(feature = "cli")]
 pub(crate) fn in_lines(text: &str) -> Cow<'_, str> {
     spelled_out(text, |c| c == '\n' || c == '\t')
 }
 
 /// As [`in_lines`], cut to what can be read: 10 lines, 1,000 characters. Later lines are
 /// indented, so that none can pass for a message of its own.
+#[cfg(feature = "cli")]
 pub(crate) fn message(text: &str) -> String {
     let text = in_lines(text.trim_end());
     let lines: Vec<&str> = text.lines().collect();
     cut_characters(&cut_lines(&lines).join("\n  "))
 }
 
+/// Whether [`message`] would show the text's characters as they are, all of them.
+#[cfg(feature = "cli")]
+pub(crate) fn is_showable(text: &str) -> bool {
+    text.len() <= MOST_CHARACTERS && matches!(in_lines(text), Cow::Borrowed(_))
+}
+
 /// The first and the last lines: what is wrong stands at the start or at the end.
+#[cfg(feature = "cli")]
 fn cut_lines(lines: &[&str]) -> Vec<String> {
     const LAST: usize = 2;
     let whole = |lines: &[&str]| -> Vec<String> { lines.iter().map(|&l| l.to_owned()).collect() };
@@ -46,6 +57,7 @@ fn cut_lines(lines: &[&str]) -> Vec<String> {
 }
 
 /// The first and the last characters.
+#[cfg(feature = "cli")]
 fn cut_characters(text: &str) -> String {
     const LAST: usize = 300;
     /// Room for what stands in between.
@@ -62,6 +74,7 @@ fn cut_characters(text: &str) -> String {
 }
 
 /// JSON as it may be shown on a terminal: what is not seen as it stands is `\u…`, as JSON has it.
+#[cfg(feature = "cli")]
 pub(crate) fn json(text: &str) -> Cow<'_, str> {
     if !text.chars().any(|c| c != '\n' && is_hidden(c)) {
         return Cow::Borrowed(text);
@@ -79,6 +92,7 @@ pub(crate) fn json(text: &str) -> Cow<'_, str> {
 
 /// JSON as it may stand within a `script` element: no character in it that HTML gives a
 /// meaning to. Any JSON reader reads the same.
+#[cfg(feature = "experiment")]
 pub(crate) fn json_in_html(text: &str) -> String {
     let mut shown = String::with_capacity(text.len());
     for c in text.chars() {
@@ -91,6 +105,7 @@ pub(crate) fn json_in_html(text: &str) -> String {
     shown
 }
 
+#[cfg(feature = "experiment")]
 fn push_json(json: &mut String, c: char) {
     use std::fmt::Write;
     for unit in c.encode_utf16(&mut [0; 2]) {
@@ -101,6 +116,7 @@ fn push_json(json: &mut String, c: char) {
 
 /// Text for a CSV cell: in a line, and with an apostrophe before what a spreadsheet would take
 /// for a formula.
+#[cfg(feature = "experiment")]
 pub(crate) fn csv_cell(text: &str) -> String {
     let text = in_a_line(text);
     match text.trim_start().chars().next() {
@@ -110,6 +126,7 @@ pub(crate) fn csv_cell(text: &str) -> String {
 }
 
 /// Text for Markdown, a table's cell included: nothing in it makes a tag, a link or a column.
+#[cfg(feature = "experiment")]
 pub(crate) fn markdown(text: &str) -> String {
     let mut shown = String::with_capacity(text.len());
     for c in in_a_line(text).chars() {
@@ -173,7 +190,7 @@ fn is_hidden(c: char) -> bool {
     is_spelled_out && !WIDE_SPACES.contains(&c)
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "cli"))]
 mod tests {
     use super::*;
 

@@ -380,11 +380,9 @@ fn no_name_reaches_a_terminal_as_it_is() {
         }
         std::fs::write(folder.join("a.json"), answers(&name, "p")).unwrap();
         check_shown(&refusal(folder, &["localise", "score", "a.json"]));
-        std::fs::write(
-            folder.join("a.json"),
-            answers("s", "p").replace("right\",", &quoted),
-        )
-        .unwrap();
+        let said = serde_json::to_string(&name).unwrap();
+        let file = answers("s", "p").replace("\"right\"", &said);
+        std::fs::write(folder.join("a.json"), file).unwrap();
         check_shown(&refusal(folder, &["localise", "score", "a.json"]));
     }
     // The file's own name stands for the scene's.
@@ -410,8 +408,8 @@ fn check_shown(said: &str) {
 #[test]
 fn messages_of_many_lines_are_cut() {
     let folder = tempfile::tempdir().unwrap();
-    let file =
-        answers("corner", "p").replace("\"right\",", "\"\\n\\n\\n\\n\\n\\n\\n\\n\\n\\n\\n\\n\",");
+    let said = serde_json::to_string(&"\n".repeat(50)).unwrap();
+    let file = answers("corner", "p").replace("\"right\"", &said);
     std::fs::write(folder.path().join("a.json"), file).unwrap();
     let output = run(folder.path(), &["localise", "score", "a.json"]);
     assert_eq!(output.status.code(), Some(2));
@@ -475,9 +473,7 @@ fn a_form_holds_names_as_data() {
 fn what_is_impossible_between_keys_is_refused_with_its_time() {
     let prism = "Prism(corners: [(0, 0), (1, 0), (0.5, Keys([(0, 1), (2, -1)]))], depth: 1)";
     let normal = "Complement(HalfSpace(normal: (Keys([(0, 1), (3, -2)]), 0, 0), offset: -9))";
-    let repeat = "Repeat(of: Rotate(of: Box(size: (4, 1, 1)), by: (0, Keys([(0, 0), (4, 180)]), \
-                  0)), period: (0, 0, 3))";
-    for (shape, from, to) in [(prism, 1.0, 1.0), (normal, 1.0, 1.0), (repeat, 0.1, 3.9)] {
+    for shape in [prism, normal] {
         let folder = folder_with(shape);
         for arguments in [
             &["trace", "scene.ron"][..],
@@ -487,8 +483,7 @@ fn what_is_impossible_between_keys_is_refused_with_its_time() {
         ] {
             let said = refusal(folder.path(), arguments);
             let told = said.strip_prefix("echomarch: at ").expect(&said);
-            let seconds: f64 = told.split(' ').next().unwrap().parse().unwrap();
-            assert!((from..=to).contains(&seconds), "{said}");
+            assert!(told.starts_with("1 s, "), "{said}");
         }
     }
 }

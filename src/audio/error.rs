@@ -88,10 +88,10 @@ pub enum AudioError {
         /// How many samples may be kept.
         limit: u64,
     },
-    /// A float WAV file holds a sample far beyond full scale.
+    /// A float WAV file that is to be resampled holds a sample far beyond full scale.
     #[error(
         "{} holds a sample of {value:e}, sample {sample} over all channels: at most {limit:e} \
-         either way is read, and 1 is full scale, so export the file anew",
+         either way can be resampled, and 1 is full scale, so export the file anew",
         path.display()
     )]
     LoudSample {

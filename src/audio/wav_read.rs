@@ -17,8 +17,9 @@ const LARGEST_FILE: u64 = 2 * 4 * MOST_SAMPLES;
 /// memory, 11 minutes at 48 kHz.
 const MOST_SAMPLES: u64 = 1 << 25;
 
-/// The largest magnitude of a sample, where 1 is full scale: float files that were made of
-/// 32-bit integers have it. Sums over a resampler's filter stay finite by far.
+/// The largest magnitude of a sample that is to be resampled, where 1 is full scale: float files
+/// that were made of 32-bit integers have it. The sums over the filter stay finite by far; the
+/// resampler panics where they do not.
 const LOUDEST: f32 = 2_147_483_648.0;
 
 /// A WAV file's sound at its own rate; never empty, always finite.
@@ -41,7 +42,8 @@ pub(super) fn read_mono(path: &Path, to_hz: u32) -> Result<MonoWav, AudioError> 
     }
     check_length(path, &reader, file_bytes, to_hz)?;
     let rate_hz = spec.sample_rate;
-    let samples = read_samples(reader, path)?;
+    let loudest = if rate_hz == to_hz { f32::MAX } else { LOUDEST };
+    let samples = read_samples(reader, path, loudest)?;
     if samples.is_empty() {
         return Err(AudioError::EmptyWav { path: path.into() });
     }
@@ -120,14 +122,14 @@ fn unsupported(path: &Path, found: String) -> AudioError {
 }
 
 /// The channels' mean, sample by sample, scaled so that full scale is 1.
-fn read_samples(reader: Reader, path: &Path) -> Result<Vec<f32>, AudioError> {
+fn read_samples(reader: Reader, path: &Path, loudest: f32) -> Result<Vec<f32>, AudioError> {
     let spec = reader.spec();
     let channels = spec.channels.into();
     match (spec.sample_format, spec.bits_per_sample) {
         (SampleFormat::Float, 32) => {
             let read = reader.into_samples::<f32>();
             mean_of_channels(read, channels, path, |index, sample| {
-                check_sample(path, index, sample)
+                check_sample(path, index, sample, loudest)
             })
         }
         (SampleFormat::Int, bits @ (8 | 16 | 24 | 32)) => {
@@ -176,19 +178,19 @@ fn damaged(path: &Path, sample: u64, source: hound::Error) -> AudioError {
     }
 }
 
-fn check_sample(path: &Path, index: u64, sample: f32) -> Result<f32, AudioError> {
+fn check_sample(path: &Path, index: u64, sample: f32, loudest: f32) -> Result<f32, AudioError> {
     if !sample.is_finite() {
         return Err(AudioError::NonFiniteSample {
             path: path.into(),
             sample: index,
         });
     }
-    if sample.abs() > LOUDEST {
+    if sample.abs() > loudest {
         return Err(AudioError::LoudSample {
             path: path.into(),
             sample: index,
             value: sample,
-            limit: LOUDEST,
+            limit: loudest,
         });
     }
     Ok(sample)

@@ -3,6 +3,8 @@
 use super::print;
 use crate::error::Error;
 use crate::output::OutputError;
+use crate::text;
+use clap::error::ErrorKind;
 use std::process::ExitCode;
 
 const FAILED: u8 = 1;
@@ -22,6 +24,23 @@ pub fn report(error: &anyhow::Error) -> ExitCode {
     // With nowhere to write to, the exit code still tells.
     print::tell(&format!("echomarch: {error}"));
     ExitCode::from(code(error))
+}
+
+/// Prints what is wrong with the arguments, or the help that was asked for. What cannot be
+/// shown as it was typed is told as any other message is.
+pub fn refuse_arguments(error: &clap::Error) -> ExitCode {
+    let is_help = matches!(
+        error.kind(),
+        ErrorKind::DisplayHelp
+            | ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand
+            | ErrorKind::DisplayVersion
+    );
+    let text = error.render().to_string();
+    if !is_help && !text::is_showable(&text) {
+        print::tell(&text);
+        return ExitCode::from(BAD_INPUT);
+    }
+    error.exit()
 }
 
 fn code(error: &anyhow::Error) -> u8 {

@@ -88,7 +88,10 @@ enum Command {
 
 /// Runs the program on the process' own arguments.
 pub fn run() -> ExitCode {
-    let cli = Cli::parse();
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => return exit::refuse_arguments(&error),
+    };
     if let Err(error) = interrupt::install() {
         print::tell(&format!("warning: signals are not answered: {error}"));
     }
