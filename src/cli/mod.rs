@@ -11,6 +11,7 @@ mod exit;
 mod field_trial;
 mod figures;
 mod info;
+mod interrupt;
 mod localise;
 mod options;
 mod print;
@@ -91,9 +92,15 @@ enum Command {
 
 /// Runs the program on the process' own arguments.
 pub fn run() -> ExitCode {
-    let cli = Cli::parse();
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => return exit::refuse_arguments(&error),
+    };
     if matches!(cli.command, Command::FieldTrial) {
         return field_trial::answer(&cli.common);
+    }
+    if let Err(error) = interrupt::install() {
+        print::tell(&format!("warning: signals are not answered: {error}"));
     }
     field_trial::choose(&cli.common);
     let result = match &cli.command {
@@ -112,8 +119,9 @@ pub fn run() -> ExitCode {
         Command::Info(arguments) => info::run(arguments, &cli.common),
         Command::FieldTrial => Ok(()),
     };
-    match result {
+    let code = match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => exit::report(&error),
-    }
+    };
+    interrupt::asked().map_or(code, ExitCode::from)
 }
