@@ -38,7 +38,13 @@
 //! | `picture` | what the listener sees, and the plan with paths (feature `experiment`) |
 //! | `experiment` | the thesis' experiments, run for real, and what accuracy costs (feature `experiment`) |
 //! | `demo` | the window: walk through a scene and hear it (feature `demo`) |
+//! | [`input`] | what keeps files from being read |
 //! | [`output`] | files that are there whole or not at all |
+//!
+//! # Scenes from strangers
+//! A scene may name GLSL of its own, which the driver compiles within this process, and which can
+//! end it, fill its memory or never return. Whoever traces scenes that come from somewhere has
+//! their fields tried in a child process first: see [`trace::FieldTrial`].
 //!
 //! # Features
 //! | feature | default | what it adds |
@@ -63,12 +69,14 @@ pub mod error;
 #[cfg(feature = "experiment")]
 pub mod experiment;
 pub mod gpu;
+pub mod input;
 pub mod offline;
 pub mod output;
 #[cfg(feature = "experiment")]
 pub mod picture;
 pub mod reference;
 pub mod scene;
+mod text;
 pub mod trace;
 
 pub use error::Error;

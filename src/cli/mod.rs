@@ -8,8 +8,10 @@ mod cost;
 #[cfg(feature = "demo")]
 mod demo;
 mod exit;
+mod field_trial;
 mod figures;
 mod info;
+mod interrupt;
 mod localise;
 mod options;
 mod print;
@@ -81,13 +83,26 @@ enum Command {
     Verify(verify::Arguments),
     /// Where is the source? The localisation experiment, for an observer and for people
     Localise(localise::Arguments),
+    /// Try users' fields for another process of this program
+    #[command(hide = true)]
+    FieldTrial,
     /// List all renderers found (whatever --gl and --gpu say), their limits, and versions
     Info(info::Arguments),
 }
 
 /// Runs the program on the process' own arguments.
 pub fn run() -> ExitCode {
-    let cli = Cli::parse();
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => return exit::refuse_arguments(&error),
+    };
+    if matches!(cli.command, Command::FieldTrial) {
+        return field_trial::answer(&cli.common);
+    }
+    if let Err(error) = interrupt::install() {
+        print::tell(&format!("warning: signals are not answered: {error}"));
+    }
+    field_trial::choose(&cli.common);
     let result = match &cli.command {
         #[cfg(feature = "demo")]
         Command::Demo(arguments) => demo::run(arguments, &cli.common),
@@ -102,9 +117,11 @@ pub fn run() -> ExitCode {
         Command::Verify(arguments) => verify::run(arguments, &cli.common),
         Command::Localise(arguments) => localise::run(arguments, &cli.common),
         Command::Info(arguments) => info::run(arguments, &cli.common),
+        Command::FieldTrial => Ok(()),
     };
-    match result {
+    let code = match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => exit::report(&error),
-    }
+    };
+    interrupt::asked().map_or(code, ExitCode::from)
 }
