@@ -9,8 +9,10 @@ mod cost;
 mod demo;
 mod exit;
 mod figures;
+mod ignored;
 mod info;
 mod localise;
+mod numbers;
 mod options;
 mod print;
 mod render;
@@ -23,7 +25,7 @@ mod trace;
 mod verify;
 mod view;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::process::ExitCode;
 
 const EXAMPLES: &str = "\
@@ -87,7 +89,11 @@ enum Command {
 
 /// Runs the program on the process' own arguments.
 pub fn run() -> ExitCode {
-    let cli = Cli::parse();
+    let matches = Cli::command().get_matches();
+    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+    if let Err(error) = ignored::check(&matches) {
+        return exit::report(&error.into());
+    }
     let result = match &cli.command {
         #[cfg(feature = "demo")]
         Command::Demo(arguments) => demo::run(arguments, &cli.common),

@@ -1,8 +1,10 @@
 //! `echomarch trace`: one frame.
 
 use super::exit::BadInput;
-use super::options::{Common, TraceOptions, Values, check_ending};
+use super::numbers::real;
+use super::options::{Common, LawOption, TraceOptions, Values, check_ending};
 use super::print;
+use crate::audio::PanningLaw;
 use crate::output::{check_file, write_whole};
 use crate::scene::{BUILTIN_NAMES, Scene};
 use crate::trace::{Frame, Milliseconds, Profile, Reload, Reloading, Settings, Tracer, Wave};
@@ -32,14 +34,15 @@ pub struct Arguments {
     values: Values,
     #[command(flatten)]
     options: TraceOptions,
+    #[command(flatten)]
+    law: LawOption,
     /// Seconds on the paths of source, listener and surfaces; without it all stand where the
     /// scene puts them
     #[arg(
         long,
         allow_negative_numbers = true,
         value_name = "SECONDS",
-        conflicts_with = "watch"
-    )]
+        conflicts_with = "watch", value_parser = real::<f64>)]
     time: Option<f64>,
     /// Write every wave's start, end, direction and status as CSV
     #[arg(long, value_name = "FILE.csv")]
@@ -48,7 +51,7 @@ pub struct Arguments {
     #[arg(long)]
     watch: bool,
     /// End --watch after this time
-    #[arg(long, value_name = "SECONDS", requires = "watch", hide = true)]
+    #[arg(long, value_name = "SECONDS", requires = "watch", hide = true, value_parser = real::<f64>)]
     watch_seconds: Option<f64>,
 }
 
@@ -73,6 +76,8 @@ struct Report<'a> {
     left: f64,
     right: f64,
     pan: f64,
+    law: String,
+    gains: [f32; 2],
     milliseconds: Milliseconds,
 }
 
@@ -151,7 +156,14 @@ fn trace(
         ));
     }
     let renderer = tracer.context().renderer();
-    let report = report(scene, settings, &frame, renderer, tracer.clock_name());
+    let law = arguments.law.of(settings.profile);
+    let report = report(
+        scene,
+        settings,
+        &frame,
+        law,
+        [renderer, tracer.clock_name()],
+    );
     if common.json {
         return print::json(&report);
     }
@@ -162,9 +174,10 @@ fn report<'a>(
     scene: &'a Scene,
     settings: &Settings,
     frame: &Frame,
-    renderer: &'a str,
-    clock: &'a str,
+    law: PanningLaw,
+    [renderer, clock]: [&'a str; 2],
 ) -> Report<'a> {
+    let gains = law.gains(frame.panning.pan() as f32);
     Report {
         scene: &scene.name,
         profile: settings.profile.to_string(),
@@ -184,6 +197,8 @@ fn report<'a>(
         left: frame.panning.left,
         right: frame.panning.right,
         pan: frame.panning.pan(),
+        law: law.to_string(),
+        gains: [gains.left, gains.right],
         milliseconds: frame.milliseconds,
     }
 }
@@ -205,8 +220,8 @@ fn print_text(report: &Report) -> anyhow::Result<()> {
         report.zero_length_passes, report.guard_hits
     ))?;
     print::line(&format!(
-        "  left {:.1}, right {:.1}: pan {:+.4}",
-        report.left, report.right, report.pan
+        "  left {:.1}, right {:.1}: pan {:+.4}; gains {:.3} and {:.3} ({})",
+        report.left, report.right, report.pan, report.gains[0], report.gains[1], report.law
     ))?;
     print::line(&format!(
         "  {:.2} ms: initialise {:.2}, march {:.2}, pan {:.2}, read back {:.2} ({})",
