@@ -69,7 +69,7 @@ fn trace_reports_the_documented_keys() {
         "dead",
         "travelling",
         "zero_length_passes",
-        "guard_hits",
+        "step_limit_reached",
         "left",
         "right",
         "pan",

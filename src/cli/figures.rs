@@ -93,8 +93,8 @@ fn print_tables(report: &FiguresReport) -> anyhow::Result<()> {
     }
     print::line(
         "\nms: median time of a frame, and of its parts. zero: share of all passes that end at\n\
-         distance 0. guard: marches given up at the step bound. se: difference of the hits in\n\
-         standard errors, √(ours + thesis).",
+         distance 0. step limit: marches that reached it. se: difference of the hits in standard\n\
+         errors, √(ours + thesis).",
     )
 }
 
@@ -113,7 +113,7 @@ fn as_table(table: &FigureTable) -> print::Wide {
             "dead",
             "travelling",
             "zero",
-            "guard",
+            "step limit",
             "thesis hits",
             "se",
             "thesis ms (mobile, desktop)",
@@ -139,7 +139,7 @@ fn cells(row: &FigureRow) -> [String; 15] {
         row.counts.dead.to_string(),
         row.counts.travelling.to_string(),
         format!("{:.1} %", 100.0 * row.zero_length_share),
-        row.counts.guard_hits.to_string(),
+        row.counts.step_limit_reached.to_string(),
         row.thesis.listener_hits.to_string(),
         format!("{:+.1}", row.standard_errors()),
         format!("{}, {}", row.thesis.mobile_ms, row.thesis.desktop_ms),

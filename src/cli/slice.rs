@@ -17,7 +17,7 @@ Examples:
 const LEGEND: &str = "\
 The picture: solid filled, air white with faint lines of equal distance; the source a dot, the
 listener a circle with an arrow along its gaze, key-framed paths dashed, a scale bar. Paths of
-waves: orange reached the listener, grey still on its way, green met nothing (a fading stub).
+waves: orange heard, grey travelling, green dead (a fading stub).
 They are drawn wherever they are in height, so one may end inside the circle: above or below
 the cut.
 

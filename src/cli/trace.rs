@@ -72,7 +72,7 @@ struct Report<'a> {
     dead: u64,
     travelling: u64,
     zero_length_passes: u64,
-    guard_hits: u64,
+    step_limit_reached: u64,
     left: f64,
     right: f64,
     pan: f64,
@@ -148,10 +148,10 @@ fn trace(
             frame
         }
     };
-    if frame.counts.guard_hits > 0 {
-        let hits = frame.counts.guard_hits;
+    if frame.counts.step_limit_reached > 0 {
+        let hits = frame.counts.step_limit_reached;
         common.note(&format!(
-            "warning: {hits} marches were given up after {} steps; their waves count as dead",
+            "warning: {hits} marches reached the step limit of {}; their waves are dead",
             settings.step_bound()
         ));
     }
@@ -193,7 +193,7 @@ fn report<'a>(
         dead: frame.counts.dead,
         travelling: frame.counts.travelling,
         zero_length_passes: frame.counts.zero_length_passes,
-        guard_hits: frame.counts.guard_hits,
+        step_limit_reached: frame.counts.step_limit_reached,
         left: frame.panning.left,
         right: frame.panning.right,
         pan: frame.panning.pan(),
@@ -216,8 +216,8 @@ fn print_text(report: &Report) -> anyhow::Result<()> {
         report.listener_hits, report.dead, report.travelling
     ))?;
     print::line(&format!(
-        "  passes of zero length {} of {passes} ({share:.1} %), at the step bound {}",
-        report.zero_length_passes, report.guard_hits
+        "  passes of zero length {} of {passes} ({share:.1} %), step limit reached {}",
+        report.zero_length_passes, report.step_limit_reached
     ))?;
     print::line(&format!(
         "  left {:.1}, right {:.1}: pan {:+.4}; gains {:.3} and {:.3} ({})",
