@@ -183,7 +183,7 @@ fn render_plays_speech_by_the_law_of_the_profile() {
     let report = render(&[]);
     assert_eq!(
         (&report["sound"], &report["law"]),
-        (&"speech".into(), &"constant-power".into())
+        (&"speech:0".into(), &"constant-power".into())
     );
     assert_eq!(render(&["--profile", "thesis"])["law"], "linear");
     assert_eq!(render(&["--law", "linear"])["law"], "linear");
@@ -228,7 +228,7 @@ fn tables_fit_a_terminal() {
     ];
     for arguments in runs {
         let output = succeed(arguments);
-        for line in stdout(&output).lines() {
+        for line in stdout(&output).lines().filter(|line| line.starts_with('|')) {
             assert!(line.chars().count() <= 100, "{arguments:?}: {line}");
         }
     }
