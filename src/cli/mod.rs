@@ -11,6 +11,7 @@ mod exit;
 mod figures;
 mod ignored;
 mod info;
+mod interrupt;
 mod localise;
 mod numbers;
 mod options;
@@ -89,10 +90,18 @@ enum Command {
 
 /// Runs the program on the process' own arguments.
 pub fn run() -> ExitCode {
-    let matches = Cli::command().get_matches();
-    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+    let parsed = Cli::command()
+        .try_get_matches()
+        .and_then(|matches| Ok((Cli::from_arg_matches(&matches)?, matches)));
+    let (cli, matches) = match parsed {
+        Ok(parsed) => parsed,
+        Err(error) => return exit::refuse_arguments(&error),
+    };
     if let Err(error) = ignored::check(&matches) {
         return exit::report(&error.into());
+    }
+    if let Err(error) = interrupt::install() {
+        print::tell(&format!("warning: signals are not answered: {error}"));
     }
     let result = match &cli.command {
         #[cfg(feature = "demo")]
@@ -109,8 +118,9 @@ pub fn run() -> ExitCode {
         Command::Localise(arguments) => localise::run(arguments, &cli.common),
         Command::Info(arguments) => info::run(arguments, &cli.common),
     };
-    match result {
+    let code = match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => exit::report(&error),
-    }
+    };
+    interrupt::asked().map_or(code, ExitCode::from)
 }

@@ -18,8 +18,8 @@ const DESKTOP: Stroke = stroke(RGBColor(110, 110, 110), 7, None);
 const BUDGET: Stroke = stroke(RGBColor(204, 121, 167), 1, Some((12, 4)));
 const OURS: [Stroke; 4] = [
     stroke(RGBColor(213, 94, 0), 3, None),
-    stroke(RGBColor(0, 114, 178), 4, Some((16, 4))),
-    stroke(RGBColor(0, 158, 115), 2, Some((6, 6))),
+    stroke(RGBColor(0, 114, 178), 4, None),
+    stroke(RGBColor(0, 200, 140), 2, Some((7, 7))),
     stroke(RGBColor(230, 159, 0), 2, Some((2, 5))),
 ];
 
@@ -71,7 +71,7 @@ fn entries(curves: &[Curve]) -> Vec<(String, Stroke)> {
 fn times_of(table: &FigureTable) -> Vec<Curve> {
     let mut curves = vec![
         thesis_curve(table, "thesis, GT 330M", MOBILE, |row| row.thesis.mobile_ms),
-        thesis_curve(table, "thesis, HD 3650", DESKTOP, |row| {
+        thesis_curve(table, "thesis, HD 3650; its hits", DESKTOP, |row| {
             row.thesis.desktop_ms
         }),
     ];

@@ -51,6 +51,12 @@ impl LogAxis {
         if self.has_zero { self.zero() } else { self.low }
     }
 
+    /// A hair longer at either end than from number to number, or rounding takes the last ones.
+    fn range(self) -> std::ops::Range<f64> {
+        const HAIR: f64 = 1.001;
+        self.start() / HAIR..self.high * HAIR
+    }
+
     /// The number at its end.
     pub fn end(self) -> f64 {
         self.high
@@ -113,10 +119,7 @@ pub(super) fn chart<'a, 'b>(
         .caption(caption, ("sans-serif", 16))
         .x_label_area_size(42)
         .y_label_area_size(66)
-        .build_cartesian_2d(
-            (x.start()..x.high).log_scale(),
-            (y.start()..y.high).log_scale(),
-        )?;
+        .build_cartesian_2d(x.range().log_scale(), y.range().log_scale())?;
     if y.has_zero {
         let band = [(x.start(), y.zero()), (x.high, y.low)];
         chart.draw_series([Rectangle::new(band, BLACK.mix(0.06).filled())])?;
