@@ -8,6 +8,7 @@ mod cost;
 #[cfg(feature = "demo")]
 mod demo;
 mod exit;
+mod field_trial;
 mod figures;
 mod ignored;
 mod info;
@@ -84,6 +85,9 @@ enum Command {
     Verify(verify::Arguments),
     /// Where is the source? The localisation experiment, for an observer and for people
     Localise(localise::Arguments),
+    /// Try users' fields for another process of this program
+    #[command(hide = true)]
+    FieldTrial,
     /// List all renderers found (whatever --gl and --gpu say), their limits, and versions
     Info(info::Arguments),
 }
@@ -100,9 +104,13 @@ pub fn run() -> ExitCode {
     if let Err(error) = ignored::check(&matches) {
         return exit::report(&error.into());
     }
+    if matches!(cli.command, Command::FieldTrial) {
+        return field_trial::answer(&cli.common);
+    }
     if let Err(error) = interrupt::install() {
         print::tell(&format!("warning: signals are not answered: {error}"));
     }
+    field_trial::choose(&cli.common);
     let result = match &cli.command {
         #[cfg(feature = "demo")]
         Command::Demo(arguments) => demo::run(arguments, &cli.common),
@@ -117,6 +125,7 @@ pub fn run() -> ExitCode {
         Command::Verify(arguments) => verify::run(arguments, &cli.common),
         Command::Localise(arguments) => localise::run(arguments, &cli.common),
         Command::Info(arguments) => info::run(arguments, &cli.common),
+        Command::FieldTrial => Ok(()),
     };
     let code = match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -34,6 +34,11 @@ pub(super) const FIELDS: &[(&str, &str)] = &[(
     include_str!("../../examples/scenes/menger.glsl"),
 )];
 
+/// Whether a field's text is one of the program's own.
+pub(super) fn is_own_text(text: &str) -> bool {
+    FIELDS.iter().any(|(_, own)| *own == text)
+}
+
 /// The names that [`Scene::builtin`] knows.
 pub const BUILTIN_NAMES: [&str; BUILTIN.len()] = {
     let mut names = [""; BUILTIN.len()];
