@@ -146,7 +146,7 @@ fn outputs_never_replace_inputs() {
             true,
         ),
         (vec!["view", "scene.ron", "-o", "h.png"], false),
-        (vec!["slice", "scene.ron", "-o", "soft.png"], true),
+        (vec!["slice", "scene.ron", "-o", "soft.png"], false),
         (vec!["cost", "scene.ron", "-o", "soft.csv"], true),
         (vec!["accuracy", "scene.ron", "-o", "out"], false),
         (
