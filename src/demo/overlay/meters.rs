@@ -71,11 +71,11 @@ pub fn heard(ui: &mut Ui, facts: &Facts) {
     for (name, count, colour) in [
         ("heard", counts.map(|c| c.listener_hits), style::REACHED),
         (
-            "on their way",
+            "travelling",
             counts.map(|c| c.travelling),
             style::TRAVELLING,
         ),
-        ("met nothing", counts.map(|c| c.dead), style::DEAD),
+        ("dead", counts.map(|c| c.dead), style::DEAD),
     ] {
         ui.horizontal(|ui| {
             let (dot, _) = ui.allocate_exact_size(Vec2::splat(8.0), Sense::hover());
@@ -88,7 +88,7 @@ pub fn heard(ui: &mut Ui, facts: &Facts) {
             "passes of zero length",
             counts.map(|c| c.zero_length_passes),
         ),
-        ("guard hits", counts.map(|c| c.guard_hits)),
+        ("step limit reached", counts.map(|c| c.step_limit_reached)),
     ] {
         let text = count.map_or("–".to_owned(), |count| count.to_string());
         style::row(ui, name, text);

@@ -64,7 +64,7 @@ fn laid_out(
             dead: count,
             travelling: count,
             zero_length_passes: count,
-            guard_hits: count,
+            step_limit_reached: count,
             evaluations: count,
         },
         milliseconds: Milliseconds::default(),
