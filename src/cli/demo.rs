@@ -2,10 +2,10 @@
 
 use super::exit::BadInput;
 use super::numbers::{count, real};
-use super::options::{Common, LawOption, TraceOptions, check_ending, check_range};
+use super::options::{Common, LawOption, TraceOptions, Values, check_ending, check_range};
 use super::print;
 use crate::audio::{SAMPLE_RATE, Sound};
-use crate::demo::{DemoOptions, Report, run as run_demo};
+use crate::demo::{DemoError, DemoOptions, OPENING_SCENE, Report, run as run_demo};
 use crate::error::Error;
 use crate::gpu::Api;
 use crate::output::check_file;
@@ -17,10 +17,10 @@ const EXAMPLES: &str = "\
 Examples:
   echomarch demo
   echomarch demo open-field --sound drum.wav --profile march
-  echomarch demo my.ron --waves 262144 --trace-every 2
+  echomarch demo my.ron --set door=60 --waves 262144
   echomarch demo corner --seconds 10 --screenshot demo.png --json
 
-Keys stand in the window: F1 shows them all. Scenes: corner, obstacles, open-field, open-pillars,
+Keys stand in the window: F1 shows them all. Scene files and WAV files can be dropped on it. Scenes: corner, obstacles, open-field, open-pillars,
 shoebox, whispering-gallery, parabolic-mirrors, colonnade, cave, morphing-room, menger.";
 
 /// Arguments of `demo`.
@@ -28,8 +28,10 @@ shoebox, whispering-gallery, parabolic-mirrors, colonnade, cave, morphing-room, 
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
     /// Built-in scene or scene file
-    #[arg(default_value = "corner")]
+    #[arg(default_value = OPENING_SCENE)]
     scene: String,
+    #[command(flatten)]
+    values: Values,
     #[command(flatten)]
     trace: TraceOptions,
     #[command(flatten)]
@@ -77,7 +79,8 @@ struct WindowOptions {
         default_value_t = 1,
         value_name = "N", value_parser = count::<u32>)]
     trace_every: u32,
-    /// Let the number of waves follow the frame's time
+    /// Let the number of waves follow the frame's time, 4096 or more, although --waves says
+    /// where it begins; without --waves it does
     #[arg(long)]
     adapt_waves: bool,
     /// Frames a second that are to be held
@@ -123,14 +126,24 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
         return list_devices(common);
     }
     let options = options(arguments, common)?;
-    common.scene(&arguments.scene)?;
+    common.scene_with(&arguments.scene, &arguments.values)?;
     check_outputs(arguments)?;
     super::interrupt::ask_from_now_on();
-    let report = run_demo(options)?;
-    if common.json {
-        return print::json(&report);
+    match run_demo(options) {
+        Ok(report) => print_report(&report, common),
+        Err(DemoError::DisplayGone { report }) => {
+            print_report(&report, common)?;
+            Err(DemoError::DisplayGone { report }.into())
+        }
+        Err(error) => Err(error.into()),
     }
-    print_text(&report)
+}
+
+fn print_report(report: &Report, common: &Common) -> anyhow::Result<()> {
+    if common.json {
+        return print::json(report);
+    }
+    print_text(report)
 }
 
 #[cfg(not(feature = "audio"))]
@@ -162,9 +175,10 @@ fn options(arguments: &Arguments, common: &Common) -> anyhow::Result<DemoOptions
     check(sound, window, common)?;
     Ok(DemoOptions {
         scene: arguments.scene.clone(),
+        values: arguments.values.pairs().to_vec(),
         settings: arguments.trace.settings(common)?,
         trace_every: window.trace_every,
-        adapt_waves: window.adapt_waves,
+        adapt_waves: window.adapt_waves || arguments.trace.waves.is_none(),
         frame_milliseconds: 1000.0 / window.fps,
         picture_scale: window.scale,
         width: window.width,

@@ -41,7 +41,13 @@ const IGNORED: &[Ignored] = &[
     },
     Ignored {
         command: &["slice"],
-        options: &["waves", "iterations_per_pass", "sum_on_gpu"],
+        options: &["waves"],
+        when: |given| !is_given(given, "heard_paths"),
+        because: "--paths says how many waves are followed",
+    },
+    Ignored {
+        command: &["slice"],
+        options: &["iterations_per_pass", "sum_on_gpu"],
         when: always,
         because: "--paths says how many waves are followed",
     },

@@ -143,6 +143,11 @@ pub struct Values {
 }
 
 impl Values {
+    /// The names and what they are set to.
+    pub fn pairs(&self) -> &[(String, f32)] {
+        &self.set
+    }
+
     /// The scene with the values set, checked once more.
     pub fn load(&self, name_or_file: &str) -> Result<Scene, SceneError> {
         let mut scene = Scene::load(name_or_file)?;
@@ -189,13 +194,9 @@ pub struct TraceOptions {
     /// The algorithm: hybrid (closed form), march (sphere tracing done right), thesis
     #[arg(long, default_value_t = Profile::Hybrid, value_name = "NAME")]
     pub profile: Profile,
-    /// Number of sound waves, 1 to 16777216
-    #[arg(
-        long,
-        allow_negative_numbers = true,
-        default_value_t = 65_536,
-        value_name = "N", value_parser = count::<u32>)]
-    pub waves: u32,
+    /// Number of sound waves, 1 to 16777216 [default: 65536]
+    #[arg(long, allow_negative_numbers = true, value_name = "N", value_parser = count::<u32>)]
+    pub waves: Option<u32>,
     /// Segments of each wave, 1 to 4095
     #[arg(
         long,
@@ -251,9 +252,9 @@ impl TraceOptions {
             return Err(BadInput(text).into());
         }
         let mut settings = Settings::of(self.profile)
-            .with_waves(self.waves)
             .with_iterations(self.iterations)
             .with_seed(self.seed);
+        settings.waves = self.waves.unwrap_or(settings.waves);
         settings.directions = self.directions;
         settings.sum_on_gpu = self.sum_on_gpu;
         settings.exact_normals &= !self.difference_normals;

@@ -39,7 +39,7 @@ pub use settings::{
     Directions, MARCHES_PER_PASS, MAX_FIELD_STEPS, MAX_ITERATIONS, MAX_STEPS, MAX_WAVES, Profile,
     Settings,
 };
-pub use tracer::Tracer;
+pub use tracer::{HeardPaths, Tracer};
 pub use trial::{FieldTrial, TrialCommand, answer_field_trial};
 #[cfg(feature = "experiment")]
 pub(crate) use user_fields::UserFields;

@@ -1,5 +1,6 @@
 //! One frame after the other on one context.
 
+mod heard;
 mod job;
 mod parts;
 mod pending;
@@ -24,6 +25,7 @@ use crate::scene::Scene;
 use crate::scene::cells::Lists;
 use crate::scene::glsl::Placement;
 use glam::{Vec3, Vec4};
+pub use heard::HeardPaths;
 use job::{Job, set_grid};
 use std::cell::RefCell;
 use std::ops::Range;
