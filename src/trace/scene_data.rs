@@ -57,9 +57,9 @@ impl SceneData {
         program.set_vec3("uCellOrigin", cells.origin);
         program.set_vec3("uCellSize", cells.cell);
         program.set_vec3("uCellCount", cells.count);
-        program.set_vec3("uCellsMin", cells.inner[0]);
-        program.set_vec3("uCellsMax", cells.inner[1]);
         program.set_i32("uCells", cells.cells);
+        program.set_i32("uGroups", cells.groups);
+        program.set_i32("uGroupCount", cells.group_count);
         program.set_i32("uDirectory", cells.directory);
     }
 
