@@ -92,6 +92,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     check_file(&arguments.output)?;
     let mut tracer = common.tracer()?;
     tracer.check(&scene, &settings)?;
+    arguments.options.note_passes(common, &scene, &settings);
     common.warn_checked(&scene);
     warn_on_the_way(&scene, timing, common);
     let mut writer = WavWriter::create(&arguments.output).map_err(Error::from)?;

@@ -89,6 +89,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     let scene = common.scene_at(&arguments.scene, &arguments.values, arguments.time)?;
     let mut tracer = common.tracer()?;
     tracer.check(&scene, &settings)?;
+    arguments.options.note_passes(common, &scene, &settings);
     common.warn_checked(&scene);
     trace(arguments, common, &mut tracer, &scene, &settings)
 }

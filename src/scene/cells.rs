@@ -174,6 +174,13 @@ impl Cells {
         &self.groups
     }
 
+    /// The length of the longest list. Near lists must be prepared before.
+    pub fn longest(&self, which: Lists) -> usize {
+        let mut longest = 0;
+        self.for_each_list(which, |_, list| longest = longest.max(list.len()));
+        longest
+    }
+
     /// Makes the lists that are only made when they are asked for.
     pub fn prepare(&mut self, which: Lists) {
         if which == Lists::Near && self.near.is_none() {

@@ -49,6 +49,11 @@ impl SceneData {
         Ok(())
     }
 
+    /// The cells of the scene that was set last, if it has any.
+    pub fn cells(&self) -> Option<&Cells> {
+        self.cells.as_ref()
+    }
+
     /// Sets the uniforms of a program that reads the data, but for the texture.
     pub fn set_uniforms(&self, program: &Program) {
         let Some(cells) = &self.placed else {

@@ -4,6 +4,7 @@ mod job;
 mod parts;
 mod pending;
 
+use super::budget::{self, Budget};
 use super::directions::{random_turn, unit_directions};
 use super::frame::{in_milliseconds, timed};
 use super::limits::{check_surfaces, check_waves};
@@ -21,7 +22,6 @@ use crate::gpu::{
     full_screen_pass_rows,
 };
 use crate::scene::Scene;
-use crate::scene::cells::Lists;
 use crate::scene::glsl::Placement;
 use glam::{Vec3, Vec4};
 use job::{Job, set_grid};
@@ -234,14 +234,13 @@ impl Tracer {
         // What only a first frame pays is over.
         let began = Instant::now();
         let placed = placement.apply(scene);
-        let lists = match settings.profile {
-            Profile::Thesis => Lists::Near,
-            Profile::March | Profile::Hybrid => Lists::Touching,
-        };
+        let lists = budget::lists(settings);
         self.scene_data.set(scene, &placement, &placed, lists)?;
+        let budget = Budget::with_cells(scene, settings, self.scene_data.cells());
         let job = Job {
             scene,
             settings,
+            budget,
             placed,
             placement,
             march,
@@ -310,7 +309,7 @@ impl Tracer {
         let mut time = 0.0;
         let mut left = job.settings.iterations;
         while left > 0 {
-            let iterations = left.min(job.iterations_per_pass());
+            let iterations = left.min(job.budget.iterations_per_pass);
             time += self.march(job, iterations)?;
             left -= iterations;
         }

@@ -53,6 +53,14 @@ pub(super) fn check(text: &str) -> Result<(), (Option<u32>, String)> {
     Err((None, why))
 }
 
+/// Whether a text loops.
+pub(super) fn has_loops(text: &str) -> bool {
+    let words = tokens(&without_comments(text));
+    words
+        .iter()
+        .any(|word| matches!(word.as_str(), "for" | "while" | "do"))
+}
+
 /// Whether a piece of text is one GLSL identifier.
 fn is_identifier(word: &str) -> bool {
     let mut characters = word.chars();

@@ -80,6 +80,11 @@ impl UserField {
         text::check(&self.text)
     }
 
+    /// Whether there are loops in the text.
+    pub fn has_loops(&self) -> bool {
+        text::has_loops(&self.text)
+    }
+
     /// The names that the text defines outside of functions: they are renamed when it is
     /// taken into a shader, so that two fields never clash.
     pub fn names(&self) -> Vec<String> {

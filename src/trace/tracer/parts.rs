@@ -146,7 +146,7 @@ impl Tracer {
         self.pending.marks.restart()?;
         self.without_waiting(|tracer| tracer.initialise(&job))?;
         self.pending.marks.mark()?;
-        let in_pass = job.iterations_per_pass().min(settings.iterations);
+        let in_pass = job.budget.iterations_per_pass.min(settings.iterations);
         let progress = Progress {
             began: job.began,
             left: settings.iterations - in_pass,
@@ -241,7 +241,7 @@ impl Tracer {
             if progress.rows == height {
                 self.flip();
                 progress.rows = 0;
-                progress.in_pass = job.iterations_per_pass().min(progress.left);
+                progress.in_pass = job.budget.iterations_per_pass.min(progress.left);
                 progress.left -= progress.in_pass;
             }
         }
