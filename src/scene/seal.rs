@@ -112,7 +112,7 @@ fn push(surface: &Surface, face: Face, cover: &Surface, slack: f32) -> f32 {
     const TRIES: i32 = 13;
     /// Length of a short push in slacks: the face is then well out of the reach of a wave
     /// that rounding put to the wrong side of the seam.
-    const SHORT: f32 = 16.0;
+    const SHORT: f32 = 4.0;
     let Shape::Box { size } = surface.shape else {
         return 0.0;
     };

@@ -46,11 +46,7 @@ impl Budget {
     }
 
     /// The same for who has the scene's cells, with the lists that [`lists`] names.
-    pub(super) fn with_cells(
-        scene: &Scene,
-        settings: &Settings,
-        cells: Option<&Cells>,
-    ) -> Budget {
+    pub(super) fn with_cells(scene: &Scene, settings: &Settings, cells: Option<&Cells>) -> Budget {
         let loops = glsl::loops(scene, cells, lists(settings));
         let marches_fields = glsl::marches_fields(scene, settings.profile == Profile::March);
         match settings.profile {

@@ -277,7 +277,10 @@ mod tests {
         }
         assert!(fused(&corner, Profile::Hybrid, 16, MAX_ITERATIONS));
         assert!(!fused(&corner, Profile::Hybrid, 16, 8));
-        let torus = Node::Torus { ring: 2.0, tube: 0.5 };
+        let torus = Node::Torus {
+            ring: 2.0,
+            tube: 0.5,
+        };
         let mut marched = corner;
         marched.surfaces.push(Surface::new(Shape::from(torus)));
         assert!(fused(&marched, Profile::Hybrid, 8, MAX_ITERATIONS));

@@ -1,7 +1,7 @@
 //! What one frame needs: its input, checked, and what follows from it.
 
-use super::super::waves::{STATUS_DEAD, STATUS_STARTED};
 use super::super::budget::Budget;
+use super::super::waves::{STATUS_DEAD, STATUS_STARTED};
 use super::super::{Grid, Profile, Settings};
 use crate::gpu::Program;
 use crate::scene::Scene;
