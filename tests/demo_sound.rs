@@ -7,10 +7,9 @@ mod sound_server;
 
 use common::window::{Demo, Display};
 use serde_json::Value;
-use sound_server::levels::{Heard, Log, error_db, gains};
-use sound_server::{SINK, Server, now_s, wait_for};
-use std::thread::sleep;
-use std::time::Duration;
+use sound_server::levels::{Comparison, Heard, error_db, gains};
+use sound_server::{SINK, Server, wait_for};
+use std::path::Path;
 
 /// Frames of a window of sound: 50 ms, over which the noise's level is known to 0.1 dB.
 const WINDOW: usize = 2400;
@@ -21,54 +20,77 @@ fn open<'a>(display: &'a Display, server: &Server, arguments: &[&str]) -> Demo<'
     display.start(program, &[arguments, &sound].concat())
 }
 
-/// Seconds and gains of all that was traced, by the linear law.
-fn traced(report: &Value) -> Vec<(f64, [f64; 2])> {
+/// Gains of all that was traced, in order, by the linear law.
+fn traced(report: &Value) -> Vec<[f64; 2]> {
     let pans = report["pans"].as_array().unwrap().iter();
     pans.map(|at| {
         let pan = at["pan"].as_f64().unwrap();
-        let gains = [0.5 * (1.0 - pan), 0.5 * (1.0 + pan)];
-        (at["seconds"].as_f64().unwrap(), gains)
+        [0.5 * (1.0 - pan), 0.5 * (1.0 + pan)]
     })
     .collect()
 }
 
 /// Protects what it is all about: the source passes from left to right, and both channels of what the sound server
-/// plays are as loud as the waves that were traced say, in every window. Waves are traced for every twentieth picture,
-/// so that the gains stand still in between.
+/// plays are as loud as the waves that were traced say, in every window that the server did not leave empty. Waves are
+/// traced for every twentieth picture, so that the gains stand still in between. When gains are taken is the sound
+/// system's affair; that the next block takes them is asserted of the renderer alone, in `live_audio.rs`.
 #[test]
 fn a_passing_source_is_heard_from_left_to_right_as_it_is_traced() {
+    const LEAST_WINDOWS: usize = 60;
+    const ATTEMPTS: u32 = 5;
     let display = Display::new();
+    for attempt in 1..=ATTEMPTS {
+        let (report, compared) = pass(&display);
+        let late = &report["sound"]["underruns"];
+        println!("attempt {attempt}: {compared:?}, {late} late blocks");
+        assert_eq!(compared.wrong, 0, "{compared:?}");
+        if compared.windows < LEAST_WINDOWS {
+            continue;
+        }
+        // Most of the time the gains stand still.
+        assert!(2 * compared.moving < compared.windows, "{compared:?}");
+        // Both sides and the middle were among them.
+        for range in [0.0..0.35, 0.35..0.65, 0.65..1.0] {
+            let shares = traced(&report).into_iter().map(|[_, right]| right);
+            let there = shares.filter(|share| range.contains(share));
+            assert!(there.count() >= 2, "nothing was heard at {range:?}");
+        }
+        return;
+    }
+    panic!(
+        "the machine is too busy: less than {LEAST_WINDOWS} windows of sound without a gap, {ATTEMPTS} times"
+    );
+}
+
+/// The source passes twice; the report, and what was heard beside it.
+fn pass(display: &Display) -> (Value, Comparison) {
     let server = Server::start();
     let recorder = server.record(SINK, 48_000, 2);
-    let demo = open(&display, &server, &["open-field", "--trace-every", "20"]);
-    sleep(Duration::from_secs(15));
-    let asked_to_quit = now_s();
+    let arguments = ["open-field", "--trace-every", "20", "--law", "linear"];
+    let demo = open(display, &server, &arguments);
+    demo.wait_until("sound", |frame| frame["sound"] == true);
+    let mut begin = None;
+    demo.wait_until("two passes", |frame| {
+        let now = frame["seconds"].as_f64().unwrap();
+        now > *begin.get_or_insert(now) + 10.0
+    });
     let (report, _, _) = demo.quit();
-    let begin_s = recorder.began_s;
     let heard = recorder.stop();
-    assert_eq!(report["sound"]["is_heard"], true, "{}", report["sound"]);
-    // The report's clock ended when the window was asked to close.
-    let begin_s = begin_s - (asked_to_quit - report["seconds"].as_f64().unwrap());
-    let log = Log(traced(&report)
-        .iter()
-        .map(|(at, gains)| (*at, gains[1]))
-        .collect());
-    let buffer = report["sound"]["buffer"].as_f64().unwrap();
-    let compared = log.compare(&Heard::new(&heard, 50), begin_s, buffer / 48_000.0);
-    println!(
-        "{compared:?}, {} traced, sound {}",
-        log.0.len(),
-        report["sound"]
-    );
-    assert!(compared.windows > 200, "{compared:?}");
-    // A busy machine may leave a gap; whatever was played is right.
-    assert!(compared.gaps * 10 <= compared.windows, "{compared:?}");
-    assert!(compared.worst_db <= 0.5, "{compared:?}");
-    // Both sides and the middle were among them.
-    for range in [0.0..0.35, 0.35..0.65, 0.65..1.0] {
-        let there = log.0.iter().filter(|(_, share)| range.contains(share));
-        assert!(there.count() >= 2, "nothing was heard at {range:?}");
+    // In the middle until the first frame of waves has arrived.
+    let shares = [0.5].into_iter();
+    let shares = shares.chain(traced(&report).into_iter().map(|[_, right]| right));
+    let shares: Vec<f64> = shares.collect();
+    let heard = Heard::new(&heard, 50);
+    // The other way round next to nothing is where it should be.
+    let mirrored: Vec<f64> = shares.iter().map(|share| 1.0 - share).collect();
+    let mirrored = heard.follow(&mirrored);
+    let astray = mirrored.wrong + mirrored.moving;
+    assert!(2 * astray > mirrored.windows, "{mirrored:?}");
+    let compared = heard.follow(&shares);
+    if compared.wrong > 0 {
+        println!("{heard:?} beside {shares:?}");
     }
+    (report, compared)
 }
 
 /// Protects a window that is open all day: the sound server dies and is started again, the picture goes on, and the
@@ -78,7 +100,7 @@ fn a_sound_server_that_is_started_again_is_played_to_again() {
     let display = Display::new();
     let mut server = Server::start();
     let recorder = server.record(SINK, 48_000, 2);
-    let demo = open(&display, &server, &["corner"]);
+    let demo = open(&display, &server, &["corner", "--law", "linear"]);
     let is_loud = |samples: Vec<f32>| {
         let last = samples.len().saturating_sub(9600);
         gains(&samples[last..], WINDOW)
@@ -88,23 +110,26 @@ fn a_sound_server_that_is_started_again_is_played_to_again() {
     wait_for("sound", || is_loud(recorder.samples()));
     server.kill();
     drop(recorder);
-    sleep(Duration::from_secs(2));
+    // Without a sound server frames go on.
+    demo.wait_until("silence", |frame| frame["sound"] == false);
+    let frame = demo.wait_until("a frame of waves", |_| true);
+    let wanted = frame["heard"]["pan"].as_f64().unwrap();
+    let wanted = [0.5 * (1.0 - wanted), 0.5 * (1.0 + wanted)];
+    demo.wait_traced(20);
     server.restart();
     let recorder = server.record(SINK, 48_000, 2);
-    wait_for("sound again", || is_loud(recorder.samples()));
-    sleep(Duration::from_secs(1));
-    let heard = gains(&recorder.stop(), WINDOW);
+    wait_for("sound as loud as it is traced", || {
+        let heard = gains(&recorder.samples(), WINDOW);
+        let right = heard.iter().filter(|g| error_db(**g, wanted) < 0.5);
+        right.count() > 10
+    });
+    demo.wait_until("sound", |frame| frame["sound"] == true);
     let (report, _, _) = demo.quit();
     let sound = &report["sound"];
     assert_eq!(sound["is_heard"], true, "{sound}");
-    assert_eq!(sound["restarts"], 1, "{sound}");
-    let wanted = traced(&report).last().unwrap().1;
-    let right = heard.iter().filter(|g| error_db(**g, wanted) < 0.5).count();
-    assert!(right > 10, "{right} windows as loud as {wanted:?}");
-    // Without a sound server frames went on.
-    let times: Vec<f64> = traced(&report).iter().map(|(at, _)| *at).collect();
-    let longest = times.windows(2).map(|w| w[1] - w[0]).fold(0.0, f64::max);
-    assert!(longest < 1.0, "no frame for {longest} s");
+    assert!(sound["restarts"].as_u64() >= Some(1), "{sound}");
+    // Nothing has moved.
+    assert_eq!(traced(&report).last(), Some(&wanted));
 }
 
 /// Protects `--record`: it begins before there is a device, and the file holds what is heard.
@@ -112,9 +137,12 @@ fn a_sound_server_that_is_started_again_is_played_to_again() {
 fn what_is_heard_is_recorded() {
     let display = Display::new();
     let server = Server::start();
-    let arguments = ["corner", "--record", "heard.wav"];
+    let arguments = ["corner", "--record", "heard.wav", "--law", "linear"];
     let demo = open(&display, &server, &arguments);
-    sleep(Duration::from_secs(4));
+    // Three seconds of two channels of floats: so many were made, however long that took.
+    wait_for("the recording", || {
+        recorded_bytes(&demo.path("")) > 3 * 48_000 * 8
+    });
     let (report, _, folder) = demo.quit();
     assert_eq!(report["sound"]["is_recording"], true, "{}", report["sound"]);
     let mut reader = hound::WavReader::open(folder.path().join("heard.wav")).unwrap();
@@ -123,11 +151,17 @@ fn what_is_heard_is_recorded() {
     let heard: Vec<f32> = reader.samples().map(Result::unwrap).collect();
     let heard = gains(&heard, WINDOW);
     assert!(heard.len() >= 40, "{} windows", heard.len());
-    // Nothing moves: after the first second, and before the fade at the end, all is the same.
-    let wanted = traced(&report).last().unwrap().1;
-    for window in &heard[20..heard.len() - 2] {
-        let off = error_db(*window, wanted);
-        assert!(off < 0.5, "{window:?} beside {wanted:?}");
+    // Nothing moves: from the first frame of waves on, up to the fade at the end, all is the same.
+    let wanted = *traced(&report).last().unwrap();
+    let is_right = |window: &[f64; 2]| error_db(*window, wanted) < 0.5;
+    let first = heard.iter().position(is_right).unwrap();
+    let (last, compared) = (heard.len() - 2, heard.len() - 2 - first);
+    assert!(
+        compared >= 10,
+        "{compared} windows from the first that is right"
+    );
+    for window in &heard[first..last] {
+        assert!(is_right(window), "{window:?} beside {wanted:?}");
     }
     let names = std::fs::read_dir(folder.path()).unwrap();
     let names: Vec<_> = names.map(|entry| entry.unwrap().file_name()).collect();
@@ -135,6 +169,15 @@ fn what_is_heard_is_recorded() {
         .iter()
         .filter(|n| n.to_string_lossy().contains("part"));
     assert_eq!(parts.count(), 0, "{names:?}");
+}
+
+/// Bytes of sound in a folder.
+fn recorded_bytes(folder: &Path) -> u64 {
+    let files = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap());
+    let sounds = files.filter(|file| file.file_name().to_string_lossy().ends_with(".wav"));
+    sounds.map(|file| file.metadata().unwrap().len()).sum()
 }
 
 /// Protects the list that `--device` is chosen from: devices may share a name, never an id.

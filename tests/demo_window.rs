@@ -6,8 +6,6 @@ mod common;
 use common::cli::{argument, command, echomarch, stderr, succeed};
 use common::window::{Display, Image};
 use serde_json::Value;
-use std::thread::sleep;
-use std::time::Duration;
 
 /// The middle of the window, where the picture is seen.
 const MIDDLE: std::ops::Range<u32> = 270..700;
@@ -36,7 +34,14 @@ fn keys_walk_and_walls_stop() {
     // The block's face is at z = 0; straight on lies nothing else.
     let demo = display.demo(&["corner"]);
     demo.display.xdotool(&["keydown", "shift"]);
-    demo.hold("w", 6.0);
+    let (mut before, mut still) = (f64::NAN, 0);
+    demo.hold_until("w", "a wall", |frame| {
+        let [_, _, z] = place(&frame["listener"]);
+        let stands = (z - before).abs() < 1e-4 && z < 7.0;
+        still = if stands { still + 1 } else { 0 };
+        before = z;
+        still > 10
+    });
     demo.display.xdotool(&["keyup", "shift"]);
     let (stopped, _, _) = demo.quit();
     let [_, _, z] = place(&stopped["listener"]["position"]);
@@ -48,9 +53,15 @@ fn keys_walk_and_walls_stop() {
 fn keys_switch_the_profile() {
     let display = Display::new();
     let demo = display.demo(&["corner"]);
-    for key in ["1", "2", "3", "1"] {
+    demo.wait_until("hybrid", |frame| frame["heard"]["profile"] == "hybrid");
+    for (key, profile) in [
+        ("1", "thesis"),
+        ("2", "march"),
+        ("3", "hybrid"),
+        ("1", "thesis"),
+    ] {
         demo.key(key);
-        sleep(Duration::from_millis(900));
+        demo.wait_until(profile, |frame| frame["heard"]["profile"] == profile);
     }
     let (report, _, _) = demo.quit();
     assert_eq!(report["profile"], "thesis");
@@ -132,10 +143,10 @@ fn a_field_that_changes_is_taken_or_told_while_frames_go_on() {
         told.contains("ball.glsl:2: ") && told.contains("one"),
         "{told}"
     );
-    sleep(Duration::from_millis(700));
+    demo.wait_frames();
     std::fs::write(&field, BALL.replace("1.0", "1.9")).unwrap();
     demo.wait_for("is read again");
-    sleep(Duration::from_millis(300));
+    demo.wait_frames();
     // Broken in the scene's own file, and left so: the ball of 1.9 m stays.
     std::fs::write(&scene, BALL_SCENE.replace("Room", "Rome")).unwrap();
     demo.wait_for("the last scene stays");
@@ -200,9 +211,10 @@ fn the_picture_goes_on_while_waves_take_long() {
     ])
     .args(["--scale", "0.2", "--screenshot", "last.png", "--no-help"]);
     let demo = display.open(slow);
-    sleep(Duration::from_secs(6));
+    demo.wait_traced(2);
     demo.key("3");
-    sleep(Duration::from_secs(2));
+    demo.wait_until("hybrid", |frame| frame["heard"]["profile"] == "hybrid");
+    demo.wait_traced(4);
     let (report, _, _) = demo.quit();
     let pans = report["pans"].as_array().unwrap();
     let of = |profile| pans.iter().filter(move |pan| pan["profile"] == profile);
@@ -237,7 +249,7 @@ fn a_window_may_change_its_size() {
     let window = demo.window();
     for [width, height] in [["1200", "700"], ["400", "300"], ["702", "501"]] {
         display.xdotool(&["windowsize", "--sync", &window, width, height]);
-        sleep(Duration::from_millis(400));
+        demo.wait_frames();
     }
     let (report, picture, _) = demo.quit();
     assert_eq!(report["window"], serde_json::json!([702, 501]));
@@ -252,12 +264,12 @@ fn the_mouse_looks_about_between_a_click_and_esc() {
     let demo = display.demo(&["corner"]);
     let move_by = |x: &str, y: &str| {
         display.xdotool(&["mousemove_relative", "--", x, y]);
-        sleep(Duration::from_millis(250));
+        demo.wait_frames();
     };
     let window = demo.window();
     display.xdotool(&["mousemove", "--window", &window, "480", "270"]);
     display.xdotool(&["click", "1"]);
-    sleep(Duration::from_millis(250));
+    demo.wait_frames();
     for _ in 0..3 {
         move_by("200", "-30");
     }
@@ -282,9 +294,9 @@ fn panels_take_clicks_after_the_mouse_has_looked_about() {
     let window = demo.window();
     let click = |[x, y]: [&str; 2]| {
         display.xdotool(&["mousemove", "--window", &window, x, y]);
-        sleep(Duration::from_millis(250));
+        demo.wait_frames();
         display.xdotool(&["click", "1"]);
-        sleep(Duration::from_millis(250));
+        demo.wait_frames();
     };
     click(["480", "270"]);
     demo.key("Escape");
@@ -337,11 +349,10 @@ fn keys_do_what_the_help_says() {
 
     let demo = display.demo(&["corner", "--fps", "2"]);
     demo.hold("s", 0.5).key("BackSpace").key("t");
-    sleep(Duration::from_secs(15));
+    // There is room for more waves than 4,096 in half a second.
+    demo.wait_until("more waves", |frame| frame["waves"].as_u64() > Some(4096));
     let (report, _, _) = demo.quit();
     assert_eq!(place(&report["listener"]["position"]), [10.0, 0.0, 8.0]);
-    // There is room for more waves than 4,096 in half a second.
-    assert!(report["waves"].as_u64().unwrap() > 4096, "{report}");
 }
 
 /// Protects what was set up by hand: a source that was picked up comes along and is heard elsewhere; the file
@@ -377,9 +388,9 @@ fn a_source_carried_and_saved_is_heard_alike_from_the_file() {
 fn a_moving_source_is_heard_to_move_until_it_is_held() {
     let display = Display::new();
     let demo = display.demo(&["open-field"]);
-    sleep(Duration::from_millis(3200));
+    demo.wait_until("right", |frame| frame["heard"]["pan"].as_f64() > Some(0.2));
     demo.key("p");
-    sleep(Duration::from_millis(700));
+    demo.wait_traced(4);
     let (report, _, _) = demo.quit();
     let pans: Vec<f64> = report["pans"]
         .as_array()

@@ -82,7 +82,7 @@ fn save(browser: &Browser, downloads: &Path) -> PathBuf {
             return new;
         }
         assert!(
-            began.elapsed() < Duration::from_secs(30),
+            began.elapsed() < Duration::from_secs(300),
             "nothing was saved"
         );
         std::thread::sleep(Duration::from_millis(50));

@@ -9,8 +9,9 @@ use common::window::{Demo, Display, Image};
 use serde_json::Value;
 use sound_server::Server;
 use std::path::Path;
-use std::thread::sleep;
-use std::time::Duration;
+
+/// What the seed 7 makes of three trials.
+const ORDER: [u32; 3] = [3, 1, 2];
 
 /// Three trials.
 const TRIALS: [&str; 8] = [
@@ -29,6 +30,7 @@ fn open<'a>(display: &'a Display, server: &Server, answers: &Path) -> Demo<'a> {
     command
         .args(["localise", "window", "-o", argument(answers), "--json"])
         .args(["--participant", "p7", "--screenshot", "last.png"])
+        .args(["--order-seed", "7"])
         .args(TRIALS);
     display.open(command)
 }
@@ -53,15 +55,17 @@ fn a_person_answers_breaks_off_and_goes_on() {
     let server = Server::start();
 
     let demo = open(&display, &server, &answers);
+    demo.wait_until("sound", |frame| frame["sound"] == true);
     // Nothing is played yet, and nobody walks here.
     demo.key("a").key("3").key("Return").hold("s", 0.5);
     assert!(!answers.exists());
     let window = demo.window();
     demo.key("space");
     display.xdotool(&["mousemove", "--window", &window, "100", "150"]);
+    demo.wait_frames();
     display.xdotool(&["click", "1"]);
-    sleep(Duration::from_millis(300));
-    demo.key("Return");
+    demo.wait_frames();
+    demo.key("Return").wait_traced(2);
     let first = trial(&read(&answers), 0).clone();
     let (report, one, _) = demo.quit();
     let given = &first["answer"];
@@ -81,6 +85,7 @@ fn a_person_answers_breaks_off_and_goes_on() {
     );
 
     let demo = open(&display, &server, &answers);
+    demo.wait_until("sound", |frame| frame["sound"] == true);
     for side in ["w", "d"] {
         demo.key("space")
             .key("Up")
@@ -97,6 +102,8 @@ fn a_person_answers_breaks_off_and_goes_on() {
         (trial(&kept, 0), &kept["participant"]),
         (&first, &"p7".into())
     );
+    // The order is that of the seed, on every machine.
+    assert_eq!(kept["order"], serde_json::json!(ORDER));
     let sides = [0, 1, 2].map(|place| trial(&kept, place)["answer"]["side"].clone());
     assert_eq!(sides, ["left", "centre", "right"]);
     // The plan has gone.
@@ -139,6 +146,8 @@ fn the_picture_does_not_show_the_source() {
             .args([
                 "--iterations",
                 "1",
+                "--order-seed",
+                "7",
                 "--screenshot",
                 "last.png",
                 "--scale",
@@ -177,6 +186,7 @@ fn a_file_of_something_else_is_refused_and_kept() {
     let server = Server::start();
     std::fs::remove_file(&answers).unwrap();
     let demo = open(&display, &server, &answers);
+    demo.wait_until("sound", |frame| frame["sound"] == true);
     demo.key("space").key("Up").key("w").key("5").key("Return");
     demo.quit();
     let before = std::fs::read(&answers).unwrap();

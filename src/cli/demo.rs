@@ -115,6 +115,9 @@ struct WindowOptions {
     /// Begin with the help closed
     #[arg(long)]
     no_help: bool,
+    /// Tell every frame as a line of JSON on standard error
+    #[arg(long, hide = true)]
+    log_frames: bool,
 }
 
 /// Runs the subcommand.
@@ -180,6 +183,7 @@ fn options(arguments: &Arguments, common: &Common) -> anyhow::Result<DemoOptions
         help: !window.no_help,
         // A report says how many there were.
         check_gl: common.json,
+        log_frames: window.log_frames,
         announce: if common.json { to_errors } else { to_output },
     })
 }

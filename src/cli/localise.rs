@@ -133,7 +133,7 @@ pub(super) struct Trials {
     /// Numbers of iterations, separated by commas
     #[arg(long, value_delimiter = ',', value_name = "N", default_values_t = [4, 8])]
     iterations: Vec<u32>,
-    /// Orders of the trials, and start directions of the waves
+    /// Seed of the trials' numbers, and of the start directions of the waves
     #[arg(long, default_value_t = 1, value_name = "N")]
     seed: u32,
     /// Length of each sound

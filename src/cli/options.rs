@@ -127,7 +127,7 @@ impl Common {
 /// Named values of a scene.
 #[derive(Args, Clone, Debug, Default)]
 pub struct Values {
-    /// Set a named value of the scene, in metres, or radians for an angle; repeatable
+    /// Set a named value of the scene, in the unit of its file: metres, degrees; repeatable
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = name_and_value)]
     set: Vec<(String, f32)>,
 }

@@ -31,6 +31,9 @@ pub struct Arguments {
     /// A code for the person, not a name
     #[arg(long, default_value = "", value_name = "CODE")]
     participant: String,
+    /// Seed of the order of the trials in a sitting that begins [default: another for each]
+    #[arg(long, value_name = "N")]
+    order_seed: Option<u64>,
     /// Loudness, 0 to 1
     #[arg(long, allow_negative_numbers = true, default_value_t = 0.5)]
     volume: f32,
@@ -44,6 +47,9 @@ pub struct Arguments {
     /// Picture of the window at the end
     #[arg(long, value_name = "FILE.png")]
     screenshot: Option<PathBuf>,
+    /// Tell every frame as a line of JSON on standard error
+    #[arg(long, hide = true)]
+    log_frames: bool,
 }
 
 /// Runs the subcommand.
@@ -62,7 +68,12 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     }
     let options = arguments.trials.options(common)?;
     let form = build(&options, common)?;
-    let opened = Sitting::open(form, arguments.output.clone(), &arguments.participant);
+    let opened = Sitting::open(
+        form,
+        arguments.output.clone(),
+        &arguments.participant,
+        arguments.order_seed,
+    );
     let sitting = opened.map_err(|error| match error {
         SittingError::Output(error) => anyhow::Error::from(error),
         other => BadInput(other.to_string()).into(),
@@ -74,6 +85,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
         screenshot: arguments.screenshot.clone(),
         help: false,
         check_gl: common.json,
+        log_frames: arguments.log_frames,
         ..DemoOptions::default()
     };
     let report = run_sitting(window, sitting, arguments.trials.seconds)?;

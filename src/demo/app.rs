@@ -7,7 +7,7 @@ use super::mouse::Mouse;
 use super::overlay::{Asked, Paper, Plan};
 use super::question::{self, Question};
 use super::reload::Follower;
-use super::report::{Recorder, Report, Standing};
+use super::report::{FrameLine, Recorder, Report, Standing};
 use super::save::trace_call;
 use super::sound::{SoundStatus, Speaker};
 use super::state::{Choices, World};
@@ -16,8 +16,9 @@ use super::window::DemoWindow;
 use super::{DemoError, DemoOptions, overlay};
 use crate::scene::Scene;
 use crate::trace::{Frame, Settings, Tracer, Wave};
+use std::io::Write;
 use std::path::PathBuf;
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime};
 use winit::application::ApplicationHandler;
 use winit::error::EventLoopError;
 use winit::event::{ElementState, KeyEvent, MouseButton, StartCause, WindowEvent};
@@ -196,6 +197,28 @@ impl App {
         self.is_over
             || frames.is_some_and(|frames| self.recorder.frames + 1 >= frames)
             || seconds.is_some_and(|seconds| self.seconds() >= seconds)
+    }
+
+    /// Tells the frame just drawn, if that is asked for.
+    fn log_frame(&self, began: SystemTime) {
+        if !self.options.log_frames {
+            return;
+        }
+        let since_1970 = began.duration_since(SystemTime::UNIX_EPOCH);
+        let line = FrameLine {
+            frame: self.recorder.frames,
+            began: since_1970.unwrap_or_default().as_secs_f64(),
+            seconds: self.seconds(),
+            traced: self.recorder.traced,
+            heard: self.recorder.last_heard(),
+            waves: self.choices.settings.waves,
+            listener: self.world.now.listener.position.to_array(),
+            sound: self.sound.is_heard,
+        };
+        if let Ok(line) = serde_json::to_string(&line) {
+            // Whoever drove the window may have gone.
+            let _ = writeln!(std::io::stderr(), "{line}");
+        }
     }
 
     /// Closes the window after the next frame.
@@ -424,7 +447,10 @@ impl ApplicationHandler for App {
             let asked = Duration::from_secs_f64(1e-3 * self.options.frame_milliseconds);
             self.next = (self.next + LEAST_INTERVAL.min(asked)).max(now);
             let is_last = self.is_last_frame();
-            if let Err(error) = self.frame(is_last) {
+            let began = SystemTime::now();
+            let drawn = self.frame(is_last);
+            self.log_frame(began);
+            if let Err(error) = drawn {
                 self.outcome = Err(error);
                 events.exit();
             } else if is_last {

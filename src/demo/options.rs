@@ -47,6 +47,9 @@ pub struct DemoOptions {
     pub help: bool,
     /// Whether GL is asked for errors after every frame; in debug builds it always is.
     pub check_gl: bool,
+    /// Whether every frame is told as a line of JSON on standard error, for programs that drive
+    /// the window and have to know how far it is.
+    pub log_frames: bool,
     /// Is told every line that the user may want to keep, such as the `trace` call of a
     /// scene just saved.
     pub announce: fn(&str),
@@ -75,6 +78,7 @@ impl Default for DemoOptions {
             seconds: None,
             help: true,
             check_gl: false,
+            log_frames: false,
             announce: |_| {},
         }
     }

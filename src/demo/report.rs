@@ -50,6 +50,27 @@ pub struct PanAt {
     pub profile: String,
 }
 
+/// One frame, for a program that drives the window.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct FrameLine<'a> {
+    /// Frames drawn, this one included.
+    pub frame: u64,
+    /// When it began: seconds by the clock that all programs share, since 1970.
+    pub began: f64,
+    /// Seconds since the start.
+    pub seconds: f64,
+    /// Frames of waves heard.
+    pub traced: u64,
+    /// What was heard last.
+    pub heard: Option<&'a PanAt>,
+    /// Waves in a frame.
+    pub waves: u32,
+    /// The listener's place in metres.
+    pub listener: [f32; 3],
+    /// Whether sound is to be heard.
+    pub sound: bool,
+}
+
 /// The scene's files have changed.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Reread {
@@ -202,6 +223,11 @@ impl Recorder {
             self.reread.remove(0);
         }
         self.reread.push(reread);
+    }
+
+    /// What was heard last.
+    pub fn last_heard(&self) -> Option<&PanAt> {
+        self.pans.last()
     }
 
     /// The last frames, at most so many.

@@ -122,9 +122,8 @@ mod tests {
         let context = Context::headless(&ContextOptions::default()).unwrap();
         let clock = Clock::query(&context).unwrap();
         for round in 0..3 {
-            let (result, took) = clock.measure(|| round).unwrap();
+            let (result, _) = clock.measure(|| round).unwrap();
             assert_eq!(result, round);
-            assert!(took < Duration::from_secs(10));
         }
         assert_eq!(clock.name(), "GL timer query");
     }

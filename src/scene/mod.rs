@@ -18,6 +18,7 @@ mod file;
 pub mod glsl;
 pub mod layout;
 mod motion;
+mod named;
 mod path;
 mod seal;
 mod surface;
@@ -32,6 +33,7 @@ pub use field::{
     Bounds3, Copies, Exactness, Field, HeightImage, Node, Properties, UserField, UserSamples,
 };
 pub use motion::{Driver, Motion};
+pub use named::{NamedValue, Quantity};
 pub use path::{Key, Path};
 pub use surface::{Shape, Surface};
 pub use watch::SceneWatch;

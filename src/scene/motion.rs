@@ -23,7 +23,7 @@ pub enum Motion {
     /// Key frames (seconds, value), times strictly increasing: linear between them, held
     /// before the first and after the last.
     Keys(Vec<(f64, f32)>),
-    /// Whatever [`Scene::set_value`] says for this name.
+    /// Whatever [`Scene::set_value`] says for this name, in the unit of a scene file.
     Named(String),
 }
 
@@ -83,11 +83,11 @@ impl Surface {
     }
 
     /// Sets the numbers whose driver answers.
-    fn drive(&mut self, value: impl Fn(&Motion) -> Option<f32>) {
+    fn drive(&mut self, value: impl Fn(&Surface, &Driver) -> Option<f32>) {
         let drivers = std::mem::take(&mut self.drivers);
         let mut turned = false;
         for driver in &drivers {
-            let Some(value) = value(&driver.motion) else {
+            let Some(value) = value(self, driver) else {
                 continue;
             };
             turned |= driver.parameter.starts_with("rotation.");
@@ -109,7 +109,7 @@ impl Surface {
     /// Sets what follows key frames to where it is at `seconds`.
     pub(super) fn drive_to(&mut self, seconds: f64) {
         if !self.drivers.is_empty() {
-            self.drive(|motion| motion.at(seconds));
+            self.drive(|_, driver| driver.motion.at(seconds));
         }
     }
 
@@ -192,7 +192,8 @@ impl Shape {
 }
 
 impl Scene {
-    /// Sets a named value wherever the scene uses it: metres, or radians for an angle.
+    /// Sets a named value wherever the scene uses it, in the unit of a scene file: metres,
+    /// degrees for an angle, degrees a metre for the rate of a twist or a bend.
     ///
     /// ```
     /// use echomarch::{Listener, Scene, Shape, Source, Surface, scene::Motion};
@@ -225,8 +226,10 @@ impl Scene {
                 },
             });
         }
-        let named = |motion: &Motion| match motion {
-            Motion::Named(driven) if driven == name => Some(value),
+        let named = |surface: &Surface, driver: &Driver| match &driver.motion {
+            Motion::Named(driven) if driven == name => {
+                Some(surface.quantity(&driver.parameter).in_code(value))
+            }
             _ => None,
         };
         for surface in &mut self.surfaces {

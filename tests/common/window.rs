@@ -8,17 +8,17 @@ use std::io::{BufRead, BufReader};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
-use std::sync::mpsc::{self, Receiver};
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
 use std::sync::{Mutex, MutexGuard};
 use std::thread::sleep;
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime};
 use tempfile::TempDir;
 
 /// Windows one after the other: together they would be too slow for their own keys.
 static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
 
-/// Longer than any window takes to open, on any machine.
-const PATIENCE: Duration = Duration::from_secs(60);
+/// How long anything may take before a test is given up: no machine is so busy.
+const PATIENCE: Duration = Duration::from_secs(300);
 
 /// A display without a screen; it goes when dropped.
 pub struct Display {
@@ -65,6 +65,7 @@ impl Display {
     pub fn open(&self, mut command: Command) -> Demo<'_> {
         let folder = tempfile::tempdir().unwrap();
         let mut child = command
+            .arg("--log-frames")
             .current_dir(folder.path())
             .env("DISPLAY", &self.name)
             .stdout(Stdio::piped())
@@ -73,15 +74,21 @@ impl Display {
             .unwrap();
         let errors = BufReader::new(child.stderr.take().unwrap());
         let (sender, told) = mpsc::channel();
+        let (to_frames, frames) = mpsc::channel();
         std::thread::spawn(move || {
             for line in errors.lines().map_while(Result::ok) {
-                let _ = sender.send(line);
+                // Whoever wanted to know may have gone.
+                let _ = match line.starts_with(r#"{"frame":"#) {
+                    true => to_frames.send(line).is_ok(),
+                    false => sender.send(line).is_ok(),
+                };
             }
         });
         let demo = Demo {
             display: self,
             child: Some(child),
             told,
+            frames,
             folder,
         };
         demo.focus();
@@ -110,6 +117,7 @@ pub struct Demo<'a> {
     pub display: &'a Display,
     child: Option<Child>,
     told: Receiver<String>,
+    frames: Receiver<String>,
     folder: TempDir,
 }
 
@@ -117,8 +125,55 @@ impl Demo<'_> {
     /// Gives the window the keyboard, once it is there and has drawn.
     fn focus(&self) {
         let window = self.window();
+        self.wait_frames();
         self.display.xdotool(&["windowfocus", "--sync", &window]);
-        sleep(Duration::from_millis(500));
+        self.wait_frames();
+    }
+
+    /// Waits until the window has drawn what came of all that was done before this. A frame that
+    /// begins after now may have looked at its events before; the two after it have not, and
+    /// panels follow one frame later. A window that has closed is waited for no more.
+    pub fn wait_frames(&self) {
+        let since_1970 = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
+        let now = since_1970.unwrap().as_secs_f64();
+        let mut fresh = 0;
+        while fresh < 3 {
+            match self.frames.recv_timeout(PATIENCE) {
+                Ok(line) => {
+                    let frame: Value = serde_json::from_str(&line).unwrap();
+                    fresh += u32::from(frame["began"].as_f64() > Some(now));
+                }
+                Err(RecvTimeoutError::Disconnected) => return,
+                Err(RecvTimeoutError::Timeout) => panic!("no frame was drawn"),
+            }
+        }
+    }
+
+    /// Waits for a frame of which this is so, as the program tells its frames.
+    pub fn wait_until(&self, what: &str, mut is_so: impl FnMut(&Value) -> bool) -> Value {
+        let end = Instant::now() + PATIENCE;
+        let mut last = Value::Null;
+        loop {
+            let left = end.saturating_duration_since(Instant::now());
+            let Ok(line) = self.frames.recv_timeout(left) else {
+                let told: Vec<String> = self.told.try_iter().collect();
+                panic!("waited: {what}; last frame {last}; {told:?}");
+            };
+            last = serde_json::from_str(&line).unwrap();
+            if is_so(&last) {
+                return last;
+            }
+        }
+    }
+
+    /// Waits until so many more frames of waves were heard.
+    pub fn wait_traced(&self, more: u64) {
+        self.wait_frames();
+        let mut first = None;
+        self.wait_until("frames of waves", |frame| {
+            let traced = frame["traced"].as_u64().unwrap();
+            traced >= *first.get_or_insert(traced) + more
+        });
     }
 
     /// What the display calls the window, once it is there.
@@ -152,15 +207,29 @@ impl Demo<'_> {
 
     pub fn key(&self, key: &str) -> &Self {
         self.display.xdotool(&["key", key]);
-        sleep(Duration::from_millis(250));
+        self.wait_frames();
         self
     }
 
+    /// Holds a key down for so long, by the window's own clock and for twenty frames at least:
+    /// one that draws slowly walks less far in a frame than its time.
     pub fn hold(&self, key: &str, seconds: f64) -> &Self {
+        let mut begin = None;
+        self.hold_until(key, "time to pass", |frame| {
+            let at = |name: &str| frame[name].as_f64().unwrap();
+            let now = [at("seconds"), at("frame")];
+            let from = *begin.get_or_insert(now);
+            now[0] >= from[0] + seconds && now[1] >= from[1] + 20.0
+        })
+    }
+
+    /// Holds a key down until this is so of a frame.
+    pub fn hold_until(&self, key: &str, what: &str, is_so: impl FnMut(&Value) -> bool) -> &Self {
         self.display.xdotool(&["keydown", key]);
-        sleep(Duration::from_secs_f64(seconds));
+        self.wait_frames();
+        self.wait_until(what, is_so);
         self.display.xdotool(&["keyup", key]);
-        sleep(Duration::from_millis(250));
+        self.wait_frames();
         self
     }
 

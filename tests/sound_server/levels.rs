@@ -38,88 +38,27 @@ pub fn error_db(gains: [f64; 2], wanted: [f64; 2]) -> f64 {
     of(gains[0], wanted[0]).max(of(gains[1], wanted[1]))
 }
 
-/// Seconds that the gains take to glide to others.
-const GLIDE_S: f64 = 0.02;
+/// How far a level may be from what is wanted, in decibels: noise over 50 ms is known to 0.1 dB.
+const TOLERANCE_DB: f64 = 0.5;
 
-/// Shares of right that were set, each with its time in seconds: left and right add up to 1. Those
-/// that follow one another faster than blocks of sound must lie close together: which of them a
-/// block took is not known.
-pub struct Log(pub Vec<(f64, f64)>);
-
-/// What was heard beside a log.
-#[derive(Debug, Clone, Copy)]
+/// What was heard beside the places that were set one after the other.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Comparison {
-    /// Windows that were compared, and those that were not, because the server had nothing to play.
+    /// Windows that were compared, and those that were left out: at a gap that the sound server
+    /// had nothing to play in, or beside one.
     pub windows: usize,
-    pub gaps: usize,
-    /// Seconds from the log's clock to what was heard.
-    pub offset_s: f64,
-    /// How far the worst of all windows that were compared is from what is wanted, in decibels.
-    pub worst_db: f64,
-    /// Windows more than half a decibel off.
-    pub off: usize,
-}
-
-impl Log {
-    /// Where the gains stand, millisecond by millisecond from the log's start: they glide to each
-    /// place from where they are.
-    fn glided(&self) -> Vec<f64> {
-        let start = self.0[0].0;
-        let (mut from, mut set, mut to) = (self.0[0].1, f64::NEG_INFINITY, self.0[0].1);
-        let at = |from: f64, set: f64, to: f64, time: f64| {
-            from + (to - from) * ((time - set) / GLIDE_S).min(1.0)
-        };
-        let mut events = self.0.iter().peekable();
-        let count = ((self.0.last().unwrap().0 - start) * 1000.0) as usize;
-        (0..count)
-            .map(|ms| {
-                let time = start + ms as f64 / 1000.0;
-                while let Some((next, share)) = events.next_if(|event| event.0 <= time) {
-                    if *share != to {
-                        (from, set, to) = (at(from, set, to, *next), *next, *share);
-                    }
-                }
-                at(from, set, to, time)
-            })
-            .collect()
-    }
-
-    /// Compares each channel in each window of `heard`, which begins at `begin_s` on the log's
-    /// clock, with what was set. One offset holds for all windows. It is looked for over the half
-    /// second that is plausible: where the recording began is known to some tens of milliseconds
-    /// and a server without hardware makes its sound ahead, so that it may be negative. A place is
-    /// taken when the next block is made, up to `block_s` seconds after it was set: gains between
-    /// those are right.
-    pub fn compare(&self, heard: &Heard, begin_s: f64, block_s: f64) -> Comparison {
-        let glided = self.glided();
-        let squares = |of: fn(f64) -> f64| {
-            let mut sums = vec![0.0];
-            for &share in &glided {
-                sums.push(sums.last().unwrap() + of(share).powi(2));
-            }
-            sums
-        };
-        let sums = [squares(|share| 1.0 - share), squares(|share| share)];
-        let begin_ms = 1000.0 * (begin_s - self.0[0].0);
-        let block_ms = (1000.0 * block_s).ceil() as i64;
-        let all = (-100..400i64).map(|offset_ms| {
-            let begin_ms = begin_ms.round() as i64 - offset_ms;
-            heard.compare(&sums, begin_ms, block_ms, offset_ms as f64 / 1000.0)
-        });
-        let rank = |c: &Comparison| (c.off, (c.worst_db.min(1e3) * 1e6) as u64);
-        // An offset at which nothing is compared is none.
-        let fair: Vec<_> = all.collect();
-        let most = fair.iter().map(|c| c.windows).max().unwrap();
-        let fair = fair.into_iter().filter(|c| c.windows + 12 > most);
-        fair.min_by_key(rank).unwrap()
-    }
+    pub left_out: usize,
+    /// Of those compared: windows in which the gains moved from one place to a later one.
+    pub moving: usize,
+    /// Windows that are neither at the place of those before them, nor on the way to a later one.
+    pub wrong: usize,
 }
 
 /// Levels of what was heard.
+#[derive(Debug)]
 pub struct Heard {
-    gains: Vec<[f64; 2]>,
-    is_gap: Vec<bool>,
-    window_ms: i64,
+    /// Left and right in each window; none in those that are left out.
+    gains: Vec<Option<[f64; 2]>>,
 }
 
 impl Heard {
@@ -128,63 +67,80 @@ impl Heard {
         let frames = 48 * window_ms;
         // Noise is never zero for a millisecond in both channels.
         let is_gap = |piece: &[f32]| piece.chunks(96).any(|ms| ms.iter().all(|&s| s == 0.0));
+        let gaps: Vec<bool> = stereo.chunks_exact(2 * frames).map(is_gap).collect();
+        // Beside a gap a stream may rise from silence or fall to it.
+        let is_beside = |at: usize| gaps[at.saturating_sub(1)..].iter().take(3).any(|gap| *gap);
+        let kept = |(at, gains)| (!is_beside(at)).then_some(gains);
         Self {
-            gains: gains(stereo, frames),
-            is_gap: stereo.chunks_exact(2 * frames).map(is_gap).collect(),
-            window_ms: window_ms as i64,
+            gains: gains(stereo, frames)
+                .into_iter()
+                .enumerate()
+                .map(kept)
+                .collect(),
         }
     }
 
-    fn compare(
-        &self,
-        sums: &[Vec<f64>; 2],
-        begin_ms: i64,
-        block_ms: i64,
-        offset_s: f64,
-    ) -> Comparison {
+    /// Follows shares of the right side (left and right add up to 1) in the order in which they
+    /// were set. When a place was taken does not count: a busy machine takes it late, or not
+    /// before the next. What counts is that each window is as loud on either side as one of the
+    /// places says, or lies between two, and that none comes back once a later one was heard.
+    pub fn follow(&self, shares: &[f64]) -> Comparison {
+        let mut places = shares.to_vec();
+        places.dedup();
         let mut compared = Comparison {
             windows: 0,
-            gaps: 0,
-            offset_s,
-            worst_db: 0.0,
-            off: 0,
+            left_out: 0,
+            moving: 0,
+            wrong: 0,
         };
-        let end = sums[0].len() as i64 - self.window_ms;
-        for (i, gains) in self.gains.iter().enumerate() {
-            let start = begin_ms + i as i64 * self.window_ms;
-            if start < block_ms || start >= end {
+        // For each place: the fewest windows wrong, and then moving, of all ways to be there now.
+        let mut costs = vec![(0usize, 0usize); places.len()];
+        for gains in &self.gains {
+            let Some(gains) = gains else {
+                compared.left_out += 1;
+                let mut best = costs[0];
+                for cost in &mut costs {
+                    best = best.min(*cost);
+                    *cost = best;
+                }
                 continue;
-            }
-            if self.is_gap[i] {
-                compared.gaps += 1;
-                continue;
-            }
-            let off = (0..2).map(|ear| self.error_db(gains[ear], &sums[ear], start, block_ms));
-            let off = off.fold(0.0, f64::max);
+            };
             compared.windows += 1;
-            compared.worst_db = compared.worst_db.max(off);
-            compared.off += usize::from(off > 0.5);
+            costs = step(&costs, &places, *gains);
         }
+        (compared.wrong, compared.moving) = *costs.iter().min().unwrap();
         compared
     }
+}
 
-    /// How far a gain is from all that may be wanted in a window, in decibels.
-    fn error_db(&self, gain: f64, sums: &[f64], start: i64, block_ms: i64) -> f64 {
-        let wanted = (0..=block_ms).map(|late| {
-            let from = (start - late) as usize;
-            let squares = sums[from + self.window_ms as usize] - sums[from];
-            (squares / self.window_ms as f64).max(0.0).sqrt()
-        });
-        let (low, high) = wanted.fold((f64::INFINITY, 0.0f64), |(low, high), wanted| {
-            (low.min(wanted), high.max(wanted))
-        });
-        // What is to be silent is right below −60 dB.
-        if gain < low.max(1e-3) {
-            if low < 1e-3 { 0.0 } else { db(low / gain) }
-        } else if gain > high.max(1e-3) {
-            db(gain / high.max(1e-3))
-        } else {
-            0.0
+/// One window further.
+fn step(costs: &[(usize, usize)], places: &[f64], gains: [f64; 2]) -> Vec<(usize, usize)> {
+    let stay = |at: usize| {
+        let (wrong, moving) = *costs[..=at].iter().min().unwrap();
+        let is_there = error_db(gains, [1.0 - places[at], places[at]]) <= TOLERANCE_DB;
+        (wrong + usize::from(!is_there), moving)
+    };
+    let mut next: Vec<_> = (0..places.len()).map(stay).collect();
+    // On the way from one place to a later one, over all that lie in between: it may have come
+    // there by the end of the window, or not yet.
+    for from in 0..places.len() {
+        let (wrong, moving) = costs[from];
+        let on_the_way = (wrong, moving + 1);
+        let (mut low, mut high) = (places[from], places[from]);
+        for to in from + 1..places.len() {
+            (low, high) = (low.min(places[to]), high.max(places[to]));
+            if is_between(gains[1], low, high) && is_between(gains[0], 1.0 - high, 1.0 - low) {
+                next[from] = next[from].min(on_the_way);
+                next[to] = next[to].min(on_the_way);
+            }
         }
     }
+    next
+}
+
+fn is_between(gain: f64, low: f64, high: f64) -> bool {
+    // What is to be silent is right below −60 dB.
+    const SILENT: f64 = 1e-3;
+    db(gain.max(SILENT) / low.max(SILENT)) >= -TOLERANCE_DB
+        && db(gain.max(SILENT) / high.max(SILENT)) <= TOLERANCE_DB
 }

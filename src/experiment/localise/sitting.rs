@@ -83,14 +83,20 @@ pub enum SittingError {
 
 impl Sitting {
     /// Takes up what is in `file`, or begins a sitting that is kept there from the first answer
-    /// on. `participant` is a code; empty it is nobody's, or that of the file.
+    /// on. `participant` is a code; empty it is nobody's, or that of the file. `order_seed` gives
+    /// the order of the trials of a sitting that begins; without it each sitting has its own.
     ///
     /// # Errors
     /// [`SittingError`].
-    pub fn open(form: Form, file: PathBuf, participant: &str) -> Result<Sitting, SittingError> {
+    pub fn open(
+        form: Form,
+        file: PathBuf,
+        participant: &str,
+        order_seed: Option<u64>,
+    ) -> Result<Sitting, SittingError> {
         crate::output::check_file(&file)?;
         let session = match file.exists() {
-            false => begun(&form, participant),
+            false => begun(&form, participant, order_seed),
             true => Session::read(&file)?,
         };
         if session.experiment != form.experiment || session.trials.len() != form.trials.len() {
@@ -201,17 +207,17 @@ impl Sitting {
 }
 
 /// A sitting without any answer.
-fn begun(form: &Form, participant: &str) -> Session {
+fn begun(form: &Form, participant: &str, order_seed: Option<u64>) -> Session {
     let trials = form.trials.iter().map(|trial| TrialAnswer {
         number: trial.number as u32,
         stimulus: trial.stimulus.clone(),
         answer: None,
     });
     let started = now();
-    // Nothing but another name, and another order, for every sitting.
+    // Another name for every sitting, and another order unless it is asked for.
     let id = RandomState::new().build_hasher().finish();
     let mut order: Vec<u32> = (1..=form.trials.len() as u32).collect();
-    Random::new(id).shuffle(&mut order);
+    Random::new(order_seed.unwrap_or(id)).shuffle(&mut order);
     Session {
         format: FORMAT.to_owned(),
         version: VERSION,

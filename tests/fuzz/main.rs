@@ -1,0 +1,107 @@
+//! Files as a stranger may have made them: valid ones, spoilt by a seeded generator.
+//!
+//! Each module is a target: `one(data)` reads the bytes as that kind of file. What is no such
+//! file must be refused, within the limits on time and memory, and never by a panic. A short
+//! run is a part of the tests. A long one, by hand:
+//!
+//! ```text
+//! ECHOMARCH_FUZZ_RUNS=100000 ECHOMARCH_FUZZ_SEED=7 cargo test --release --test fuzz -- --nocapture
+//! ```
+//!
+//! Input number i of a seed is the same in every run, so a finding is found again with
+//! `ECHOMARCH_FUZZ_FIRST=i ECHOMARCH_FUZZ_RUNS=1`.
+
+mod mutate;
+mod scratch;
+
+mod answers;
+mod height_image;
+mod scene;
+mod wav;
+
+use mutate::Mutator;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::time::{Duration, Instant};
+
+/// Inputs of each kind in a run that nothing else is said for.
+const SHORT_RUN: u64 = 400;
+
+/// No input of a few kilobytes may take longer, whatever else the machine does.
+const LONGEST: Duration = Duration::from_secs(20);
+
+/// From one line of progress to the next, in a long run.
+const BETWEEN_LINES: Duration = Duration::from_secs(10);
+
+/// One kind of file.
+struct Target {
+    name: &'static str,
+    /// Valid files, to begin from.
+    corpus: Vec<Vec<u8>>,
+    /// What has a meaning in such a file.
+    tokens: &'static [&'static str],
+    one: fn(&[u8]),
+}
+
+fn from_environment(name: &str, otherwise: u64) -> u64 {
+    match std::env::var(name) {
+        Ok(value) => value
+            .parse()
+            .unwrap_or_else(|_| panic!("{name} must be a whole number, not {value:?}")),
+        Err(_) => otherwise,
+    }
+}
+
+/// Reads spoilt files of a kind. A finding is written to the temporary folder.
+fn fuzz(target: &Target) {
+    let seed = from_environment("ECHOMARCH_FUZZ_SEED", 1);
+    let first = from_environment("ECHOMARCH_FUZZ_FIRST", 0);
+    let runs = from_environment("ECHOMARCH_FUZZ_RUNS", SHORT_RUN);
+    for file in &target.corpus {
+        (target.one)(file);
+    }
+    let mut told = Instant::now();
+    for index in first..first + runs {
+        let data = Mutator::new(seed, index).spoilt(&target.corpus, target.tokens);
+        let began = Instant::now();
+        let outcome = catch_unwind(AssertUnwindSafe(|| (target.one)(&data)));
+        let (name, took) = (target.name, began.elapsed());
+        if outcome.is_err() || took > LONGEST {
+            let path = std::env::temp_dir().join(format!("echomarch-fuzz-{name}-{seed}-{index}"));
+            let kept = std::fs::write(&path, &data);
+            panic!(
+                "{name}: input {index} of seed {seed} ({} bytes, {took:?}); kept as {}: {kept:?}",
+                data.len(),
+                path.display()
+            );
+        }
+        if told.elapsed() > BETWEEN_LINES {
+            told = Instant::now();
+            println!("{name}: {} of {runs}", index + 1 - first);
+        }
+    }
+}
+
+/// Protects from scene files that come from somewhere: text, structure and numbers.
+#[test]
+fn scenes() {
+    fuzz(&scene::target());
+}
+
+/// Protects from sounds that come from somewhere.
+#[test]
+fn wavs() {
+    fuzz(&wav::target());
+}
+
+/// Protects from height images that come from somewhere.
+#[test]
+fn height_images() {
+    fuzz(&height_image::target());
+}
+
+/// Protects from answers that come from somewhere.
+#[cfg(feature = "experiment")]
+#[test]
+fn answers() {
+    fuzz(&answers::target());
+}

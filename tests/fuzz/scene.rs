@@ -1,0 +1,138 @@
+//! Scene files: what is read, and what is made of it before anything is drawn.
+
+use super::Target;
+use super::scratch::with_file;
+use echomarch::Scene;
+use echomarch::scene::BUILTIN_NAMES;
+
+const TOKENS: &[&str] = &[
+    "Plane",
+    "Box",
+    "Room",
+    "Sphere",
+    "Cylinder",
+    "HalfSpace",
+    "RoundedBox",
+    "Capsule",
+    "Torus",
+    "Cone",
+    "Prism",
+    "Ellipsoid",
+    "Paraboloid",
+    "Hyperboloid",
+    "Quadric",
+    "Union",
+    "Intersection",
+    "Difference",
+    "Complement",
+    "Shell",
+    "SmoothUnion",
+    "Offset",
+    "Translate",
+    "Rotate",
+    "Scale",
+    "Mirror",
+    "Repeat",
+    "Elongate",
+    "Twist",
+    "Bend",
+    "Morph",
+    "Keys",
+    "Value",
+    "HeightField",
+    "Field",
+    "name",
+    "surfaces",
+    "source",
+    "listener",
+    "path",
+    "time",
+    "position",
+    "rotation",
+    "turns",
+    "radius",
+    "size",
+    "height",
+    "axis",
+    "count",
+    "period",
+    "lipschitz",
+    "true",
+    "X",
+];
+
+/// One of each shape and operator.
+const SHAPES: &[&str] = &[
+    "HalfSpace(normal: (0, 1, 0), offset: -1)",
+    "RoundedBox(size: (2, 2, 2), rounding: 0.2)",
+    "Cylinder(radius: 1, height: 2, axis: (1, 2, 3))",
+    "Capsule(radius: 1, height: 2)",
+    "Torus(ring: 2, tube: 0.5)",
+    "Cone(radius: 1, height: 2)",
+    "Prism(corners: [(0, 0), (1, 0), (0.5, Keys([(0, 1), (2, 2)]))], depth: 1)",
+    "Ellipsoid(radii: (1, 2, 3))",
+    "Paraboloid(focal_length: 1)",
+    "Hyperboloid(waist: 1, rise: 1, sheets: 2)",
+    "Quadric((1, 1, 1, 0, 0, 0, 0, 0, 0, -1))",
+    "SmoothUnion(of: [Sphere(radius: 1), Box(size: (1, 2, 3))], radius: 0.3)",
+    "Difference(from: Room(size: (9, 9, 9)), cut: [Sphere(radius: 2), Plane])",
+    "Intersection([Complement(Sphere(radius: 1)), Sphere(radius: 2)])",
+    "Shell(of: Sphere(radius: 2), thickness: Value(\"shell\", 0.2))",
+    "Offset(of: Box(size: (1, 1, 1)), by: 0.1)",
+    "Translate(of: Rotate(of: Torus(ring: 2, tube: 1), by: (0, 90, 45)), by: (1, 2, 3))",
+    "Scale(of: Mirror(of: Sphere(radius: 1), axes: \"xz\"), by: 2)",
+    "Repeat(of: Sphere(radius: 1), period: (4, 0, 4), count: (3, 0, 0))",
+    "Elongate(of: Torus(ring: 2, tube: 1), by: (1, 0, 0))",
+    "Twist(of: Box(size: (1, 4, 1)), rate: 20)",
+    "Bend(of: Box(size: (4, 1, 1)), rate: 10, lipschitz: 3)",
+    "Morph(from: Sphere(radius: 1), to: Box(size: (1, 1, 1)), amount: Keys([(0, 0), (1, 1)]))",
+];
+
+fn corpus() -> Vec<Vec<u8>> {
+    let built_in = BUILTIN_NAMES
+        .iter()
+        .filter_map(|name| Scene::builtin_text(name));
+    let made = SHAPES.iter().map(|shape| {
+        format!(
+            "Scene(name: \"made\", surfaces: [Surface(name: \"one\", shape: {shape}, position: \
+             (0, Keys([(0, 1), (1, 2), (3, 0)]), 0), rotation: (0, Value(\"turn\", 30), 0))], \
+             source: Source(path: [Key(time: 0, position: (9, 9, 9)), Key(time: 2, position: \
+             (9, 8, 9))]), listener: Listener(position: (-9, 9, 9), yaw: 30, radius: 1))"
+        )
+    });
+    built_in
+        .map(str::to_owned)
+        .chain(made)
+        .map(String::into_bytes)
+        .collect()
+}
+
+/// What the driver runs.
+pub fn target() -> Target {
+    Target {
+        name: "scene",
+        corpus: corpus(),
+        tokens: TOKENS,
+        one,
+    }
+}
+
+/// Reads a scene file; what it holds is moved, asked for its distances and warnings.
+pub fn one(data: &[u8]) {
+    with_file("scene.ron", data, |path| {
+        let mut scene = match Scene::from_file(path) {
+            Ok(scene) => scene,
+            Err(error) => return drop(error.to_string()),
+        };
+        for name in scene.value_names() {
+            let _ = scene.set_value(&name, 0.5);
+        }
+        for seconds in [0.0, 0.5 * scene.duration(), 1e9] {
+            let posed = scene.at(seconds);
+            if posed.validate().is_ok() {
+                let _ = posed.warnings();
+                let _ = posed.distance(echomarch::glam::Vec3::splat(0.25));
+            }
+        }
+    });
+}
