@@ -102,6 +102,7 @@ impl WindowDisplay {
             let surface = self.display.create_window_surface(&self.config, &surface);
             (context.map_err(refused)?, surface.map_err(refused)?)
         };
+        current::knows_egl(&self.display);
         let drawing = Rc::new(Drawing {
             surface,
             context: context.treat_as_possibly_current(),
@@ -227,6 +228,10 @@ impl Backend for WindowBackend {
             .context
             .make_current(&self.0.surface)
             .map_err(|error| error.to_string())
+    }
+
+    fn is_current(&self) -> bool {
+        self.0.context.is_current() && self.0.surface.is_current(&self.0.context)
     }
 
     fn release(&self) {

@@ -42,6 +42,9 @@ const EVALUATIONS_PER_DRAW: u64 = 1 << 33;
 /// Traces frames. Programs and textures are kept from frame to frame: a frame that
 /// only moves things compiles nothing and allocates nothing on the GPU. Of many scenes and
 /// profiles in turns the programs used last are kept, a dozen of them.
+///
+/// Every call makes the tracer's context current, whatever the caller has made current in the
+/// meantime, and a context of the caller's own (EGL) is current again when the call returns.
 pub struct Tracer {
     context: Context,
     clock: Clock,
@@ -90,6 +93,7 @@ impl Tracer {
     }
 
     fn with(context: &Context, kept: Rc<RefCell<Kept>>) -> Result<Tracer, Error> {
+        let _entered = context.enter()?;
         Ok(Tracer {
             context: context.clone(),
             clock: Clock::for_context(context)?,
@@ -123,6 +127,7 @@ impl Tracer {
     /// # Errors
     /// As [`Tracer::frame`].
     pub fn check(&mut self, scene: &Scene, settings: &Settings) -> Result<(), Error> {
+        let _entered = self.context.enter()?;
         self.check_input(scene, settings)?;
         let programs = &mut self.kept.borrow_mut().programs;
         programs.march(&self.context, scene, settings)?;
@@ -140,6 +145,7 @@ impl Tracer {
     /// [`Error::Scene`] and [`Error::Trace`] for input that cannot be traced,
     /// [`Error::Gpu`] when the renderer fails.
     pub fn frame(&mut self, scene: &Scene, settings: &Settings) -> Result<Frame, Error> {
+        let _entered = self.context.enter()?;
         let job = self.prepare(scene, settings)?;
         let initialise = self.initialise(&job)?;
         let march = self.march_all(&job)?;
@@ -156,6 +162,7 @@ impl Tracer {
         scene: &Scene,
         settings: &Settings,
     ) -> Result<(Frame, Vec<Wave>), Error> {
+        let _entered = self.context.enter()?;
         let job = self.prepare(scene, settings)?;
         let initialise = self.initialise(&job)?;
         let (starts, first_read) = timed(|| self.read_pair())?;
@@ -174,6 +181,7 @@ impl Tracer {
     /// # Errors
     /// As [`Tracer::frame`].
     pub fn paths(&mut self, scene: &Scene, settings: &Settings) -> Result<Vec<Vec<Wave>>, Error> {
+        let _entered = self.context.enter()?;
         let job = self.prepare(scene, settings)?;
         self.initialise(&job)?;
         self.follow(&job)
@@ -194,6 +202,7 @@ impl Tracer {
         settings: &Settings,
         directions: &[Vec3],
     ) -> Result<Vec<Vec<Wave>>, Error> {
+        let _entered = self.context.enter()?;
         let units = unit_directions(directions)?;
         let waves = u32::try_from(units.len()).unwrap_or(u32::MAX);
         let settings = settings.clone().with_waves(waves);

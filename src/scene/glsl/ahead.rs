@@ -22,12 +22,13 @@ pub fn ahead_sources(scene: &Scene, difference_normals: bool) -> Vec<Source> {
     }
     sources.extend(land_files(&text));
     sources.extend(text.shape_files(gradient_file));
+    sources.extend(text.shape_files(ahead_file));
     add_once(&mut sources, text.data_file());
     let fields = field_files(text.fields(), true, &text.assets);
     add_once(&mut sources, fields);
     sources.extend(text.turn_file());
     sources.push(source!("distance/listener.glsl"));
-    sources.push(source!("gradient/listener.glsl"));
+    sources.push(source!("ahead/listener.glsl"));
     let mut functions = text.uniforms();
     functions += &text.of_fields(|_| true, value_text);
     functions += &text.of_fields(|_| true, gradient_text);
@@ -50,6 +51,18 @@ fn gradient_file(shape: &Shape) -> Option<Source> {
         Shape::Sphere { .. } => source!("gradient/sphere.glsl"),
         Shape::Cylinder { .. } => source!("gradient/cylinder.glsl"),
         Shape::Field(_) => return None,
+    })
+}
+
+/// The file of the distance to a basic shape that can still be met; a room's stands with its
+/// gradient.
+fn ahead_file(shape: &Shape) -> Option<Source> {
+    Some(match shape {
+        Shape::Plane => source!("ahead/plane.glsl"),
+        Shape::Box { .. } => source!("ahead/box.glsl"),
+        Shape::Sphere { .. } => source!("ahead/sphere.glsl"),
+        Shape::Cylinder { .. } => source!("ahead/cylinder.glsl"),
+        Shape::Room { .. } | Shape::Field(_) => return None,
     })
 }
 

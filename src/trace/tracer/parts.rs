@@ -139,6 +139,7 @@ impl Tracer {
         scene: &Scene,
         settings: &Settings,
     ) -> Result<(), Error> {
+        let _entered = self.context.enter()?;
         self.pending.give_up();
         let job = self.prepare(scene, settings)?;
         let grid = self.targets()?.grid;
@@ -169,6 +170,7 @@ impl Tracer {
     /// # Errors
     /// As [`Tracer::frame`].
     pub fn frame_go_on(&mut self, milliseconds: f64) -> Result<bool, Error> {
+        let _entered = self.context.enter()?;
         let Some(Parts {
             scene,
             settings,
