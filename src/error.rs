@@ -28,6 +28,14 @@ pub enum Error {
 }
 
 impl Error {
+    /// What is wrong with a scene, said of a time on its paths.
+    pub(crate) fn at(self, seconds: f64) -> Error {
+        match self {
+            Error::Scene(refused) => Error::Scene(refused.at(seconds)),
+            other => other,
+        }
+    }
+
     /// Whether the input is to blame (the program then exits with 2, else with 1).
     pub fn is_bad_input(&self) -> bool {
         match self {

@@ -38,6 +38,7 @@
 //! | `picture` | what the listener sees, and the plan with paths (feature `experiment`) |
 //! | `experiment` | the thesis' experiments, run for real, and what accuracy costs (feature `experiment`) |
 //! | `demo` | the window: walk through a scene and hear it (feature `demo`) |
+//! | [`input`] | what keeps files from being read |
 //! | [`output`] | files that are there whole or not at all |
 //!
 //! # Features
@@ -63,12 +64,14 @@ pub mod error;
 #[cfg(feature = "experiment")]
 pub mod experiment;
 pub mod gpu;
+pub mod input;
 pub mod offline;
 pub mod output;
 #[cfg(feature = "experiment")]
 pub mod picture;
 pub mod reference;
 pub mod scene;
+mod text;
 pub mod trace;
 
 pub use error::Error;

@@ -70,7 +70,8 @@ pub fn render<E: From<Error>>(
     let mut stereo = vec![0.0; 2 * blocks.longest()];
     for index in 0..timing.frames() {
         let time = index as f64 / timing.fps;
-        let frame = tracer.frame(&scene.at(time), settings)?;
+        let frame = tracer.frame(&scene.at(time), settings);
+        let frame = frame.map_err(|error| error.at(time))?;
         let range = blocks.samples(index);
         let length = range.end.min(end).saturating_sub(range.start) as usize;
         let (mono, stereo) = (&mut mono[..length], &mut stereo[..2 * length]);

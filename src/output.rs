@@ -1,11 +1,15 @@
 //! Files that are there whole or not at all.
 //!
 //! Everything is written beside its target and renamed at the end, so that a run that
-//! is broken off leaves an older file as it was.
+//! is broken off leaves an older file as it was. What was read as an input (a scene, a file
+//! that it names, a sound, answers) is never replaced, whatever path or link leads to it.
 
+use crate::input::is_input;
 use std::ffi::OsStr;
+use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use tempfile::NamedTempFile;
 
 /// A file or folder that cannot be written.
@@ -58,13 +62,11 @@ pub fn write_whole(
     };
     let target = &followed(path);
     let beside = temporary_beside(target).map_err(error)?;
-    let mut writer = BufWriter::new(beside.as_file());
+    let mut writer = BufWriter::new(beside.reopen().map_err(error)?);
     fill(&mut writer).map_err(error)?;
     writer.flush().map_err(error)?;
     drop(writer);
-    beside.as_file().sync_all().map_err(error)?;
-    beside.persist(target).map_err(|e| error(e.error))?;
-    Ok(())
+    beside.persist(target).map_err(error)
 }
 
 /// Where a path leads: a link keeps being one, and what it names is replaced.
@@ -72,20 +74,102 @@ pub(crate) fn followed(path: &Path) -> PathBuf {
     std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned())
 }
 
+/// Every temporary file there is, for [`remove_parts`].
+static PARTS: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+fn parts() -> MutexGuard<'static, Vec<PathBuf>> {
+    PARTS.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Removes every temporary file there is, and lets none come into being from now on: whoever
+/// begins one waits for ever. For a program that is being broken off, as its last act.
+///
+/// Recordings of what is heard stay: their temporary files are to be found.
+pub fn remove_parts() {
+    let parts = parts();
+    for path in parts.iter() {
+        // It may have been renamed or removed by now; and there is nobody to tell.
+        let _ = std::fs::remove_file(path);
+    }
+    std::mem::forget(parts);
+}
+
+/// A file on its way to its name: removed when dropped, and when the program is broken off.
+#[derive(Debug)]
+pub(crate) struct PartFile {
+    /// There until the file has its name.
+    file: Option<NamedTempFile>,
+    path: PathBuf,
+}
+
+impl PartFile {
+    fn new(made: impl FnOnce() -> io::Result<NamedTempFile>) -> io::Result<PartFile> {
+        // Made and known at once, seen from who removes them.
+        let mut parts = parts();
+        let file = made()?;
+        let path = file.path().to_owned();
+        parts.push(path.clone());
+        Ok(PartFile {
+            file: Some(file),
+            path,
+        })
+    }
+
+    /// Another handle to the file.
+    pub fn reopen(&self) -> io::Result<File> {
+        File::options().read(true).write(true).open(&self.path)
+    }
+
+    /// Gives the file its name once it is on the disk, replacing an older file that is no
+    /// input.
+    pub fn persist(mut self, target: &Path) -> io::Result<()> {
+        refuse_inputs(target)?;
+        let Some(file) = self.file.take() else {
+            return Ok(());
+        };
+        let done = file
+            .as_file()
+            .sync_all()
+            .and_then(|()| file.persist(target).map_err(|error| error.error));
+        done.map(|_| ())
+    }
+}
+
+impl Drop for PartFile {
+    fn drop(&mut self) {
+        let mut parts = parts();
+        self.file = None;
+        parts.retain(|path| *path != self.path);
+    }
+}
+
+fn refuse_inputs(target: &Path) -> io::Result<()> {
+    if is_input(target) {
+        let text = "it is an input of this run, and inputs are never replaced";
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, text));
+    }
+    Ok(())
+}
+
 /// A temporary file in the folder of `target`, to be renamed to it: readable by others
-/// as any new file is. A target that is there but no plain file (a folder, a device) is
-/// refused, since a rename would replace it.
-pub(crate) fn temporary_beside(target: &Path) -> io::Result<NamedTempFile> {
-    temporary_named(target, ".echomarch-".as_ref(), ".part")
+/// as any new file is. A target that is there but no plain file (a folder, a device), or is
+/// an input, is refused, since a rename would replace it.
+pub(crate) fn temporary_beside(target: &Path) -> io::Result<PartFile> {
+    PartFile::new(|| temporary_named(target, ".echomarch-".as_ref(), ".part"))
 }
 
 /// The same under a name that is seen: what a program that is broken off leaves is to be found.
 /// `heard.wav` becomes `heard-XXXXXX.part.wav`.
 #[cfg(feature = "audio")]
-pub(crate) fn visible_part_beside(target: &Path) -> io::Result<NamedTempFile> {
+pub(crate) fn visible_part_beside(target: &Path) -> io::Result<PartFile> {
     let mut begin = target.file_stem().unwrap_or_default().to_owned();
     begin.push("-");
-    temporary_named(target, &begin, ".part.wav")
+    let file = temporary_named(target, &begin, ".part.wav")?;
+    // Not among those that are removed.
+    Ok(PartFile {
+        path: file.path().to_owned(),
+        file: Some(file),
+    })
 }
 
 fn temporary_named(target: &Path, begin: &OsStr, end: &str) -> io::Result<NamedTempFile> {
@@ -103,6 +187,7 @@ fn temporary_named(target: &Path, begin: &OsStr, end: &str) -> io::Result<NamedT
         Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
         Ok(_) | Err(_) => {}
     }
+    refuse_inputs(target)?;
     let mut builder = tempfile::Builder::new();
     builder.prefix(begin).suffix(end);
     #[cfg(unix)]
@@ -131,7 +216,8 @@ pub fn prepare_folder(folder: &Path) -> Result<(), OutputError> {
     Ok(())
 }
 
-/// Proves that a file can be written: to be called before long work that ends in it.
+/// Proves that a file can be written, and is no input that was read so far: to be called
+/// once the inputs are read, before long work that ends in it.
 ///
 /// # Errors
 /// [`OutputError`] with the file.

@@ -201,7 +201,11 @@ impl RawEgl {
                 let context = display.create_context(&config, &attributes).ok()?;
                 let egl = display.egl();
                 let context = context.treat_as_possibly_current();
-                Some(RawEgl { egl, display, context })
+                Some(RawEgl {
+                    egl,
+                    display,
+                    context,
+                })
             }
         });
         made.unwrap()
@@ -249,7 +253,11 @@ fn gpu_frames_do_not_mind_what_others_make_current() {
         }
         tracer.frame_begin(&near, &settings).unwrap();
         raw.bind();
-        assert_eq!(tracer.frame_wait().unwrap().unwrap().counts, of_near, "{api}");
+        assert_eq!(
+            tracer.frame_wait().unwrap().unwrap().counts,
+            of_near,
+            "{api}"
+        );
         assert!(raw.context.is_current(), "{api}");
     }
 }

@@ -87,9 +87,10 @@ impl Clip {
     fn cross_fade(&self, out: &mut [f32]) {
         let last = self.samples.len() - 1;
         for (i, sample) in (self.next..self.seam).zip(out) {
-            let share = i as f32 / self.seam as f32;
-            let end = self.samples[last - i];
-            *sample = end + (*sample - end) * share;
+            let share = i as f64 / self.seam as f64;
+            // In `f64`, where no difference of two samples overflows.
+            let end = f64::from(self.samples[last - i]);
+            *sample = (end + (f64::from(*sample) - end) * share) as f32;
         }
     }
 }

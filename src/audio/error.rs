@@ -1,5 +1,6 @@
 //! What can go wrong with sounds and WAV files.
 
+use crate::input::InputError;
 use std::io;
 use std::path::PathBuf;
 
@@ -12,8 +13,8 @@ pub enum AudioError {
     OpenWav {
         /// The file that was asked for.
         path: PathBuf,
-        /// What the operating system said.
-        source: io::Error,
+        /// What the operating system said, or why it is not read.
+        source: InputError,
     },
     /// The file's header is not that of a WAV file.
     #[error("{} is not a WAV file ({source}): convert it to WAV first", path.display())]
@@ -64,6 +65,44 @@ pub enum AudioError {
         path: PathBuf,
         /// The first such sample, counted over all channels from 0.
         sample: u64,
+    },
+    /// More sound than is read into memory.
+    #[error(
+        "{} holds {frames} samples in {channels} channels at {rate_hz} Hz, which are {needed} \
+         at {to_hz} Hz: at most {limit} are read, 11 minutes at 48000 Hz, so cut it",
+        path.display()
+    )]
+    LongWav {
+        /// The file that was read.
+        path: PathBuf,
+        /// Samples of each channel.
+        frames: u64,
+        /// Channels.
+        channels: u16,
+        /// The file's sample rate, in hertz.
+        rate_hz: u32,
+        /// Samples that would be kept.
+        needed: u64,
+        /// The wanted sample rate, in hertz.
+        to_hz: u32,
+        /// How many samples may be kept.
+        limit: u64,
+    },
+    /// A float WAV file that is to be resampled holds a sample far beyond full scale.
+    #[error(
+        "{} holds a sample of {value:e}, sample {sample} over all channels: at most {limit:e} \
+         either way can be resampled, and 1 is full scale, so export the file anew",
+        path.display()
+    )]
+    LoudSample {
+        /// The file that was read.
+        path: PathBuf,
+        /// The first such sample, counted over all channels from 0.
+        sample: u64,
+        /// What it is.
+        value: f32,
+        /// The largest magnitude that is read.
+        limit: f32,
     },
     /// The WAV file could not be brought to the wanted sample rate.
     #[error("cannot resample {} from {from_hz} Hz to {to_hz} Hz: {reason}", path.display())]

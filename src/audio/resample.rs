@@ -48,7 +48,7 @@ fn greatest_common_divisor(a: u32, b: u32) -> u32 {
 }
 
 /// The number of samples after resampling, rounded to the nearest.
-fn length_after(count: usize, from_hz: u32, to_hz: u32) -> usize {
+pub(super) fn length_after(count: usize, from_hz: u32, to_hz: u32) -> usize {
     let (count, from, to) = (count as u128, u128::from(from_hz), u128::from(to_hz));
     ((count * to + from / 2) / from) as usize
 }

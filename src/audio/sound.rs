@@ -48,7 +48,8 @@ impl Sound {
     /// [`AudioError::BadSineFrequency`]; and for a WAV file [`AudioError::OpenWav`],
     /// [`NotWav`](AudioError::NotWav), [`UnsupportedWav`](AudioError::UnsupportedWav),
     /// [`DamagedWav`](AudioError::DamagedWav), [`EmptyWav`](AudioError::EmptyWav),
-    /// [`NonFiniteSample`](AudioError::NonFiniteSample) or [`Resample`](AudioError::Resample).
+    /// [`NonFiniteSample`](AudioError::NonFiniteSample),
+    /// [`LoudSample`](AudioError::LoudSample), [`LongWav`](AudioError::LongWav) or [`Resample`](AudioError::Resample).
     pub fn load(spec: &SoundSpec, sample_rate: u32) -> Result<Self, AudioError> {
         check_rate(sample_rate)?;
         let kind = match spec {
@@ -56,7 +57,7 @@ impl Sound {
             SoundSpec::Noise { seed } => Kind::Noise(Noise::new(*seed)),
             SoundSpec::Speech { seed } => Kind::Speech(Box::new(Speech::new(*seed, sample_rate))),
             SoundSpec::Wav { path } => {
-                let wav = wav_read::read_mono(path)?;
+                let wav = wav_read::read_mono(path, sample_rate)?;
                 let samples =
                     resample::to_rate(wav.samples, wav.rate_hz, sample_rate).map_err(|reason| {
                         AudioError::Resample {

@@ -1,13 +1,26 @@
 //! WAV files in: any channel count to mono.
 
-use std::fs::File;
 use std::io::{self, BufReader};
 use std::path::Path;
 
 use hound::{SampleFormat, WavReader};
 
 use super::AudioError;
+use super::resample::length_after;
 use super::sound::check_rate;
+use crate::input::{InputError, InputFile};
+
+/// Bytes of a WAV file at the most: [`MOST_SAMPLES`] in stereo, 32 bits each.
+const LARGEST_FILE: u64 = 2 * 4 * MOST_SAMPLES;
+
+/// Samples of a clip at the most, as they stand in the file or after resampling: 128 MiB of
+/// memory, 11 minutes at 48 kHz.
+const MOST_SAMPLES: u64 = 1 << 25;
+
+/// The largest magnitude of a sample that is to be resampled, where 1 is full scale: float files
+/// that were made of 32-bit integers have it. The sums over the filter stay finite by far; the
+/// resampler panics where they do not.
+const LOUDEST: f32 = 2_147_483_648.0;
 
 /// A WAV file's sound at its own rate; never empty, always finite.
 pub(super) struct MonoWav {
@@ -15,10 +28,11 @@ pub(super) struct MonoWav {
     pub(super) rate_hz: u32,
 }
 
-type Reader = WavReader<BufReader<File>>;
+type Reader = WavReader<BufReader<InputFile>>;
 
-pub(super) fn read_mono(path: &Path) -> Result<MonoWav, AudioError> {
-    let reader = open(path)?;
+/// Reads a sound that is to be played at `to_hz`.
+pub(super) fn read_mono(path: &Path, to_hz: u32) -> Result<MonoWav, AudioError> {
+    let (reader, file_bytes) = open(path)?;
     let spec = reader.spec();
     if check_rate(spec.sample_rate).is_err() {
         return Err(unsupported(
@@ -26,24 +40,28 @@ pub(super) fn read_mono(path: &Path) -> Result<MonoWav, AudioError> {
             format!("sound at {} Hz", spec.sample_rate),
         ));
     }
-    let samples = read_interleaved(reader, path)?;
+    check_length(path, &reader, file_bytes, to_hz)?;
+    let rate_hz = spec.sample_rate;
+    let loudest = if rate_hz == to_hz { f32::MAX } else { LOUDEST };
+    let samples = read_samples(reader, path, loudest)?;
     if samples.is_empty() {
         return Err(AudioError::EmptyWav { path: path.into() });
     }
-    Ok(MonoWav {
-        samples: mean_of_channels(&samples, spec.channels),
-        rate_hz: spec.sample_rate,
-    })
+    Ok(MonoWav { samples, rate_hz })
 }
 
-fn open(path: &Path) -> Result<Reader, AudioError> {
+/// The reader, behind the file's header, and the file's length in bytes.
+fn open(path: &Path) -> Result<(Reader, u64), AudioError> {
     let cannot_open = |source| AudioError::OpenWav {
         path: path.into(),
         source,
     };
-    let file = File::open(path).map_err(cannot_open)?;
-    WavReader::new(BufReader::new(file)).map_err(|error| match error {
-        hound::Error::IoError(source) if !is_short(&source) => cannot_open(source),
+    let file = InputFile::open(path, LARGEST_FILE).map_err(cannot_open)?;
+    let bytes = file.length();
+    let reader = WavReader::new(BufReader::new(file)).map_err(|error| match error {
+        hound::Error::IoError(source) if !is_short(&source) => {
+            cannot_open(InputError::from_reading(source))
+        }
         hound::Error::Unsupported => unsupported(path, "an encoding that is not plain PCM".into()),
         // The reader knows that it is a WAV file, but not this width of sample.
         hound::Error::FormatError(reason) if reason.starts_with("bits per sample") => {
@@ -53,15 +71,47 @@ fn open(path: &Path) -> Result<Reader, AudioError> {
             path: path.into(),
             source,
         },
+    })?;
+    Ok((reader, bytes))
+}
+
+/// Refuses what would not fit into memory, by the header and the file's length alone.
+fn check_length(
+    path: &Path,
+    reader: &Reader,
+    file_bytes: u64,
+    to_hz: u32,
+) -> Result<(), AudioError> {
+    let spec = reader.spec();
+    // A header may say more than there is: what is read ends with the file. A sample is
+    // stored in one byte at the least.
+    let channels = u64::from(spec.channels);
+    let frames = u64::from(reader.duration()).min(file_bytes / channels);
+    let after = length_after(frames as usize, spec.sample_rate, to_hz) as u64;
+    let needed = frames.max(after);
+    if needed <= MOST_SAMPLES {
+        return Ok(());
+    }
+    Err(AudioError::LongWav {
+        path: path.into(),
+        frames,
+        channels: spec.channels,
+        rate_hz: spec.sample_rate,
+        needed,
+        to_hz,
+        limit: MOST_SAMPLES,
     })
 }
 
 /// Whether the file ended before its header did; the WAV reader reports that as "other".
 fn is_short(error: &io::Error) -> bool {
-    matches!(
-        error.kind(),
-        io::ErrorKind::UnexpectedEof | io::ErrorKind::Other
-    )
+    match error.kind() {
+        io::ErrorKind::UnexpectedEof => true,
+        io::ErrorKind::Other => !error
+            .get_ref()
+            .is_some_and(|inner| inner.is::<InputError>()),
+        _ => false,
+    }
 }
 
 fn unsupported(path: &Path, found: String) -> AudioError {
@@ -71,19 +121,22 @@ fn unsupported(path: &Path, found: String) -> AudioError {
     }
 }
 
-/// All channels' samples, as they stand in the file, scaled so that full scale is 1.
-fn read_interleaved(reader: Reader, path: &Path) -> Result<Vec<f32>, AudioError> {
+/// The channels' mean, sample by sample, scaled so that full scale is 1.
+fn read_samples(reader: Reader, path: &Path, loudest: f32) -> Result<Vec<f32>, AudioError> {
     let spec = reader.spec();
+    let channels = spec.channels.into();
     match (spec.sample_format, spec.bits_per_sample) {
         (SampleFormat::Float, 32) => {
-            let samples = collect(reader.into_samples::<f32>(), path, |sample| sample)?;
-            check_finite(&samples, path)?;
-            Ok(samples)
+            let read = reader.into_samples::<f32>();
+            mean_of_channels(read, channels, path, |index, sample| {
+                check_sample(path, index, sample, loudest)
+            })
         }
         (SampleFormat::Int, bits @ (8 | 16 | 24 | 32)) => {
             let full_scale = f64::from(bits - 1).exp2();
-            collect(reader.into_samples::<i32>(), path, |sample| {
-                (f64::from(sample) / full_scale) as f32
+            let read = reader.into_samples::<i32>();
+            mean_of_channels(read, channels, path, |_, sample| {
+                Ok((f64::from(sample) / full_scale) as f32)
             })
         }
         (SampleFormat::Float, bits) => Err(unsupported(path, format!("{bits}-bit float samples"))),
@@ -91,17 +144,27 @@ fn read_interleaved(reader: Reader, path: &Path) -> Result<Vec<f32>, AudioError>
     }
 }
 
-fn collect<S>(
+/// Sums each frame in `f64`, so that no sum overflows, and keeps nothing but the means. A last
+/// frame that is not whole is left out.
+fn mean_of_channels<S>(
     read: impl Iterator<Item = hound::Result<S>>,
+    channels: usize,
     path: &Path,
-    scale: impl Fn(S) -> f32,
+    scale: impl Fn(u64, S) -> Result<f32, AudioError>,
 ) -> Result<Vec<f32>, AudioError> {
-    let mut samples = Vec::new();
-    for sample in read {
-        let sample = sample.map_err(|source| damaged(path, samples.len() as u64, source))?;
-        samples.push(scale(sample));
+    let mut means = Vec::new();
+    let (mut sum, mut summed) = (0.0, 0);
+    for (index, sample) in read.enumerate() {
+        let index = index as u64;
+        let sample = sample.map_err(|source| damaged(path, index, source))?;
+        sum += f64::from(scale(index, sample)?);
+        summed += 1;
+        if summed == channels {
+            means.push((sum / channels as f64) as f32);
+            (sum, summed) = (0.0, 0);
+        }
     }
-    Ok(samples)
+    Ok(means)
 }
 
 fn damaged(path: &Path, sample: u64, source: hound::Error) -> AudioError {
@@ -115,21 +178,20 @@ fn damaged(path: &Path, sample: u64, source: hound::Error) -> AudioError {
     }
 }
 
-fn check_finite(samples: &[f32], path: &Path) -> Result<(), AudioError> {
-    match samples.iter().position(|sample| !sample.is_finite()) {
-        None => Ok(()),
-        Some(index) => Err(AudioError::NonFiniteSample {
+fn check_sample(path: &Path, index: u64, sample: f32, loudest: f32) -> Result<f32, AudioError> {
+    if !sample.is_finite() {
+        return Err(AudioError::NonFiniteSample {
             path: path.into(),
-            sample: index as u64,
-        }),
+            sample: index,
+        });
     }
-}
-
-/// The channels' mean, sample by sample, summed in `f64` so that no sum overflows.
-fn mean_of_channels(samples: &[f32], channels: u16) -> Vec<f32> {
-    let mean = |frame: &[f32]| {
-        let sum: f64 = frame.iter().copied().map(f64::from).sum();
-        (sum / f64::from(channels)) as f32
-    };
-    samples.chunks_exact(channels.into()).map(mean).collect()
+    if sample.abs() > loudest {
+        return Err(AudioError::LoudSample {
+            path: path.into(),
+            sample: index,
+            value: sample,
+            limit: loudest,
+        });
+    }
+    Ok(sample)
 }

@@ -5,12 +5,11 @@ use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 
 use hound::{SampleFormat, WavSpec};
-use tempfile::NamedTempFile;
 
 use super::{AudioError, SAMPLE_RATE};
 #[cfg(feature = "audio")]
 use crate::output::visible_part_beside;
-use crate::output::{followed, temporary_beside};
+use crate::output::{PartFile, followed, temporary_beside};
 
 /// Bytes of one left and one right sample.
 const FRAME_BYTES: u64 = 8;
@@ -29,12 +28,12 @@ pub struct WavWriter {
     rate_hz: u32,
     // Dropped in this order: the sound's end is written before the file goes.
     wav: Wav,
-    temporary: NamedTempFile,
+    temporary: PartFile,
     frames: u64,
 }
 
 /// Makes a temporary file beside another.
-type Beside = fn(&Path) -> io::Result<NamedTempFile>;
+type Beside = fn(&Path) -> io::Result<PartFile>;
 
 /// `hound`'s writer has no `Debug`.
 struct Wav(hound::WavWriter<BufWriter<File>>);
@@ -138,13 +137,8 @@ impl WavWriter {
             .finalize()
             .map_err(|error| write_error(&target, to_io(error)))?;
         temporary
-            .as_file()
-            .sync_all()
-            .map_err(|error| write_error(&target, error))?;
-        temporary
             .persist(&target)
-            .map_err(|error| write_error(&target, error.error))?;
-        Ok(())
+            .map_err(|error| write_error(&target, error))
     }
 }
 
@@ -152,7 +146,7 @@ fn start(
     target: &Path,
     rate_hz: u32,
     beside: Beside,
-) -> io::Result<(NamedTempFile, hound::WavWriter<BufWriter<File>>)> {
+) -> io::Result<(PartFile, hound::WavWriter<BufWriter<File>>)> {
     let temporary = beside(target)?;
     let file = BufWriter::new(temporary.reopen()?);
     let spec = WavSpec {

@@ -53,9 +53,11 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     let settings = arguments.options.settings(common)?;
     if let Some(path) = &arguments.output {
         check_ending(path, "csv")?;
-        check_file(path)?;
     }
     let scene = common.scene_with(&arguments.scene, &arguments.values)?;
+    if let Some(path) = &arguments.output {
+        check_file(path)?;
+    }
     let options = CostOptions {
         runs: arguments.runs,
     };

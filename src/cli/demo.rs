@@ -8,8 +8,8 @@ use crate::demo::{DemoOptions, Report, run as run_demo};
 use crate::error::Error;
 use crate::gpu::Api;
 use crate::output::check_file;
+use crate::text;
 use clap::Args;
-use std::io::Write;
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
@@ -127,6 +127,8 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     }
     let options = options(arguments, common)?;
     common.scene(&arguments.scene)?;
+    check_outputs(arguments)?;
+    super::interrupt::ask_from_now_on();
     let report = run_demo(options)?;
     if common.json {
         return print::json(&report);
@@ -183,6 +185,7 @@ fn options(arguments: &Arguments, common: &Common) -> anyhow::Result<DemoOptions
         help: !window.no_help,
         // A report says how many there were.
         check_gl: common.json,
+        is_asked_to_end: super::interrupt::is_asked,
         log_frames: window.log_frames,
         announce: if common.json { to_errors } else { to_output },
     })
@@ -210,19 +213,27 @@ fn check(sound: &SoundOptions, window: &WindowOptions, common: &Common) -> anyho
     ] {
         if let Some(file) = file {
             check_ending(file, ending)?;
-            check_file(file)?;
         }
+    }
+    Ok(())
+}
+
+/// Behind the reading of the sound and the scene, which are not to be replaced.
+fn check_outputs(arguments: &Arguments) -> anyhow::Result<()> {
+    let window = &arguments.window;
+    for file in [&arguments.sound.record, &window.save, &window.screenshot] {
+        file.as_deref().map_or(Ok(()), check_file)?;
     }
     Ok(())
 }
 
 fn to_output(line: &str) {
     // With nowhere to print to the window still says it.
-    let _ = writeln!(std::io::stdout(), "{line}");
+    let _ = print::line(&text::message(line));
 }
 
 fn to_errors(line: &str) {
-    let _ = writeln!(std::io::stderr(), "{line}");
+    print::tell(line);
 }
 
 fn print_text(report: &Report) -> anyhow::Result<()> {

@@ -1,8 +1,10 @@
 //! From an error to one sentence and an exit code.
 
+use super::print;
 use crate::error::Error;
 use crate::output::OutputError;
-use std::io::Write;
+use crate::text;
+use clap::error::ErrorKind;
 use std::process::ExitCode;
 
 const FAILED: u8 = 1;
@@ -20,8 +22,25 @@ pub fn report(error: &anyhow::Error) -> ExitCode {
     }
     // The outermost error alone: ours name their cause in their own sentence.
     // With nowhere to write to, the exit code still tells.
-    let _ = writeln!(std::io::stderr(), "echomarch: {error}");
+    print::tell(&format!("echomarch: {error}"));
     ExitCode::from(code(error))
+}
+
+/// Prints what is wrong with the arguments, or the help that was asked for. What cannot be
+/// shown as it was typed is told as any other message is.
+pub fn refuse_arguments(error: &clap::Error) -> ExitCode {
+    let is_help = matches!(
+        error.kind(),
+        ErrorKind::DisplayHelp
+            | ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand
+            | ErrorKind::DisplayVersion
+    );
+    let text = error.render().to_string();
+    if !is_help && !text::is_showable(&text) {
+        print::tell(&text);
+        return ExitCode::from(BAD_INPUT);
+    }
+    error.exit()
 }
 
 fn code(error: &anyhow::Error) -> u8 {

@@ -14,7 +14,7 @@ use crate::experiment::localise::{
     self, LocaliseOptions, LocaliseReport, MOST_WORK, OpenCase, ROOMS, SOUNDS, markdown, plot_svg,
     write_csv, write_score_csv,
 };
-use crate::output::{prepare_folder, write_whole};
+use crate::output::{check_file, prepare_folder, write_whole};
 use crate::scene::Scene;
 use crate::trace::{Profile, Settings};
 use clap::{Args, Subcommand};
@@ -174,6 +174,10 @@ fn observe(arguments: &RunArguments, common: &Common) -> anyhow::Result<()> {
     };
     let mut text = String::new();
     let folder = arguments.output.as_deref();
+    if let Some(folder) = folder {
+        prepare_folder(folder)?;
+        check_file(&folder.join("localise.md"))?;
+    }
     experiment.run(common, folder, |tracer, progress| {
         let report = localise::run(tracer, &options, progress)?;
         text = markdown(&report);
@@ -353,6 +357,9 @@ fn score_files(arguments: &ScoreArguments, common: &Common) -> anyhow::Result<()
     let report = score(&arguments.files).map_err(|error| BadInput(error.to_string()))?;
     if let Some(folder) = &arguments.output {
         prepare_folder(folder)?;
+        for name in ["score.csv", "score.json"] {
+            check_file(&folder.join(name))?;
+        }
         write_whole(&folder.join("score.csv"), |out| {
             write_score_csv(&report, out)
         })?;

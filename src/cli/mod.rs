@@ -10,6 +10,7 @@ mod demo;
 mod exit;
 mod figures;
 mod info;
+mod interrupt;
 mod localise;
 mod options;
 mod print;
@@ -87,7 +88,13 @@ enum Command {
 
 /// Runs the program on the process' own arguments.
 pub fn run() -> ExitCode {
-    let cli = Cli::parse();
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => return exit::refuse_arguments(&error),
+    };
+    if let Err(error) = interrupt::install() {
+        print::tell(&format!("warning: signals are not answered: {error}"));
+    }
     let result = match &cli.command {
         #[cfg(feature = "demo")]
         Command::Demo(arguments) => demo::run(arguments, &cli.common),
@@ -103,8 +110,9 @@ pub fn run() -> ExitCode {
         Command::Localise(arguments) => localise::run(arguments, &cli.common),
         Command::Info(arguments) => info::run(arguments, &cli.common),
     };
-    match result {
+    let code = match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => exit::report(&error),
-    }
+    };
+    interrupt::asked().map_or(code, ExitCode::from)
 }

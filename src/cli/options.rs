@@ -1,14 +1,17 @@
 //! Arguments that several subcommands share.
 
 use super::exit::BadInput;
+use super::print;
 use crate::error::Error;
 use crate::gpu::{Api, Context, ContextOptions};
 use crate::scene::layout::Layout;
 use crate::scene::{Scene, SceneError};
 use crate::trace::{Budget, Directions, Profile, Settings, Tracer};
 use clap::Args;
-use std::io::Write;
 use std::path::Path;
+
+/// Warnings of one scene that are told; of more, how many there are.
+const MOST_WARNINGS: usize = 8;
 
 /// From about here on compiling a scene's shader takes seconds (docs/scene-format.md).
 const MANY_SURFACES: usize = 64;
@@ -41,7 +44,7 @@ impl Common {
         let context = Context::headless(&options)?;
         // A device that is there but cannot be used is told even with --quiet.
         for reason in context.passed_over() {
-            let _ = writeln!(std::io::stderr(), "warning: passed over {reason}");
+            print::tell(&format!("warning: passed over {reason}"));
         }
         self.note(&format!("renderer: {}", context.renderer()));
         Ok(context)
@@ -89,8 +92,12 @@ impl Common {
 
     /// Tells what is odd about a scene as it stands.
     pub fn warn(&self, scene: &Scene) {
-        for warning in scene.warnings() {
+        let warnings = scene.warnings();
+        for warning in warnings.iter().take(MOST_WARNINGS) {
             self.note(&format!("warning: {}: {warning}", scene.name));
+        }
+        if let Some(more) = warnings.len().checked_sub(MOST_WARNINGS + 1) {
+            self.note(&format!("warning: {}: and {} more", scene.name, more + 1));
         }
     }
 
@@ -110,6 +117,8 @@ impl Common {
         }
         let loaded = values.load(name_or_file).map_err(Error::from)?;
         let scene = loaded.at(seconds);
+        let possible = scene.validate().map_err(|refused| refused.at(seconds));
+        possible.map_err(Error::from)?;
         self.warn_when_known(&scene, false);
         self.note_many(&scene);
         Ok(scene)
@@ -118,8 +127,7 @@ impl Common {
     /// A line on standard error, unless `--quiet`.
     pub fn note(&self, line: &str) {
         if !self.quiet {
-            // Notes are worth no failure when there is nowhere to write them.
-            let _ = writeln!(std::io::stderr(), "{line}");
+            print::tell(line);
         }
     }
 }

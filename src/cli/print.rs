@@ -1,20 +1,31 @@
 //! What subcommands print with: JSON, tables, progress.
 
 use super::options::Common;
+use crate::text;
 use comfy_table::{CellAlignment, Table, presets};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
 use std::io::Write;
 
-/// Prints a line; a reader that has gone away is an error like any other.
+/// Prints a line, or a table; a reader that has gone away is an error like any other. What
+/// would be no text on a terminal is spelled out.
 pub fn line(text: &str) -> anyhow::Result<()> {
-    writeln!(std::io::stdout(), "{text}")?;
+    writeln!(std::io::stdout(), "{}", text::in_lines(text))?;
     Ok(())
+}
+
+/// Tells something on standard error: every message of the program goes through here, and
+/// none is longer than 10 lines and 1,000 characters.
+pub fn tell(message: &str) {
+    // No message is worth a failure when there is nowhere to write it.
+    let _ = writeln!(std::io::stderr(), "{}", text::message(message));
 }
 
 /// Prints a value as indented JSON.
 pub fn json(value: &impl Serialize) -> anyhow::Result<()> {
-    line(&serde_json::to_string_pretty(value)?)
+    let json = serde_json::to_string_pretty(value)?;
+    writeln!(std::io::stdout(), "{}", text::json(&json))?;
+    Ok(())
 }
 
 /// A table with these headings, every column to the right.

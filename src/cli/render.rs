@@ -93,6 +93,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     let mut tracer = common.tracer()?;
     tracer.check(&scene, &settings)?;
     arguments.options.note_passes(common, &scene, &settings);
+    check_on_the_way(&scene, timing)?;
     common.warn_checked(&scene);
     warn_on_the_way(&scene, timing, common);
     let mut writer = WavWriter::create(&arguments.output).map_err(Error::from)?;
@@ -141,6 +142,21 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
         return print::json(&report);
     }
     print_text(&report)
+}
+
+/// Refuses what becomes impossible while things move, before anything is traced.
+fn check_on_the_way(scene: &Scene, timing: Timing) -> Result<(), Error> {
+    if scene.duration() == 0.0 {
+        return Ok(());
+    }
+    for index in 0..timing.frames() {
+        let time = index as f64 / timing.fps;
+        scene
+            .at(time)
+            .validate()
+            .map_err(|refused| refused.at(time))?;
+    }
+    Ok(())
 }
 
 /// What becomes odd while things move: each kind once, with when.

@@ -2,12 +2,12 @@
 
 use super::options::Common;
 use super::print;
-use crate::output::{prepare_folder, write_whole};
+use crate::output::{check_file, prepare_folder, write_whole};
 use crate::trace::Tracer;
 use anyhow::anyhow;
 use serde::Serialize;
 use std::io::{self, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 type PlotError = Box<dyn std::error::Error + Send + Sync>;
 
@@ -33,6 +33,9 @@ impl<R: Serialize> Experiment<R> {
     ) -> anyhow::Result<()> {
         if let Some(folder) = folder {
             prepare_folder(folder)?;
+            for ending in ["csv", "json", "svg"] {
+                check_file(&self.file(folder, ending))?;
+            }
         }
         let mut tracer = common.tracer()?;
         let bar = print::progress(common, 0, self.unit);
@@ -55,8 +58,12 @@ impl<R: Serialize> Experiment<R> {
         Ok(())
     }
 
+    fn file(&self, folder: &Path, ending: &str) -> PathBuf {
+        folder.join(format!("{}.{ending}", self.name))
+    }
+
     fn write_files(&self, folder: &Path, report: &R) -> anyhow::Result<()> {
-        let file = |ending: &str| folder.join(format!("{}.{ending}", self.name));
+        let file = |ending: &str| self.file(folder, ending);
         write_whole(&file("csv"), |out| (self.write_csv)(report, out))?;
         write_whole(&file("json"), |out| {
             Ok(serde_json::to_writer_pretty(out, report)?)

@@ -70,10 +70,10 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
             format!("--difference-normals and --no-landing are of --profile march, not {profile}");
         return Err(BadInput(text).into());
     }
+    let scene = common.scene(&arguments.scene)?;
     if let Some(path) = &arguments.output {
         check_file(path)?;
     }
-    let scene = common.scene(&arguments.scene)?;
     let text = header(common.gl).to_owned() + &body(arguments, &scene);
     if let Some(path) = &arguments.output {
         write_whole(path, |out| out.write_all(text.as_bytes()))?;

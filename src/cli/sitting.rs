@@ -64,9 +64,11 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     )?;
     if let Some(picture) = &arguments.screenshot {
         check_ending(picture, "png")?;
-        check_file(picture)?;
     }
     let options = arguments.trials.options(common)?;
+    if let Some(picture) = &arguments.screenshot {
+        check_file(picture)?;
+    }
     let form = build(&options, common)?;
     let opened = Sitting::open(
         form,
@@ -85,9 +87,11 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
         screenshot: arguments.screenshot.clone(),
         help: false,
         check_gl: common.json,
+        is_asked_to_end: super::interrupt::is_asked,
         log_frames: arguments.log_frames,
         ..DemoOptions::default()
     };
+    super::interrupt::ask_from_now_on();
     let report = run_sitting(window, sitting, arguments.trials.seconds)?;
     if common.json {
         return print::json(&report);

@@ -56,8 +56,8 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     let settings = arguments.options.settings(common)?;
     check_paths(arguments.paths, settings.iterations)?;
     check_ending(&arguments.output, "png")?;
-    check_file(&arguments.output)?;
     let scene = common.scene_at(&arguments.scene, &arguments.values, arguments.time)?;
+    check_file(&arguments.output)?;
     let mut tracer = common.tracer()?;
     let options = SliceOptions {
         width: arguments.width,

@@ -3,7 +3,7 @@
 use super::exit::BadInput;
 use super::options::{Common, TraceOptions, Values, check_ending};
 use super::print;
-use crate::output::{check_file, write_whole};
+use crate::output::{OutputError, check_file, write_whole};
 use crate::scene::{BUILTIN_NAMES, Scene};
 use crate::trace::{Frame, Milliseconds, Profile, Reload, Reloading, Settings, Tracer, Wave};
 use clap::Args;
@@ -81,17 +81,22 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     let settings = arguments.options.settings(common)?;
     if let Some(path) = &arguments.dump_waves {
         check_ending(path, "csv")?;
-        check_file(path)?;
     }
     if arguments.watch {
         return watch(arguments, common, &settings);
     }
     let scene = common.scene_at(&arguments.scene, &arguments.values, arguments.time)?;
+    check_output(arguments)?;
     let mut tracer = common.tracer()?;
     tracer.check(&scene, &settings)?;
     arguments.options.note_passes(common, &scene, &settings);
     common.warn_checked(&scene);
     trace(arguments, common, &mut tracer, &scene, &settings)
+}
+
+/// Behind the reading of the scene, whose files are not to be replaced.
+fn check_output(arguments: &Arguments) -> Result<(), OutputError> {
+    arguments.dump_waves.as_deref().map_or(Ok(()), check_file)
 }
 
 /// Traces again whenever a file of the scene changes, until the program is ended.
@@ -105,6 +110,7 @@ fn watch(arguments: &Arguments, common: &Common, settings: &Settings) -> anyhow:
     let (file, values) = (arguments.scene.clone(), arguments.values.clone());
     let load = move || values.load(&file);
     let mut reloading = Reloading::open_with(&arguments.scene, load, &mut tracer, settings)?;
+    check_output(arguments)?;
     common.warn(reloading.scene());
     trace(arguments, common, &mut tracer, reloading.scene(), settings)?;
     let is_over = || {
@@ -121,7 +127,7 @@ fn watch(arguments: &Arguments, common: &Common, settings: &Settings) -> anyhow:
             }
             // Told even with --quiet: the file that was just written is not in use.
             Reload::Kept(error) => {
-                let _ = writeln!(io::stderr(), "echomarch: {error} (the last scene stays)");
+                print::tell(&format!("echomarch: {error} (the last scene stays)"));
             }
         }
     }

@@ -41,8 +41,8 @@ pub struct Arguments {
 /// Runs the subcommand.
 pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     check_ending(&arguments.output, "png")?;
-    check_file(&arguments.output)?;
     let scene = common.scene_at(&arguments.scene, &arguments.values, arguments.time)?;
+    check_file(&arguments.output)?;
     let context = common.context()?;
     let options = ViewOptions {
         width: arguments.width,

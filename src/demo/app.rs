@@ -195,6 +195,7 @@ impl App {
         let frames = self.options.frames;
         let seconds = self.options.seconds;
         self.is_over
+            || (self.options.is_asked_to_end)()
             || frames.is_some_and(|frames| self.recorder.frames + 1 >= frames)
             || seconds.is_some_and(|seconds| self.seconds() >= seconds)
     }

@@ -47,6 +47,8 @@ pub struct DemoOptions {
     pub help: bool,
     /// Whether GL is asked for errors after every frame; in debug builds it always is.
     pub check_gl: bool,
+    /// Whether the window is to be closed, asked at every frame.
+    pub is_asked_to_end: fn() -> bool,
     /// Whether every frame is told as a line of JSON on standard error, for programs that drive
     /// the window and have to know how far it is.
     pub log_frames: bool,
@@ -78,6 +80,7 @@ impl Default for DemoOptions {
             seconds: None,
             help: true,
             check_gl: false,
+            is_asked_to_end: || false,
             log_frames: false,
             announce: |_| {},
         }

@@ -43,10 +43,7 @@ pub fn text_of(name_or_file: &str) -> Result<String, SceneError> {
     if let Some(text) = Scene::builtin_text(name_or_file) {
         return Ok(text.to_owned());
     }
-    std::fs::read_to_string(name_or_file).map_err(|source| SceneError::Unreadable {
-        path: name_or_file.into(),
-        source,
-    })
+    Scene::text_of_file(Path::new(name_or_file))
 }
 
 /// What was moved by hand; the rest stays as the text has it.

@@ -83,7 +83,6 @@ fn release_in(current: &RefCell<Weak<Inner>>) {
 }
 
 /// A context of EGL's that echomarch did not make, as it was current.
-#[derive(Debug)]
 struct Foreign {
     egl: &'static Egl,
     api: u32,
@@ -132,7 +131,6 @@ impl Foreign {
 }
 
 /// While it lives a context of echomarch's is current; then what the caller had made current is again.
-#[derive(Debug)]
 #[must_use]
 pub(crate) struct Entered {
     foreign: Option<Foreign>,

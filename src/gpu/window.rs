@@ -21,7 +21,7 @@ use winit::raw_window_handle::{HasDisplayHandle, HasWindowHandle};
 
 use super::backend::Backend;
 use super::context::load;
-use super::{Api, Context, GpuError, Picture};
+use super::{Api, Context, GpuError, Picture, current};
 
 /// A display's way to OpenGL, and the kind of window that goes with it.
 #[derive(Debug)]

@@ -8,6 +8,10 @@ use std::fmt;
 /// is computed of it in `f32`, squares included, stays finite.
 const LARGEST: f32 = 1e9;
 
+/// Times of a surface's key frames times nodes of its field, at the most: some seconds of looking
+/// at each node at each time.
+const MOST_WORK: usize = 3_000_000;
+
 /// Something odd that still runs.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -93,16 +97,22 @@ impl Scene {
     pub fn check(&self) -> Result<(), SceneError> {
         self.validate_moving()?;
         for (index, surface) in self.surfaces.iter().enumerate() {
-            self.check_field(&surface.label(index), surface)?;
+            if let Some(field) = surface.shape.field() {
+                let checked = field.check();
+                checked.map_err(|why| self.bad_field(&surface.label(index), why))?;
+            }
         }
-        self.at_every_key(Scene::check_field)
+        self.at_checked_times(Scene::check_growth)
     }
 
-    fn check_field(&self, label: &str, surface: &Surface) -> Result<(), SceneError> {
+    /// Constants that are stated, at one of `times` times; what they are tried at gets less
+    /// where there are many.
+    fn check_growth(&self, label: &str, surface: &Surface, times: usize) -> Result<(), SceneError> {
         let Some(field) = surface.shape.field() else {
             return Ok(());
         };
-        field.check().map_err(|why| self.bad_field(label, why))
+        let checked = field.check_growth_at_one_of(times);
+        checked.map_err(|why| self.bad_field(label, why))
     }
 
     /// Checks every number: cheap, for every frame of a scene that moves or was written in
@@ -139,29 +149,50 @@ impl Scene {
         Ok(())
     }
 
-    /// [`Scene::validate`], and each surface at every time of its key frames.
+    /// [`Scene::validate`], and each surface at every time of its key frames, and at the
+    /// thirtieths of a second between them.
     ///
     /// # Errors
     /// Those of [`Scene::validate`]; [`SceneError::At`] for what is wrong only later.
     pub fn validate_moving(&self) -> Result<(), SceneError> {
         self.validate()?;
-        self.at_every_key(Scene::validate_surface)
+        for (index, surface) in self.surfaces.iter().enumerate() {
+            self.validate_work(&surface.label(index), surface)?;
+        }
+        self.at_checked_times(|scene, label, posed, _| scene.validate_pose(label, posed))
     }
 
-    /// Tries each surface as it stands at every time of its key frames.
-    fn at_every_key(
+    /// Looking at every node at every time must take seconds at the most.
+    fn validate_work(&self, label: &str, surface: &Surface) -> Result<(), SceneError> {
+        let nodes = surface.shape.field().map_or(1, |field| field.nodes().len());
+        let times = match surface.drivers.is_empty() {
+            true => 0,
+            false => surface.checked_times().len(),
+        };
+        if nodes * times <= MOST_WORK {
+            return Ok(());
+        }
+        let what = format!("{label}: times of its key frames (at a field of {nodes} nodes)");
+        let must = "few enough that times × nodes are at most 3000000";
+        Err(self.bad_number(&what, must, times))
+    }
+
+    /// Tries each surface as it stands at every time that is looked at; `check` is told how
+    /// many of those there are.
+    fn at_checked_times(
         &self,
-        check: fn(&Scene, &str, &Surface) -> Result<(), SceneError>,
+        check: impl Fn(&Scene, &str, &Surface, usize) -> Result<(), SceneError>,
     ) -> Result<(), SceneError> {
         for (index, surface) in self.surfaces.iter().enumerate() {
+            if surface.drivers.is_empty() {
+                continue;
+            }
             let mut posed = surface.clone();
-            for seconds in surface.key_times() {
+            let label = surface.label(index);
+            let times = surface.checked_times();
+            for &seconds in &times {
                 posed.drive_to(seconds);
-                let label = posed.label(index);
-                check(self, &label, &posed).map_err(|refused| SceneError::At {
-                    seconds,
-                    refused: Box::new(refused),
-                })?;
+                check(self, &label, &posed, times.len()).map_err(|refused| refused.at(seconds))?;
             }
         }
         Ok(())
@@ -209,13 +240,18 @@ impl Scene {
     }
 
     fn validate_surface(&self, label: &str, surface: &Surface) -> Result<(), SceneError> {
+        self.validate_pose(label, surface)?;
+        self.validate_drivers(label, surface)
+    }
+
+    /// The numbers as they are now.
+    fn validate_pose(&self, label: &str, surface: &Surface) -> Result<(), SceneError> {
         self.finite(&format!("{label}: position"), surface.position)?;
         let rotation = surface.rotation;
         if !rotation.is_normalized() {
             let what = format!("{label}: rotation");
             return Err(self.bad_number(&what, "a unit quaternion", rotation));
         }
-        self.validate_drivers(label, surface)?;
         match surface.shape {
             Shape::Field(ref field) => field.validate().map_err(|why| self.bad_field(label, why)),
             Shape::Plane => Ok(()),
@@ -238,19 +274,18 @@ impl Scene {
         if surface.drivers.is_empty() {
             return Ok(());
         }
-        let mut parameters = surface.clone();
-        let known: Vec<String> = parameters
-            .parameters_mut()
-            .into_iter()
-            .map(|(name, _)| name)
-            .collect();
+        let known = surface.parameter_names();
         for driver in &surface.drivers {
             if !known.contains(&driver.parameter) {
                 return Err(SceneError::UnknownParameter {
                     scene: self.name.clone(),
                     surface: label.to_owned(),
                     parameter: driver.parameter.clone(),
-                    known: known.join(", "),
+                    known: {
+                        let mut known: Vec<String> = known.into_iter().collect();
+                        known.sort_unstable();
+                        known.join(", ")
+                    },
                 });
             }
             let Motion::Keys(keys) = &driver.motion else {
@@ -261,7 +296,8 @@ impl Scene {
             if keys.is_empty() || !increasing || !finite {
                 let what = format!("{label}: the keys of {}", driver.parameter);
                 let must = "finite, at least one, with times that increase";
-                return Err(self.bad_number(&what, must, format!("{keys:?}")));
+                let value = format!("these {}", keys.len());
+                return Err(self.bad_number(&what, must, value));
             }
         }
         Ok(())

@@ -22,7 +22,7 @@ pub enum SceneError {
         /// The file.
         path: PathBuf,
         /// Why.
-        source: std::io::Error,
+        source: crate::input::InputError,
     },
     /// The text is not a scene.
     #[error("{origin}:{line}:{column}: {message}")]
@@ -47,7 +47,7 @@ pub enum SceneError {
     /// What is refused at a time of its key frames, and not before.
     #[error("at {seconds} s, {refused}")]
     At {
-        /// The time of a key.
+        /// The time, of a key or between two.
         seconds: f64,
         /// What is wrong there.
         refused: Box<SceneError>,
@@ -104,4 +104,17 @@ pub enum SceneError {
         /// What it is.
         value: String,
     },
+}
+
+impl SceneError {
+    /// The same, said of a time; what says its time already stays.
+    pub(crate) fn at(self, seconds: f64) -> SceneError {
+        match self {
+            SceneError::At { .. } => self,
+            refused => SceneError::At {
+                seconds,
+                refused: Box::new(refused),
+            },
+        }
+    }
 }

@@ -6,6 +6,14 @@
 
 use super::{Field, Scene, SceneError, Shape, Surface};
 use glam::{EulerRot, Quat, Vec3};
+use std::collections::{HashMap, HashSet};
+
+/// Frames a second at which a surface is looked at between its keys: as many as a rendering
+/// has unless it is told otherwise, so that what can be loaded can be rendered.
+const CHECKED_FPS: f64 = 30.0;
+
+/// Frames between keys that are looked at, at the most: a minute and a half.
+const MOST_BETWEEN: usize = 2700;
 
 /// Says where a number of a surface comes from.
 #[derive(Clone, Debug, PartialEq)]
@@ -85,21 +93,20 @@ impl Surface {
     /// Sets the numbers whose driver answers.
     fn drive(&mut self, value: impl Fn(&Surface, &Driver) -> Option<f32>) {
         let drivers = std::mem::take(&mut self.drivers);
-        let mut turned = false;
+        let mut values: HashMap<&str, f32> = HashMap::with_capacity(drivers.len());
         for driver in &drivers {
-            let Some(value) = value(self, driver) else {
-                continue;
-            };
-            turned |= driver.parameter.starts_with("rotation.");
-            let mut parameters = self.parameters_mut();
-            let driven = parameters
-                .iter_mut()
-                .find(|(name, _)| *name == driver.parameter);
-            if let Some((_, number)) = driven {
-                **number = value;
+            if let Some(value) = value(self, driver) {
+                values.insert(&driver.parameter, value);
             }
         }
-        if turned {
+        if !values.is_empty() {
+            for (name, number) in self.parameters_mut() {
+                if let Some(value) = values.get(name.as_str()) {
+                    *number = *value;
+                }
+            }
+        }
+        if values.keys().any(|name| name.starts_with("rotation.")) {
             let Vec3 { x, y, z } = self.angles;
             self.rotation = Quat::from_euler(EulerRot::XYZEx, x, y, z);
         }
@@ -113,8 +120,22 @@ impl Surface {
         }
     }
 
-    /// The times of all keys in seconds, in order, each once.
-    pub(super) fn key_times(&self) -> Vec<f64> {
+    /// The names that a driver may have.
+    pub(super) fn parameter_names(&self) -> HashSet<String> {
+        let mut bare = Surface {
+            drivers: Vec::new(),
+            name: None,
+            shape: self.shape.clone(),
+            ..*self
+        };
+        let parameters = bare.parameters_mut().into_iter();
+        parameters.map(|(name, _)| name).collect()
+    }
+
+    /// Times at which the surface is looked at before it is drawn, in seconds, in order, each
+    /// once: all keys, and between the first and the last one the frames that a rendering has
+    /// by default, or [`MOST_BETWEEN`] of them, evenly.
+    pub(super) fn checked_times(&self) -> Vec<f64> {
         let mut times = Vec::new();
         for driver in &self.drivers {
             if let Motion::Keys(keys) = &driver.motion {
@@ -122,6 +143,17 @@ impl Surface {
             }
         }
         times.sort_by(f64::total_cmp);
+        if let (Some(&first), Some(&last)) = (times.first(), times.last()) {
+            let (first, last) = ((first * CHECKED_FPS).ceil(), (last * CHECKED_FPS).floor());
+            let every = ((last - first) / MOST_BETWEEN as f64).ceil().max(1.0);
+            let between = (0..=MOST_BETWEEN).map(|step| first + step as f64 * every);
+            times.extend(
+                between
+                    .take_while(|frame| *frame <= last)
+                    .map(|frame| frame / CHECKED_FPS),
+            );
+            times.sort_by(f64::total_cmp);
+        }
         times.dedup();
         times
     }

@@ -1,6 +1,7 @@
 //! The rows as CSV, a line a scene and setting.
 
 use super::report::{AccuracyReport, Row, SceneReport};
+use crate::text::csv_cell;
 use std::io::{self, Write};
 
 /// The first line: times in milliseconds, distances in metres, shares from 0 to 1.
@@ -70,8 +71,8 @@ fn settings(scene: &SceneReport, row: &Row) -> Vec<String> {
     let (case, speed) = (&row.case, &row.speed);
     let metres = case.min_distance.map(|metres| metres.to_string());
     vec![
-        scene.scene.clone(),
-        row.label.clone(),
+        csv_cell(&scene.scene),
+        csv_cell(&row.label),
         case.profile.clone(),
         metres.unwrap_or_default(),
         case.iterations.to_string(),

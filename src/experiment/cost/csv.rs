@@ -1,6 +1,7 @@
 //! The rows as CSV, a line a surface and a line an option.
 
 use super::{Change, CostReport, Timing};
+use crate::text::csv_cell;
 use std::io::{self, Write};
 
 /// The first line: times in milliseconds, shares in percent, levels in dB.
@@ -98,10 +99,10 @@ fn lines(report: &CostReport) -> Vec<Line<'_>> {
 
 fn record(report: &CostReport, line: &Line) -> Vec<String> {
     let mut cells = vec![
-        report.scene.clone(),
+        csv_cell(&report.scene),
         line.section.to_owned(),
-        line.name.to_owned(),
-        line.against.to_owned(),
+        csv_cell(line.name),
+        csv_cell(line.against),
     ];
     cells.extend(times(line.march));
     cells.extend(times(line.total));

@@ -3,10 +3,12 @@
 //! Nothing is taken silently: a file is read in full or refused with what is wrong in it, and
 //! a trial without an answer counts as such.
 
+use super::form::MOST_TRIALS;
 use super::observer::Side;
+use crate::input::{InputError, read_own_text, read_text};
+use crate::text::{check_name, in_a_line};
 use crate::trace::Settings;
 use serde::{Deserialize, Serialize};
-use std::io;
 use std::path::{Path, PathBuf};
 
 /// What a file of answers says that it is.
@@ -14,6 +16,9 @@ pub const FORMAT: &str = "echomarch-localise-answers";
 
 /// The only version that is read: since 2 the order of the trials is each person's own.
 pub const VERSION: u32 = 2;
+
+/// Bytes of a file of answers at the most: a form of 999 trials makes about one megabyte.
+const LARGEST_FILE: u64 = 16 << 20;
 
 /// Confidence runs from 1, a guess, to this, certain.
 pub const MOST_CONFIDENT: u32 = 5;
@@ -118,10 +123,14 @@ pub enum AnswersError {
         /// The file.
         path: PathBuf,
         /// Why.
-        source: io::Error,
+        source: InputError,
     },
     /// The file is no JSON, or lacks something, or holds something unknown.
-    #[error("{} holds no answers of the form: {source}", path.display())]
+    #[error(
+        "{} holds no answers of the form: {}",
+        path.display(),
+        in_a_line(&source.to_string())
+    )]
     Json {
         /// The file.
         path: PathBuf,
@@ -173,7 +182,16 @@ impl Session {
     /// # Errors
     /// [`AnswersError`] with the file's name.
     pub fn read(path: &Path) -> Result<Session, AnswersError> {
-        let text = std::fs::read_to_string(path).map_err(|source| AnswersError::Read {
+        Session::parse(path, read_text(path, LARGEST_FILE))
+    }
+
+    /// As [`Session::read`], of a file that this program keeps and replaces itself.
+    pub(super) fn read_own(path: &Path) -> Result<Session, AnswersError> {
+        Session::parse(path, read_own_text(path, LARGEST_FILE))
+    }
+
+    fn parse(path: &Path, read: Result<String, InputError>) -> Result<Session, AnswersError> {
+        let text = read.map_err(|source| AnswersError::Read {
             path: path.to_owned(),
             source,
         })?;
@@ -206,6 +224,17 @@ impl Session {
         if self.trials.is_empty() {
             return Err("there is no trial in it".to_owned());
         }
+        if self.trials.len() > MOST_TRIALS {
+            let count = self.trials.len();
+            return Err(format!(
+                "{count} trials: a form has {MOST_TRIALS} at the most"
+            ));
+        }
+        named("experiment", &self.experiment)?;
+        named("session", &self.session)?;
+        named("participant", &self.participant)?;
+        named("started", &self.started)?;
+        named("saved", &self.saved)?;
         let mut order = self.order.clone();
         order.sort_unstable();
         if !order.iter().copied().eq(1..=self.trials.len() as u32) {
@@ -236,6 +265,10 @@ impl StimulusInfo {
         let mut settings = Settings::default().with_waves(self.waves);
         settings = settings.with_iterations(self.iterations);
         settings.validate().map_err(|error| error.to_string())?;
+        named("scene", &self.scene)?;
+        named("sound", &self.sound)?;
+        named("law", &self.law)?;
+        named("profile", &self.profile)?;
         within("yaw_deg", self.yaw_deg, f64::MAX)?;
         within("pan", self.pan, 1.0)?;
         within("source_azimuth_deg", self.source_azimuth_deg, 180.0)?;
@@ -246,6 +279,7 @@ impl StimulusInfo {
 
 impl Answer {
     fn check(&self) -> Result<(), String> {
+        named("answered", &self.answered)?;
         within("right_m", self.right_m, f64::MAX)?;
         within("ahead_m", self.ahead_m, f64::MAX)?;
         within("azimuth_deg", self.azimuth_deg, 180.0)?;
@@ -279,6 +313,10 @@ impl Answer {
         }
         Ok(())
     }
+}
+
+fn named(what: &str, name: &str) -> Result<(), String> {
+    check_name(name).map_err(|why| format!("{what} {why}"))
 }
 
 fn within(what: &str, value: f64, most: f64) -> Result<(), String> {

@@ -4,6 +4,7 @@
 use super::report::{Cell, LocaliseReport, OpenDirection, OpenReport};
 use super::score::{Group, ScoreReport};
 use super::statistics::{ErrorFigures, Figure};
+use crate::text::csv_cell;
 use std::io::{self, Write};
 
 /// Whose errors: from the source, from the limit, and the blind observer's from the source.
@@ -126,7 +127,7 @@ fn open_record(
     let mut record = vec![
         kind.to_owned(),
         scene.to_owned(),
-        sound.map(|cell| cell.sound.clone()).unwrap_or_default(),
+        sound.map(|cell| csv_cell(&cell.sound)).unwrap_or_default(),
         open.profile.clone(),
         open.waves.to_string(),
         open.iterations.to_string(),
@@ -151,8 +152,8 @@ fn open_record(
 fn cell_record(report: &LocaliseReport, scene: &str, cell: &Cell) -> Vec<String> {
     let mut record = vec![
         "room".to_owned(),
-        scene.to_owned(),
-        cell.sound.clone(),
+        csv_cell(scene),
+        csv_cell(&cell.sound),
         cell.profile.clone(),
         cell.waves.to_string(),
         cell.iterations.to_string(),
@@ -215,10 +216,10 @@ pub fn write_score_csv(report: &ScoreReport, out: &mut dyn Write) -> io::Result<
 fn group_record(group: &Group) -> Vec<String> {
     let number = |number: Option<u32>| number.map(|n| n.to_string()).unwrap_or_default();
     let mut record = vec![
-        group.scene.clone(),
-        group.sound.clone(),
-        group.law.clone(),
-        group.profile.clone(),
+        csv_cell(&group.scene),
+        csv_cell(&group.sound),
+        csv_cell(&group.law),
+        csv_cell(&group.profile),
         number(group.waves),
         number(group.iterations),
         group.heard.to_string(),

@@ -5,6 +5,7 @@ use super::shown::{first_sound, interval, none, number, shown_plateaus, signed, 
 use super::statistics::{ErrorFigures, LEAST_DRAWN};
 use super::{AUDIBLE_DEG, MOST_WORK};
 use crate::experiment::{THESIS_TABLES, WAVE_COUNTS};
+use crate::text::markdown as as_markdown;
 use crate::trace::Profile;
 use std::fmt::Write;
 
@@ -159,7 +160,7 @@ fn write_alike(report: &LocaliseReport, out: &mut String) -> std::fmt::Result {
 }
 
 fn write_scene(scene: &SceneReport, out: &mut String) -> std::fmt::Result {
-    writeln!(out, "## {}\n", scene.scene)?;
+    writeln!(out, "## {}\n", as_markdown(&scene.scene))?;
     writeln!(
         out,
         "Source {:.2} m away, listener {:.2} m in radius, m = {:.4}. The converged panning of \
@@ -294,7 +295,7 @@ fn write_plateau(plateau: &Plateau, out: &mut String) -> std::fmt::Result {
     writeln!(
         out,
         "| {} | {of} | {} | {} {other} | {} | {} | {} | {} | {there} |",
-        plateau.scene,
+        as_markdown(&plateau.scene),
         plateau.along,
         plateau.fixed,
         plateau.profile,

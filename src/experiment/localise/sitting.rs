@@ -97,7 +97,7 @@ impl Sitting {
         crate::output::check_file(&file)?;
         let session = match file.exists() {
             false => begun(&form, participant, order_seed),
-            true => Session::read(&file)?,
+            true => Session::read_own(&file)?,
         };
         if session.experiment != form.experiment || session.trials.len() != form.trials.len() {
             return Err(SittingError::Other {
@@ -171,7 +171,7 @@ impl Sitting {
     /// # Errors
     /// [`SittingError`].
     pub fn save(&mut self) -> Result<(), SittingError> {
-        if self.file.exists() && self.would_lose(&Session::read(&self.file)?) {
+        if self.file.exists() && self.would_lose(&Session::read_own(&self.file)?) {
             return Err(SittingError::Changed {
                 file: self.file.clone(),
             });

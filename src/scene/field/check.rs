@@ -13,6 +13,12 @@ const MOST_NODES: usize = 4096;
 /// Points at which a stated Lipschitz constant is tried.
 const TRIES: usize = 4096;
 
+/// Times at which it is tried at all these points; of more times each gets a share of them.
+const TIMES_IN_FULL: usize = 64;
+
+/// Points at which it is tried at each time at the least.
+const LEAST_TRIES: usize = 32;
+
 /// By how much a difference quotient may exceed a stated constant before it is refused:
 /// what rounding does to a quotient over a thousandth of the size.
 const ROUNDING: f64 = 1e-3;
@@ -57,9 +63,21 @@ impl Field {
         self.validate()?;
         for field in self.nodes() {
             field
-                .check_growth()
+                .check_growth(TRIES)
                 .and_then(|()| field.check_text())
                 .map_err(|why| format!("{}: {why}", field.node.name()))?;
+        }
+        Ok(())
+    }
+
+    /// Tries every stated Lipschitz constant as the field stands at one of so many times, all
+    /// of which take some seconds together at the most.
+    pub(in crate::scene) fn check_growth_at_one_of(&self, times: usize) -> Result<(), String> {
+        let tries = TRIES * TIMES_IN_FULL / times.max(1);
+        let tries = tries.clamp(LEAST_TRIES, TRIES);
+        for field in self.nodes() {
+            let checked = field.check_growth(tries);
+            checked.map_err(|why| format!("{}: {why}", field.node.name()))?;
         }
         Ok(())
     }
@@ -95,14 +113,14 @@ impl Field {
     }
 
     /// The constant that a twist or a bend states is tried.
-    fn check_growth(&self) -> Result<(), String> {
+    fn check_growth(&self, tries: usize) -> Result<(), String> {
         let stated = match &self.node {
             Node::Twist { lipschitz, .. } | Node::Bend { lipschitz, .. } if *lipschitz > 0.0 => {
                 *lipschitz
             }
             _ => return Ok(()),
         };
-        let (steepest, place) = self.steepest();
+        let (steepest, place) = self.steepest_of(tries);
         if steepest <= f64::from(stated) * (1.0 + ROUNDING) {
             return Ok(());
         }
@@ -131,6 +149,10 @@ impl Field {
 
     /// The greatest difference quotient found at points of the field's bounds, and where.
     pub fn steepest(&self) -> (f64, DVec3) {
+        self.steepest_of(TRIES)
+    }
+
+    fn steepest_of(&self, tries: usize) -> (f64, DVec3) {
         let bounds = self.properties().bounds;
         let reach = DVec3::splat(10.0);
         let box_ = super::Bounds3 {
@@ -139,7 +161,7 @@ impl Field {
         };
         let step = 1e-4 * (box_.max - box_.min).max_element().max(1e-6);
         let mut found = (0.0, DVec3::ZERO);
-        for index in 1..=TRIES {
+        for index in 1..=tries {
             let p = box_.min + halton(index) * (box_.max - box_.min);
             let along = |axis: DVec3| {
                 (self.value(p + axis * step) - self.value(p - axis * step)) / (2.0 * step)

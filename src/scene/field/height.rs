@@ -1,11 +1,22 @@
 //! Heights from an image: bilinear ground.
 
+use crate::input::read;
 use glam::{DVec2, UVec2};
+use image::{DynamicImage, ImageBuffer, Luma};
+use png::{BitDepth, ColorType, DecodingError};
+use std::io::Cursor;
 use std::path::Path;
 use std::sync::OnceLock;
 
 /// Pixels along a side at the most: a million heights are 16 MB on the GPU.
 const LARGEST_SIDE: u32 = 1024;
+
+/// Bytes of an image file at the most: four channels of 16 bits need 8 MiB as they are.
+const LARGEST_FILE: u64 = 32 << 20;
+
+/// Bytes that the decoder may take for itself beside the picture: rows, and what stands in
+/// the file about colours.
+const DECODER_BYTES: usize = 64 << 20;
 
 /// A grid of heights from 0 (black) to 1 (white), the image's upper row first: the image
 /// lies as it is seen from above, its upper edge at −z.
@@ -32,10 +43,7 @@ impl HeightImage {
     /// not within 0 to 1.
     pub fn new(name: &str, size: UVec2, heights: Vec<f32>) -> Result<HeightImage, String> {
         if size.min_element() < 2 || size.max_element() > LARGEST_SIDE {
-            return Err(format!(
-                "the height image {name} has {} x {} pixels: it must have 2 to {LARGEST_SIDE} along each side",
-                size.x, size.y
-            ));
+            return Err(wrong_size(name, size));
         }
         if heights.len() != (size.x * size.y) as usize {
             return Err(format!(
@@ -59,12 +67,16 @@ impl HeightImage {
     /// Reads an 8- or 16-bit grey (or coloured: its luma) PNG file.
     ///
     /// # Errors
-    /// A sentence with the file when it cannot be read or is too large.
+    /// A sentence with the file when it cannot be read or is too large: more than 32 MiB, or
+    /// more than 1024 pixels along a side, which is known before it is decoded.
     pub fn from_file(path: &Path) -> Result<HeightImage, String> {
         let shown = path.display().to_string();
-        let image = image::open(path)
-            .map_err(|error| format!("cannot read the height image {shown}: {error}"))?
-            .into_luma16();
+        let refused = |why: String| format!("cannot read the height image {shown}: {why}");
+        let bytes = read(path, LARGEST_FILE).map_err(|error| refused(error.to_string()))?;
+        let image = luma(&bytes).map_err(|error| match error {
+            PngError::Side(size) => wrong_size(&shown, size),
+            PngError::Refused(why) => refused(why),
+        })?;
         let size = UVec2::new(image.width(), image.height());
         let heights = image.pixels().map(|p| f32::from(p.0[0]) / 65535.0);
         HeightImage::new(&shown, size, heights.collect())
@@ -139,4 +151,109 @@ impl HeightImage {
         }
         steepest
     }
+}
+
+fn wrong_size(name: &str, size: UVec2) -> String {
+    format!(
+        "the height image {name} has {} x {} pixels: it must have 2 to {LARGEST_SIDE} along each side",
+        size.x, size.y
+    )
+}
+
+/// What is wrong with a PNG.
+enum PngError {
+    /// Its width and height.
+    Side(UVec2),
+    /// Anything else, in words.
+    Refused(String),
+}
+
+impl From<DecodingError> for PngError {
+    fn from(error: DecodingError) -> PngError {
+        PngError::Refused(error.to_string())
+    }
+}
+
+/// The picture's luma. Its size is known, and small enough, before anything is decoded.
+fn luma(bytes: &[u8]) -> Result<ImageBuffer<Luma<u16>, Vec<u16>>, PngError> {
+    let limits = png::Limits {
+        bytes: DECODER_BYTES,
+    };
+    let mut decoder = png::Decoder::new_with_limits(Cursor::new(bytes), limits);
+    decoder.set_ignore_text_chunk(true);
+    decoder.set_ignore_iccp_chunk(true);
+    decoder.set_transformations(png::Transformations::EXPAND);
+    let head = decoder.read_header_info()?;
+    let size = UVec2::new(head.width, head.height);
+    if size.max_element() > LARGEST_SIDE {
+        return Err(PngError::Side(size));
+    }
+    let mut reader = decoder.read_info()?;
+    check_palette(reader.info())?;
+    let length = reader.output_buffer_size();
+    let mut pixels = vec![0; length.ok_or(DecodingError::LimitsExceeded)?];
+    let found = reader.next_frame(&mut pixels)?;
+    pixels.truncate(found.buffer_size());
+    if UVec2::new(found.width, found.height) != size {
+        let why = "its first picture does not fill it".to_owned();
+        return Err(PngError::Refused(why));
+    }
+    let told = (found.color_type, found.bit_depth);
+    let picture = picture(size, told, pixels);
+    let picture = picture.ok_or_else(|| PngError::Refused(format!("it has {told:?} pixels")))?;
+    Ok(picture.into_luma16())
+}
+
+/// The decoder takes a palette of whole colours for granted, and panics at others.
+fn check_palette(info: &png::Info) -> Result<(), PngError> {
+    /// Red, green and blue, of 256 colours at the most.
+    const COLOUR: usize = 3;
+    const MOST: usize = 256 * COLOUR;
+    let length = info.palette.as_ref().map_or(0, |palette| palette.len());
+    if length.is_multiple_of(COLOUR) && length <= MOST {
+        return Ok(());
+    }
+    Err(PngError::Refused(format!(
+        "its palette has {length} bytes: it must be 1 to 256 colours of {COLOUR} bytes"
+    )))
+}
+
+/// Pixels as the decoder leaves them, big-endian and of at least 8 bits; `None` for others.
+fn picture(
+    size: UVec2,
+    (colour, depth): (ColorType, BitDepth),
+    bytes: Vec<u8>,
+) -> Option<DynamicImage> {
+    let (w, h) = (size.x, size.y);
+    let wide = || -> Vec<u16> {
+        let (pairs, _) = bytes.as_chunks::<2>();
+        pairs.iter().map(|pair| u16::from_be_bytes(*pair)).collect()
+    };
+    Some(match (colour, depth) {
+        (ColorType::Grayscale, BitDepth::Eight) => {
+            DynamicImage::ImageLuma8(ImageBuffer::from_raw(w, h, bytes)?)
+        }
+        (ColorType::GrayscaleAlpha, BitDepth::Eight) => {
+            DynamicImage::ImageLumaA8(ImageBuffer::from_raw(w, h, bytes)?)
+        }
+        (ColorType::Rgb, BitDepth::Eight) => {
+            DynamicImage::ImageRgb8(ImageBuffer::from_raw(w, h, bytes)?)
+        }
+        (ColorType::Rgba, BitDepth::Eight) => {
+            DynamicImage::ImageRgba8(ImageBuffer::from_raw(w, h, bytes)?)
+        }
+        (ColorType::Grayscale, BitDepth::Sixteen) => {
+            DynamicImage::ImageLuma16(ImageBuffer::from_raw(w, h, wide())?)
+        }
+        (ColorType::GrayscaleAlpha, BitDepth::Sixteen) => {
+            DynamicImage::ImageLumaA16(ImageBuffer::from_raw(w, h, wide())?)
+        }
+        (ColorType::Rgb, BitDepth::Sixteen) => {
+            DynamicImage::ImageRgb16(ImageBuffer::from_raw(w, h, wide())?)
+        }
+        (ColorType::Rgba, BitDepth::Sixteen) => {
+            DynamicImage::ImageRgba16(ImageBuffer::from_raw(w, h, wide())?)
+        }
+        _ => return None,
+    })
 }

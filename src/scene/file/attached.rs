@@ -1,7 +1,9 @@
 //! Files that a scene file names: height images and GLSL fields.
 
+use crate::input::read_text;
 use crate::scene::builtin::FIELDS;
 use crate::scene::{HeightImage, SceneError, UserField};
+use crate::text::in_a_line;
 use glam::Vec3;
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
@@ -101,7 +103,7 @@ impl Attached {
                 // A built-in scene that was saved elsewhere still finds its field.
                 match (path.exists(), embedded(FIELDS, name)) {
                     (false, Some(text)) => Ok(text),
-                    _ => read_text(&path),
+                    _ => read_text(&path, LARGEST_FIELD).map_err(|error| error.to_string()),
                 }
             }
             Place::Embedded(texts) => {
@@ -113,7 +115,7 @@ impl Attached {
     fn refused(&self, why: String) -> SceneError {
         SceneError::Attached {
             origin: self.origin.clone(),
-            why,
+            why: in_a_line(&why).into_owned(),
         }
     }
 }
@@ -121,12 +123,4 @@ impl Attached {
 fn embedded(texts: &[(&str, &str)], name: &str) -> Option<String> {
     let known = texts.iter().find(|(known, _)| *known == name);
     known.map(|(_, text)| (*text).to_owned())
-}
-
-fn read_text(path: &Path) -> Result<String, String> {
-    let about = std::fs::metadata(path).map_err(|error| error.to_string())?;
-    if about.len() > LARGEST_FIELD {
-        return Err(format!("it is larger than {LARGEST_FIELD} bytes"));
-    }
-    std::fs::read_to_string(path).map_err(|error| error.to_string())
 }

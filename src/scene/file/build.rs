@@ -25,7 +25,7 @@ pub(super) fn surface(file: SurfaceFile, files: &Attached) -> Result<Surface, Sc
     let turning = drivers.any(|driver| driver.parameter.starts_with("rotation."));
     let shape = builder.shape(file.shape)?;
     Ok(Surface {
-        name: file.name,
+        name: file.name.map(|name| name.0),
         shape,
         position,
         rotation: Quat::from_euler(EulerRot::XYZEx, angles.x, angles.y, angles.z),

@@ -10,10 +10,16 @@ mod numbers;
 mod shapes;
 
 use super::{Key, Listener, Path, Scene, SceneError, Source};
+use crate::input::read_text;
+use crate::text::in_a_line;
 use attached::Attached;
-use numbers::{Angle, Degrees, Finite, FixedRadius, Metres, Point, Vector};
+use numbers::{Angle, Degrees, Finite, FixedRadius, Metres, Name, Point, Vector};
 use serde::Deserialize;
 use shapes::ShapeFile;
+
+/// Bytes of a scene file at the most: 100,000 key frames are 2 MB, and what a text of this size
+/// can say (a shape in six bytes) fits into a gigabyte of memory.
+const LARGEST_FILE: u64 = 4 << 20;
 
 /// How deep the text may be nested; a shape within a shape takes four or five of it. It keeps
 /// a text from filling the stack.
@@ -27,20 +33,28 @@ impl Scene {
     /// [`SceneError::Attached`] for the files that it names, or what
     /// [`Scene::check`] refuses.
     pub fn from_file(path: &std::path::Path) -> Result<Scene, SceneError> {
-        let text = std::fs::read_to_string(path).map_err(|source| SceneError::Unreadable {
-            path: path.to_owned(),
-            source,
-        })?;
+        let text = Scene::text_of_file(path)?;
         let folder = path.parent().unwrap_or(std::path::Path::new(""));
         let files = Attached::in_folder(&path.display().to_string(), folder);
         let mut scene = parse(&text, &files)?;
         if scene.name.is_empty()
             && let Some(stem) = path.file_stem()
         {
-            scene.name = stem.to_string_lossy().into_owned();
+            scene.name = in_a_line(&stem.to_string_lossy()).into_owned();
         }
         scene.check()?;
         Ok(scene)
+    }
+
+    /// The text of a scene file, as it stands.
+    ///
+    /// # Errors
+    /// [`SceneError::Unreadable`], also for a file of more than 4 MiB.
+    pub fn text_of_file(path: &std::path::Path) -> Result<String, SceneError> {
+        read_text(path, LARGEST_FILE).map_err(|source| SceneError::Unreadable {
+            path: path.to_owned(),
+            source,
+        })
     }
 
     /// Reads a scene from RON text; `origin` is what errors call it. Files that it names
@@ -100,7 +114,7 @@ fn parse(text: &str, files: &Attached) -> Result<Scene, SceneError> {
         let start = error.span.start;
         let message = match error.code {
             ron::Error::ExceededRecursionLimit => "shapes are nested too deeply here".to_owned(),
-            code => code.to_string(),
+            code => in_a_line(&code.to_string()).into_owned(),
         };
         SceneError::Malformed {
             origin: files.origin().to_owned(),
@@ -116,7 +130,7 @@ fn parse(text: &str, files: &Attached) -> Result<Scene, SceneError> {
 #[serde(rename = "Scene", deny_unknown_fields)]
 struct SceneFile {
     #[serde(default)]
-    name: String,
+    name: Name,
     surfaces: Vec<SurfaceFile>,
     source: SourceFile,
     listener: ListenerFile,
@@ -126,7 +140,7 @@ struct SceneFile {
 #[serde(rename = "Surface", deny_unknown_fields)]
 struct SurfaceFile {
     #[serde(default)]
-    name: Option<String>,
+    name: Option<Name>,
     shape: ShapeFile,
     #[serde(default)]
     position: Vector<Metres>,
@@ -204,7 +218,7 @@ impl SceneFile {
         let surfaces = self.surfaces.into_iter();
         let surfaces: Result<_, _> = surfaces.map(|s| build::surface(s, files)).collect();
         Ok(Scene {
-            name: self.name,
+            name: self.name.0,
             surfaces: surfaces?,
             source: Source::from(self.source),
             listener: Listener::from(self.listener),

@@ -9,6 +9,7 @@
 //! ```
 
 use crate::scene::Motion;
+use crate::text;
 use glam::Vec3;
 use serde::Deserialize;
 use std::marker::PhantomData;
@@ -126,7 +127,22 @@ enum Said {
 #[derive(Deserialize)]
 enum Driven {
     Keys(Vec<(f64, f32)>),
-    Value(String, f32),
+    Value(Name, f32),
+}
+
+/// What something is called: up to 200 characters, all of them to be seen.
+#[derive(Default, Deserialize)]
+#[serde(try_from = "String")]
+pub(super) struct Name(pub String);
+
+impl TryFrom<String> for Name {
+    type Error = String;
+    fn try_from(name: String) -> Result<Name, String> {
+        match text::check_name(&name) {
+            Ok(()) => Ok(Name(name)),
+            Err(why) => Err(format!("a name {why}")),
+        }
+    }
 }
 
 impl<U> Number<U> {
@@ -145,7 +161,7 @@ impl<U: Unit> TryFrom<Said> for Number<U> {
     fn try_from(said: Said) -> Result<Number<U>, String> {
         let (start, motion) = match said {
             Said::Plain(value) => (U::read(value)?, None),
-            Said::Driven(Driven::Value(name, value)) => {
+            Said::Driven(Driven::Value(Name(name), value)) => {
                 if name.is_empty() {
                     return Err("a named value needs a name".to_owned());
                 }

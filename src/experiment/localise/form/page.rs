@@ -3,6 +3,7 @@
 use super::Form;
 use super::encode::{data_url, wav_16};
 use crate::experiment::localise::answers::{FORMAT, MOST_CONFIDENT, VERSION};
+use crate::text::json_in_html;
 use serde_json::{Value, json};
 
 const PAGE: &str = include_str!("form.html");
@@ -11,8 +12,7 @@ const PROGRAM: &str = concat!(include_str!("form_data.js"), include_str!("form.j
 
 /// The whole page.
 pub fn html(form: &Form) -> String {
-    // Within a script element only this would end it early.
-    let data = data(form).to_string().replace("</", "<\\/");
+    let data = json_in_html(&data(form).to_string());
     PAGE.replace("/*STYLE*/", STYLE)
         .replace("/*PROGRAM*/", PROGRAM)
         .replace("/*DATA*/", &data)

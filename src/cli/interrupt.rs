@@ -1,0 +1,97 @@
+//! Programs that are broken off: from the terminal (SIGINT), by another program (SIGTERM), or
+//! because the terminal is closed (SIGHUP).
+//!
+//! The temporary files are removed, and the exit code is 128 and the signal's number, as a
+//! shell reports it. The window ends as if it had been closed.
+
+use crate::output::remove_parts;
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+use signal_hook::iterator::Signals;
+use std::io;
+use std::sync::atomic::{AtomicBool, AtomicI32, Ordering::SeqCst};
+use std::time::Duration;
+
+/// How long the window may take to end when it is asked to.
+const MOST_TO_END: Duration = Duration::from_secs(5);
+
+/// Whether whoever runs asks [`asked`], and ends then.
+static IS_GENTLE: AtomicBool = AtomicBool::new(false);
+
+/// The signal that came; 0 for none.
+static ASKED: AtomicI32 = AtomicI32::new(0);
+
+/// From now on a signal is answered as this module says. A hang-up that was to be ignored
+/// (`nohup`) still is.
+///
+/// # Errors
+/// Those of the system, which may have no thread left.
+pub fn install() -> io::Result<()> {
+    let mut answered = vec![SIGINT, SIGTERM];
+    if !is_ignored(SIGHUP) {
+        answered.push(SIGHUP);
+    }
+    let mut signals = Signals::new(answered)?;
+    std::thread::Builder::new()
+        .name("echomarch-signals".to_owned())
+        .spawn(move || {
+            for signal in signals.forever() {
+                answer(signal);
+            }
+        })?;
+    Ok(())
+}
+
+/// The first signal asks, where somebody asks for it; else, and the second time, all ends.
+fn answer(signal: i32) {
+    let is_first = ASKED.swap(signal, SeqCst) == 0;
+    if !(is_first && IS_GENTLE.load(SeqCst)) {
+        end(signal);
+    }
+    let watch = std::thread::Builder::new().spawn(move || {
+        std::thread::sleep(MOST_TO_END);
+        end(signal);
+    });
+    if watch.is_err() {
+        end(signal);
+    }
+}
+
+fn end(signal: i32) {
+    remove_parts();
+    // At once: other threads may be in the middle of anything.
+    signal_hook::low_level::exit(exit_code(signal));
+}
+
+fn exit_code(signal: i32) -> i32 {
+    128 + signal
+}
+
+/// A signal asks from now on, and whoever runs must look at [`asked`].
+#[cfg(feature = "demo")]
+pub fn ask_from_now_on() {
+    IS_GENTLE.store(true, SeqCst);
+}
+
+/// Whether a signal asked for the end.
+#[cfg(feature = "demo")]
+pub fn is_asked() -> bool {
+    asked().is_some()
+}
+
+/// The exit code of the signal that asked for the end, if one did.
+pub fn asked() -> Option<u8> {
+    match ASKED.load(SeqCst) {
+        0 => None,
+        signal => u8::try_from(exit_code(signal)).ok(),
+    }
+}
+
+fn is_ignored(signal: i32) -> bool {
+    // SAFETY: all zero bytes are a `sigaction` (no handler, an empty mask), and with no new
+    // action `sigaction` only writes the present one to where it is told.
+    unsafe {
+        let mut present: libc::sigaction = std::mem::zeroed();
+        let asked = libc::sigaction(signal, std::ptr::null(), &raw mut present);
+        asked == 0 && present.sa_sigaction == libc::SIG_IGN
+    }
+}

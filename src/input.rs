@@ -1,0 +1,288 @@
+//! Files in: regular ones alone, none larger than its kind may be, and each remembered as an
+//! input, so that no output replaces it.
+//!
+//! A scene may come from a stranger, and it names other files. A pipe would be waited for, a
+//! device has no end, and a file may be larger than the memory: all are refused before a byte
+//! is taken in.
+
+use std::collections::BTreeSet;
+use std::fs::{File, FileType, OpenOptions};
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+/// A file that is not read, and why.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum InputError {
+    /// The system refuses it, or it is no text where it must be.
+    #[error(transparent)]
+    Io(#[from] io::Error),
+    /// What has that name holds no bytes of its own.
+    #[error("it is {found}, not a regular file")]
+    NotRegular {
+        /// What it is, with its article.
+        found: &'static str,
+    },
+    /// More than is read of a file of this kind.
+    #[error("it is larger than {limit_bytes} bytes, the most that is read")]
+    TooLarge {
+        /// The limit in bytes.
+        limit_bytes: u64,
+    },
+}
+
+/// An open regular file, of which no more than its limit is read.
+#[derive(Debug)]
+pub(crate) struct InputFile {
+    file: File,
+    length: u64,
+    limit_bytes: u64,
+    /// Bytes that may still be read.
+    left: u64,
+}
+
+impl InputFile {
+    /// Opens a file of at most `limit_bytes` and remembers it as an input.
+    ///
+    /// # Errors
+    /// [`InputError`].
+    pub fn open(path: &Path, limit_bytes: u64) -> Result<InputFile, InputError> {
+        let file = InputFile::open_unnoted(path, limit_bytes)?;
+        note(path);
+        Ok(file)
+    }
+
+    /// As [`InputFile::open`], for a file that this program keeps and replaces itself.
+    ///
+    /// # Errors
+    /// [`InputError`].
+    pub fn open_unnoted(path: &Path, limit_bytes: u64) -> Result<InputFile, InputError> {
+        // Before it is opened: that alone makes some devices act.
+        check_regular(std::fs::metadata(path)?.file_type())?;
+        let file = options().open(path)?;
+        // And of what was opened, which may be another by now.
+        let about = file.metadata()?;
+        check_regular(about.file_type())?;
+        if about.len() > limit_bytes {
+            return Err(InputError::TooLarge { limit_bytes });
+        }
+        Ok(InputFile {
+            file,
+            length: about.len(),
+            limit_bytes,
+            left: limit_bytes,
+        })
+    }
+
+    /// Bytes that the file had when it was opened.
+    pub fn length(&self) -> u64 {
+        self.length
+    }
+
+    fn bytes(mut self) -> Result<Vec<u8>, InputError> {
+        let mut bytes = Vec::with_capacity(self.length as usize);
+        match self.read_to_end(&mut bytes) {
+            Ok(_) => Ok(bytes),
+            Err(error) => Err(InputError::from_reading(error)),
+        }
+    }
+
+    fn text(self) -> Result<String, InputError> {
+        String::from_utf8(self.bytes()?).map_err(|error| {
+            let at = error.utf8_error().valid_up_to();
+            let text = format!("it is no UTF-8 text from byte {at} on");
+            io::Error::new(io::ErrorKind::InvalidData, text).into()
+        })
+    }
+}
+
+impl Read for InputFile {
+    /// Fails with [`InputError::TooLarge`] in the error where the file has grown beyond its
+    /// limit since it was opened.
+    fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
+        if self.left == 0 && !into.is_empty() {
+            return match self.file.read(&mut [0])? {
+                0 => Ok(0),
+                _ => Err(io::Error::other(InputError::TooLarge {
+                    limit_bytes: self.limit_bytes,
+                })),
+            };
+        }
+        let most = into
+            .len()
+            .min(usize::try_from(self.left).unwrap_or(usize::MAX));
+        let count = self.file.read(&mut into[..most])?;
+        self.left -= count as u64;
+        Ok(count)
+    }
+}
+
+impl InputError {
+    /// What [`InputFile`] reported through a reader's error, or that error.
+    pub(crate) fn from_reading(error: io::Error) -> InputError {
+        match error.downcast::<InputError>() {
+            Ok(ours) => ours,
+            Err(error) => InputError::Io(error),
+        }
+    }
+}
+
+/// The bytes of a file of at most `limit_bytes`, which is remembered as an input.
+///
+/// # Errors
+/// [`InputError`].
+pub(crate) fn read(path: &Path, limit_bytes: u64) -> Result<Vec<u8>, InputError> {
+    InputFile::open(path, limit_bytes)?.bytes()
+}
+
+/// The text of a file of at most `limit_bytes`, which is remembered as an input.
+///
+/// # Errors
+/// [`InputError`]; [`InputError::Io`] for what is no UTF-8.
+pub(crate) fn read_text(path: &Path, limit_bytes: u64) -> Result<String, InputError> {
+    InputFile::open(path, limit_bytes)?.text()
+}
+
+/// As [`read_text`], of a file that this program keeps and replaces itself.
+///
+/// # Errors
+/// As of [`read_text`].
+#[cfg(feature = "experiment")]
+pub(crate) fn read_own_text(path: &Path, limit_bytes: u64) -> Result<String, InputError> {
+    InputFile::open_unnoted(path, limit_bytes)?.text()
+}
+
+fn options() -> OpenOptions {
+    let mut options = OpenOptions::new();
+    options.read(true);
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::OpenOptionsExt;
+        // A pipe that took the file's place since it was looked at is not waited for.
+        options.custom_flags(libc::O_NONBLOCK | libc::O_NOCTTY);
+    }
+    options
+}
+
+fn check_regular(kind: FileType) -> Result<(), InputError> {
+    if kind.is_file() {
+        return Ok(());
+    }
+    let found = if kind.is_dir() {
+        "a directory"
+    } else {
+        special(kind)
+    };
+    Err(InputError::NotRegular { found })
+}
+
+#[cfg(unix)]
+fn special(kind: FileType) -> &'static str {
+    use std::os::unix::fs::FileTypeExt;
+    if kind.is_fifo() {
+        "a pipe"
+    } else if kind.is_socket() {
+        "a socket"
+    } else {
+        "a device"
+    }
+}
+
+#[cfg(not(unix))]
+fn special(_: FileType) -> &'static str {
+    "a device"
+}
+
+/// Every file that was read as an input, by its real path.
+static INPUTS: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+
+fn note(path: &Path) {
+    if let Ok(real) = std::fs::canonicalize(path) {
+        let mut inputs = INPUTS.lock().unwrap_or_else(PoisonError::into_inner);
+        inputs.insert(real);
+    }
+}
+
+/// Whether a file that was read as an input is the one that `path` leads to: by whatever
+/// path, symbolic or hard link.
+pub(crate) fn is_input(path: &Path) -> bool {
+    let is_regular = std::fs::metadata(path).is_ok_and(|about| about.is_file());
+    if !is_regular {
+        return false;
+    }
+    let real = std::fs::canonicalize(path).ok();
+    let handle = same_file::Handle::from_path(path).ok();
+    let inputs = INPUTS.lock().unwrap_or_else(PoisonError::into_inner);
+    inputs.iter().any(|input| {
+        let same = || {
+            // What an input's name leads to by now may be anything.
+            let is_regular = std::fs::metadata(input).is_ok_and(|about| about.is_file());
+            is_regular && same_file::Handle::from_path(input).ok() == handle
+        };
+        real.as_ref() == Some(input) || (handle.is_some() && same())
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects the memory: the limit is told, and holds for what is there and what is read.
+    #[test]
+    fn no_more_than_the_limit_is_read() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("file");
+        std::fs::write(&path, b"12345").unwrap();
+        assert_eq!(read(&path, 5).unwrap(), b"12345");
+        let refused = read(&path, 4).unwrap_err().to_string();
+        assert!(refused.contains("larger than 4 bytes"), "{refused}");
+        // It grows after it was opened.
+        let open = InputFile::open(&path, 5).unwrap();
+        std::fs::write(&path, b"123456").unwrap();
+        assert!(matches!(
+            open.bytes(),
+            Err(InputError::TooLarge { limit_bytes: 5 })
+        ));
+    }
+
+    /// Protects from waiting for a pipe, and from devices without an end.
+    #[cfg(unix)]
+    #[test]
+    fn only_regular_files_are_read() {
+        let folder = tempfile::tempdir().unwrap();
+        let pipe = folder.path().join("pipe");
+        let made = std::process::Command::new("mkfifo").arg(&pipe).status();
+        assert!(made.unwrap().success());
+        let link = folder.path().join("link");
+        std::os::unix::fs::symlink("/dev/zero", &link).unwrap();
+        for (path, found) in [
+            (pipe.as_path(), "a pipe"),
+            (Path::new("/dev/zero"), "a device"),
+            (link.as_path(), "a device"),
+            (folder.path(), "a directory"),
+        ] {
+            let refused = read_text(path, 9).unwrap_err().to_string();
+            assert_eq!(refused, format!("it is {found}, not a regular file"));
+        }
+    }
+
+    /// Protects inputs from outputs that reach them in other ways.
+    #[cfg(unix)]
+    #[test]
+    fn links_lead_to_the_same_input() {
+        let folder = tempfile::tempdir().unwrap();
+        let [file, soft, hard, other] =
+            ["file", "soft", "hard", "other"].map(|name| folder.path().join(name));
+        std::fs::write(&file, b"x").unwrap();
+        std::fs::write(&other, b"x").unwrap();
+        std::os::unix::fs::symlink(&file, &soft).unwrap();
+        std::fs::hard_link(&file, &hard).unwrap();
+        assert!(!is_input(&file));
+        read(&soft, 9).unwrap();
+        for path in [&file, &soft, &hard, &folder.path().join("./file")] {
+            assert!(is_input(path), "{}", path.display());
+        }
+        assert!(!is_input(&other) && !is_input(&folder.path().join("absent")));
+    }
+}

@@ -1,0 +1,263 @@
+//! Text that came from somewhere, as it may be shown: on a terminal, in a CSV cell, within a page.
+
+use std::borrow::Cow;
+
+/// Characters of a name in a scene or in answers at the most.
+pub(crate) const LONGEST_NAME: usize = 200;
+
+/// Lines of a message at the most.
+#[cfg(feature = "cli")]
+const MOST_LINES: usize = 10;
+
+/// Characters of a message at the most.
+#[cfg(feature = "cli")]
+const MOST_CHARACTERS: usize = 1000;
+
+/// The text in one line, for a terminal: what is not seen as it stands (escape codes and other
+/// controls, ends of lines, changes of direction, spaces of no width) is spelled out as in Rust.
+pub(crate) fn in_a_line(text: &str) -> Cow<'_, str> {
+    spelled_out(text, |_| false)
+}
+
+/// As [`in_a_line`]; ends of lines and tabs stay.
+#[cfg(feature = "cli")]
+pub(crate) fn in_lines(text: &str) -> Cow<'_, str> {
+    spelled_out(text, |c| c == '\n' || c == '\t')
+}
+
+/// As [`in_lines`], cut to what can be read: 10 lines, 1,000 characters. Later lines are
+/// indented, so that none can pass for a message of its own.
+#[cfg(feature = "cli")]
+pub(crate) fn message(text: &str) -> String {
+    let text = in_lines(text.trim_end());
+    let lines: Vec<&str> = text.lines().collect();
+    cut_characters(&cut_lines(&lines).join("\n  "))
+}
+
+/// Whether [`message`] would show the text's characters as they are, all of them.
+#[cfg(feature = "cli")]
+pub(crate) fn is_showable(text: &str) -> bool {
+    text.len() <= MOST_CHARACTERS && matches!(in_lines(text), Cow::Borrowed(_))
+}
+
+/// The first and the last lines: what is wrong stands at the start or at the end.
+#[cfg(feature = "cli")]
+fn cut_lines(lines: &[&str]) -> Vec<String> {
+    const LAST: usize = 2;
+    let whole = |lines: &[&str]| -> Vec<String> { lines.iter().map(|&l| l.to_owned()).collect() };
+    if lines.len() <= MOST_LINES {
+        return whole(lines);
+    }
+    let first = MOST_LINES - 1 - LAST;
+    let left_out = lines.len() - first - LAST;
+    let mut kept = whole(&lines[..first]);
+    kept.push(format!("… ({left_out} lines left out)"));
+    kept.extend(whole(&lines[lines.len() - LAST..]));
+    kept
+}
+
+/// The first and the last characters.
+#[cfg(feature = "cli")]
+fn cut_characters(text: &str) -> String {
+    const LAST: usize = 300;
+    /// Room for what stands in between.
+    const BETWEEN: usize = 50;
+    let count = text.chars().count();
+    if count <= MOST_CHARACTERS {
+        return text.to_owned();
+    }
+    let first = MOST_CHARACTERS - LAST - BETWEEN;
+    let left_out = count - first - LAST;
+    let begin: String = text.chars().take(first).collect();
+    let end: String = text.chars().skip(count - LAST).collect();
+    format!("{begin} … ({left_out} characters left out) … {end}")
+}
+
+/// JSON as it may be shown on a terminal: what is not seen as it stands is `\u…`, as JSON has it.
+#[cfg(feature = "cli")]
+pub(crate) fn json(text: &str) -> Cow<'_, str> {
+    if !text.chars().any(|c| c != '\n' && is_hidden(c)) {
+        return Cow::Borrowed(text);
+    }
+    let mut shown = String::with_capacity(text.len());
+    for c in text.chars() {
+        if c != '\n' && is_hidden(c) {
+            push_json(&mut shown, c);
+        } else {
+            shown.push(c);
+        }
+    }
+    Cow::Owned(shown)
+}
+
+/// JSON as it may stand within a `script` element: no character in it that HTML gives a
+/// meaning to. Any JSON reader reads the same.
+#[cfg(feature = "experiment")]
+pub(crate) fn json_in_html(text: &str) -> String {
+    let mut shown = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '<' | '>' | '&' => push_json(&mut shown, c),
+            c if is_hidden(c) => push_json(&mut shown, c),
+            c => shown.push(c),
+        }
+    }
+    shown
+}
+
+#[cfg(feature = "experiment")]
+fn push_json(json: &mut String, c: char) {
+    use std::fmt::Write;
+    for unit in c.encode_utf16(&mut [0; 2]) {
+        // Writing to a string never fails.
+        let _ = write!(json, "\\u{unit:04x}");
+    }
+}
+
+/// Text for a CSV cell: in a line, and with an apostrophe before what a spreadsheet would take
+/// for a formula.
+#[cfg(feature = "experiment")]
+pub(crate) fn csv_cell(text: &str) -> String {
+    let text = in_a_line(text);
+    match text.trim_start().chars().next() {
+        Some('=' | '+' | '-' | '@' | '＝' | '＋' | '－' | '＠') => format!("'{text}"),
+        _ => text.into_owned(),
+    }
+}
+
+/// Text for Markdown, a table's cell included: nothing in it makes a tag, a link or a column.
+#[cfg(feature = "experiment")]
+pub(crate) fn markdown(text: &str) -> String {
+    let mut shown = String::with_capacity(text.len());
+    for c in in_a_line(text).chars() {
+        match c {
+            '<' => shown.push_str("&lt;"),
+            '&' => shown.push_str("&amp;"),
+            '|' | '[' | ']' | '`' | '*' | '\\' => shown.extend(['\\', c]),
+            c => shown.push(c),
+        }
+    }
+    shown
+}
+
+/// Refuses what is no name: a sentence without its subject.
+pub(crate) fn check_name(name: &str) -> Result<(), String> {
+    let count = name.chars().count();
+    if count > LONGEST_NAME {
+        return Err(format!(
+            "has {count} characters: {LONGEST_NAME} at the most"
+        ));
+    }
+    match name.chars().find(|c| is_hidden(*c)) {
+        Some(c) => Err(format!(
+            "holds {:?}, which cannot be shown: leave it out",
+            c.escape_default().to_string()
+        )),
+        None => Ok(()),
+    }
+}
+
+fn spelled_out(text: &str, stays: fn(char) -> bool) -> Cow<'_, str> {
+    if !text.chars().any(|c| is_hidden(c) && !stays(c)) {
+        return Cow::Borrowed(text);
+    }
+    let mut shown = String::with_capacity(text.len());
+    for c in text.chars() {
+        if is_hidden(c) && !stays(c) {
+            shown.extend(c.escape_default());
+        } else {
+            shown.push(c);
+        }
+    }
+    Cow::Owned(shown)
+}
+
+/// Whether a character is not seen as it stands, or changes how others are seen.
+fn is_hidden(c: char) -> bool {
+    if c.is_ascii() {
+        return c.is_ascii_control();
+    }
+    // What Rust spells out in a string's `Debug` is hidden, but for spaces that have a width.
+    // Marks that are set on the character before are seen; Rust spells them out alone only.
+    const WIDE_SPACES: [char; 17] = [
+        '\u{a0}', '\u{1680}', '\u{2000}', '\u{2001}', '\u{2002}', '\u{2003}', '\u{2004}',
+        '\u{2005}', '\u{2006}', '\u{2007}', '\u{2008}', '\u{2009}', '\u{200a}', '\u{202f}',
+        '\u{205f}', '\u{3000}', '\u{ad}',
+    ];
+    let mut after_a_letter = String::from("a");
+    after_a_letter.push(c);
+    let is_spelled_out = after_a_letter.escape_debug().count() > 2;
+    is_spelled_out && !WIDE_SPACES.contains(&c)
+}
+
+#[cfg(all(test, feature = "cli"))]
+mod tests {
+    use super::*;
+
+    /// Protects terminals: nothing in a text moves the cursor, begins a line or turns the
+    /// direction of writing.
+    #[test]
+    fn what_is_not_seen_is_spelled_out() {
+        let shown =
+            in_a_line("a\u{1b}[31mb\nc\u{202e}d\u{200b}e\u{9b}f\u{2028}g\u{7f}\r\t\u{feff}");
+        assert_eq!(
+            shown,
+            r"a\u{1b}[31mb\nc\u{202e}d\u{200b}e\u{9b}f\u{2028}g\u{7f}\r\t\u{feff}"
+        );
+        for plain in [
+            "Sjöberg’s “room” – 3 × 4 …",
+            "e\u{301}, 部屋, \u{a0}«x»",
+            "\"\\'",
+            "",
+        ] {
+            assert_eq!(in_a_line(plain), plain);
+        }
+        assert_eq!(in_lines("a\n\tb\u{1b}"), "a\n\tb\\u{1b}");
+    }
+
+    /// Protects readers from messages that fill the screen.
+    #[test]
+    fn messages_are_cut() {
+        let long = message(&format!("begin {} end", "x".repeat(1_000_000)));
+        assert!(long.chars().count() <= MOST_CHARACTERS, "{long}");
+        assert!(long.starts_with("begin x") && long.ends_with("x end"));
+        let lines = message(&"line\n".repeat(1000));
+        assert_eq!(lines.lines().count(), MOST_LINES);
+        assert!(lines.contains("991 lines left out"), "{lines}");
+        assert_eq!(message("one\n"), "one");
+        assert_eq!(message("one\ntwo"), "one\n  two");
+    }
+
+    /// Protects pages: no text ends the script element or begins another, and a reader of
+    /// JSON finds it again.
+    #[test]
+    fn json_within_a_page_is_the_same_json() {
+        let text = "<!--<script>\u{2028}&\u{202e}𝄞 é";
+        let json = serde_json::to_string(text).unwrap();
+        let inner = json_in_html(&json);
+        assert!(!inner.contains(['<', '>', '&', '\u{2028}', '\u{202e}']));
+        assert_eq!(serde_json::from_str::<String>(&inner).unwrap(), text);
+        let shown = super::json(&json);
+        assert!(shown.contains("<!--") && !shown.contains(['\u{2028}', '\u{202e}']));
+        assert_eq!(serde_json::from_str::<String>(&shown).unwrap(), text);
+    }
+
+    /// Protects spreadsheets from running what a scene is called.
+    #[test]
+    fn cells_are_no_formulas() {
+        for formula in ["=1+1", "+1", "-1", "@x", " =1", "\u{3000}=x", "＝1"] {
+            assert!(csv_cell(formula).starts_with('\''), "{formula}");
+        }
+        assert_eq!(csv_cell("corner"), "corner");
+        assert_eq!(csv_cell("\t=1"), "\\t=1");
+    }
+
+    /// Protects names: what can be shown is one, in any script.
+    #[test]
+    fn names_can_be_shown() {
+        assert!(check_name("Sjöbergs 部屋 <=>").is_ok());
+        assert!(check_name("a\nb").is_err() && check_name("\u{202e}").is_err());
+        assert!(check_name(&"x".repeat(LONGEST_NAME)).is_ok());
+        assert!(check_name(&"x".repeat(LONGEST_NAME + 1)).is_err());
+    }
+}
