@@ -40,7 +40,10 @@ impl Error {
     pub fn is_bad_input(&self) -> bool {
         match self {
             Error::Scene(_) => true,
-            Error::Trace(error) => !matches!(error, TraceError::NothingTraced),
+            Error::Trace(error) => !matches!(
+                error,
+                TraceError::NothingTraced | TraceError::NoFieldTrial { .. }
+            ),
             Error::Gpu(error) => error.is_bad_input(),
             Error::Audio(error) => error.is_bad_input(),
             #[cfg(feature = "experiment")]

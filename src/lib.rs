@@ -41,6 +41,11 @@
 //! | [`input`] | what keeps files from being read |
 //! | [`output`] | files that are there whole or not at all |
 //!
+//! # Scenes from strangers
+//! A scene may name GLSL of its own, which the driver compiles within this process, and which can
+//! end it, fill its memory or never return. Whoever traces scenes that come from somewhere has
+//! their fields tried in a child process first: see [`trace::FieldTrial`].
+//!
 //! # Features
 //! | feature | default | what it adds |
 //! | --- | --- | --- |

@@ -68,7 +68,7 @@ fn compare(tracer: &mut Tracer, what: &str, scene: &Scene) {
     for (profile, settings) in profiles() {
         let settings = settings.with_waves(1024).with_iterations(1);
         let (frame, waves) = tracer.frame_with_waves(scene, &settings).unwrap();
-        assert_eq!(frame.counts.guard_hits, 0, "{what}, {profile}");
+        assert_eq!(frame.counts.step_limit_reached, 0, "{what}, {profile}");
         let mut hits = 0;
         for wave in &waves {
             let Some(object) = truth(scene, scene.source.position, wave.start_direction) else {

@@ -72,7 +72,7 @@ fn bits(waves: &[Wave]) -> Vec<[u32; 9]> {
             w,
             status,
             wave.zero_length_passes,
-            wave.guard_hits,
+            wave.step_limit_reached,
         ]
     };
     waves.iter().map(of).collect()

@@ -147,7 +147,10 @@ fn follow(tracer: &mut Tracer, what: &str, scene: &Scene, settings: &Settings) {
     let states = tracer.paths(scene, settings).unwrap();
     for step in states.windows(2) {
         for (before, after) in step[0].iter().zip(&step[1]) {
-            assert_eq!(after.guard_hits, 0, "{what}: {before:?} is given up");
+            assert_eq!(
+                after.step_limit_reached, 0,
+                "{what}: {before:?} is given up"
+            );
             if before.status > 0.0 {
                 check(scene, &cores, before, after, what);
             }

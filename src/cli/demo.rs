@@ -1,9 +1,10 @@
 //! `echomarch demo`: the window.
 
 use super::exit::BadInput;
-use super::options::{Common, TraceOptions, check_ending, check_range};
+use super::numbers::{count, real};
+use super::options::{Common, LawOption, TraceOptions, check_ending, check_range};
 use super::print;
-use crate::audio::{PanningLaw, SAMPLE_RATE, Sound};
+use crate::audio::{SAMPLE_RATE, Sound};
 use crate::demo::{DemoOptions, Report, run as run_demo};
 use crate::error::Error;
 use crate::gpu::Api;
@@ -44,11 +45,10 @@ struct SoundOptions {
     #[arg(long, default_value = "speech", value_name = "SOUND")]
     sound: String,
     /// Loudness, 0 to 1
-    #[arg(long, allow_negative_numbers = true, default_value_t = 0.5)]
+    #[arg(long, allow_negative_numbers = true, default_value_t = 0.5, value_parser = real::<f32>)]
     volume: f32,
-    /// Panning law: linear (the thesis), constant-power
-    #[arg(long, default_value_t = PanningLaw::Linear, value_name = "LAW")]
-    law: PanningLaw,
+    #[command(flatten)]
+    law: LawOption,
     /// Sound device by its name or its id, as --list-devices has them
     #[arg(long, value_name = "NAME")]
     device: Option<String>,
@@ -60,8 +60,7 @@ struct SoundOptions {
         long,
         allow_negative_numbers = true,
         default_value_t = 1024,
-        value_name = "N"
-    )]
+        value_name = "N", value_parser = count::<u32>)]
     buffer: u32,
     /// Record what is heard
     #[arg(long, value_name = "FILE.wav")]
@@ -76,8 +75,7 @@ struct WindowOptions {
         long,
         allow_negative_numbers = true,
         default_value_t = 1,
-        value_name = "N"
-    )]
+        value_name = "N", value_parser = count::<u32>)]
     trace_every: u32,
     /// Let the number of waves follow the frame's time
     #[arg(long)]
@@ -87,18 +85,17 @@ struct WindowOptions {
         long,
         allow_negative_numbers = true,
         default_value_t = 30.0,
-        value_name = "N"
-    )]
+        value_name = "N", value_parser = real::<f64>)]
     fps: f64,
     /// Draw the picture at this share of the window's size; without it the share follows
     /// the frame's time
-    #[arg(long, allow_negative_numbers = true, value_name = "SHARE")]
+    #[arg(long, allow_negative_numbers = true, value_name = "SHARE", value_parser = real::<f32>)]
     scale: Option<f32>,
     /// Width in pixels, before the screen's own scale
-    #[arg(long, default_value_t = 960, value_name = "PIXELS")]
+    #[arg(long, default_value_t = 960, value_name = "PIXELS", value_parser = count::<u32>)]
     width: u32,
     /// Height in pixels, before the screen's own scale
-    #[arg(long, default_value_t = 540, value_name = "PIXELS")]
+    #[arg(long, default_value_t = 540, value_name = "PIXELS", value_parser = count::<u32>)]
     height: u32,
     /// Where F5 saves the scene; without it NAME-1.ron and so on
     #[arg(long, value_name = "FILE.ron")]
@@ -107,10 +104,10 @@ struct WindowOptions {
     #[arg(long, value_name = "FILE.png")]
     screenshot: Option<PathBuf>,
     /// Close the window after so many frames
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = count::<u64>)]
     frames: Option<u64>,
     /// Close the window after so many seconds
-    #[arg(long, allow_negative_numbers = true, value_name = "SECONDS")]
+    #[arg(long, allow_negative_numbers = true, value_name = "SECONDS", value_parser = real::<f64>)]
     seconds: Option<f64>,
     /// Begin with the help closed
     #[arg(long)]
@@ -165,7 +162,7 @@ fn options(arguments: &Arguments, common: &Common) -> anyhow::Result<DemoOptions
     check(sound, window, common)?;
     Ok(DemoOptions {
         scene: arguments.scene.clone(),
-        settings: arguments.trace.settings(common)?,
+        settings: arguments.trace.settings()?,
         trace_every: window.trace_every,
         adapt_waves: window.adapt_waves,
         frame_milliseconds: 1000.0 / window.fps,
@@ -174,7 +171,7 @@ fn options(arguments: &Arguments, common: &Common) -> anyhow::Result<DemoOptions
         height: window.height,
         sound: sound.sound.clone(),
         volume: sound.volume,
-        law: sound.law,
+        law: sound.law.law,
         device: sound.device.clone(),
         buffer: sound.buffer,
         record: sound.record.clone(),

@@ -8,10 +8,13 @@ mod cost;
 #[cfg(feature = "demo")]
 mod demo;
 mod exit;
+mod field_trial;
 mod figures;
+mod ignored;
 mod info;
 mod interrupt;
 mod localise;
+mod numbers;
 mod options;
 mod print;
 mod render;
@@ -24,7 +27,7 @@ mod trace;
 mod verify;
 mod view;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::process::ExitCode;
 
 const EXAMPLES: &str = "\
@@ -82,19 +85,32 @@ enum Command {
     Verify(verify::Arguments),
     /// Where is the source? The localisation experiment, for an observer and for people
     Localise(localise::Arguments),
+    /// Try users' fields for another process of this program
+    #[command(hide = true)]
+    FieldTrial,
     /// List all renderers found (whatever --gl and --gpu say), their limits, and versions
     Info(info::Arguments),
 }
 
 /// Runs the program on the process' own arguments.
 pub fn run() -> ExitCode {
-    let cli = match Cli::try_parse() {
-        Ok(cli) => cli,
+    let parsed = Cli::command()
+        .try_get_matches()
+        .and_then(|matches| Ok((Cli::from_arg_matches(&matches)?, matches)));
+    let (cli, matches) = match parsed {
+        Ok(parsed) => parsed,
         Err(error) => return exit::refuse_arguments(&error),
     };
+    if let Err(error) = ignored::check(&matches) {
+        return exit::report(&error.into());
+    }
+    if matches!(cli.command, Command::FieldTrial) {
+        return field_trial::answer(&cli.common);
+    }
     if let Err(error) = interrupt::install() {
         print::tell(&format!("warning: signals are not answered: {error}"));
     }
+    field_trial::choose(&cli.common);
     let result = match &cli.command {
         #[cfg(feature = "demo")]
         Command::Demo(arguments) => demo::run(arguments, &cli.common),
@@ -109,6 +125,7 @@ pub fn run() -> ExitCode {
         Command::Verify(arguments) => verify::run(arguments, &cli.common),
         Command::Localise(arguments) => localise::run(arguments, &cli.common),
         Command::Info(arguments) => info::run(arguments, &cli.common),
+        Command::FieldTrial => Ok(()),
     };
     let code = match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -1,5 +1,6 @@
 //! `echomarch slice`: the plan from above.
 
+use super::numbers::{count, real};
 use super::options::{Common, TraceOptions, Values, check_ending, check_range};
 use super::print;
 use crate::output::check_file;
@@ -16,7 +17,7 @@ Examples:
 const LEGEND: &str = "\
 The picture: solid filled, air white with faint lines of equal distance; the source a dot, the
 listener a circle with an arrow along its gaze, key-framed paths dashed, a scale bar. Paths of
-waves: orange reached the listener, grey still on its way, green met nothing (a fading stub).
+waves: orange heard, grey travelling, green dead (a fading stub).
 They are drawn wherever they are in height, so one may end inside the circle: above or below
 the cut.
 
@@ -36,32 +37,38 @@ pub struct Arguments {
     #[arg(short, long, value_name = "FILE.png")]
     output: PathBuf,
     /// Width in pixels; the height follows from the scene
-    #[arg(long, default_value_t = 800, value_name = "PIXELS")]
-    width: u32,
+    #[arg(long, default_value_t = 800, value_name = "PIXELS", value_parser = count::<u32>)]
+    image_width: u32,
     /// Height of the cut above the world's origin [default: the listener's]
-    #[arg(long, value_name = "METRES", allow_hyphen_values = true)]
-    height: Option<f32>,
-    /// Draw the paths of this many waves (--waves has no effect here)
-    #[arg(long, default_value_t = 0, value_name = "N")]
+    #[arg(long, value_name = "METRES", allow_hyphen_values = true, value_parser = real::<f32>)]
+    cut_height: Option<f32>,
+    /// Draw the paths of this many waves
+    #[arg(long, default_value_t = 0, value_name = "N", value_parser = count::<u32>)]
     paths: u32,
     /// Seconds on the scene's paths; without it everything stands where the file puts it
-    #[arg(long, allow_negative_numbers = true, value_name = "SECONDS")]
+    #[arg(long, allow_negative_numbers = true, value_name = "SECONDS", value_parser = real::<f64>)]
     time: Option<f64>,
     #[command(flatten)]
     options: TraceOptions,
+    /// What is called --image-width now
+    #[arg(long, hide = true, value_name = "PIXELS")]
+    width: Option<String>,
+    /// What is called --cut-height now
+    #[arg(long, hide = true, value_name = "METRES", allow_hyphen_values = true)]
+    height: Option<String>,
 }
 
 /// Runs the subcommand.
 pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
-    let settings = arguments.options.settings(common)?;
+    let settings = arguments.options.settings()?;
     check_paths(arguments.paths, settings.iterations)?;
     check_ending(&arguments.output, "png")?;
     let scene = common.scene_at(&arguments.scene, &arguments.values, arguments.time)?;
     check_file(&arguments.output)?;
     let mut tracer = common.tracer()?;
     let options = SliceOptions {
-        width: arguments.width,
-        height: arguments.height,
+        width: arguments.image_width,
+        height: arguments.cut_height,
         paths: arguments.paths,
         settings,
         ..SliceOptions::default()

@@ -66,11 +66,11 @@ impl App {
                 Err(reason) => self.say(reason),
             },
             Action::Law => {
-                chosen.law = match chosen.law {
+                chosen.chosen_law = Some(match chosen.law() {
                     PanningLaw::Linear => PanningLaw::ConstantPower,
                     PanningLaw::ConstantPower => PanningLaw::Linear,
-                };
-                let text = format!("panning law {}", chosen.law);
+                });
+                let text = format!("panning law {}", chosen.law());
                 self.say(text);
             }
             Action::Mute => chosen.muted = !chosen.muted,

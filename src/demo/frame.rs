@@ -315,7 +315,7 @@ impl App {
 
     /// Tells the speakers what was chosen, and asks how they fare.
     fn hear(&mut self) {
-        self.speaker.set_law(self.choices.law);
+        self.speaker.set_law(self.choices.law());
         // Nor with the panning of the trial before.
         let is_silent = |q: &Question| !q.is_playing() || self.heard.is_none();
         let is_silent = self.question.as_ref().is_some_and(is_silent);

@@ -27,8 +27,9 @@ pub struct DemoOptions {
     pub sound: String,
     /// Loudness, 0 to 1.
     pub volume: f32,
-    /// From pan to gains.
-    pub law: PanningLaw,
+    /// From pan to gains; none for the law of the profile
+    /// ([`PanningLaw::for_profile`]).
+    pub law: Option<PanningLaw>,
     /// The sound device's name; none for the usual one.
     pub device: Option<String>,
     /// Samples that the sound device takes at a time.
@@ -70,7 +71,7 @@ impl Default for DemoOptions {
             height: 540,
             sound: "speech".into(),
             volume: 0.5,
-            law: PanningLaw::Linear,
+            law: None,
             device: None,
             buffer: 1024,
             record: None,

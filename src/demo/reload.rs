@@ -3,12 +3,24 @@
 use super::app::{App, Stage};
 use super::error::sentence;
 use super::report::Reread;
-use crate::scene::BUILTIN_NAMES;
-use crate::trace::{Reload, Reloading, Tracer};
+use crate::scene::{BUILTIN_NAMES, Scene};
+use crate::trace::{Pass, Profile, Reload, Reloading, Settings, Tracer, shader_text};
 use std::time::{Duration, Instant};
 
 /// From one look at the files to the next.
 const BETWEEN_LOOKS: Duration = Duration::from_millis(100);
+
+/// What a scene is drawn and heard by: the picture, and every profile that a key chooses.
+const PROGRAMS: [fn(&Scene) -> String; 4] = [
+    super::view::shader_text,
+    |scene| march_text(scene, Profile::Hybrid),
+    |scene| march_text(scene, Profile::March),
+    |scene| march_text(scene, Profile::Thesis),
+];
+
+fn march_text(scene: &Scene, profile: Profile) -> String {
+    shader_text(scene, &Settings::of(profile), Pass::March)
+}
 
 /// Follows the file that the window was opened with, and the files that it names.
 pub struct Follower {
@@ -25,7 +37,7 @@ impl App {
         if self.question.is_some() || BUILTIN_NAMES.contains(&name.as_str()) {
             return tracer.check(&self.world.base, settings);
         }
-        let reloading = Reloading::open(name, tracer, settings)?;
+        let reloading = Reloading::open(name, tracer, settings)?.trying_too(PROGRAMS)?;
         self.world.change(reloading.scene().clone());
         self.follower = Some(Follower {
             reloading,

@@ -28,8 +28,8 @@ pub struct Choices {
     pub volume: f32,
     /// Whether the loudness counts as 0.
     pub muted: bool,
-    /// From pan to gains.
-    pub law: PanningLaw,
+    /// From pan to gains, if it was chosen.
+    pub chosen_law: Option<PanningLaw>,
     /// Whether the help is open.
     pub help: bool,
     /// Whether the panels are open.
@@ -50,7 +50,7 @@ impl Choices {
             sound: options.sound.clone(),
             volume: options.volume,
             muted: false,
-            law: options.law,
+            chosen_law: options.law,
             help: options.help,
             panels: true,
             paths: true,
@@ -87,6 +87,12 @@ impl Choices {
     pub fn change_iterations(&mut self, more: i32) {
         let iterations = self.settings.iterations.saturating_add_signed(more);
         self.settings.iterations = iterations.clamp(1, MAX_ITERATIONS);
+    }
+
+    /// From pan to gains: as chosen, or else as the algorithm is heard by.
+    pub fn law(&self) -> PanningLaw {
+        let usual = PanningLaw::for_profile(self.settings.profile);
+        self.chosen_law.unwrap_or(usual)
     }
 
     /// The loudness that is heard.
@@ -248,6 +254,20 @@ mod tests {
             (4000, 1)
         );
         assert!(choices.settings.validate().is_ok());
+    }
+
+    /// Protects loudness: the law follows the algorithm until one is chosen, which then stays.
+    #[test]
+    fn the_panning_law_is_the_profile_s_until_it_is_chosen() {
+        let mut choices = Choices::of(&DemoOptions::default());
+        assert_eq!(choices.law(), PanningLaw::ConstantPower);
+        choices.set_profile(Profile::Thesis);
+        assert_eq!(choices.law(), PanningLaw::Linear);
+        choices.set_profile(Profile::March);
+        assert_eq!(choices.law(), PanningLaw::ConstantPower);
+        choices.chosen_law = Some(PanningLaw::Linear);
+        choices.set_profile(Profile::Hybrid);
+        assert_eq!(choices.law(), PanningLaw::Linear);
     }
 
     /// Protects moving scenes: paths go on until paused, and what was moved by hand stays.

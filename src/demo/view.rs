@@ -28,6 +28,18 @@ const STILL: u32 = 8;
 /// Milliseconds of a frame that refining may take.
 const REFINING: f64 = 12.0;
 
+/// Rows that are refined in a frame at the least.
+const LEAST_ROWS: u32 = 4;
+
+/// Seconds that a picture may be foreseen to take, of which nothing is measured yet.
+const FIRST_PICTURE: f64 = 1.0;
+
+/// Seconds that refining may be foreseen to take a frame.
+const REFINED: f64 = 0.1;
+
+/// Evaluations for a pixel, as a rule: the steps of its ray, and of the shadow where it ends.
+const EVALUATIONS_PER_PIXEL: f64 = 30.0;
+
 /// Programs that are kept at the most: those of the scenes seen last.
 const PROGRAMS_KEPT: NonZeroUsize = NonZeroUsize::new(4).unwrap();
 
@@ -112,6 +124,7 @@ impl View {
         // On a graphics card the last drawing is a picture old: only a card that is behind is
         // waited for here.
         self.take_time();
+        let scale = scale.min(foreseen_scale(scene, [width, height]));
         let side = |pixels: u32| ((pixels as f32 * scale).round() as u32).clamp(1, pixels.max(1));
         let size = [side(width), side(height)];
         let same = |(shown, at): &Shown| *at == size && is_seen_alike(shown, scene);
@@ -141,7 +154,8 @@ impl View {
             self.still += 1;
         }
         let full = [width, height];
-        let refines = refines && self.still > STILL && scale < 1.0;
+        let bears = pixels_foreseen(scene, REFINED) >= f64::from(LEAST_ROWS * width);
+        let refines = refines && bears && self.still > STILL && scale < 1.0;
         if refines && self.refined < height {
             self.refine(scene, full)?;
         }
@@ -164,7 +178,7 @@ impl View {
         let program = self.program(scene)?;
         let picture = sized(&self.context, &mut self.fine, full)?;
         aim(&program, scene, full);
-        let rows = ((REFINING * self.pace) as u32).max(4);
+        let rows = ((REFINING * self.pace) as u32).max(LEAST_ROWS);
         let band = self.refined..self.refined + rows;
         self.marks.restart()?;
         full_screen_pass_rows(&self.context, &program, picture, full[0], full[1], band)?;
@@ -200,12 +214,10 @@ impl View {
         let context = &self.context;
         let compile = || {
             check_surfaces(context, scene)?;
-            UserFields::default().check(context, scene)?;
-            let mut sources = glsl::distance_sources(scene);
-            sources.push(glsl::source!("view/colour.glsl"));
-            sources.push(glsl::source!("view/walk.frag"));
+            let text = shader_text(scene);
+            UserFields::default().check(context, scene, || text.clone())?;
             let label = format!("the view of {}", scene.name);
-            Ok::<_, Error>(Program::fragment(context, &label, &glsl::join(&sources))?)
+            Ok::<_, Error>(Program::fragment(context, &label, &text)?)
         };
         let structure = glsl::structure(scene);
         let program = self.programs.get_or_compile(structure, compile)?;
@@ -222,6 +234,31 @@ impl View {
     pub fn forget(&mut self) {
         self.shown = None;
     }
+}
+
+/// The fragment shader of the picture, `#version` apart.
+pub fn shader_text(scene: &Scene) -> String {
+    let mut sources = glsl::distance_sources(scene);
+    sources.push(glsl::source!("view/colour.glsl"));
+    sources.push(glsl::source!("view/walk.frag"));
+    glsl::join(&sources)
+}
+
+/// Pixels that are foreseen to be drawn in so many seconds: only of users' fields is it known
+/// how slow they are.
+fn pixels_foreseen(scene: &Scene, seconds: f64) -> f64 {
+    match scene.evaluation_seconds() {
+        Some(evaluation) => seconds / (evaluation * EVALUATIONS_PER_PIXEL),
+        None => f64::INFINITY,
+    }
+}
+
+/// The share of the window's size at which a first picture does not hold up the window.
+fn foreseen_scale(scene: &Scene, [width, height]: [u32; 2]) -> f32 {
+    let whole = f64::from(width) * f64::from(height);
+    (pixels_foreseen(scene, FIRST_PICTURE) / whole.max(1.0))
+        .sqrt()
+        .min(1.0) as f32
 }
 
 /// Whether two scenes look the same: their names do not matter, and paths are not seen.

@@ -26,9 +26,10 @@ pub(super) fn program(
 ) -> Result<Shader, Error> {
     scene.check()?;
     check_surfaces(context, scene)?;
-    UserFields::default().check(context, scene)?;
     let label = format!("{} of {}", shader.0, scene.name);
-    let program = Program::fragment(context, &label, &text(scene, shader))?;
+    let text = text(scene, shader);
+    UserFields::default().check(context, scene, || text.clone())?;
+    let program = Program::fragment(context, &label, &text)?;
     let placement = glsl::Placement::world();
     let placed = placement.apply(scene);
     let mut data = SceneData::new(context)?;

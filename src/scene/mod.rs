@@ -105,6 +105,14 @@ impl Scene {
 }
 
 impl Scene {
+    /// Seconds that an evaluation of the slowest user's field takes, as far as that was
+    /// measured; see [`UserField::evaluation_seconds`].
+    pub(crate) fn evaluation_seconds(&self) -> Option<f64> {
+        self.user_fields()
+            .filter_map(|field| field.evaluation_seconds())
+            .reduce(f64::max)
+    }
+
     /// The users' fields of all surfaces, in order.
     pub fn user_fields(&self) -> impl Iterator<Item = &Arc<UserField>> {
         self.field_nodes().filter_map(Node::user)

@@ -1,15 +1,19 @@
 //! What can go wrong between settings and a frame.
 
+use crate::scene::UserField;
 use glam::Vec3;
+use serde::{Deserialize, Serialize};
 
 /// A frame that cannot be traced, and why.
-#[derive(Debug, thiserror::Error)]
+#[derive(Clone, Debug, Deserialize, Serialize, thiserror::Error)]
 #[non_exhaustive]
 pub enum TraceError {
     /// A setting outside its range.
+    #[serde(skip)]
     #[error("{what} must be {must}, not {value}")]
     BadSetting {
         /// Which setting, with its unit.
+        #[serde(skip)]
         what: &'static str,
         /// Its range.
         must: String,
@@ -84,9 +88,49 @@ pub enum TraceError {
         /// The growth stated.
         stated: f32,
     },
+    /// A user's field that is evaluated too slowly.
+    #[error(
+        "{file}: an evaluation takes {:.1} µs on this renderer, more than {:.0} µs: a frame would take minutes",
+        1e6 * seconds, 1e6 * limit
+    )]
+    FieldTooSlow {
+        /// The field's file.
+        file: String,
+        /// What an evaluation takes, in seconds, many of them side by side.
+        seconds: f64,
+        /// What it may take, in seconds.
+        limit: f64,
+    },
+    /// A user's field that ended the process in which it was tried, or took too long there: see
+    /// [`FieldTrial`](super::FieldTrial).
+    #[error("{file}: trying it in a process of its own {how}")]
+    FieldDies {
+        /// The field's file; where several were tried, all of them.
+        file: String,
+        /// How the process ended.
+        how: String,
+    },
+    /// The process in which users' fields are tried is not to be had, or gave no answer.
+    #[error("the process in which fields are tried {why}")]
+    NoFieldTrial {
+        /// What it did.
+        why: String,
+    },
     /// Waves were asked for before any frame was traced.
     #[error("no frame was traced yet")]
     NothingTraced,
+}
+
+impl TraceError {
+    /// Refuses the text of a field that cannot be one, before it is compiled.
+    pub(super) fn check_text(field: &UserField) -> Result<(), TraceError> {
+        let refused = |(line, message)| TraceError::FieldDoesNotCompile {
+            file: field.file.display().to_string(),
+            line,
+            message,
+        };
+        field.check_text().map_err(refused)
+    }
 }
 
 fn located(file: &str, line: Option<u32>) -> String {

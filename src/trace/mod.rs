@@ -23,6 +23,7 @@ mod scene_data;
 mod settings;
 mod sum;
 mod tracer;
+mod trial;
 mod user_fields;
 mod waves;
 
@@ -41,6 +42,7 @@ pub use settings::{
     Settings,
 };
 pub use tracer::Tracer;
+pub use trial::{FieldTrial, TrialCommand, answer_field_trial};
 #[cfg(feature = "experiment")]
 pub(crate) use user_fields::UserFields;
 pub(crate) use waves::STATUS_STARTED;

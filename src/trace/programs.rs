@@ -1,6 +1,6 @@
 //! The shader programs of a frame, each compiled once for what its text depends on.
 
-use super::{Directions, Profile, Settings};
+use super::{Directions, Profile, Settings, trial};
 use crate::error::Error;
 use crate::gpu::{Context, Program, ProgramCache};
 use crate::scene::Scene;
@@ -71,6 +71,7 @@ impl Programs {
             scene.check()?;
             let label = format!("march ({}) of {}", settings.profile, scene.name);
             let text = glsl::join(&march_sources(scene, options));
+            trial::ensure(scene, &[&text])?;
             Ok(Program::fragment(context, &label, &text)?)
         })
     }

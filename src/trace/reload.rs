@@ -1,6 +1,9 @@
 //! A scene that follows its files while it is traced.
 
-use super::{Settings, Tracer};
+#[cfg(feature = "demo")]
+use super::trial;
+use super::trial::Trial;
+use super::{Pass, Settings, Tracer, shader_text};
 use crate::error::Error;
 use crate::scene::{Scene, SceneError, SceneWatch};
 
@@ -10,6 +13,10 @@ use crate::scene::{Scene, SceneError, SceneWatch};
 pub struct Reloading {
     watch: SceneWatch,
     scene: Scene,
+    /// A new scene, while its fields are tried.
+    trying: Option<(Scene, Trial)>,
+    /// Programs that are drawn of it beside the tracer's.
+    others: Vec<fn(&Scene) -> String>,
 }
 
 /// What a look at the files has brought.
@@ -59,25 +66,74 @@ impl Reloading {
         settings: &Settings,
     ) -> Result<Reloading, Error> {
         tracer.check(&scene, settings)?;
-        Ok(Reloading { watch, scene })
+        Ok(Reloading {
+            watch,
+            scene,
+            trying: None,
+            others: Vec::new(),
+        })
+    }
+
+    /// Has these programs tried as well, together with the tracer's, now and when users'
+    /// fields are new.
+    ///
+    /// # Errors
+    /// [`Error::Trace`] for a field that cannot be used in them.
+    #[cfg(feature = "demo")]
+    pub(crate) fn trying_too(
+        mut self,
+        programs: impl IntoIterator<Item = fn(&Scene) -> String>,
+    ) -> Result<Reloading, Error> {
+        self.others.extend(programs);
+        let texts = self.others.iter().map(|program| program(&self.scene));
+        let texts: Vec<String> = texts.collect();
+        let texts: Vec<&str> = texts.iter().map(String::as_str).collect();
+        trial::ensure(&self.scene, &texts)?;
+        Ok(self)
     }
 
     /// Looks at the files; to be called between frames, as often as one likes. A new scene
-    /// is checked and its programs are compiled here, so that the next frame does not wait.
+    /// is checked and its programs are compiled here, so that the next frame does not wait;
+    /// while its fields are tried in a [child](super::FieldTrial), nothing waits either, and
+    /// nothing has changed.
     pub fn poll(&mut self, tracer: &mut Tracer, settings: &Settings) -> Reload {
-        let Some(read) = self.watch.poll() else {
-            return Reload::Unchanged;
-        };
-        let checked = read.map_err(Error::from).and_then(|scene| {
-            tracer.check(&scene, settings)?;
-            Ok(scene)
-        });
-        match checked {
-            Ok(scene) => {
-                self.scene = scene;
-                Reload::Taken
-            }
+        match self.tried(settings) {
+            Ok(None) => Reload::Unchanged,
+            Ok(Some(scene)) => match tracer.check(&scene, settings) {
+                Ok(()) => {
+                    self.scene = scene;
+                    Reload::Taken
+                }
+                Err(error) => Reload::Kept(error),
+            },
             Err(error) => Reload::Kept(error),
+        }
+    }
+
+    /// A new scene whose fields have been tried.
+    fn tried(&mut self, settings: &Settings) -> Result<Option<Scene>, Error> {
+        if let Some(read) = self.watch.poll() {
+            // What was tried until now is old.
+            self.trying = None;
+            let scene = read?;
+            scene.check()?;
+            let mut programs = vec![shader_text(&scene, settings, Pass::March)];
+            programs.extend(self.others.iter().map(|program| program(&scene)));
+            let programs: Vec<&str> = programs.iter().map(String::as_str).collect();
+            let Some(trial) = Trial::begin(&scene, &programs)? else {
+                return Ok(Some(scene));
+            };
+            self.trying = Some((scene, trial));
+        }
+        let Some((scene, mut trial)) = self.trying.take() else {
+            return Ok(None);
+        };
+        match trial.poll() {
+            Some(ended) => ended.map(|()| Some(scene)),
+            None => {
+                self.trying = Some((scene, trial));
+                Ok(None)
+            }
         }
     }
 

@@ -99,7 +99,7 @@ pub struct Settings {
     /// Whether the panning texture is summed on the GPU and read back as one texel.
     pub sum_on_gpu: bool,
     /// Whether to count evaluations of the distance, in the place of zero-length passes
-    /// and guard hits.
+    /// and marches that reached the step limit.
     pub count_evaluations: bool,
 }
 
@@ -186,7 +186,7 @@ impl Settings {
         self
     }
 
-    /// Evaluations of the distance after which a march is given up: as many as the
+    /// The step limit: evaluations of the distance after which a march ends: as many as the
     /// distances allow, and never more than [`MAX_STEPS`]. In a scene with long lists of
     /// surfaces `march` may be left with fewer: see [`Budget`](super::Budget).
     pub fn step_bound(&self) -> u32 {
@@ -315,7 +315,7 @@ fn bad(what: &'static str, must: String, value: impl fmt::Display) -> TraceError
 mod tests {
     use super::*;
 
-    /// Protects the step bound: no result of the thesis' own constants reaches it.
+    /// Protects the step limit: no result of the thesis' own constants reaches it.
     #[test]
     fn the_step_bound_leaves_the_thesis_alone() {
         let thesis = Settings::thesis();

@@ -8,7 +8,7 @@ use super::budget::{self, Budget};
 use super::directions::{random_turn, unit_directions};
 use super::frame::{in_milliseconds, timed};
 use super::limits::{check_surfaces, check_waves};
-use super::programs::Programs;
+use super::programs::{Pass, Programs, shader_text};
 use super::scene_data::SceneData;
 use super::sum::Sum;
 use super::user_fields::UserFields;
@@ -269,7 +269,9 @@ impl Tracer {
         check_waves(&self.context, Grid::new(settings.waves))?;
         check_surfaces(&self.context, scene)?;
         let fields = &mut self.kept.borrow_mut().user_fields;
-        fields.check(&self.context, scene)
+        fields.check(&self.context, scene, || {
+            shader_text(scene, settings, Pass::March)
+        })
     }
 
     fn initialise(&self, job: &Job) -> Result<f64, Error> {
@@ -341,7 +343,11 @@ impl Tracer {
         job.march.set_texture("uDirections", 1, &current.second);
         self.scene_data.bind(&job.march, 2);
         job.march.set_i32("uIterationsInPass", iterations as i32);
-        let evaluations = job.evaluations(iterations);
+        let mut evaluations = job.evaluations(iterations);
+        // No watchdog looks after what the processor draws.
+        if !self.context.is_software() {
+            evaluations = evaluations.saturating_mul(job.weight());
+        }
         let next = targets.pairs.next();
         self.pass_rows(&job.march, targets.grid, next, evaluations, rows)
     }

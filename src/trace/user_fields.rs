@@ -9,11 +9,11 @@
 //!
 //! # Cost
 //! Once for each context and field: one short program, and some 400,000 evaluations in four
-//! passes. With Mesa's llvmpipe on two cores that is a tenth of a second for a Menger
+//! passes, and what takes too long in the first of them is refused. With Mesa's llvmpipe on two cores that is a tenth of a second for a Menger
 //! sponge of five levels, on a graphics card a few milliseconds. A frame whose fields are
 //! known compares pointers.
 
-use super::TraceError;
+use super::{TraceError, trial};
 use crate::error::Error;
 use crate::gpu::{
     Context, DataTexture, GpuError, Program, RenderTarget, Texture, full_screen_pass_rows,
@@ -23,6 +23,7 @@ use crate::scene::glsl::{self, USER_FILE};
 use crate::scene::{Scene, UserField, UserSamples, halton};
 use glam::{Vec3, Vec4};
 use std::sync::Arc;
+use std::time::Instant;
 
 /// Samples along each side of the box.
 const SIDE: usize = 65;
@@ -43,6 +44,17 @@ const ROW: usize = 1024;
 /// Rows in one draw call.
 const ROWS_PER_DRAW: u32 = 64;
 
+/// Points by which the time of an evaluation is taken: a row.
+const TIMED: usize = ROW;
+
+/// Times that are taken of a slow field at the most, of which the least counts: others may
+/// have held up the rest.
+const TIMINGS: usize = 3;
+
+/// Seconds that an evaluation may take, many of them side by side: with twenty times those of
+/// a Menger sponge a frame of 65,536 waves and eight iterations takes a minute.
+const SLOWEST: f64 = 5e-6;
+
 /// Steps along the way between two points where something is amiss.
 const CLOSER: usize = 256;
 
@@ -57,12 +69,29 @@ pub(crate) struct UserFields {
 }
 
 impl UserFields {
-    /// Checks those of the scene that are not known yet, and gives all their samples.
+    /// Checks those of the scene that are not known yet, and gives all their samples; together
+    /// with `program`, of which they will be part, they are tried first as
+    /// [`FieldTrial`](super::FieldTrial) says.
     ///
     /// # Errors
     /// [`Error::Trace`] for a field that cannot be used, [`Error::Gpu`] when the renderer
     /// fails.
-    pub fn check(&mut self, context: &Context, scene: &Scene) -> Result<(), Error> {
+    pub fn check(
+        &mut self,
+        context: &Context,
+        scene: &Scene,
+        program: impl FnOnce() -> String,
+    ) -> Result<(), Error> {
+        let is_known =
+            |field: &Arc<UserField>| self.checked.iter().any(|known| Arc::ptr_eq(known, field));
+        if scene.user_fields().all(is_known) {
+            return Ok(());
+        }
+        for field in scene.user_fields() {
+            TraceError::check_text(field)?;
+        }
+        scene.check()?;
+        trial::ensure(scene, &[&program()])?;
         let known = self.checked.len();
         let checked = self.check_new(context, scene);
         if self.checked.len() > known {
@@ -81,6 +110,9 @@ impl UserFields {
                 Some(known) => {
                     if let Some(samples) = known.samples() {
                         field.set_samples(Arc::clone(samples));
+                    }
+                    if let Some(seconds) = known.evaluation_seconds() {
+                        field.set_evaluation_seconds(seconds);
                     }
                 }
                 None => check(context, field)?,
@@ -101,15 +133,14 @@ impl UserFields {
     }
 }
 
-fn check(context: &Context, field: &UserField) -> Result<(), Error> {
+/// Compiles a field by itself, samples and tries it.
+pub(super) fn check(context: &Context, field: &UserField) -> Result<(), Error> {
     let refuse = |line, message| TraceError::FieldDoesNotCompile {
         file: field.file.display().to_string(),
         line,
         message,
     };
-    if let Err((line, why)) = field.check_text() {
-        return Err(refuse(line, why).into());
-    }
+    TraceError::check_text(field)?;
     let label = field.file.display().to_string();
     let text = glsl::join(&glsl::user_sources(field));
     let program = match Program::fragment(context, &label, &text) {
@@ -129,6 +160,7 @@ fn check(context: &Context, field: &UserField) -> Result<(), Error> {
         program,
         field,
     };
+    probe.measure()?;
     let samples = probe.samples()?;
     probe.check_growth()?;
     field.set_samples(Arc::new(samples));
@@ -247,18 +279,48 @@ impl Probe<'_> {
         }
     }
 
+    /// Takes the time of an evaluation, and refuses what is too slow before much of it is
+    /// asked for.
+    fn measure(&self) -> Result<(), Error> {
+        let half = 0.5 * self.field.size;
+        let points: Vec<Vec3> = (1..=TIMED)
+            .map(|index| half * (2.0 * halton(index).as_vec3() - 1.0))
+            .collect();
+        // A driver compiles the rest of a program with its first pass.
+        self.values(&points[..1])?;
+        let mut least = f64::INFINITY;
+        for _ in 0..TIMINGS {
+            let began = Instant::now();
+            self.values(&points)?;
+            least = least.min(began.elapsed().as_secs_f64() / TIMED as f64);
+            if least <= SLOWEST {
+                break;
+            }
+        }
+        if least > SLOWEST {
+            return Err(TraceError::FieldTooSlow {
+                file: self.field.file.display().to_string(),
+                seconds: least,
+                limit: SLOWEST,
+            }
+            .into());
+        }
+        self.field.set_evaluation_seconds(least);
+        Ok(())
+    }
+
     /// The values at some points, all of them finite.
     fn values(&self, points: &[Vec3]) -> Result<Vec<f32>, Error> {
+        let width = points.len().min(ROW) as u32;
         let rows = points.len().div_ceil(ROW) as u32;
         let vectors: Vec<Vec4> = points.iter().map(|p| p.extend(0.0)).collect();
         let mut list = DataTexture::new(self.context, ROW)?;
         list.set(&vectors)?;
-        let values = Texture::new(self.context, ROW as u32, rows)?;
+        let values = Texture::new(self.context, width, rows)?;
         let target = RenderTarget::new(self.context, &[&values])?;
         self.program.set_texture("uPoints", 0, list.texture());
         for start in (0..rows).step_by(ROWS_PER_DRAW as usize) {
             let band = start..start + ROWS_PER_DRAW;
-            let width = ROW as u32;
             full_screen_pass_rows(self.context, &self.program, &target, width, rows, band)?;
         }
         let texels = target.read(0)?;
@@ -316,18 +378,18 @@ mod tests {
         let count = again().user_fields().count();
         assert!(count > 0);
         let first = again();
-        fields.check(&context, &first).unwrap();
+        fields.check(&context, &first, String::new).unwrap();
         let mut last = first.clone();
         for _ in 0..2 * KNOWN {
             last = again();
-            fields.check(&context, &last).unwrap();
+            fields.check(&context, &last, String::new).unwrap();
         }
         assert_eq!(fields.checked.len(), KNOWN + count);
         let samples = |scene: &Scene| scene.user_fields().next().unwrap().samples().cloned();
         let (old, new) = (samples(&first).unwrap(), samples(&last).unwrap());
         assert!(Arc::ptr_eq(&old, &new));
         let known = fields.checked.clone();
-        fields.check(&context, &last).unwrap();
+        fields.check(&context, &last, String::new).unwrap();
         assert!(
             known
                 .iter()

@@ -15,6 +15,7 @@ mod mutate;
 mod scratch;
 
 mod answers;
+mod field_text;
 mod height_image;
 mod scene;
 mod wav;
@@ -104,4 +105,10 @@ fn height_images() {
 #[test]
 fn answers() {
     fuzz(&answers::target());
+}
+
+/// Protects from fields' texts that come from somewhere, before any driver sees them.
+#[test]
+fn field_texts() {
+    fuzz(&field_text::target());
 }

@@ -164,7 +164,9 @@ fn sound(ui: &mut Ui, facts: &Facts, chosen: &mut Choices, actions: &mut Vec<Act
             (PanningLaw::Linear, "linear"),
             (PanningLaw::ConstantPower, "constant power"),
         ] {
-            ui.selectable_value(&mut chosen.law, law, name);
+            if ui.selectable_label(chosen.law() == law, name).clicked() {
+                chosen.chosen_law = Some(law);
+            }
         }
     });
     let colour = if facts.sound.is_heard {

@@ -68,8 +68,8 @@ pub fn heard(ui: &mut Ui, facts: &Facts) {
         };
         for (name, count, colour) in [
             ("heard", counts.listener_hits, style::REACHED),
-            ("on their way", counts.travelling, style::TRAVELLING),
-            ("met nothing", counts.dead, style::DEAD),
+            ("travelling", counts.travelling, style::TRAVELLING),
+            ("dead", counts.dead, style::DEAD),
         ] {
             ui.horizontal(|ui| {
                 let (dot, _) = ui.allocate_exact_size(Vec2::splat(8.0), Sense::hover());
@@ -82,7 +82,11 @@ pub fn heard(ui: &mut Ui, facts: &Facts) {
             "passes of zero length",
             counts.zero_length_passes.to_string(),
         );
-        style::row(ui, "guard hits", counts.guard_hits.to_string());
+        style::row(
+            ui,
+            "step limit reached",
+            counts.step_limit_reached.to_string(),
+        );
     }
     ui.separator();
     latency(ui, facts);

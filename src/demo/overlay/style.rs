@@ -24,9 +24,9 @@ pub const SOURCE: Color32 = Color32::from_rgb(240, 176, 40);
 pub const LISTENER: Color32 = Color32::from_rgb(86, 180, 233);
 /// Waves that reached the listener.
 pub const REACHED: Color32 = Color32::from_rgb(255, 128, 44);
-/// Waves that are still on their way.
+/// Waves that are travelling.
 pub const TRAVELLING: Color32 = Color32::from_rgb(150, 160, 170);
-/// Waves that met nothing.
+/// Waves that are dead.
 pub const DEAD: Color32 = Color32::from_rgb(40, 190, 145);
 /// What must not be.
 pub const BAD: Color32 = Color32::from_rgb(255, 96, 84);

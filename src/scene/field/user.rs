@@ -22,6 +22,9 @@ pub struct UserField {
     /// How fast its value may grow at the most, in metres a metre.
     pub lipschitz: f32,
     samples: OnceLock<Arc<UserSamples>>,
+    /// Read once: it is asked for every frame.
+    has_loops: OnceLock<bool>,
+    evaluation_seconds: OnceLock<f64>,
 }
 
 /// The values of a field on a grid over its box, edges included.
@@ -42,6 +45,8 @@ impl UserField {
             size,
             lipschitz,
             samples: OnceLock::new(),
+            has_loops: OnceLock::new(),
+            evaluation_seconds: OnceLock::new(),
         }
     }
 
@@ -56,6 +61,23 @@ impl UserField {
         self.samples.get()
     }
 
+    /// Keeps how long an evaluation takes; the first measurement stays.
+    pub fn set_evaluation_seconds(&self, seconds: f64) {
+        // Another measurement of the same text says the same, within the load.
+        let _ = self.evaluation_seconds.set(seconds);
+    }
+
+    /// Seconds that an evaluation took on the renderer, many of them side by side, once that
+    /// was measured.
+    pub fn evaluation_seconds(&self) -> Option<f64> {
+        self.evaluation_seconds.get().copied()
+    }
+
+    /// Whether the text is one of the program's own.
+    pub(crate) fn is_own(&self) -> bool {
+        crate::scene::builtin::is_own_text(&self.text)
+    }
+
     /// The value as the samples have it (trilinear), held at the box; 0 before there are any.
     pub fn value(&self, point: DVec3) -> f64 {
         let Some(samples) = self.samples.get() else {
@@ -65,30 +87,34 @@ impl UserField {
         samples.at(share)
     }
 
-    /// The text as it may stand within a shader, line by line: without `#version` and
-    /// `precision` lines, which are the whole shader's, and in ASCII.
+    /// The text as it may stand within a shader, line by line: in ASCII, its macros expanded,
+    /// without directives and `precision` statements, which are the whole shader's. Empty for
+    /// a text that [`UserField::check_text`] refuses.
     pub fn shader_text(&self) -> String {
-        text::within_a_shader(&self.text)
+        text::read(&self.text).map_or_else(|_| String::new(), |text| text.code)
     }
 
     /// Checks what can be seen without compiling it.
     ///
     /// # Errors
-    /// The line, where it is in one, and a sentence: there is no `float field(vec3 p)`, or a value that a shader would have to
-    /// be given from outside.
+    /// The line, where it is in one, and a sentence: there is no `float field(vec3 p)`, a
+    /// value that a shader would have to be given from outside, something that a function of
+    /// one point cannot do, or more than a compiler can be trusted with.
     pub fn check_text(&self) -> Result<(), (Option<u32>, String)> {
-        text::check(&self.text)
+        text::read(&self.text).map(|_| ())
     }
 
-    /// Whether there are loops in the text.
+    /// Whether there are loops in the text, as far as it can be read.
     pub fn has_loops(&self) -> bool {
-        text::has_loops(&self.text)
+        let read = || text::read(&self.text).is_ok_and(|text| text.has_loops);
+        *self.has_loops.get_or_init(read)
     }
 
-    /// The names that the text defines outside of functions: they are renamed when it is
-    /// taken into a shader, so that two fields never clash.
+    /// All names in the text that are not GLSL's own: they are renamed when it is taken into a
+    /// shader, so that two fields never clash, and no field reaches what is around it. Empty
+    /// for a text that [`UserField::check_text`] refuses.
     pub fn names(&self) -> Vec<String> {
-        text::global_names(&self.shader_text())
+        text::read(&self.text).map_or_else(|_| Vec::new(), |text| text.names)
     }
 }
 

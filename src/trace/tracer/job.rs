@@ -3,12 +3,22 @@
 use super::super::budget::Budget;
 use super::super::waves::{STATUS_DEAD, STATUS_STARTED};
 use super::super::{Grid, Profile, Settings};
+use super::EVALUATIONS_PER_DRAW;
 use crate::gpu::Program;
 use crate::scene::Scene;
 use crate::scene::glsl::{Placed, Placement};
 use glam::Vec4;
 use std::rc::Rc;
 use std::time::Instant;
+
+/// Rows that are drawn before anything is known of their time.
+const FIRST_ROWS: u32 = 8;
+
+/// Seconds that these may take, where that can be foreseen: no more than a picture.
+const FIRST_SECONDS: f64 = 0.03;
+
+/// Steps to the next surface, as a rule.
+const USUAL_STEPS: f64 = 20.0;
 
 /// One frame's input, checked, with what follows from it.
 pub(super) struct Job<'a> {
@@ -43,6 +53,23 @@ impl Job<'_> {
     /// Evaluations of one surface that a wave may take in so many iterations.
     pub fn evaluations(&self, iterations: u32) -> u64 {
         u64::from(iterations) * self.budget.evaluations
+    }
+
+    /// How many evaluations of a usual surface one of the scene's takes the time of: of users'
+    /// fields that was measured.
+    pub fn weight(&self) -> u64 {
+        let slowest = self.scene.evaluation_seconds().unwrap_or_default();
+        ((slowest * EVALUATIONS_PER_DRAW as f64) as u64).max(1)
+    }
+
+    /// Rows of so many waves that are drawn before anything is known of their time: fewer of
+    /// what is foreseen to take long.
+    pub fn first_rows(&self, width: u32, iterations: u32) -> u32 {
+        let Some(seconds) = self.scene.evaluation_seconds() else {
+            return FIRST_ROWS;
+        };
+        let evaluations = f64::from(width) * f64::from(iterations) * USUAL_STEPS;
+        ((FIRST_SECONDS / (seconds * evaluations)) as u32).clamp(1, FIRST_ROWS)
     }
 
     pub fn listener(&self) -> Vec4 {

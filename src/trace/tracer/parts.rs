@@ -17,9 +17,6 @@ use crate::scene::Scene;
 use std::rc::Rc;
 use std::time::Instant;
 
-/// Rows that are drawn before anything is known of their time.
-const FIRST_ROWS: u32 = 8;
-
 /// By how many times the pace may seem to rise from one part to the next: one that was
 /// quick by chance shall not be followed by one that takes far too long.
 const MOST_FASTER: f64 = 4.0;
@@ -75,10 +72,10 @@ impl Pace {
         }
     }
 
-    /// Rows of so many iterations that fit a time.
-    fn rows(&self, iterations: u32, milliseconds: f64) -> u32 {
+    /// Rows of so many iterations that fit a time; `first` where nothing is known yet.
+    fn rows(&self, iterations: u32, milliseconds: f64, first: u32) -> u32 {
         match self.milliseconds {
-            None => FIRST_ROWS,
+            None => first,
             Some(row) => (milliseconds / (row * f64::from(iterations)).max(1e-6)) as u32,
         }
     }
@@ -219,13 +216,14 @@ impl Tracer {
         milliseconds: f64,
     ) -> Result<(), Error> {
         progress.spent += self.pending.pace.take();
-        let height = self.targets()?.grid.height;
+        let Grid { width, height, .. } = self.targets()?.grid;
         self.pending.pace.marks.restart()?;
         let (mut left, mut work) = (milliseconds, 0.0);
         while progress.in_pass > 0 {
             let iterations = progress.in_pass;
             let is_first = work == 0.0;
-            let fit = self.pending.pace.rows(iterations, left);
+            let first = job.first_rows(width, iterations);
+            let fit = self.pending.pace.rows(iterations, left, first);
             if !is_first && (fit == 0 || self.pending.pace.milliseconds.is_none()) {
                 break;
             }

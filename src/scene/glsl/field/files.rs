@@ -72,18 +72,10 @@ impl Files {
 /// A user's text between what renames its names and what takes that back: its `field` is
 /// `user<index>_field` then. The text itself is the second of the three.
 pub(in crate::scene::glsl) fn user_text(user: &UserField, index: usize) -> [Source; 3] {
-    let mut names = user.names();
-    if !names.iter().any(|name| name == "field") {
-        names.push("field".to_owned());
-    }
-    // What the text itself defines as a macro needs no other name.
-    let macros = defined_macros(&user.text);
     let mut before = String::new();
     let mut after = String::new();
-    for name in &names {
-        if !macros.contains(&name.as_str()) {
-            let _ = writeln!(before, "#define {name} user{index}_{name}");
-        }
+    for name in user.names() {
+        let _ = writeln!(before, "#define {name} user{index}_{name}");
         let _ = writeln!(after, "#undef {name}");
     }
     let shown = shown_name(user);
@@ -98,16 +90,6 @@ pub(in crate::scene::glsl) fn user_text(user: &UserField, index: usize) -> [Sour
 /// The file's name as it may stand in a comment.
 fn shown_name(user: &UserField) -> String {
     user.file.display().to_string().replace(no_comment, "?")
-}
-
-fn defined_macros(text: &str) -> Vec<&str> {
-    let definitions = text.lines().filter_map(|line| {
-        let directive = line.trim_start().strip_prefix('#')?.trim_start();
-        let rest = directive.strip_prefix("define")?.trim_start();
-        rest.split(|c: char| !(c.is_ascii_alphanumeric() || c == '_'))
-            .next()
-    });
-    definitions.collect()
 }
 
 fn user_functions(index: usize, gradients: bool) -> String {

@@ -1,0 +1,31 @@
+//! `echomarch field-trial`: the child process in which users' fields are tried.
+
+use super::options::Common;
+use crate::gpu::ContextOptions;
+use crate::trace::{FieldTrial, TrialCommand, answer_field_trial};
+use std::ffi::OsString;
+use std::process::ExitCode;
+
+/// Has users' fields tried in children of this program, on the renderer that was asked for.
+pub fn choose(common: &Common) {
+    let mut arguments = vec![
+        OsString::from("field-trial"),
+        format!("--gl={}", common.gl).into(),
+    ];
+    arguments.extend(common.gpu.map(|gpu| format!("--gpu={gpu}").into()));
+    // Without a name for the program itself every trial fails, and so do all fields: never
+    // are they compiled untried.
+    let command = TrialCommand::this_program(arguments.clone()).unwrap_or(TrialCommand {
+        program: "echomarch".into(),
+        arguments,
+    });
+    FieldTrial::InChild(command).set();
+}
+
+/// Answers the process that asks.
+pub fn answer(common: &Common) -> ExitCode {
+    answer_field_trial(&ContextOptions {
+        api: common.gl,
+        gpu: common.gpu,
+    })
+}

@@ -1,0 +1,180 @@
+//! From characters to tokens.
+
+use super::Refusal;
+
+/// Characters of a name or a number at the most: GLSL ES 3.00 has the same limit for names.
+const LONGEST_WORD: usize = 1024;
+
+/// Marks of more than one character, longer ones first.
+const MARKS: [&str; 24] = [
+    "<<=", ">>=", "++", "--", "<<", ">>", "<=", ">=", "==", "!=", "&&", "||", "^^", "+=", "-=",
+    "*=", "/=", "%=", "&=", "|=", "^=", "##", "//", "/*",
+];
+
+/// Marks of one character; `#` begins a directive.
+const SINGLE: &[u8] = b"(){}[].,;:?+-*/%<>=!&|^~#";
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// A name or a word of the language.
+    Word,
+    Number,
+    Mark,
+}
+
+/// One token of a text.
+#[derive(Clone, Copy, Debug)]
+pub struct Token<'a> {
+    pub kind: Kind,
+    pub text: &'a str,
+    /// Blanks, line breaks and comments before it.
+    pub space: &'a str,
+    /// Counted from 1; where a macro stood, its line.
+    pub line: u32,
+    /// Whether it is the first in its line.
+    pub is_first: bool,
+}
+
+impl Token<'_> {
+    pub fn is(&self, text: &str) -> bool {
+        self.text == text
+    }
+
+    pub fn is_word(&self) -> bool {
+        self.kind == Kind::Word
+    }
+}
+
+/// The text in ASCII, as GLSL is, with `\n` at the end of lines, and without lines that go on
+/// in the next: their breaks follow the line as a whole, so that later lines keep their
+/// numbers.
+///
+/// Other characters, which people write in comments, become question marks.
+pub fn clean(text: &str) -> String {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let mut out = String::with_capacity(text.len());
+    let mut owed = 0;
+    let mut characters = text.chars().peekable();
+    while let Some(character) = characters.next() {
+        match character {
+            '\r' => {
+                characters.next_if_eq(&'\n');
+                end_line(&mut out, &mut owed);
+            }
+            '\n' => end_line(&mut out, &mut owed),
+            '\\' if characters.peek().is_some_and(|c| matches!(c, '\r' | '\n')) => {
+                if characters.next() == Some('\r') {
+                    characters.next_if_eq(&'\n');
+                }
+                owed += 1;
+            }
+            c if !c.is_ascii() => out.push('?'),
+            c if c.is_ascii_control() => out.push(' '),
+            c => out.push(c),
+        }
+    }
+    out
+}
+
+fn end_line(out: &mut String, owed: &mut usize) {
+    out.extend(std::iter::repeat_n('\n', 1 + std::mem::take(owed)));
+}
+
+/// The tokens of a clean text, and what stands after the last.
+pub fn tokens(text: &str) -> Result<(Vec<Token<'_>>, &str), Refusal> {
+    let mut all = Vec::new();
+    let (mut at, mut line) = (0, 1);
+    loop {
+        let begin = at;
+        let mut is_first = begin == 0;
+        (at, is_first) = space_end(text, at, is_first, line)?;
+        let space = &text[begin..at];
+        if at == text.len() {
+            return Ok((all, space));
+        }
+        line += super::newlines(space);
+        let (kind, length) = token(&text[at..]).map_err(|why| (Some(line), why))?;
+        all.push(Token {
+            kind,
+            text: &text[at..at + length],
+            space,
+            line,
+            is_first,
+        });
+        at += length;
+    }
+}
+
+/// Where blanks and comments end, and whether a line begins in them.
+fn space_end(
+    text: &str,
+    mut at: usize,
+    mut is_first: bool,
+    line: u32,
+) -> Result<(usize, bool), Refusal> {
+    let begin = at;
+    loop {
+        let rest = &text[at..];
+        if rest.starts_with("//") {
+            at += rest.find('\n').unwrap_or(rest.len());
+        } else if let Some(inside) = rest.strip_prefix("/*") {
+            let Some(length) = inside.find("*/") else {
+                let line = line + super::newlines(&text[begin..at]);
+                return Err((Some(line), "this /* has no */".to_owned()));
+            };
+            at += 2 + length + 2;
+        } else if rest.starts_with([' ', '\n']) {
+            is_first |= rest.starts_with('\n');
+            at += 1;
+        } else {
+            return Ok((at, is_first));
+        }
+    }
+}
+
+/// Kind and length of the token that a text begins with.
+fn token(text: &str) -> Result<(Kind, usize), String> {
+    let bytes = text.as_bytes();
+    let first = bytes[0];
+    let second = bytes.get(1).copied().unwrap_or_default();
+    let (kind, length) = if first.is_ascii_alphabetic() || first == b'_' {
+        (Kind::Word, word_length(bytes))
+    } else if first.is_ascii_digit() || (first == b'.' && second.is_ascii_digit()) {
+        (Kind::Number, number_length(bytes))
+    } else if let Some(mark) = MARKS.iter().find(|mark| text.starts_with(**mark)) {
+        (Kind::Mark, mark.len())
+    } else if SINGLE.contains(&first) {
+        (Kind::Mark, 1)
+    } else {
+        return Err(format!("there is no '{}' in GLSL", char::from(first)));
+    };
+    if length > LONGEST_WORD {
+        let why = format!(
+            "'{}…' has {length} characters, and a name or a number may have {LONGEST_WORD}",
+            &text[..16]
+        );
+        return Err(why);
+    }
+    Ok((kind, length))
+}
+
+fn word_length(bytes: &[u8]) -> usize {
+    let is_of_it = |byte: &&u8| byte.is_ascii_alphanumeric() || **byte == b'_';
+    bytes.iter().take_while(is_of_it).count()
+}
+
+/// As the preprocessor has it: with a sign after the `e` of an exponent.
+fn number_length(bytes: &[u8]) -> usize {
+    let is_hex = bytes.len() > 1 && bytes[0] == b'0' && bytes[1].eq_ignore_ascii_case(&b'x');
+    let mut length = 1;
+    while let Some(byte) = bytes.get(length) {
+        let is_sign = matches!(byte, b'+' | b'-');
+        let after_e = bytes[length - 1].eq_ignore_ascii_case(&b'e') && !is_hex;
+        let is_of_it = byte.is_ascii_alphanumeric() || matches!(byte, b'_' | b'.');
+        if !(is_of_it || is_sign && after_e) {
+            break;
+        }
+        length += 1;
+    }
+    length
+}
