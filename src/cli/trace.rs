@@ -83,7 +83,7 @@ struct Report<'a> {
 
 /// Runs the subcommand.
 pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
-    let settings = arguments.options.settings(common)?;
+    let settings = arguments.options.settings()?;
     if let Some(path) = &arguments.dump_waves {
         check_ending(path, "csv")?;
     }
@@ -94,6 +94,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     check_output(arguments)?;
     let mut tracer = common.tracer()?;
     tracer.check(&scene, &settings)?;
+    arguments.options.note_passes(common, &scene, &settings);
     common.warn_checked(&scene);
     trace(arguments, common, &mut tracer, &scene, &settings)
 }
