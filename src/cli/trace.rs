@@ -7,7 +7,9 @@ use super::print;
 use crate::audio::PanningLaw;
 use crate::output::{OutputError, check_file, write_whole};
 use crate::scene::{BUILTIN_NAMES, Scene};
-use crate::trace::{Frame, Milliseconds, Profile, Reload, Reloading, Settings, Tracer, Wave};
+use crate::trace::{
+    Frame, MAX_FIELD_STEPS, Milliseconds, Profile, Reload, Reloading, Settings, Tracer, Wave,
+};
 use clap::Args;
 use serde::Serialize;
 use std::io::{self, Write};
@@ -159,7 +161,7 @@ fn trace(
         let hits = frame.counts.step_limit_reached;
         common.note(&format!(
             "warning: {hits} marches reached the step limit of {}; their waves are dead",
-            settings.step_bound()
+            step_limits(scene, settings)
         ));
     }
     let renderer = tracer.context().renderer();
@@ -175,6 +177,19 @@ fn trace(
         return print::json(&report);
     }
     print_text(&report)
+}
+
+/// How many steps a march may take: fields have a bound of their own.
+fn step_limits(scene: &Scene, settings: &Settings) -> String {
+    let has_fields = scene.surfaces.iter().any(|s| s.shape.field().is_some());
+    match settings.profile {
+        Profile::Hybrid => format!("{MAX_FIELD_STEPS} steps"),
+        Profile::March if has_fields => format!(
+            "{} steps, or {MAX_FIELD_STEPS} among fields",
+            settings.step_bound()
+        ),
+        _ => format!("{} steps", settings.step_bound()),
+    }
 }
 
 fn report<'a>(

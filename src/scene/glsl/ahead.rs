@@ -2,7 +2,7 @@
 
 use super::cells::{of_kind, walk_files};
 use super::distance::surface_distance_sources;
-use super::field::{field_files, gradient_text, value_text};
+use super::field::{field_files, gradient_text, normal_text, value_text};
 use super::fields_ahead::{Marched, fields_ahead};
 use super::land::{land_files, land_text};
 use super::{Named, Source, Text, add_once, distance_file, source};
@@ -32,6 +32,7 @@ pub fn ahead_sources(scene: &Scene, difference_normals: bool) -> Vec<Source> {
     let mut functions = text.uniforms();
     functions += &text.of_fields(|_| true, value_text);
     functions += &text.of_fields(|_| true, gradient_text);
+    functions += &text.of_fields(|_| true, normal_text);
     sources.push((Cow::Borrowed("the surfaces"), Cow::Owned(functions)));
     if difference_normals {
         add_once(&mut sources, surface_distance_sources(&text));
@@ -39,7 +40,7 @@ pub fn ahead_sources(scene: &Scene, difference_normals: bool) -> Vec<Source> {
     add_once(&mut sources, ahead_in_cells(&text));
     let functions = distance_ahead(&text) + &gradient_ahead(&text) + &land_text(&text);
     sources.push((Cow::Borrowed("the scene"), Cow::Owned(functions)));
-    sources.extend(fields_ahead(&text, Marched::All));
+    add_once(&mut sources, fields_ahead(&text, Marched::All));
     sources
 }
 
