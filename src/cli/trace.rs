@@ -8,7 +8,7 @@ use crate::audio::PanningLaw;
 use crate::output::{OutputError, check_file, write_whole};
 use crate::scene::{BUILTIN_NAMES, Scene};
 use crate::trace::{
-    Frame, MAX_FIELD_STEPS, Milliseconds, Profile, Reload, Reloading, Settings, Tracer, Wave,
+    Budget, Frame, Milliseconds, Profile, Reload, Reloading, Settings, Tracer, Wave,
 };
 use clap::Args;
 use serde::Serialize;
@@ -179,16 +179,15 @@ fn trace(
     print_text(&report)
 }
 
-/// How many steps a march may take: fields have a bound of their own.
+/// How many steps a march may take: fields have a limit of their own.
 fn step_limits(scene: &Scene, settings: &Settings) -> String {
-    let has_fields = scene.surfaces.iter().any(|s| s.shape.field().is_some());
-    match settings.profile {
-        Profile::Hybrid => format!("{MAX_FIELD_STEPS} steps"),
-        Profile::March if has_fields => format!(
-            "{} steps, or {MAX_FIELD_STEPS} among fields",
-            settings.step_bound()
-        ),
-        _ => format!("{} steps", settings.step_bound()),
+    let Budget {
+        steps, field_steps, ..
+    } = Budget::of(scene, settings);
+    match (steps, field_steps) {
+        (steps, 0) => format!("{steps} steps"),
+        (0, field_steps) => format!("{field_steps} steps"),
+        _ => format!("{steps} steps, or {field_steps} among fields"),
     }
 }
 
