@@ -18,7 +18,7 @@ usage: live [--sound SOUND] [--seconds N] [--steps N] [--device NAME] [--buffer 
   --steps N        stand still at N places instead of moving on and on
   --device NAME    an output device that --list-devices names
   --buffer FRAMES  frames that the device asks for at once [default: 1024]
-  --law LAW        linear or constant-power [default: linear]
+  --law LAW        linear or constant-power [default: constant-power]
   --record FILE    write what is heard";
 
 type Failure = Box<dyn std::error::Error>;

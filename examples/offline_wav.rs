@@ -28,7 +28,7 @@ fn main() -> Result<(), Error> {
     };
     let mut tracer = Tracer::new(&context)?;
     let mut sound = Sound::parse("sine:440", SAMPLE_RATE)?;
-    let mut mixer = Mixer::new(PanningLaw::Linear);
+    let mut mixer = Mixer::new(PanningLaw::ConstantPower);
 
     // Every frame hands over its share of the samples, left and right in turns. Here
     // they are collected; a program with a sound card would queue them instead.

@@ -69,10 +69,12 @@ fn trace_reports_the_documented_keys() {
         "dead",
         "travelling",
         "zero_length_passes",
-        "guard_hits",
+        "step_limit_reached",
         "left",
         "right",
         "pan",
+        "law",
+        "gains",
         "milliseconds",
     ];
     assert_eq!(keys(text, 1), expected);
@@ -231,8 +233,9 @@ fn a_passing_source_moves_from_left_to_right() {
     let second = folder.path().join("second.wav");
     // The direct sound alone. The listener stands at the world's origin, where the thesis'
     // algorithm would put the waves that met nothing, and hear them in the second iteration.
-    let short = ["--waves", "16384", "--iterations", "1"];
-    let render = |path| [&["render", "open-field", "-o", argument(path)], &short[..]].concat();
+    let short = ["--waves", "16384", "--iterations", "1", "--law", "linear"];
+    let sine = ["render", "open-field", "--sound", "sine:440", "-o"];
+    let render = |path| [&sine[..], &[argument(path)], &short[..]].concat();
     let report = json(&render(&first));
     succeed(&render(&second));
     assert_eq!(

@@ -70,7 +70,7 @@ fn bits(wave: &Wave) -> [u32; 12] {
         d[2],
         wave.status.to_bits(),
         wave.zero_length_passes,
-        wave.guard_hits,
+        wave.step_limit_reached,
     ]
 }
 
@@ -139,7 +139,10 @@ fn check_counts(frame: &Frame, pairs: &[Pair]) {
     let gap = counts.zero_length_passes.abs_diff(zero);
     let flipped = of_flips(|p| p.gpu.zero_length_passes.max(p.cpu.zero_length_passes));
     assert!(zero > 0 && gap <= flipped, "{counts:?}, {zero} on the CPU");
-    assert_eq!(counts.guard_hits, sum(|wave| wave.guard_hits));
+    assert_eq!(
+        counts.step_limit_reached,
+        sum(|wave| wave.step_limit_reached)
+    );
 }
 
 /// Protects the margin itself, which the test above excuses waves by: when the minimum distance

@@ -171,7 +171,7 @@ fn a_session_is_answered_broken_off_taken_up_and_scored() {
     let answer = &file_of(&first)["trials"][number - 1]["answer"];
     let clicked = answer["azimuth_deg"].as_f64().unwrap();
     assert!(clicked > 15.0 && clicked < 165.0, "{clicked}");
-    assert!(answer["seconds"].as_f64().unwrap() < 60.0, "{answer}");
+    assert!(answer["seconds"].as_f64().unwrap() > 0.0, "{answer}");
 }
 
 fn file_of(path: &Path) -> serde_json::Value {

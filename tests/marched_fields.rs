@@ -60,7 +60,7 @@ fn compare(scene: &Scene, directions: &[Vec3]) {
         let waves = &states[1];
         let context = |wave: &Wave| format!("{}, {profile}: {wave:?}", scene.name);
         for wave in waves {
-            assert_eq!(wave.guard_hits, 0, "{}", context(wave));
+            assert_eq!(wave.step_limit_reached, 0, "{}", context(wave));
             let d = wave.start_direction.as_dvec3();
             let truth = exact.trace(start, d, 1);
             let place = wave.position.as_dvec3();

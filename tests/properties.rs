@@ -144,7 +144,7 @@ fn assert_sane(states: &[Vec<Wave>], scene: &Scene, extent: f64, context: &str) 
             wave.position.is_finite() && wave.direction.is_finite(),
             "{context}: {wave:?}"
         );
-        assert_eq!(wave.guard_hits, 0, "{context}: {wave:?}");
+        assert_eq!(wave.step_limit_reached, 0, "{context}: {wave:?}");
         let length = wave.direction.as_dvec3().length();
         assert!(
             (length - 1.0).abs() < LENGTH_ROUNDING,

@@ -138,6 +138,8 @@ fn what_dies_or_does_not_end_is_refused() {
         "for (int i = 0; i < 60000; ++i) for (int j = 0; j < 60000; ++j) p.x += sin(p.y) * 1e-9;",
         "for (int i = 0; i < 1000000000; ++i) p.x += sin(p.y + p.x) * 1e-9;",
         "while (p.x < 1e9) p.y += sin(p.x) * 1e-9;",
+        // Only where waves land.
+        "if (abs(length(p) - 1.0) < 0.001) for (int i = 0; i < 1000000000; ++i) p.x += sin(p.y + p.x) * 1e-12;",
     ] {
         refuses(&before(loops), "f.glsl: ");
     }

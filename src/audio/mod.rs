@@ -28,7 +28,7 @@
 //! use echomarch::audio::{FrameBlocks, Mixer, PanningLaw, SAMPLE_RATE, Sound};
 //!
 //! let mut sound = Sound::parse("sine:440", SAMPLE_RATE)?;
-//! let mut mixer = Mixer::new(PanningLaw::Linear);
+//! let mut mixer = Mixer::new(PanningLaw::ConstantPower);
 //! let frames = FrameBlocks::new(60.0, SAMPLE_RATE)?;
 //! let mut mono = vec![0.0; frames.longest()];
 //! let mut stereo = vec![0.0; 2 * frames.longest()];

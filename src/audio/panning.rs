@@ -5,6 +5,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use super::AudioError;
+use crate::trace::Profile;
 
 /// The amplitude factors of the two channels, without a unit; 1 leaves the sound as it is.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -30,17 +31,31 @@ impl Gains {
 /// | linear | 0 dB, silent | −6.02 dB each | silent, 0 dB | sum of the gains, 1 |
 /// | constant power | 0 dB, silent | −3.01 dB each | silent, 0 dB | sum of their squares, 1 |
 ///
+/// Sounds from two loudspeakers add up in a room by their power, not by their amplitude: by the
+/// linear law a source in front is 3 dB quieter than one at the side, by constant power it is
+/// as loud. So constant power is the default, but for the thesis' own profile
+/// ([`for_profile`](Self::for_profile)).
+///
 /// Names, for `FromStr` and `Display`: `linear`, `constant-power`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum PanningLaw {
     /// The gains are (1 ∓ pan) / 2: the thesis' "equal level".
-    #[default]
     Linear,
     /// The gains are a quarter turn of sine and cosine.
+    #[default]
     ConstantPower,
 }
 
 impl PanningLaw {
+    /// The law that a profile is heard by unless another is asked for: the thesis' own for its
+    /// algorithm, constant power for the others.
+    pub fn for_profile(profile: Profile) -> PanningLaw {
+        match profile {
+            Profile::Thesis => Self::Linear,
+            _ => Self::ConstantPower,
+        }
+    }
+
     /// The gains for `pan`, −1 (left) to 1 (right); each is between 0 and 1.
     ///
     /// A pan outside the range counts as the nearer end, NaN as the centre. Mirrored pans give

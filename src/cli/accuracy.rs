@@ -1,5 +1,6 @@
 //! `echomarch accuracy`: speed against error, and the project's own targets.
 
+use super::numbers::{count, real};
 use super::options::{Common, check_range};
 use super::print;
 use super::report::Experiment;
@@ -42,10 +43,10 @@ pub struct Arguments {
     #[arg(long)]
     full: bool,
     /// The panning error that the recommended setting has to stay below
-    #[arg(long, default_value_t = 0.02, value_name = "RMS")]
+    #[arg(long, default_value_t = 0.02, value_name = "RMS", value_parser = real::<f64>)]
     error: f64,
     /// Frames of each setting, a seed each
-    #[arg(long, default_value_t = 16, value_name = "N")]
+    #[arg(long, default_value_t = 16, value_name = "N", value_parser = count::<u32>)]
     seeds: u32,
     /// Write accuracy.csv, accuracy.json and accuracy.svg into this folder
     #[arg(short, long, value_name = "DIR")]
@@ -161,23 +162,26 @@ fn print_chaos(scene: &SceneReport) -> anyhow::Result<()> {
     ))
 }
 
-fn waves_table(scene: &SceneReport) -> comfy_table::Table {
-    let mut printed = print::table(&[
-        "setting",
-        "waves",
-        "it.",
-        "ms",
-        "M/s",
-        "eval",
-        "status",
-        "sequence",
-        "end: median",
-        "99 %",
-        "largest",
-        "within: 99 %",
-        "largest",
-        "NaN",
-    ]);
+fn waves_table(scene: &SceneReport) -> print::Wide {
+    let mut printed = print::table(
+        3,
+        &[
+            "setting",
+            "waves",
+            "it.",
+            "ms",
+            "M/s",
+            "eval",
+            "status",
+            "sequence",
+            "end: median",
+            "99 %",
+            "largest",
+            "within: 99 %",
+            "largest",
+            "NaN",
+        ],
+    );
     for row in &scene.rows {
         printed.add_row(waves_cells(row));
     }
@@ -205,21 +209,24 @@ fn waves_cells(row: &Row) -> [String; 14] {
     ]
 }
 
-fn panning_table(scene: &SceneReport) -> comfy_table::Table {
-    let mut printed = print::table(&[
-        "setting",
-        "waves",
-        "it.",
-        "exact hits",
-        "hits, less exact by order",
-        "pan",
-        "limit bias",
-        "twin bias",
-        "spread",
-        "rms",
-        "efficiency",
-        "GPU sum off by",
-    ]);
+fn panning_table(scene: &SceneReport) -> print::Wide {
+    let mut printed = print::table(
+        3,
+        &[
+            "setting",
+            "waves",
+            "it.",
+            "exact hits",
+            "hits, less exact by order",
+            "pan",
+            "limit bias",
+            "twin bias",
+            "spread",
+            "rms",
+            "efficiency",
+            "GPU sum off by",
+        ],
+    );
     for row in &scene.rows {
         printed.add_row(panning_cells(row));
     }
@@ -308,7 +315,7 @@ fn print_targets(report: &AccuracyReport) -> anyhow::Result<()> {
     if report.targets.is_empty() {
         return Ok(());
     }
-    let mut printed = print::table(&["target", "measured", "bound", ""]);
+    let mut printed = print::table(1, &["target", "measured", "bound", ""]);
     for target in &report.targets {
         let relation = if target.at_least { "≥" } else { "≤" };
         let bound = target.bound.map(|bound| format!("{relation} {bound}"));

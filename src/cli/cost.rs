@@ -1,5 +1,6 @@
 //! `echomarch cost`: what each surface and each option costs, and what could be left out.
 
+use super::numbers::count;
 use super::options::{Common, TraceOptions, Values, check_ending, check_range};
 use super::print;
 use crate::experiment::cost::{
@@ -39,8 +40,7 @@ pub struct Arguments {
         long,
         allow_negative_numbers = true,
         default_value_t = 9,
-        value_name = "N"
-    )]
+        value_name = "N", value_parser = count::<u32>)]
     runs: u32,
     /// Write the rows as CSV
     #[arg(short, long, value_name = "FILE.csv")]
@@ -50,7 +50,7 @@ pub struct Arguments {
 /// Runs the subcommand.
 pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     check_range("--runs", f64::from(arguments.runs), 1.0, 1000.0)?;
-    let settings = arguments.options.settings(common)?;
+    let settings = arguments.options.settings()?;
     if let Some(path) = &arguments.output {
         check_ending(path, "csv")?;
     }
@@ -145,10 +145,13 @@ fn print_noise(report: &CostReport) -> anyhow::Result<()> {
     ))
 }
 
-fn surfaces_table(rows: &[SurfaceRow]) -> comfy_table::Table {
-    let mut printed = print::table(&[
-        "without", "met", "march ms", "saves", "of march", "lines", "heard", "pan", "level", "",
-    ]);
+fn surfaces_table(rows: &[SurfaceRow]) -> print::Wide {
+    let mut printed = print::table(
+        1,
+        &[
+            "without", "met", "march ms", "saves", "of march", "lines", "heard", "pan", "level", "",
+        ],
+    );
     for row in rows {
         let star = if row.leaves_cells { " *" } else { "" };
         let march = row.march.as_ref();
@@ -169,10 +172,14 @@ fn surfaces_table(rows: &[SurfaceRow]) -> comfy_table::Table {
     printed
 }
 
-fn options_table(rows: &[OptionRow]) -> comfy_table::Table {
-    let mut printed = print::table(&[
-        "with", "against", "frame ms", "saves", "of frame", "of march", "heard", "pan", "level", "",
-    ]);
+fn options_table(rows: &[OptionRow]) -> print::Wide {
+    let mut printed = print::table(
+        2,
+        &[
+            "with", "against", "frame ms", "saves", "of frame", "of march", "heard", "pan",
+            "level", "",
+        ],
+    );
     for row in rows {
         let [heard, pan, level] = change_cells(row.change.as_ref());
         let said = match (row.change, row.within_noise) {

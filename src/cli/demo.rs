@@ -1,10 +1,11 @@
 //! `echomarch demo`: the window.
 
 use super::exit::BadInput;
-use super::options::{Common, TraceOptions, check_ending, check_range};
+use super::numbers::{count, real};
+use super::options::{Common, LawOption, TraceOptions, Values, check_ending, check_range};
 use super::print;
-use crate::audio::{PanningLaw, SAMPLE_RATE, Sound};
-use crate::demo::{DemoOptions, Report, run as run_demo};
+use crate::audio::{SAMPLE_RATE, Sound};
+use crate::demo::{DemoError, DemoOptions, OPENING_SCENE, Report, run as run_demo};
 use crate::error::Error;
 use crate::gpu::Api;
 use crate::output::check_file;
@@ -16,10 +17,10 @@ const EXAMPLES: &str = "\
 Examples:
   echomarch demo
   echomarch demo open-field --sound drum.wav --profile march
-  echomarch demo my.ron --waves 262144 --trace-every 2
+  echomarch demo my.ron --set door=60 --waves 262144
   echomarch demo corner --seconds 10 --screenshot demo.png --json
 
-Keys stand in the window: F1 shows them all. Scenes: corner, obstacles, open-field, open-pillars,
+Keys stand in the window: F1 shows them all. Scene files and WAV files can be dropped on it. Scenes: corner, obstacles, open-field, open-pillars,
 shoebox, whispering-gallery, parabolic-mirrors, colonnade, cave, morphing-room, menger.";
 
 /// Arguments of `demo`.
@@ -27,8 +28,10 @@ shoebox, whispering-gallery, parabolic-mirrors, colonnade, cave, morphing-room, 
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
     /// Built-in scene or scene file
-    #[arg(default_value = "corner")]
+    #[arg(default_value = OPENING_SCENE)]
     scene: String,
+    #[command(flatten)]
+    values: Values,
     #[command(flatten)]
     trace: TraceOptions,
     #[command(flatten)]
@@ -44,11 +47,10 @@ struct SoundOptions {
     #[arg(long, default_value = "speech", value_name = "SOUND")]
     sound: String,
     /// Loudness, 0 to 1
-    #[arg(long, allow_negative_numbers = true, default_value_t = 0.5)]
+    #[arg(long, allow_negative_numbers = true, default_value_t = 0.5, value_parser = real::<f32>)]
     volume: f32,
-    /// Panning law: linear (the thesis), constant-power
-    #[arg(long, default_value_t = PanningLaw::Linear, value_name = "LAW")]
-    law: PanningLaw,
+    #[command(flatten)]
+    law: LawOption,
     /// Sound device by its name or its id, as --list-devices has them
     #[arg(long, value_name = "NAME")]
     device: Option<String>,
@@ -60,8 +62,7 @@ struct SoundOptions {
         long,
         allow_negative_numbers = true,
         default_value_t = 1024,
-        value_name = "N"
-    )]
+        value_name = "N", value_parser = count::<u32>)]
     buffer: u32,
     /// Record what is heard
     #[arg(long, value_name = "FILE.wav")]
@@ -76,10 +77,10 @@ struct WindowOptions {
         long,
         allow_negative_numbers = true,
         default_value_t = 1,
-        value_name = "N"
-    )]
+        value_name = "N", value_parser = count::<u32>)]
     trace_every: u32,
-    /// Let the number of waves follow the frame's time
+    /// Let the number of waves follow the frame's time, 4096 or more, although --waves says
+    /// where it begins; without --waves it does
     #[arg(long)]
     adapt_waves: bool,
     /// Frames a second that are to be held
@@ -87,18 +88,17 @@ struct WindowOptions {
         long,
         allow_negative_numbers = true,
         default_value_t = 30.0,
-        value_name = "N"
-    )]
+        value_name = "N", value_parser = real::<f64>)]
     fps: f64,
     /// Draw the picture at this share of the window's size; without it the share follows
     /// the frame's time
-    #[arg(long, allow_negative_numbers = true, value_name = "SHARE")]
+    #[arg(long, allow_negative_numbers = true, value_name = "SHARE", value_parser = real::<f32>)]
     scale: Option<f32>,
     /// Width in pixels, before the screen's own scale
-    #[arg(long, default_value_t = 960, value_name = "PIXELS")]
+    #[arg(long, default_value_t = 960, value_name = "PIXELS", value_parser = count::<u32>)]
     width: u32,
     /// Height in pixels, before the screen's own scale
-    #[arg(long, default_value_t = 540, value_name = "PIXELS")]
+    #[arg(long, default_value_t = 540, value_name = "PIXELS", value_parser = count::<u32>)]
     height: u32,
     /// Where F5 saves the scene; without it NAME-1.ron and so on
     #[arg(long, value_name = "FILE.ron")]
@@ -107,10 +107,10 @@ struct WindowOptions {
     #[arg(long, value_name = "FILE.png")]
     screenshot: Option<PathBuf>,
     /// Close the window after so many frames
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = count::<u64>)]
     frames: Option<u64>,
     /// Close the window after so many seconds
-    #[arg(long, allow_negative_numbers = true, value_name = "SECONDS")]
+    #[arg(long, allow_negative_numbers = true, value_name = "SECONDS", value_parser = real::<f64>)]
     seconds: Option<f64>,
     /// Begin with the help closed
     #[arg(long)]
@@ -126,14 +126,24 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
         return list_devices(common);
     }
     let options = options(arguments, common)?;
-    common.scene(&arguments.scene)?;
+    common.scene_with(&arguments.scene, &arguments.values)?;
     check_outputs(arguments)?;
     super::interrupt::ask_from_now_on();
-    let report = run_demo(options)?;
-    if common.json {
-        return print::json(&report);
+    match run_demo(options) {
+        Ok(report) => print_report(&report, common),
+        Err(DemoError::DisplayGone { report }) => {
+            print_report(&report, common)?;
+            Err(DemoError::DisplayGone { report }.into())
+        }
+        Err(error) => Err(error.into()),
     }
-    print_text(&report)
+}
+
+fn print_report(report: &Report, common: &Common) -> anyhow::Result<()> {
+    if common.json {
+        return print::json(report);
+    }
+    print_text(report)
 }
 
 #[cfg(not(feature = "audio"))]
@@ -165,16 +175,17 @@ fn options(arguments: &Arguments, common: &Common) -> anyhow::Result<DemoOptions
     check(sound, window, common)?;
     Ok(DemoOptions {
         scene: arguments.scene.clone(),
-        settings: arguments.trace.settings(common)?,
+        values: arguments.values.pairs().to_vec(),
+        settings: arguments.trace.settings()?,
         trace_every: window.trace_every,
-        adapt_waves: window.adapt_waves,
+        adapt_waves: window.adapt_waves || arguments.trace.waves.is_none(),
         frame_milliseconds: 1000.0 / window.fps,
         picture_scale: window.scale,
         width: window.width,
         height: window.height,
         sound: sound.sound.clone(),
         volume: sound.volume,
-        law: sound.law,
+        law: sound.law.law,
         device: sound.device.clone(),
         buffer: sound.buffer,
         record: sound.record.clone(),

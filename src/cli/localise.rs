@@ -2,6 +2,7 @@
 //! `window`, `score`).
 
 use super::exit::BadInput;
+use super::numbers::{count, real};
 use super::options::{Common, check_range};
 use super::print;
 use super::report::Experiment;
@@ -77,7 +78,8 @@ struct Stimuli {
     /// Sounds, separated by commas
     #[arg(long, value_delimiter = ',', value_name = "SOUNDS", default_values_t = SOUNDS.map(str::to_owned))]
     sounds: Vec<String>,
-    /// How the panning value becomes two levels: linear (the thesis), constant-power
+    /// How the panning value becomes two levels, for every profile alike: linear (the thesis),
+    /// constant-power
     #[arg(long, default_value_t = PanningLaw::Linear, value_name = "LAW")]
     law: PanningLaw,
 }
@@ -92,13 +94,13 @@ struct RunArguments {
           default_values_t = [Profile::Thesis, Profile::March, Profile::Hybrid])]
     profiles: Vec<Profile>,
     /// Numbers of waves, separated by commas [default: 64 … 1048576, each four times as many]
-    #[arg(long, value_delimiter = ',', value_name = "N")]
+    #[arg(long, value_delimiter = ',', value_name = "N", value_parser = count::<u32>)]
     waves: Vec<u32>,
     /// Numbers of iterations, separated by commas [default: 1,2,4,8,16]
-    #[arg(long, value_delimiter = ',', value_name = "N")]
+    #[arg(long, value_delimiter = ',', value_name = "N", value_parser = count::<u32>)]
     iterations: Vec<u32>,
     /// Frames of each setting and facing, a seed each [default: 5; with --quick 3]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = count::<u32>)]
     seeds: Option<u32>,
     /// Few settings and seeds
     #[arg(long)]
@@ -128,16 +130,16 @@ pub(super) struct Trials {
           default_values_t = [Profile::Hybrid])]
     profiles: Vec<Profile>,
     /// Numbers of waves, separated by commas
-    #[arg(long, value_delimiter = ',', value_name = "N", default_values_t = [4096, 65_536])]
+    #[arg(long, value_delimiter = ',', value_name = "N", default_values_t = [4096, 65_536], value_parser = count::<u32>)]
     waves: Vec<u32>,
     /// Numbers of iterations, separated by commas
-    #[arg(long, value_delimiter = ',', value_name = "N", default_values_t = [4, 8])]
+    #[arg(long, value_delimiter = ',', value_name = "N", default_values_t = [4, 8], value_parser = count::<u32>)]
     iterations: Vec<u32>,
     /// Seed of the trials' numbers, and of the start directions of the waves
-    #[arg(long, default_value_t = 1, value_name = "N")]
+    #[arg(long, default_value_t = 1, value_name = "N", value_parser = count::<u32>)]
     seed: u32,
     /// Length of each sound
-    #[arg(long, default_value_t = 2.0, value_name = "SECONDS")]
+    #[arg(long, default_value_t = 2.0, value_name = "SECONDS", value_parser = real::<f64>)]
     pub(super) seconds: f64,
 }
 
@@ -168,7 +170,7 @@ fn observe(arguments: &RunArguments, common: &Common) -> anyhow::Result<()> {
     let experiment = Experiment {
         name: "localise",
         unit: "settings",
-        print: |report: &LocaliseReport| print::line(&markdown(report)),
+        print: |report: &LocaliseReport| print::markdown(&markdown(report)),
         write_csv,
         plot_svg,
     };
@@ -381,7 +383,7 @@ fn score_files(arguments: &ScoreArguments, common: &Common) -> anyhow::Result<()
 }
 
 fn print_score(report: &ScoreReport) -> anyhow::Result<()> {
-    let mut printed = print::table(&["session", "participant", "form", "answered", "of"]);
+    let mut printed = print::table(2, &["session", "participant", "form", "answered", "of"]);
     for line in &report.sessions {
         printed.add_row([
             line.session.clone(),
@@ -395,26 +397,29 @@ fn print_score(report: &ScoreReport) -> anyhow::Result<()> {
     if report.groups.is_empty() {
         return print::line("\nNo trial is answered.");
     }
-    let mut printed = print::table(&[
-        "scene",
-        "sound",
-        "law",
-        "profile",
-        "waves",
-        "it.",
-        "answers",
-        "people",
-        "error from source",
-        "interval",
-        "outward bias",
-        "spread",
-        "error from observer",
-        "left said L/C/R",
-        "centre",
-        "right",
-        "clicked behind",
-        "confidence",
-    ]);
+    let mut printed = print::table(
+        6,
+        &[
+            "scene",
+            "sound",
+            "law",
+            "profile",
+            "waves",
+            "it.",
+            "answers",
+            "people",
+            "error from source",
+            "interval",
+            "outward bias",
+            "spread",
+            "error from observer",
+            "left said L/C/R",
+            "centre",
+            "right",
+            "clicked behind",
+            "confidence",
+        ],
+    );
     for group in &report.groups {
         printed.add_row(group_cells(group));
     }

@@ -10,9 +10,11 @@ mod demo;
 mod exit;
 mod field_trial;
 mod figures;
+mod ignored;
 mod info;
 mod interrupt;
 mod localise;
+mod numbers;
 mod options;
 mod print;
 mod render;
@@ -25,7 +27,7 @@ mod trace;
 mod verify;
 mod view;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::process::ExitCode;
 
 const EXAMPLES: &str = "\
@@ -92,10 +94,16 @@ enum Command {
 
 /// Runs the program on the process' own arguments.
 pub fn run() -> ExitCode {
-    let cli = match Cli::try_parse() {
-        Ok(cli) => cli,
+    let parsed = Cli::command()
+        .try_get_matches()
+        .and_then(|matches| Ok((Cli::from_arg_matches(&matches)?, matches)));
+    let (cli, matches) = match parsed {
+        Ok(parsed) => parsed,
         Err(error) => return exit::refuse_arguments(&error),
     };
+    if let Err(error) = ignored::check(&matches) {
+        return exit::report(&error.into());
+    }
     if matches!(cli.command, Command::FieldTrial) {
         return field_trial::answer(&cli.common);
     }

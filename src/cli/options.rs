@@ -1,12 +1,14 @@
 //! Arguments that several subcommands share.
 
 use super::exit::BadInput;
+use super::numbers::{count, real};
 use super::print;
+use crate::audio::PanningLaw;
 use crate::error::Error;
 use crate::gpu::{Api, Context, ContextOptions};
 use crate::scene::layout::Layout;
 use crate::scene::{Scene, SceneError};
-use crate::trace::{Directions, MARCHES_PER_PASS, Profile, Settings, Tracer};
+use crate::trace::{Budget, Directions, Profile, Settings, Tracer};
 use clap::Args;
 use std::path::Path;
 
@@ -24,7 +26,7 @@ pub struct Common {
     #[arg(long, global = true, default_value_t = Api::Gl, value_name = "API")]
     pub gl: Api,
     /// EGL device to use, as numbered by `info`; without it the first that works
-    #[arg(long, global = true, allow_negative_numbers = true, value_name = "N")]
+    #[arg(long, global = true, allow_negative_numbers = true, value_name = "N", value_parser = count::<usize>)]
     pub gpu: Option<usize>,
     /// Print JSON instead of text
     #[arg(long, global = true)]
@@ -141,6 +143,11 @@ pub struct Values {
 }
 
 impl Values {
+    /// The names and what they are set to.
+    pub fn pairs(&self) -> &[(String, f32)] {
+        &self.set
+    }
+
     /// The scene with the values set, checked once more.
     pub fn load(&self, name_or_file: &str) -> Result<Scene, SceneError> {
         let mut scene = Scene::load(name_or_file)?;
@@ -158,9 +165,25 @@ fn name_and_value(said: &str) -> Result<(String, f32), String> {
     let Some((name, value)) = said.rsplit_once('=') else {
         return Err("it must be NAME=VALUE".to_owned());
     };
-    match value.trim().parse::<f32>() {
+    match real::<f32>(value.trim()) {
         Ok(number) if number.is_finite() => Ok((name.trim().to_owned(), number)),
         _ => Err(format!("{value:?} is not a finite number")),
+    }
+}
+
+/// From the waves' balance to the levels of the two channels.
+#[derive(Args, Clone, Copy, Debug)]
+pub struct LawOption {
+    /// How the panning value becomes two levels: constant-power, or linear (the thesis)
+    /// [default: constant-power; with --profile thesis linear]
+    #[arg(long, value_name = "LAW")]
+    pub law: Option<PanningLaw>,
+}
+
+impl LawOption {
+    /// The law that was asked for, or that of the profile.
+    pub fn of(self, profile: Profile) -> PanningLaw {
+        self.law.unwrap_or(PanningLaw::for_profile(profile))
     }
 }
 
@@ -171,44 +194,37 @@ pub struct TraceOptions {
     /// The algorithm: hybrid (closed form), march (sphere tracing done right), thesis
     #[arg(long, default_value_t = Profile::Hybrid, value_name = "NAME")]
     pub profile: Profile,
-    /// Number of sound waves, 1 to 16777216
-    #[arg(
-        long,
-        allow_negative_numbers = true,
-        default_value_t = 65_536,
-        value_name = "N"
-    )]
-    pub waves: u32,
+    /// Number of sound waves, 1 to 16777216 [default: 65536]
+    #[arg(long, allow_negative_numbers = true, value_name = "N", value_parser = count::<u32>)]
+    pub waves: Option<u32>,
     /// Segments of each wave, 1 to 4095
     #[arg(
         long,
         allow_negative_numbers = true,
         default_value_t = 8,
-        value_name = "N"
-    )]
+        value_name = "N", value_parser = count::<u32>)]
     pub iterations: u32,
     /// Chooses the start directions
     #[arg(
         long,
         allow_negative_numbers = true,
         default_value_t = 1,
-        value_name = "N"
-    )]
+        value_name = "N", value_parser = count::<u32>)]
     pub seed: u32,
     /// Start directions: random (the thesis), fibonacci (an even lattice)
     #[arg(long, default_value_t = Directions::Random, value_name = "NAME")]
     pub directions: Directions,
     /// thesis: a surface is met below this distance [0.1]; march: width of the shell in
     /// which Newton's steps are taken [everywhere]; in metres
-    #[arg(long, allow_negative_numbers = true, value_name = "METRES")]
+    #[arg(long, allow_negative_numbers = true, value_name = "METRES", value_parser = real::<f32>)]
     pub min_distance: Option<f32>,
     /// A wave is dead beyond this distance in one iteration, in metres [thesis: 300,
     /// else 1e9]
-    #[arg(long, allow_negative_numbers = true, value_name = "METRES")]
+    #[arg(long, allow_negative_numbers = true, value_name = "METRES", value_parser = real::<f32>)]
     pub max_distance: Option<f32>,
-    /// Iterations in one pass over the waves [hybrid: all; march: 8, the
-    /// most it takes; thesis: 1]
-    #[arg(long, allow_negative_numbers = true, value_name = "N")]
+    /// Iterations in one pass over the waves, fewer where the scene's loops allow no
+    /// more [hybrid: all; march: 8; thesis: 1]
+    #[arg(long, allow_negative_numbers = true, value_name = "N", value_parser = count::<u32>)]
     pub iterations_per_pass: Option<u32>,
     /// Sum the panning on the GPU and read back one texel
     #[arg(long)]
@@ -223,10 +239,10 @@ pub struct TraceOptions {
 
 impl TraceOptions {
     /// The settings that were typed, checked.
-    pub fn settings(&self, common: &Common) -> anyhow::Result<Settings> {
+    pub fn settings(&self) -> anyhow::Result<Settings> {
         if self.profile == Profile::Hybrid && self.min_distance.is_some() {
-            common
-                .note("note: --min-distance has no effect on --profile hybrid: it does not march");
+            let text = "--min-distance has no effect on --profile hybrid: it does not march";
+            return Err(BadInput(text.to_owned()).into());
         }
         if self.profile != Profile::March && (self.difference_normals || self.no_landing) {
             let profile = self.profile;
@@ -236,9 +252,9 @@ impl TraceOptions {
             return Err(BadInput(text).into());
         }
         let mut settings = Settings::of(self.profile)
-            .with_waves(self.waves)
             .with_iterations(self.iterations)
             .with_seed(self.seed);
+        settings.waves = self.waves.unwrap_or(settings.waves);
         settings.directions = self.directions;
         settings.sum_on_gpu = self.sum_on_gpu;
         settings.exact_normals &= !self.difference_normals;
@@ -252,13 +268,21 @@ impl TraceOptions {
             settings.iterations_per_pass = iterations;
         }
         settings.validate().map_err(Error::from)?;
-        if self.profile != Profile::Hybrid && settings.iterations_per_pass > MARCHES_PER_PASS {
+        Ok(settings)
+    }
+
+    /// Tells when a pass takes fewer iterations than were asked for.
+    pub fn note_passes(&self, common: &Common, scene: &Scene, settings: &Settings) {
+        let Some(asked) = self.iterations_per_pass else {
+            return;
+        };
+        let most = Budget::of(scene, settings).iterations_per_pass;
+        if most < asked.min(settings.iterations) {
             common.note(&format!(
-                "note: --profile {} takes {MARCHES_PER_PASS} iterations in a pass at the most",
-                self.profile
+                "note: with --profile {} this scene takes {most} iterations in a pass at the most",
+                settings.profile
             ));
         }
-        Ok(settings)
     }
 }
 

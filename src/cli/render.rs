@@ -1,9 +1,10 @@
 //! `echomarch render`: a WAV of what the listener hears.
 
 use super::exit::BadInput;
-use super::options::{Common, TraceOptions, Values, check_ending, check_range};
+use super::numbers::real;
+use super::options::{Common, LawOption, TraceOptions, Values, check_ending, check_range};
 use super::print;
-use crate::audio::{Mixer, PanningLaw, SAMPLE_RATE, Sound, SoundSpec, WavWriter};
+use crate::audio::{Mixer, SAMPLE_RATE, Sound, SoundSpec, WavWriter};
 use crate::error::Error;
 use crate::experiment::median;
 use crate::offline::{self, Block, Timing};
@@ -17,7 +18,7 @@ const EXAMPLES: &str = "\
 Examples:
   echomarch render open-field -o pass.wav
   echomarch render corner -o corner.wav --sound noise --seconds 3
-  echomarch render my.ron -o walk.wav --sound voice.wav --law constant-power";
+  echomarch render my.ron -o walk.wav --sound voice.wav --law linear";
 
 /// Seconds of sound of a scene in which nothing moves.
 const STANDING_SECONDS: f64 = 5.0;
@@ -37,22 +38,20 @@ pub struct Arguments {
     #[arg(short, long, value_name = "FILE.wav")]
     output: PathBuf,
     /// What the source plays: sine:HERTZ, noise, noise:SEED, speech, speech:SEED, or a WAV file (looped)
-    #[arg(long, default_value = "sine:440", value_name = "SOUND")]
+    #[arg(long, default_value = "speech", value_name = "SOUND")]
     sound: SoundSpec,
     /// Length [default: the scene's longest path, or 5]
-    #[arg(long, allow_negative_numbers = true, value_name = "SECONDS")]
+    #[arg(long, allow_negative_numbers = true, value_name = "SECONDS", value_parser = real::<f64>)]
     seconds: Option<f64>,
     /// Frames traced a second
     #[arg(
         long,
         allow_negative_numbers = true,
         default_value_t = 30.0,
-        value_name = "N"
-    )]
+        value_name = "N", value_parser = real::<f64>)]
     fps: f64,
-    /// How the panning value becomes two levels: linear (the thesis), constant-power
-    #[arg(long, default_value_t = PanningLaw::Linear, value_name = "LAW")]
-    law: PanningLaw,
+    #[command(flatten)]
+    law: LawOption,
     #[command(flatten)]
     options: TraceOptions,
 }
@@ -84,7 +83,8 @@ struct FrameLine {
 
 /// Runs the subcommand.
 pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
-    let settings = arguments.options.settings(common)?;
+    let settings = arguments.options.settings()?;
+    let law = arguments.law.of(settings.profile);
     check_ending(&arguments.output, "wav")?;
     let scene = common.scene_with(&arguments.scene, &arguments.values)?;
     let timing = timing(arguments, scene.duration())?;
@@ -92,11 +92,12 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     check_file(&arguments.output)?;
     let mut tracer = common.tracer()?;
     tracer.check(&scene, &settings)?;
+    arguments.options.note_passes(common, &scene, &settings);
     check_on_the_way(&scene, timing)?;
     common.warn_checked(&scene);
     warn_on_the_way(&scene, timing, common);
     let mut writer = WavWriter::create(&arguments.output).map_err(Error::from)?;
-    let mut mixer = Mixer::new(arguments.law);
+    let mut mixer = Mixer::new(law);
     let bar = print::progress(common, timing.frames(), "frames");
     let (mut lines, mut times) = (Vec::new(), Vec::new());
     let take = |block: Block| {
@@ -130,7 +131,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
         seed: settings.seed,
         output: arguments.output.display().to_string(),
         sound: arguments.sound.to_string(),
-        law: arguments.law.to_string(),
+        law: law.to_string(),
         seconds: timing.seconds,
         sample_rate: SAMPLE_RATE,
         fps: timing.fps,

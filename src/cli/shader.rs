@@ -19,7 +19,7 @@ Examples:
   echomarch shader my.ron --pass view";
 
 /// Arguments of `shader`.
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug, PartialEq)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
     /// Built-in scene or scene file
@@ -75,6 +75,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
         check_file(path)?;
     }
     let text = header(common.gl).to_owned() + &body(arguments, &scene);
+    check_effects(arguments, &scene)?;
     if let Some(path) = &arguments.output {
         write_whole(path, |out| out.write_all(text.as_bytes()))?;
         return print::line(&path.display().to_string());
@@ -83,6 +84,36 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
         return print::json(&json!({ "scene": scene.name, "text": text }));
     }
     print::line(text.trim_end())
+}
+
+/// Refuses options without which the text would be the same.
+fn check_effects(arguments: &Arguments, scene: &Scene) -> Result<(), BadInput> {
+    let usual = |change: fn(&mut Arguments)| {
+        let mut usual = arguments.clone();
+        change(&mut usual);
+        usual
+    };
+    let options: [(&str, Arguments); 5] = [
+        ("--profile", usual(|a| a.profile = Profile::Hybrid)),
+        ("--directions", usual(|a| a.directions = Directions::Random)),
+        (
+            "--difference-normals",
+            usual(|a| a.difference_normals = false),
+        ),
+        ("--no-landing", usual(|a| a.no_landing = false)),
+        (
+            "--count-evaluations",
+            usual(|a| a.count_evaluations = false),
+        ),
+    ];
+    let text = body(arguments, scene);
+    for (option, without) in options {
+        if without != *arguments && body(&without, scene) == text {
+            let text = format!("{option} changes nothing in this shader: leave it out");
+            return Err(BadInput(text));
+        }
+    }
+    Ok(())
 }
 
 fn body(arguments: &Arguments, scene: &Scene) -> String {

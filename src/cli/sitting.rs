@@ -2,6 +2,7 @@
 
 use super::exit::BadInput;
 use super::localise::{Trials, build};
+use super::numbers::{count, real};
 use super::options::{Common, check_ending, check_range};
 use super::print;
 use crate::demo::{DemoOptions, run_sitting};
@@ -32,17 +33,17 @@ pub struct Arguments {
     #[arg(long, default_value = "", value_name = "CODE")]
     participant: String,
     /// Seed of the order of the trials in a sitting that begins [default: another for each]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = count::<u64>)]
     order_seed: Option<u64>,
     /// Loudness, 0 to 1
-    #[arg(long, allow_negative_numbers = true, default_value_t = 0.5)]
+    #[arg(long, allow_negative_numbers = true, default_value_t = 0.5, value_parser = real::<f32>)]
     volume: f32,
     /// Sound device by its name, as demo --list-devices has it
     #[arg(long, value_name = "NAME")]
     device: Option<String>,
     /// Draw the picture at this share of the window's size; without it the share follows the
     /// frame's time
-    #[arg(long, allow_negative_numbers = true, value_name = "SHARE")]
+    #[arg(long, allow_negative_numbers = true, value_name = "SHARE", value_parser = real::<f32>)]
     scale: Option<f32>,
     /// Picture of the window at the end
     #[arg(long, value_name = "FILE.png")]

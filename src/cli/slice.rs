@@ -1,9 +1,11 @@
 //! `echomarch slice`: the plan from above.
 
+use super::numbers::{count, real};
 use super::options::{Common, TraceOptions, Values, check_ending, check_range};
 use super::print;
 use crate::output::check_file;
 use crate::picture::{SliceOptions, save_png, slice};
+use crate::trace::HeardPaths;
 use clap::Args;
 use serde_json::json;
 use std::path::PathBuf;
@@ -11,18 +13,20 @@ use std::path::PathBuf;
 const EXAMPLES: &str = "\
 Examples:
   echomarch slice obstacles -o plan.png
-  echomarch slice corner -o paths.png --paths 300 --iterations 4";
+  echomarch slice corner -o paths.png --paths 300 --iterations 4
+  echomarch slice cave -o heard.png --heard-paths 20";
 
 const LEGEND: &str = "\
 The picture: solid filled, air white with faint lines of equal distance; the source a dot, the
 listener a circle with an arrow along its gaze, key-framed paths dashed, a scale bar. Paths of
-waves: orange reached the listener, grey still on its way, green met nothing (a fading stub).
+waves: orange heard, grey travelling, green dead (a fading stub).
 They are drawn wherever they are in height, so one may end inside the circle: above or below
 the cut.
 
 Examples:
   echomarch slice obstacles -o plan.png
-  echomarch slice corner -o paths.png --paths 300 --iterations 4";
+  echomarch slice corner -o paths.png --paths 300 --iterations 4
+  echomarch slice cave -o heard.png --heard-paths 20";
 
 /// Arguments of `slice`.
 #[derive(Args, Debug)]
@@ -36,33 +40,49 @@ pub struct Arguments {
     #[arg(short, long, value_name = "FILE.png")]
     output: PathBuf,
     /// Width in pixels; the height follows from the scene
-    #[arg(long, default_value_t = 800, value_name = "PIXELS")]
-    width: u32,
+    #[arg(long, default_value_t = 800, value_name = "PIXELS", value_parser = count::<u32>)]
+    image_width: u32,
     /// Height of the cut above the world's origin [default: the listener's]
-    #[arg(long, value_name = "METRES", allow_hyphen_values = true)]
-    height: Option<f32>,
-    /// Draw the paths of this many waves (--waves has no effect here)
-    #[arg(long, default_value_t = 0, value_name = "N")]
+    #[arg(long, value_name = "METRES", allow_hyphen_values = true, value_parser = real::<f32>)]
+    cut_height: Option<f32>,
+    /// Draw the paths of this many waves
+    #[arg(long, default_value_t = 0, value_name = "N", value_parser = count::<u32>)]
     paths: u32,
+    /// Draw the paths of this many waves that reach the listener: traces --waves of them, then
+    /// those of the next seeds, until there are so many (4194304 waves at the most)
+    #[arg(long, default_value_t = 0, value_name = "N", value_parser = count::<u32>)]
+    heard_paths: u32,
     /// Seconds on the scene's paths; without it everything stands where the file puts it
-    #[arg(long, allow_negative_numbers = true, value_name = "SECONDS")]
+    #[arg(long, allow_negative_numbers = true, value_name = "SECONDS", value_parser = real::<f64>)]
     time: Option<f64>,
     #[command(flatten)]
     options: TraceOptions,
+    /// What is called --image-width now
+    #[arg(long, hide = true, value_name = "PIXELS")]
+    width: Option<String>,
+    /// What is called --cut-height now
+    #[arg(long, hide = true, value_name = "METRES", allow_hyphen_values = true)]
+    height: Option<String>,
 }
 
 /// Runs the subcommand.
 pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
-    let settings = arguments.options.settings(common)?;
-    check_paths(arguments.paths, settings.iterations)?;
+    let settings = arguments.options.settings()?;
+    check_paths("--paths", arguments.paths, settings.iterations)?;
+    check_paths("--heard-paths", arguments.heard_paths, settings.iterations)?;
     check_ending(&arguments.output, "png")?;
     let scene = common.scene_at(&arguments.scene, &arguments.values, arguments.time)?;
     check_file(&arguments.output)?;
     let mut tracer = common.tracer()?;
+    let wanted = arguments.heard_paths as usize;
+    let found = tracer.heard_paths(&scene, &settings, wanted, MOST_TRACED)?;
+    tell_missing(&found, wanted, common);
+    let counts = (found.count(), found.traced);
     let options = SliceOptions {
-        width: arguments.width,
-        height: arguments.height,
+        width: arguments.image_width,
+        height: arguments.cut_height,
         paths: arguments.paths,
+        also: found.paths,
         settings,
         ..SliceOptions::default()
     };
@@ -76,16 +96,36 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
         return print::json(&json!({
             "scene": scene.name, "renderer": renderer, "output": output,
             "width": width, "height": height, "paths": arguments.paths,
+            "heard_paths": counts.0, "traced_for_heard_paths": counts.1,
         }));
     }
     print::line(&output)
 }
 
+/// Waves that are traced to find heard ones at the most: half a minute without a graphics card.
+const MOST_TRACED: u64 = 1 << 22;
+
+/// Says so when there are fewer heard waves than were asked for.
+fn tell_missing(found: &HeardPaths, wanted: usize, common: &Common) {
+    let count = found.count();
+    if count < wanted {
+        common.note(&format!(
+            "note: only {count} of {wanted} heard paths: of {} waves traced no more reached the listener",
+            found.traced
+        ));
+    }
+}
+
 /// Paths are kept in memory point by point, and more than these make no picture.
-fn check_paths(paths: u32, iterations: u32) -> anyhow::Result<()> {
+fn check_paths(option: &str, paths: u32, iterations: u32) -> anyhow::Result<()> {
     const MOST_POINTS: f64 = 1e7;
-    check_range("--paths", f64::from(paths), 0.0, 100_000.0)?;
+    check_range(option, f64::from(paths), 0.0, 100_000.0)?;
     let points = f64::from(paths) * (f64::from(iterations) + 1.0);
-    check_range("--paths times --iterations", points, 0.0, MOST_POINTS)?;
+    check_range(
+        &format!("{option} times --iterations"),
+        points,
+        0.0,
+        MOST_POINTS,
+    )?;
     Ok(())
 }

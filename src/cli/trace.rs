@@ -1,12 +1,14 @@
 //! `echomarch trace`: one frame.
 
 use super::exit::BadInput;
-use super::options::{Common, TraceOptions, Values, check_ending};
+use super::numbers::real;
+use super::options::{Common, LawOption, TraceOptions, Values, check_ending};
 use super::print;
+use crate::audio::PanningLaw;
 use crate::output::{OutputError, check_file, write_whole};
 use crate::scene::{BUILTIN_NAMES, Scene};
 use crate::trace::{
-    Frame, MAX_FIELD_STEPS, Milliseconds, Profile, Reload, Reloading, Settings, Tracer, Wave,
+    Budget, Frame, Milliseconds, Profile, Reload, Reloading, Settings, Tracer, Wave,
 };
 use clap::Args;
 use serde::Serialize;
@@ -34,14 +36,15 @@ pub struct Arguments {
     values: Values,
     #[command(flatten)]
     options: TraceOptions,
+    #[command(flatten)]
+    law: LawOption,
     /// Seconds on the paths of source, listener and surfaces; without it all stand where the
     /// scene puts them
     #[arg(
         long,
         allow_negative_numbers = true,
         value_name = "SECONDS",
-        conflicts_with = "watch"
-    )]
+        conflicts_with = "watch", value_parser = real::<f64>)]
     time: Option<f64>,
     /// Write every wave's start, end, direction and status as CSV
     #[arg(long, value_name = "FILE.csv")]
@@ -50,7 +53,7 @@ pub struct Arguments {
     #[arg(long)]
     watch: bool,
     /// End --watch after this time
-    #[arg(long, value_name = "SECONDS", requires = "watch", hide = true)]
+    #[arg(long, value_name = "SECONDS", requires = "watch", hide = true, value_parser = real::<f64>)]
     watch_seconds: Option<f64>,
 }
 
@@ -71,16 +74,18 @@ struct Report<'a> {
     dead: u64,
     travelling: u64,
     zero_length_passes: u64,
-    guard_hits: u64,
+    step_limit_reached: u64,
     left: f64,
     right: f64,
     pan: f64,
+    law: String,
+    gains: [f32; 2],
     milliseconds: Milliseconds,
 }
 
 /// Runs the subcommand.
 pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
-    let settings = arguments.options.settings(common)?;
+    let settings = arguments.options.settings()?;
     if let Some(path) = &arguments.dump_waves {
         check_ending(path, "csv")?;
     }
@@ -91,6 +96,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     check_output(arguments)?;
     let mut tracer = common.tracer()?;
     tracer.check(&scene, &settings)?;
+    arguments.options.note_passes(common, &scene, &settings);
     common.warn_checked(&scene);
     trace(arguments, common, &mut tracer, &scene, &settings)
 }
@@ -151,31 +157,37 @@ fn trace(
             frame
         }
     };
-    if frame.counts.guard_hits > 0 {
-        let hits = frame.counts.guard_hits;
+    if frame.counts.step_limit_reached > 0 {
+        let hits = frame.counts.step_limit_reached;
         common.note(&format!(
-            "warning: {hits} marches were given up after {}; their waves count as dead",
-            step_bounds(scene, settings)
+            "warning: {hits} marches reached the step limit of {}; their waves are dead",
+            step_limits(scene, settings)
         ));
     }
     let renderer = tracer.context().renderer();
-    let report = report(scene, settings, &frame, renderer, tracer.clock_name());
+    let law = arguments.law.of(settings.profile);
+    let report = report(
+        scene,
+        settings,
+        &frame,
+        law,
+        [renderer, tracer.clock_name()],
+    );
     if common.json {
         return print::json(&report);
     }
     print_text(&report)
 }
 
-/// How many steps a march may take: fields have a bound of their own.
-fn step_bounds(scene: &Scene, settings: &Settings) -> String {
-    let has_fields = scene.surfaces.iter().any(|s| s.shape.field().is_some());
-    match settings.profile {
-        Profile::Hybrid => format!("{MAX_FIELD_STEPS} steps"),
-        Profile::March if has_fields => format!(
-            "{} steps, or {MAX_FIELD_STEPS} among fields",
-            settings.step_bound()
-        ),
-        _ => format!("{} steps", settings.step_bound()),
+/// How many steps a march may take: fields have a limit of their own.
+fn step_limits(scene: &Scene, settings: &Settings) -> String {
+    let Budget {
+        steps, field_steps, ..
+    } = Budget::of(scene, settings);
+    match (steps, field_steps) {
+        (steps, 0) => format!("{steps} steps"),
+        (0, field_steps) => format!("{field_steps} steps"),
+        _ => format!("{steps} steps, or {field_steps} among fields"),
     }
 }
 
@@ -183,9 +195,10 @@ fn report<'a>(
     scene: &'a Scene,
     settings: &Settings,
     frame: &Frame,
-    renderer: &'a str,
-    clock: &'a str,
+    law: PanningLaw,
+    [renderer, clock]: [&'a str; 2],
 ) -> Report<'a> {
+    let gains = law.gains(frame.panning.pan() as f32);
     Report {
         scene: &scene.name,
         profile: settings.profile.to_string(),
@@ -201,10 +214,12 @@ fn report<'a>(
         dead: frame.counts.dead,
         travelling: frame.counts.travelling,
         zero_length_passes: frame.counts.zero_length_passes,
-        guard_hits: frame.counts.guard_hits,
+        step_limit_reached: frame.counts.step_limit_reached,
         left: frame.panning.left,
         right: frame.panning.right,
         pan: frame.panning.pan(),
+        law: law.to_string(),
+        gains: [gains.left, gains.right],
         milliseconds: frame.milliseconds,
     }
 }
@@ -222,12 +237,12 @@ fn print_text(report: &Report) -> anyhow::Result<()> {
         report.listener_hits, report.dead, report.travelling
     ))?;
     print::line(&format!(
-        "  passes of zero length {} of {passes} ({share:.1} %), at the step bound {}",
-        report.zero_length_passes, report.guard_hits
+        "  passes of zero length {} of {passes} ({share:.1} %), step limit reached {}",
+        report.zero_length_passes, report.step_limit_reached
     ))?;
     print::line(&format!(
-        "  left {:.1}, right {:.1}: pan {:+.4}",
-        report.left, report.right, report.pan
+        "  left {:.1}, right {:.1}: pan {:+.4}; gains {:.3} and {:.3} ({})",
+        report.left, report.right, report.pan, report.gains[0], report.gains[1], report.law
     ))?;
     print::line(&format!(
         "  {:.2} ms: initialise {:.2}, march {:.2}, pan {:.2}, read back {:.2} ({})",

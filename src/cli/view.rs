@@ -1,5 +1,6 @@
 //! `echomarch view`: what the listener sees.
 
+use super::numbers::{count, real};
 use super::options::{Common, Values, check_ending};
 use super::print;
 use crate::output::check_file;
@@ -11,7 +12,7 @@ use std::path::PathBuf;
 const EXAMPLES: &str = "\
 Examples:
   echomarch view corner -o corner.png
-  echomarch view open-pillars -o look.png --width 1920 --height 1080 --time 2.5";
+  echomarch view open-pillars -o look.png --image-width 1920 --image-height 1080 --time 2.5";
 
 /// Arguments of `view`.
 #[derive(Args, Debug)]
@@ -25,17 +26,23 @@ pub struct Arguments {
     #[arg(short, long, value_name = "FILE.png")]
     output: PathBuf,
     /// Width in pixels
-    #[arg(long, default_value_t = 960, value_name = "PIXELS")]
-    width: u32,
+    #[arg(long, default_value_t = 960, value_name = "PIXELS", value_parser = count::<u32>)]
+    image_width: u32,
     /// Height in pixels
-    #[arg(long, default_value_t = 540, value_name = "PIXELS")]
-    height: u32,
+    #[arg(long, default_value_t = 540, value_name = "PIXELS", value_parser = count::<u32>)]
+    image_height: u32,
     /// Vertical field of view
-    #[arg(long, default_value_t = 70.0, value_name = "DEGREES")]
+    #[arg(long, default_value_t = 70.0, value_name = "DEGREES", value_parser = real::<f32>)]
     fov: f32,
     /// Seconds on the scene's paths; without it everything stands where the file puts it
-    #[arg(long, allow_negative_numbers = true, value_name = "SECONDS")]
+    #[arg(long, allow_negative_numbers = true, value_name = "SECONDS", value_parser = real::<f64>)]
     time: Option<f64>,
+    /// What is called --image-width now
+    #[arg(long, hide = true, value_name = "PIXELS")]
+    width: Option<String>,
+    /// What is called --image-height now
+    #[arg(long, hide = true, value_name = "PIXELS")]
+    height: Option<String>,
 }
 
 /// Runs the subcommand.
@@ -45,8 +52,8 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     check_file(&arguments.output)?;
     let context = common.context()?;
     let options = ViewOptions {
-        width: arguments.width,
-        height: arguments.height,
+        width: arguments.image_width,
+        height: arguments.image_height,
         field_of_view: arguments.fov.to_radians(),
     };
     let picture = first_person(&context, &scene, &options)?;

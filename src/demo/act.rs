@@ -2,10 +2,8 @@
 
 use super::app::App;
 use super::keys::Action;
-use super::save::{self, free_file};
-use super::state::World;
+use super::save::{self, free_file, with_values};
 use crate::audio::PanningLaw;
-use crate::scene::BUILTIN_NAMES;
 use std::path::{Path, PathBuf};
 
 impl App {
@@ -33,8 +31,9 @@ impl App {
                 self.world.start_over();
                 self.say("back to the beginning");
             }
-            Action::NextScene => self.next_scene(),
+            Action::NextScene(steps) => self.next_scene(steps),
             Action::Scene(name) => self.change_scene(&name),
+            Action::Set(name, value) => self.set(&name, value),
             Action::Save => self.save(),
             Action::Screenshot => {
                 self.picture_wanted = free_file(Path::new(""), "echomarch", "png");
@@ -45,8 +44,8 @@ impl App {
                 self.choices.adapt_waves = !self.choices.adapt_waves;
                 self.wave_control.forget();
                 self.say(match self.choices.adapt_waves {
-                    true => "the waves follow the frame time",
-                    false => "the waves stay as many",
+                    true => "the number of waves follows the frame time",
+                    false => "the number of waves stays",
                 });
             }
             Action::FreeMouse if !self.mouse_looks => self.choices.help = false,
@@ -66,11 +65,11 @@ impl App {
                 Err(reason) => self.say(reason),
             },
             Action::Law => {
-                chosen.law = match chosen.law {
+                chosen.chosen_law = Some(match chosen.law() {
                     PanningLaw::Linear => PanningLaw::ConstantPower,
                     PanningLaw::ConstantPower => PanningLaw::Linear,
-                };
-                let text = format!("panning law {}", chosen.law);
+                });
+                let text = format!("panning law {}", chosen.law());
                 self.say(text);
             }
             Action::Mute => chosen.muted = !chosen.muted,
@@ -109,40 +108,19 @@ impl App {
         });
     }
 
-    fn next_scene(&mut self) {
-        let place = BUILTIN_NAMES.iter().position(|&n| n == self.world.name);
-        let next = place.map_or(0, |place| (place + 1) % BUILTIN_NAMES.len());
-        self.change_scene(BUILTIN_NAMES[next]);
-    }
-
-    fn change_scene(&mut self, name: &str) {
-        match World::load(name) {
-            Ok(mut world) => {
-                world.paused = self.world.paused;
-                let old = std::mem::replace(&mut self.world, world);
-                // Should the new one not compile, the old one comes back.
-                self.previous = Some(old);
-                self.paths.clear();
-                self.heard = None;
-                self.begins_anew = true;
-                self.scale_control.forget();
-                self.wave_control.forget();
-                self.say(format!("scene {name}"));
-            }
-            Err(error) => self.say(error.to_string()),
-        }
-    }
-
     fn save(&mut self) {
         let Some(text) = self.world.text.clone() else {
             self.say("the scene's text is not to be had: not saved");
             return;
         };
         let (world, path) = (&self.world, self.options.save.as_deref());
-        match save::save(&text, &world.name, &world.moved(), &world.now, path) {
+        let saved = with_values(&text, &world.name, &world.values, &world.base)
+            .and_then(|text| save::save(&text, &world.name, &world.moved(), &world.now, path));
+        match saved {
             Ok(path) => {
                 let name = path.display().to_string();
                 self.saved.push(name.clone());
+                self.files.add(&name);
                 let (call, is_exact) = self.call();
                 (self.options.announce)(&format!("saved {name}"));
                 (self.options.announce)(&call);

@@ -3,8 +3,9 @@
 //! Pure functions of what was measured. Going down is quick and going up is slow, and
 //! there is a gap between the two, so that nothing swings.
 
-/// Sides of the grid of waves that the control chooses from.
-const SIDES: [u32; 12] = [32, 64, 96, 128, 192, 256, 384, 512, 768, 1024, 1448, 2048];
+/// Sides of the grid of waves that the control chooses from. The first is the floor: of fewer
+/// than 4,096 waves a few dozen are heard, and the pan of another few dozen is another one.
+const SIDES: [u32; 11] = [64, 96, 128, 192, 256, 384, 512, 768, 1024, 1448, 2048];
 
 /// Waves that the control, and the slider for them, go to.
 pub const MOST_WAVES: u32 = 1 << 20;
@@ -178,6 +179,7 @@ mod tests {
     fn ladders_end_where_they_must() {
         assert_eq!(wave_ladder(65_536).last(), Some(&65_536));
         assert_eq!(wave_ladder(70_000).last(), Some(&65_536));
+        assert_eq!(wave_ladder(70_000)[0], 4096);
         assert_eq!(step_of(&[1, 5, 9], 6), 1);
         assert_eq!(step_of(&[1, 5, 9], 0), 0);
         assert_eq!(step_of(&SCALES, 1.0), SCALES.len() - 1);

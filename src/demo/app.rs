@@ -1,22 +1,22 @@
 //! Events in, frames out.
 
 use super::adapt::{Control, SCALES, step_of};
+use super::display::Connection;
 use super::keys::{Action, Held, action};
 use super::latency::Latency;
 use super::mouse::Mouse;
 use super::overlay::{Asked, Paper, Plan};
+use super::paths::Paths;
 use super::question::{self, Question};
 use super::reload::Follower;
-use super::report::{FrameLine, Recorder, Report, Standing};
-use super::save::trace_call;
+use super::report::{Recorder, Report};
+use super::scenes::{Before, Files};
 use super::sound::{SoundStatus, Speaker};
 use super::state::{Choices, World};
 use super::view::{Drawn, View};
 use super::window::DemoWindow;
 use super::{DemoError, DemoOptions, overlay};
-use crate::scene::Scene;
-use crate::trace::{Frame, Settings, Tracer, Wave};
-use std::io::Write;
+use crate::trace::{Frame, Settings, Tracer};
 use std::path::PathBuf;
 use std::time::{Duration, Instant, SystemTime};
 use winit::application::ApplicationHandler;
@@ -51,19 +51,25 @@ pub(super) struct App {
     pub choices: Choices,
     pub world: World,
     /// The scene before this one, until this one has been drawn.
-    pub previous: Option<World>,
+    pub previous: Option<Before>,
     /// The scene's file, if it is one.
     pub follower: Option<Follower>,
+    /// Scene files that can be chosen.
+    pub files: Files,
     pub held: Held,
     pub mouse_looks: bool,
     mouse: Mouse,
+    /// Where the pointer is, in pixels.
+    pointer: Option<[f64; 2]>,
+    /// Where the mouse was pressed, until the panels have been laid out anew.
+    pub presses: Vec<[f64; 2]>,
     pub plan: Plan,
     /// The localisation experiment, if that is what the window is for.
     pub question: Option<Question>,
     pub paper: Paper,
     /// What keys have asked for since the last frame while a question is put.
     pub asked: Vec<Asked>,
-    pub paths: Vec<Vec<Wave>>,
+    pub paths: Paths,
     pub heard: Option<Frame>,
     /// The settings of the frame of waves that was begun last.
     pub under_way: Settings,
@@ -71,7 +77,13 @@ pub(super) struct App {
     pub begins_anew: bool,
     /// Milliseconds that the last frame of waves took in all.
     pub on_waves: f64,
+    /// Frames in a row whose waves took too long.
+    pub late: u32,
     pub drawn: Drawn,
+    /// GL_RENDERER, once the window is open.
+    pub renderer: String,
+    /// The window's size in pixels, as it was drawn last.
+    pub window: [u32; 2],
     pub scale_step: usize,
     pub scale_control: Control,
     pub wave_control: Control,
@@ -89,12 +101,19 @@ pub(super) struct App {
     pub looked: Instant,
     next: Instant,
     is_over: bool,
+    /// The connection to the display, if its end can be survived.
+    pub connection: Option<Connection>,
     outcome: Result<Report, DemoError>,
 }
 
 impl App {
     pub fn new(options: DemoOptions) -> Result<App, DemoError> {
-        let world = World::load(&options.scene).map_err(crate::Error::from)?;
+        let mut world = World::load(&options.scene).map_err(crate::Error::from)?;
+        for (name, value) in &options.values {
+            world.set(name, *value).map_err(crate::Error::from)?;
+        }
+        let mut files = Files::default();
+        files.add(&options.scene);
         options.settings.validate().map_err(crate::Error::from)?;
         let now = Instant::now();
         let speaker = Speaker::start(&options);
@@ -103,19 +122,25 @@ impl App {
             world,
             previous: None,
             follower: None,
+            files,
             held: Held::default(),
             mouse_looks: false,
             mouse: Mouse::default(),
+            pointer: None,
+            presses: Vec::new(),
             plan: Plan::default(),
             question: None,
             paper: Paper::default(),
             asked: Vec::new(),
-            paths: Vec::new(),
+            paths: Paths::default(),
             heard: None,
             under_way: options.settings.clone(),
             begins_anew: true,
             on_waves: 0.0,
+            late: 0,
             drawn: Drawn::default(),
+            renderer: String::new(),
+            window: [0; 2],
             scale_step: SCALES.len() - 1,
             scale_control: Control::default(),
             wave_control: Control::default(),
@@ -132,6 +157,7 @@ impl App {
             looked: now,
             next: now,
             is_over: false,
+            connection: None,
             outcome: Ok(Report::default()),
             options,
         })
@@ -173,6 +199,7 @@ impl App {
         if context.is_software() {
             self.scale_step = step_of(&SCALES, FIRST_SCALE);
         }
+        self.renderer = context.renderer().to_owned();
         let mut tracer = Tracer::new(&context)?;
         self.follow(&mut tracer)?;
         self.stage = Some(Stage {
@@ -198,28 +225,6 @@ impl App {
             || (self.options.is_asked_to_end)()
             || frames.is_some_and(|frames| self.recorder.frames + 1 >= frames)
             || seconds.is_some_and(|seconds| self.seconds() >= seconds)
-    }
-
-    /// Tells the frame just drawn, if that is asked for.
-    fn log_frame(&self, began: SystemTime) {
-        if !self.options.log_frames {
-            return;
-        }
-        let since_1970 = began.duration_since(SystemTime::UNIX_EPOCH);
-        let line = FrameLine {
-            frame: self.recorder.frames,
-            began: since_1970.unwrap_or_default().as_secs_f64(),
-            seconds: self.seconds(),
-            traced: self.recorder.traced,
-            heard: self.recorder.last_heard(),
-            waves: self.choices.settings.waves,
-            listener: self.world.now.listener.position.to_array(),
-            sound: self.sound.is_heard,
-        };
-        if let Ok(line) = serde_json::to_string(&line) {
-            // Whoever drove the window may have gone.
-            let _ = writeln!(std::io::stderr(), "{line}");
-        }
     }
 
     /// Closes the window after the next frame.
@@ -278,7 +283,8 @@ impl App {
     }
 
     /// The pointer has moved.
-    fn pointer(&mut self, to: [f64; 2]) {
+    fn point(&mut self, to: [f64; 2]) {
+        self.pointer = Some(to);
         let Some(stage) = &self.stage else {
             return;
         };
@@ -294,13 +300,40 @@ impl App {
         }
     }
 
-    /// The end: what was measured, while the window is still there.
-    fn close(&mut self) {
-        let Some(mut stage) = self.stage.take() else {
+    /// The left button goes down: whatever lies there is clicked, or the mouse looks about.
+    /// Where the pointer came just now, panels know of it only in the next frame.
+    fn press(&mut self) {
+        if self.mouse_looks {
+            self.look_by_mouse(false);
+            return;
+        }
+        let Some((at, stage)) = self.pointer.zip(self.stage.as_ref()) else {
             return;
         };
-        if self.outcome.is_ok() {
-            self.outcome = Ok(self.report(&stage));
+        if !stage.window.is_panel_at(at) {
+            self.presses.push(at);
+        }
+    }
+
+    /// Whether the display server is known to have gone.
+    pub fn is_display_gone(&self) -> bool {
+        self.connection.as_ref().is_some_and(Connection::is_gone)
+    }
+
+    /// The end: what was measured, while the window is still there.
+    pub fn close(&mut self) {
+        let stage = self.stage.take();
+        let is_gone = self.is_display_gone();
+        if matches!(self.outcome, Err(DemoError::DisplayGone { .. })) || stage.is_none() && !is_gone
+        {
+            return;
+        }
+        if is_gone {
+            // What failed because nobody answers any more has no other reason.
+            let report = Box::new(self.report());
+            self.outcome = Err(DemoError::DisplayGone { report });
+        } else if self.outcome.is_ok() {
+            self.outcome = Ok(self.report());
         }
         if let Some(question) = &mut self.question
             && let Err(error) = question.finish()
@@ -309,7 +342,9 @@ impl App {
             self.outcome = Err(error.into());
         }
         self.end_recording();
-        stage.window.close();
+        if let Some(mut stage) = stage {
+            stage.window.close();
+        }
     }
 
     /// A recording under way ends whole, or it is told why not.
@@ -321,65 +356,6 @@ impl App {
             self.outcome = Err(DemoError::Recording { reason });
         }
     }
-
-    fn report(&mut self, stage: &Stage) -> Report {
-        let listener = &self.world.now.listener;
-        let mut report = Report {
-            scene: self.world.base.name.clone(),
-            profile: self.choices.settings.profile.to_string(),
-            waves: self.choices.settings.waves,
-            iterations: self.choices.settings.iterations,
-            renderer: stage.window.gl.context().renderer().to_owned(),
-            seconds: self.seconds(),
-            window: stage.window.size(),
-            picture: self.drawn.size,
-            sound: self.speaker.status(),
-            latency_ms: self.latency.parts(),
-            counts: self.heard.as_ref().map(|f| f.counts).unwrap_or_default(),
-            listener: Standing {
-                position: listener.position.to_array(),
-                yaw: listener.yaw.to_degrees(),
-                pitch: listener.pitch.to_degrees(),
-            },
-            source: self.world.now.source.position.to_array(),
-            gl_errors: self.gl_errors(),
-            help: self.choices.help,
-            saved: self.saved.clone(),
-            ..Report::default()
-        };
-        (report.trace_call, report.trace_call_is_exact) = self.call();
-        std::mem::take(&mut self.recorder).fill(&mut report);
-        report
-    }
-
-    /// The `trace` call nearest to what is heard, and whether its scene is that one.
-    pub fn call(&self) -> (String, bool) {
-        let (world, settings) = (&self.world, &self.choices.settings);
-        let time = world.moves().then(|| world.looped());
-        let names = self.saved.last().into_iter().chain([&world.name]);
-        let mut calls = names.map(|name| {
-            let at_time = |scene: Scene| match time {
-                Some(seconds) => scene.at(seconds),
-                None => scene,
-            };
-            let loaded = Scene::load(name).map(at_time);
-            let is_exact = loaded.is_ok_and(|scene| stands_as(&scene, &world.now));
-            (trace_call(name, time, settings), is_exact)
-        });
-        let first_exact = calls.find(|(_, is_exact)| *is_exact);
-        first_exact.unwrap_or_else(|| (trace_call(&world.name, time, settings), false))
-    }
-}
-
-/// Whether source and listener stand alike, but for the rounding of degrees.
-fn stands_as(a: &Scene, b: &Scene) -> bool {
-    let (one, other) = (&a.listener, &b.listener);
-    let turn = (one.yaw - other.yaw).sin().abs() + (one.pitch - other.pitch).sin().abs();
-    a.source.position == b.source.position
-        && one.position == other.position
-        && one.radius == other.radius
-        && turn < 1e-4
-        && a.surfaces == b.surfaces
 }
 
 /// Whether an event begins something. What ends something is for whoever saw the beginning.
@@ -402,7 +378,11 @@ impl ApplicationHandler for App {
         }
     }
 
-    fn new_events(&mut self, _: &ActiveEventLoop, _: StartCause) {}
+    fn new_events(&mut self, events: &ActiveEventLoop, _: StartCause) {
+        if self.is_display_gone() {
+            events.exit();
+        }
+    }
 
     fn window_event(&mut self, _: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
         let Some(stage) = &mut self.stage else {
@@ -415,7 +395,7 @@ impl ApplicationHandler for App {
         let is_theirs = !hides_from_panels && stage.window.on_event(&event).consumed;
         match event {
             WindowEvent::CloseRequested => self.quit(),
-            WindowEvent::CursorMoved { position, .. } => self.pointer(position.into()),
+            WindowEvent::CursorMoved { position, .. } => self.point(position.into()),
             WindowEvent::Resized(size) => {
                 stage.window.gl.resize(size.width, size.height);
                 stage.view.forget();
@@ -437,14 +417,17 @@ impl ApplicationHandler for App {
                 state: ElementState::Pressed,
                 button: MouseButton::Left,
                 ..
-            } if !is_theirs => self.look_by_mouse(!self.mouse_looks),
+            } => self.press(),
+            WindowEvent::DroppedFile(file) => self.open_file(&file),
             _ => {}
         }
     }
 
     fn about_to_wait(&mut self, events: &ActiveEventLoop) {
         let now = Instant::now();
-        if now >= self.next && self.stage.is_some() && !events.exiting() {
+        if self.is_display_gone() {
+            events.exit();
+        } else if now >= self.next && self.stage.is_some() && !events.exiting() {
             let asked = Duration::from_secs_f64(1e-3 * self.options.frame_milliseconds);
             self.next = (self.next + LEAST_INTERVAL.min(asked)).max(now);
             let is_last = self.is_last_frame();

@@ -16,6 +16,12 @@ pub enum DemoError {
         /// What it answered.
         reason: String,
     },
+    /// The display server has gone while the window was open.
+    #[error("the display server has gone, and the window with it")]
+    DisplayGone {
+        /// What was measured until then.
+        report: Box<super::Report>,
+    },
     /// A scene, settings or a renderer that do not work.
     #[error("{}", sentence(.0))]
     Failed(#[from] crate::Error),

@@ -15,8 +15,6 @@ use crate::trace::Settings;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// Waves whose paths are shown in the plan.
-const PATHS: u32 = 80;
 /// Iterations that the paths are followed for at the most.
 const PATH_ITERATIONS: u32 = 16;
 /// Frames from one set of paths to the next.
@@ -27,6 +25,8 @@ const SHARE_OF_WAVES: f64 = 0.4;
 const FRAMES_LOOKED_AT: usize = 10;
 /// Waves that take so many times what a frame may take are told of.
 const TOO_LONG: f64 = 2.0;
+/// Frames in a row that they have to: the first one compiles, and any may be held up.
+const TOO_OFTEN: u32 = 30;
 /// How long a message stands.
 const MESSAGE: Duration = Duration::from_secs(4);
 /// Frames that are shown in the panels.
@@ -64,6 +64,7 @@ impl App {
         };
         self.world.pass(&wish, passed);
         let size = stage.window.size();
+        self.window = size;
         if size[0] == 0 || size[1] == 0 {
             // Nothing can be seen; the ear goes on.
             let mut times = FrameTimes::default();
@@ -94,11 +95,17 @@ impl App {
     /// A scene that has just come is checked before anyone walks in it: until then nothing
     /// is known of where its users' fields are solid.
     fn try_new(&mut self, stage: &mut Stage) -> Result<(), DemoError> {
-        if self.previous.is_none() {
+        let Some(before) = &self.previous else {
             return Ok(());
-        }
-        let (scene, settings) = (&self.world.base, &self.choices.settings);
-        match stage.tracer.check(scene, settings) {
+        };
+        let checked = match before.other {
+            Some(_) => self.follow(&mut stage.tracer),
+            None => {
+                let (scene, settings) = (&self.world.base, &self.choices.settings);
+                stage.tracer.check(scene, settings)
+            }
+        };
+        match checked {
             Ok(()) => Ok(()),
             Err(error) => self.fall_back(error.into()),
         }
@@ -142,17 +149,20 @@ impl App {
 
     /// A scene that cannot be drawn gives way to the one before it; without one it is the end.
     fn fall_back(&mut self, error: DemoError) -> Result<(), DemoError> {
-        let Some(previous) = self.previous.take() else {
+        let Some(before) = self.previous.take() else {
             return Err(error);
         };
-        self.begins_anew = true;
         let why = sentence(&error);
-        if previous.name == self.world.name {
-            self.refuse(why);
-        } else {
-            self.say(format!("{}: {why}", self.world.name));
+        let refused = std::mem::replace(&mut self.world, before.world);
+        match before.other {
+            None => self.refuse(why),
+            Some(follower) => {
+                self.follower = follower;
+                self.is_another_world();
+                self.tell(format!("{}: {why}", refused.name));
+            }
         }
-        self.world = previous;
+        self.begins_anew = true;
         self.drawn = Drawn::default();
         Ok(())
     }
@@ -241,16 +251,17 @@ impl App {
     }
 
     fn follow_paths(&mut self, stage: &mut Stage) -> Result<(), DemoError> {
-        if !self.paths.is_empty() && !self.recorder.frames.is_multiple_of(PATHS_EVERY) {
-            return Ok(());
-        }
+        let scene = &self.world.now;
         let chosen = &self.choices.settings;
         let settings = Settings {
-            waves: PATHS,
             iterations: chosen.iterations.min(PATH_ITERATIONS),
             ..chosen.clone()
         };
-        self.paths = stage.path_tracer.paths(&self.world.now, &settings)?;
+        let is_due = self.recorder.frames.is_multiple_of(PATHS_EVERY);
+        if is_due || self.paths.are_none() {
+            self.paths
+                .follow(&mut stage.path_tracer, scene, &settings)?;
+        }
         Ok(())
     }
 
@@ -267,8 +278,9 @@ impl App {
         let refusal = self.refusal().map(str::to_owned);
         let facts = Facts {
             world: &self.world,
+            files: self.files.all(),
             heard: self.heard.as_ref(),
-            paths: &self.paths,
+            paths: self.paths.states(),
             times: self.recorder.last(FRAMES_SHOWN),
             target: self.options.frame_milliseconds,
             drawn: self.drawn,
@@ -302,6 +314,9 @@ impl App {
             .window
             .draw_panels(|ui| actions.extend(overlay::draw(ui, &facts, chosen, plan)));
         times.overlay = milliseconds(drawing);
+        // What still lies under no panel is the picture.
+        let on_picture = |at: &[f64; 2]| !stage.window.is_panel_at(*at);
+        let looks = std::mem::take(&mut self.presses).iter().any(on_picture);
         if let Err(error) = self.choices.settings.validate() {
             self.choices.settings = before;
             self.say(error.to_string());
@@ -310,12 +325,15 @@ impl App {
             self.latency.input(self.looked);
             self.act(action);
         }
+        if looks {
+            self.mouse_looks = stage.window.capture_mouse(true);
+        }
         Ok(())
     }
 
     /// Tells the speakers what was chosen, and asks how they fare.
     fn hear(&mut self) {
-        self.speaker.set_law(self.choices.law);
+        self.speaker.set_law(self.choices.law());
         // Nor with the panning of the trial before.
         let is_silent = |q: &Question| !q.is_playing() || self.heard.is_none();
         let is_silent = self.question.as_ref().is_some_and(is_silent);
@@ -359,11 +377,17 @@ impl App {
         };
         let (work, others) = (mean(|t| t.work), mean(without_waves));
         let on_waves = self.on_waves;
-        let is_told = self.message.is_some() || self.question.is_some();
-        if on_waves > TOO_LONG * target && !self.choices.adapt_waves && !is_told {
+        if self.question.is_some() {
+            // A trial says how many waves it is heard with.
+            self.adapt_picture(work, times.picture);
+            return;
+        }
+        let is_late = on_waves > TOO_LONG * target && !self.choices.adapt_waves;
+        self.late = if is_late { self.late + 1 } else { 0 };
+        if self.late >= TOO_OFTEN && self.message.is_none() {
+            self.late = 0;
             self.say(format!(
-                "the waves take {on_waves:.0} ms, over several pictures: T lets their number \
-                 follow, [ halves it"
+                "the waves take {on_waves:.0} ms: T lets their number follow, [ halves it"
             ));
         }
         // One change at a time: the other is measured anew after it.
@@ -395,8 +419,10 @@ impl App {
         let ladder = wave_ladder(MOST_WAVES);
         let costs: Vec<f64> = ladder.iter().map(|&waves| f64::from(waves)).collect();
         let before = step_of(&ladder, self.choices.settings.waves);
-        self.wave_control.add(others + on_waves, on_waves);
         let target = self.options.frame_milliseconds;
+        // The rest is the picture's: it is drawn again when somebody moves.
+        let others = others.max((1.0 - SHARE_OF_WAVES) * target);
+        self.wave_control.add(others + on_waves, on_waves);
         let chosen = self.wave_control.choose(&costs, before, target);
         self.choices.settings.waves = ladder[chosen];
         chosen != before

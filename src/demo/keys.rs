@@ -20,10 +20,12 @@ pub enum Action {
     Pause,
     /// Back to where the scene begins.
     StartOver,
-    /// The next built-in scene.
-    NextScene,
+    /// So many scenes on in the list of built-in ones and files; back where negative.
+    NextScene(i32),
     /// That scene.
     Scene(String),
+    /// That named value of the scene, in the unit of its file.
+    Set(String, f32),
     /// That sound.
     Sound(String),
     /// Another panning law.
@@ -70,8 +72,9 @@ pub const HELP: [(&str, &[(&str, &str)]); 3] = [
             ("1  2  3", "thesis, march, hybrid"),
             ("[  ]  PgDn PgUp", "half, twice the waves"),
             (",  .", "fewer, more iterations"),
-            ("T", "waves follow the frame time"),
-            ("N", "next scene"),
+            ("T", "number of waves follows frame time"),
+            ("N  B", "next scene, the one before"),
+            ("Drop a file", "that scene, or that sound"),
             ("L", "panning law"),
             ("M  −  +", "mute, softer, louder"),
         ],
@@ -114,7 +117,8 @@ pub fn action(key: KeyCode, control: bool) -> Option<Action> {
         KeyCode::KeyF => Action::PickUp,
         KeyCode::KeyP | KeyCode::Space => Action::Pause,
         KeyCode::Backspace | KeyCode::Home => Action::StartOver,
-        KeyCode::KeyN => Action::NextScene,
+        KeyCode::KeyN => Action::NextScene(1),
+        KeyCode::KeyB => Action::NextScene(-1),
         KeyCode::KeyL => Action::Law,
         KeyCode::KeyM => Action::Mute,
         KeyCode::Minus | KeyCode::NumpadSubtract => Action::Volume(-1),

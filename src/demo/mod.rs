@@ -12,13 +12,15 @@
 //! | `app` | events in, frames out |
 //! | `act` | what keys and buttons ask for |
 //! | `frame` | one frame, part by part |
-//! | `window`, `mouse` | the window, its context, what draws the panels; the pointer |
+//! | `window`, `display`, `mouse` | the window, its context, what draws the panels; the X server; the pointer |
 //! | `view` | the picture |
 //! | `overlay/` | the panels |
 //! | `state`, `walk`, `keys` | what was chosen, where one stands, which key does what |
 //! | `adapt` | how coarse the picture and how many waves, by the frame's time |
-//! | `latency`, `report` | what is measured |
-//! | `save` | scene files and `trace` calls |
+//! | `latency`, `report`, `summary` | what is measured, and told |
+//! | `scenes`, `values` | the scenes to choose from, their named values |
+//! | `paths` | the waves that the plan shows |
+//! | `save`, `text` | scene files and `trace` calls |
 //! | `reload` | a scene file that changes while one walks in it |
 //! | `sound` | the speakers |
 //! | `question` | the localisation experiment |
@@ -29,6 +31,7 @@
 mod act;
 mod adapt;
 mod app;
+mod display;
 mod error;
 mod frame;
 mod keys;
@@ -36,21 +39,26 @@ mod latency;
 mod mouse;
 mod options;
 mod overlay;
+mod paths;
 mod question;
 mod reload;
 mod report;
 mod save;
+mod scenes;
 mod sound;
 mod state;
+mod summary;
+mod text;
+mod values;
 mod view;
 mod walk;
 mod window;
 
 pub use error::DemoError;
 pub use latency::Parts as Latency;
-pub use options::DemoOptions;
+pub use options::{DemoOptions, OPENING_SCENE};
 pub use report::{FrameTimes, Memory, PanAt, Report, Reread, Standing};
-pub use save::{Moved, SaveError, save, text_of, trace_call, with_places};
+pub use save::{Moved, SaveError, save, text_of, trace_call, with_places, with_values};
 pub use sound::SoundStatus;
 pub use walk::{BODY, Walker, Wish};
 
@@ -79,6 +87,7 @@ pub fn run_sitting(
     let volume = options.volume;
     let silent = DemoOptions {
         volume: 0.0,
+        adapt_waves: false,
         ..options
     };
     let mut app = app::App::new(silent)?;
@@ -90,6 +99,16 @@ pub fn run_sitting(
 
 fn stay(mut app: app::App) -> Result<Report, DemoError> {
     let events = window::event_loop()?;
-    let ran = events.run_app(&mut app);
-    app.result(ran)
+    app.connection = display::Connection::of(&events);
+    let Some(connection) = app.connection.clone() else {
+        let ran = events.run_app(&mut app);
+        return app.result(ran);
+    };
+    match connection.outlive(|| events.run_app(&mut app)) {
+        Some(ran) => app.result(ran),
+        None => {
+            app.close();
+            app.result(Ok(()))
+        }
+    }
 }

@@ -4,11 +4,19 @@ use crate::audio::PanningLaw;
 use crate::trace::Settings;
 use std::path::PathBuf;
 
+/// The scene that the window opens with where none is named: its first view shows many
+/// things near and far. (In `corner` and `obstacles` the listener faces a wall, as the thesis
+/// has it.)
+pub const OPENING_SCENE: &str = "open-pillars";
+
 /// What the window is started with; every choice can be changed in it.
 #[derive(Clone, Debug)]
 pub struct DemoOptions {
     /// Built-in scene or scene file.
     pub scene: String,
+    /// Named values of the scene in the unit of its file; those of the same name in scenes
+    /// that are opened later are set too.
+    pub values: Vec<(String, f32)>,
     /// How waves are traced.
     pub settings: Settings,
     /// A frame of waves for every so many pictures.
@@ -27,8 +35,9 @@ pub struct DemoOptions {
     pub sound: String,
     /// Loudness, 0 to 1.
     pub volume: f32,
-    /// From pan to gains.
-    pub law: PanningLaw,
+    /// From pan to gains; none for the law of the profile
+    /// ([`PanningLaw::for_profile`]).
+    pub law: Option<PanningLaw>,
     /// The sound device's name; none for the usual one.
     pub device: Option<String>,
     /// Samples that the sound device takes at a time.
@@ -60,17 +69,18 @@ pub struct DemoOptions {
 impl Default for DemoOptions {
     fn default() -> DemoOptions {
         DemoOptions {
-            scene: "corner".into(),
+            scene: OPENING_SCENE.into(),
+            values: Vec::new(),
             settings: Settings::default(),
             trace_every: 1,
-            adapt_waves: false,
+            adapt_waves: true,
             frame_milliseconds: 1000.0 / 30.0,
             picture_scale: None,
             width: 960,
             height: 540,
             sound: "speech".into(),
             volume: 0.5,
-            law: PanningLaw::Linear,
+            law: None,
             device: None,
             buffer: 1024,
             record: None,

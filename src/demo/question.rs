@@ -203,7 +203,7 @@ impl App {
         self.world = World::of(put.room.clone());
         self.choices.settings = settings_of(put.stimulus);
         if let Ok(law) = put.stimulus.law.parse() {
-            self.choices.law = law;
+            self.choices.chosen_law = Some(law);
         }
         let sound = put.stimulus.sound.clone();
         // It is loaded while nothing is heard.

@@ -3,6 +3,7 @@
 use super::app::{App, Stage};
 use super::error::sentence;
 use super::report::Reread;
+use super::scenes::Before;
 use crate::scene::{BUILTIN_NAMES, Scene};
 use crate::trace::{Pass, Profile, Reload, Reloading, Settings, Tracer, shader_text};
 use std::time::{Duration, Instant};
@@ -22,7 +23,7 @@ fn march_text(scene: &Scene, profile: Profile) -> String {
     shader_text(scene, &Settings::of(profile), Pass::March)
 }
 
-/// Follows the file that the window was opened with, and the files that it names.
+/// Follows the scene's file, and the files that it names.
 pub struct Follower {
     reloading: Reloading,
     looked: Instant,
@@ -31,7 +32,7 @@ pub struct Follower {
 }
 
 impl App {
-    /// Checks the scene that the window opens with, and follows it if it is a file.
+    /// Checks a scene that has just come, and follows it if it is a file.
     pub fn follow(&mut self, tracer: &mut Tracer) -> Result<(), crate::Error> {
         let (name, settings) = (&self.world.name, &self.choices.settings);
         if self.question.is_some() || BUILTIN_NAMES.contains(&name.as_str()) {
@@ -50,8 +51,7 @@ impl App {
     /// Takes what has changed in the files; what cannot be traced leaves the last good
     /// scene, and says why.
     pub fn reread(&mut self, stage: &mut Stage) {
-        let is_here = self.world.name == self.options.scene;
-        let Some(follower) = self.follower.as_mut().filter(|_| is_here) else {
+        let Some(follower) = self.follower.as_mut() else {
             return;
         };
         if follower.looked.elapsed() < BETWEEN_LOOKS {
@@ -64,9 +64,12 @@ impl App {
             Reload::Taken => {
                 follower.refused = None;
                 // What the waves can be traced in, the picture may still refuse.
-                self.previous = Some(self.world.clone());
+                self.previous = Some(Before {
+                    world: self.world.clone(),
+                    other: None,
+                });
                 self.world.change(follower.reloading.scene().clone());
-                self.paths.clear();
+                self.paths.forget();
                 self.begins_anew = true;
                 self.has_reread(None);
             }
@@ -92,14 +95,11 @@ impl App {
             frames: self.recorder.frames,
             error,
         });
-        (self.options.announce)(&told);
-        self.say(told);
+        self.tell(told);
     }
 
     /// What stands in the window while the files cannot be taken.
     pub fn refusal(&self) -> Option<&str> {
-        let is_here = self.world.name == self.options.scene;
-        let follower = self.follower.as_ref().filter(|_| is_here)?;
-        follower.refused.as_deref()
+        self.follower.as_ref()?.refused.as_deref()
     }
 }

@@ -5,6 +5,7 @@ use super::latency::Parts;
 use super::sound::SoundStatus;
 use crate::trace::{Counts, Frame, Profile};
 use serde::Serialize;
+use std::collections::BTreeMap;
 
 /// Pans that are kept at the most; then every second one goes.
 const PANS_AT_MOST: usize = 4096;
@@ -65,6 +66,16 @@ pub struct FrameLine<'a> {
     pub heard: Option<&'a PanAt>,
     /// Waves in a frame.
     pub waves: u32,
+    /// Whether their number follows the frame's time.
+    pub adapts_waves: bool,
+    /// The name or file that the scene was loaded by.
+    pub scene: &'a str,
+    /// Its named values that were set, in the unit of its file.
+    pub values: &'a [(String, f32)],
+    /// Whether the mouse looks about.
+    pub mouse_looks: bool,
+    /// Paths of heard waves in the plan.
+    pub paths_heard: usize,
     /// The listener's place in metres.
     pub listener: [f32; 3],
     /// Whether sound is to be heard.
@@ -113,6 +124,8 @@ pub struct Report {
     pub profile: String,
     /// Waves in a frame at the end.
     pub waves: u32,
+    /// Whether the number of waves followed the frame's time at the end.
+    pub adapts_waves: bool,
     /// Iterations at the end.
     pub iterations: u32,
     /// GL_RENDERER.
@@ -149,6 +162,12 @@ pub struct Report {
     pub source: [f32; 3],
     /// Whether the help was open at the end.
     pub help: bool,
+    /// Whether the mouse looked about at the end.
+    pub mouse_looks: bool,
+    /// Named values that were set otherwise than in the scene's file, in the unit of the file.
+    pub values: BTreeMap<String, f32>,
+    /// Paths of waves that reached the listener in the plan at the end.
+    pub paths_heard: usize,
     /// Scene files that were saved.
     pub saved: Vec<String>,
     /// The `trace` call that equals the last frame.

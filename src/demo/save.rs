@@ -3,12 +3,12 @@
 //! The file is the scene's own text with source and listener put where they are now; all
 //! else stays as it was written, comments included.
 
+use super::text::{field, inside, named_values};
 use crate::output::{OutputError, write_whole};
 use crate::scene::{Scene, SceneError, Source};
 use crate::trace::{Directions, Profile, Settings};
 use glam::Vec3;
 use std::fmt::Write;
-use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// Names of files that are tried for one stem.
@@ -75,6 +75,36 @@ pub fn with_places(text: &str, moved: &Moved) -> Result<String, SaveError> {
         text = with_fields(&text, "listener", &fields)?;
     }
     Ok(text)
+}
+
+/// `text`, loaded by the name or file `origin`, with named values in the unit of the file: the
+/// surfaces are then those of `scene`.
+///
+/// # Errors
+/// [`SaveError::Differs`] where they would not be, [`SaveError::NotAScene`].
+pub fn with_values(
+    text: &str,
+    origin: &str,
+    values: &[(String, f32)],
+    scene: &Scene,
+) -> Result<String, SaveError> {
+    if values.is_empty() {
+        return Ok(text.to_owned());
+    }
+    let mut new = text.to_owned();
+    // From the end on, so that what is before stays where it is.
+    for said in named_values(text).into_iter().rev() {
+        let set = values.iter().find(|(name, _)| *name == said.name);
+        if let Some((_, value)) = set {
+            new.replace_range(said.number, &value.to_string());
+        }
+    }
+    let folder = folder_of(Path::new(origin));
+    let read = Scene::from_ron_in(&new, "the scene to be saved", folder)?;
+    if read.surfaces != scene.surfaces {
+        return Err(SaveError::Differs);
+    }
+    Ok(new)
 }
 
 /// Saves `text` with what was moved, to `path`, or else in the folder of `origin` (the name
@@ -182,118 +212,14 @@ fn with_fields(
     Ok(text)
 }
 
-/// Where a field stands.
-struct Field {
-    /// Its value.
-    value: Range<usize>,
-    /// All of it, the comma behind it included.
-    whole: Range<usize>,
-}
-
-/// What is between the first bracket from `start` on and its partner.
-fn inside(text: &str, start: usize) -> Option<Range<usize>> {
-    let mut depth = 0usize;
-    let mut open = None;
-    for (index, symbol) in symbols(text, start..text.len()) {
-        match symbol {
-            '(' | '[' | '{' => {
-                open.get_or_insert(index + 1);
-                depth += 1;
-            }
-            ')' | ']' | '}' => {
-                depth = depth.checked_sub(1)?;
-                if depth == 0 {
-                    return Some(open?..index);
-                }
-            }
-            _ => {}
-        }
-    }
-    None
-}
-
-/// The field `name` of the structure whose fields stand in `within`.
-fn field(text: &str, within: Range<usize>, name: &str) -> Option<Field> {
-    let mut depth = 0;
-    let mut found: Option<Range<usize>> = None;
-    let mut word = within.start..within.start;
-    for (index, symbol) in symbols(text, within.clone()) {
-        match symbol {
-            '(' | '[' | '{' => depth += 1,
-            ')' | ']' | '}' => depth -= 1,
-            ':' if depth == 0 && found.is_none() && &text[word.clone()] == name => {
-                found = Some(word.start..index + 1);
-            }
-            ',' if depth == 0 => {
-                if let Some(key) = found {
-                    return Some(trimmed(text, key, index, index + 1));
-                }
-            }
-            _ => {}
-        }
-        // The last word is the key that a colon follows.
-        if symbol.is_alphanumeric() || symbol == '_' {
-            let end = index + symbol.len_utf8();
-            word = if word.end == index {
-                word.start..end
-            } else {
-                index..end
-            };
-        }
-    }
-    found.map(|key| trimmed(text, key, within.end, within.end))
-}
-
-fn trimmed(text: &str, key: Range<usize>, end: usize, whole_end: usize) -> Field {
-    let value = &text[key.end..end];
-    let start = end - value.trim_start().len();
-    Field {
-        value: start..start + value.trim().len(),
-        whole: key.start..whole_end,
-    }
-}
-
-/// The characters that mean something: neither in a string nor in a comment.
-fn symbols(text: &str, within: Range<usize>) -> impl Iterator<Item = (usize, char)> + '_ {
-    let mut at = within.start;
-    std::iter::from_fn(move || {
-        while at < within.end {
-            let rest = &text[at..within.end];
-            let skipped = if rest.starts_with("//") {
-                rest.find('\n').unwrap_or(rest.len())
-            } else if rest.starts_with("/*") {
-                rest.find("*/").map_or(rest.len(), |end| end + 2)
-            } else if rest.starts_with('"') {
-                string_length(rest)
-            } else {
-                let symbol = rest.chars().next()?;
-                let index = at;
-                at += symbol.len_utf8();
-                return Some((index, symbol));
-            };
-            at += skipped;
-        }
-        None
-    })
-}
-
-/// Bytes of the string at the beginning, quotes included.
-fn string_length(text: &str) -> usize {
-    let mut escaped = false;
-    for (index, byte) in text.bytes().enumerate().skip(1) {
-        match byte {
-            _ if escaped => escaped = false,
-            b'\\' => escaped = true,
-            b'"' => return index + 1,
-            _ => {}
-        }
-    }
-    text.len()
-}
-
 /// The `trace` call that traces what the window traced, so many seconds on the scene's paths
-/// if it has any.
-pub fn trace_call(scene: &str, seconds: Option<f64>, settings: &Settings) -> String {
+/// if it has any, and with these named values.
+pub fn trace_call(
+    scene: &str,
+    seconds: Option<f64>,
+    values: &[(String, f32)],
+    settings: &Settings,
+) -> String {
     let usual = Settings::of(settings.profile);
     let mut call = format!(
         "echomarch trace {} --profile {} --waves {} --iterations {}",
@@ -307,6 +233,9 @@ pub fn trace_call(scene: &str, seconds: Option<f64>, settings: &Settings) -> Str
     };
     if let Some(seconds) = seconds {
         add("time", &seconds);
+    }
+    for (name, value) in values {
+        add("set", &quoted(&format!("{name}={value}")));
     }
     if settings.seed != usual.seed {
         add("seed", &settings.seed);
@@ -338,7 +267,7 @@ pub fn trace_call(scene: &str, seconds: Option<f64>, settings: &Settings) -> Str
 
 /// A word as a shell takes it.
 fn quoted(word: &str) -> String {
-    let is_plain = |c: char| c.is_ascii_alphanumeric() || "._-/+".contains(c);
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "._-/+=".contains(c);
     if !word.is_empty() && word.chars().all(is_plain) {
         return word.to_owned();
     }
@@ -398,6 +327,33 @@ mod tests {
         assert!(with_places("(((", &moved).is_err());
     }
 
+    /// Protects values that were set from being lost in the file: each stands where the text had it, in its unit,
+    /// whatever stands around it.
+    #[test]
+    fn values_are_written_where_they_stand() {
+        let text = r#"Scene(
+            surfaces: [
+                Surface(name: "Value(\"a\", 1)", shape: Sphere(radius: Value("a", /* , */ 1))),
+                Surface(shape: Box(size: (1, 2, Value ( "a" , 1 , ))), rotation: (0, Value("b c", 30), 0)),
+            ],
+            source: Source(position: (0, 0, -5)), listener: Listener(position: (0, 0, 5), radius: 1))"#;
+        let mut scene = Scene::from_ron(text, "text").unwrap();
+        let values = [("a".to_owned(), 2.5), ("b c".to_owned(), -60.0)];
+        for (name, value) in &values {
+            scene.set_value(name, *value).unwrap();
+        }
+        let new = with_values(text, "text", &values, &scene).unwrap();
+        let read = Scene::from_ron(&new, "text").unwrap();
+        assert_eq!(read.surfaces, scene.surfaces);
+        assert!(
+            new.contains(r#"Value(\"a\", 1)"#) && new.contains(r#"Value("b c",-60)"#),
+            "{new}"
+        );
+        let wrong = with_values(text, "text", &values[..1], &scene);
+        assert!(matches!(wrong, Err(SaveError::Differs)));
+        assert_eq!(with_values(text, "text", &[], &scene).unwrap(), text);
+    }
+
     /// Protects the file from being another scene than the one heard.
     #[test]
     fn a_file_that_would_differ_is_not_written() {
@@ -443,16 +399,17 @@ mod tests {
     /// Protects the line from what a shell would take apart, and from options that go without saying.
     #[test]
     fn the_call_says_what_is_not_usual() {
-        let usual = trace_call("corner", None, &Settings::default());
+        let usual = trace_call("corner", None, &[], &Settings::default());
         let expected = "echomarch trace corner --profile hybrid --waves 65536 --iterations 8";
         assert_eq!(usual, expected);
         let mut settings = Settings::thesis().with_seed(3);
         settings.min_distance = 0.01;
         settings.sum_on_gpu = true;
-        let call = trace_call("my room's.ron", Some(2.5), &settings);
+        let values = [("the door".to_owned(), 60.5), ("gap".to_owned(), -2.0)];
+        let call = trace_call("my room's.ron", Some(2.5), &values, &settings);
         assert!(call.starts_with(r"echomarch trace 'my room'\''s.ron' --profile thesis"));
         assert!(
-            call.ends_with("--time 2.5 --seed 3 --min-distance 0.01 --sum-on-gpu"),
+            call.ends_with("--time 2.5 --set 'the door=60.5' --set gap=-2 --seed 3 --min-distance 0.01 --sum-on-gpu"),
             "{call}"
         );
     }

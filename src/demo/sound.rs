@@ -54,7 +54,7 @@ impl Speaker {
     /// Starts the sound. Never fails: without a device it is silent and says so.
     pub fn start(options: &DemoOptions) -> Speaker {
         let speaker = Speaker {
-            law: options.law,
+            law: law_of(options),
             volume: options.volume,
             panning: Panning::default(),
             #[cfg(feature = "audio")]
@@ -156,6 +156,12 @@ impl Speaker {
     }
 }
 
+/// The law to begin with.
+fn law_of(options: &DemoOptions) -> PanningLaw {
+    let usual = PanningLaw::for_profile(options.settings.profile);
+    options.law.unwrap_or(usual)
+}
+
 /// Why nothing is heard where nothing plays.
 #[cfg(not(feature = "audio"))]
 const SILENT: &str = "silent: built without sound";
@@ -168,7 +174,7 @@ fn start(options: &DemoOptions) -> Option<Live> {
     let live = LiveOptions {
         device: options.device.clone(),
         buffer_frames: options.buffer,
-        law: options.law,
+        law: law_of(options),
     };
     // What was typed has been checked before.
     options

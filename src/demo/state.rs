@@ -2,6 +2,7 @@
 
 use super::DemoOptions;
 use super::save::{Moved, text_of};
+use super::values::{ValueSlider, value_sliders};
 use super::walk::{Walker, Wish, carried};
 use crate::audio::PanningLaw;
 use crate::scene::{Scene, SceneError};
@@ -28,8 +29,8 @@ pub struct Choices {
     pub volume: f32,
     /// Whether the loudness counts as 0.
     pub muted: bool,
-    /// From pan to gains.
-    pub law: PanningLaw,
+    /// From pan to gains, if it was chosen.
+    pub chosen_law: Option<PanningLaw>,
     /// Whether the help is open.
     pub help: bool,
     /// Whether the panels are open.
@@ -50,7 +51,7 @@ impl Choices {
             sound: options.sound.clone(),
             volume: options.volume,
             muted: false,
-            law: options.law,
+            chosen_law: options.law,
             help: options.help,
             panels: true,
             paths: true,
@@ -77,8 +78,10 @@ impl Choices {
         self.others.insert(old.profile, old);
     }
 
-    /// Doubles or halves the number of waves, as often as `steps` says.
+    /// Doubles or halves the number of waves, as often as `steps` says; from now on it no
+    /// longer follows the frame's time.
     pub fn change_waves(&mut self, steps: i32) {
+        self.adapt_waves = false;
         let waves = f64::from(self.settings.waves) * 2f64.powi(steps);
         self.settings.waves = (waves.round() as u32).clamp(64, MAX_WAVES / 4);
     }
@@ -87,6 +90,12 @@ impl Choices {
     pub fn change_iterations(&mut self, more: i32) {
         let iterations = self.settings.iterations.saturating_add_signed(more);
         self.settings.iterations = iterations.clamp(1, MAX_ITERATIONS);
+    }
+
+    /// From pan to gains: as chosen, or else as the algorithm is heard by.
+    pub fn law(&self) -> PanningLaw {
+        let usual = PanningLaw::for_profile(self.settings.profile);
+        self.chosen_law.unwrap_or(usual)
     }
 
     /// The loudness that is heard.
@@ -102,8 +111,12 @@ pub struct World {
     pub name: String,
     /// Its text, if it is to be had.
     pub text: Option<String>,
-    /// As it was loaded.
+    /// As it was loaded, with the values below.
     pub base: Scene,
+    /// Its named values, as its file has them.
+    pub sliders: Vec<ValueSlider>,
+    /// Those that were set otherwise, in the unit of the file.
+    pub values: Vec<(String, f32)>,
     /// As it stands now.
     pub now: Scene,
     /// Seconds on its paths.
@@ -136,6 +149,8 @@ impl World {
         World {
             name: base.name.clone(),
             text: None,
+            sliders: value_sliders(&base),
+            values: Vec::new(),
             now: base.clone(),
             base,
             seconds: 0.0,
@@ -146,11 +161,52 @@ impl World {
         }
     }
 
-    /// Another scene under the same name: time, walker and a source that was moved stay.
+    /// Another scene under the same name: time, walker, a source that was moved and values
+    /// that were set stay; a value that the new scene does not take is the new file's.
     pub fn change(&mut self, base: Scene) {
         self.text = text_of(&self.name).ok();
+        self.sliders = value_sliders(&base);
         self.now = base.clone();
         self.base = base;
+        for (name, value) in std::mem::take(&mut self.values) {
+            // It is told by the slider, which stands where the file has it.
+            let _ = self.set(&name, value);
+        }
+    }
+
+    /// Sets a named value, in the unit of its file.
+    ///
+    /// # Errors
+    /// As [`Scene::set_value`] and [`Scene::check`]; then it stays as it was.
+    pub fn set(&mut self, name: &str, value: f32) -> Result<(), SceneError> {
+        let mut scene = self.base.clone();
+        scene.set_value(name, value)?;
+        scene.check()?;
+        self.base = scene;
+        self.values.retain(|(known, _)| known != name);
+        let known = self.sliders.iter().find(|slider| slider.name == name);
+        if known.is_none_or(|slider| slider.start != value) {
+            self.values.push((name.to_owned(), value));
+        }
+        Ok(())
+    }
+
+    /// A named value as it stands, in the unit of its file.
+    pub fn value_of(&self, slider: &ValueSlider) -> f32 {
+        let set = self.values.iter().find(|(name, _)| *name == slider.name);
+        set.map_or(slider.start, |(_, value)| *value)
+    }
+
+    /// This scene with its named values where those of the same names stand in `other`.
+    pub fn like(mut self, other: &World) -> World {
+        for slider in &other.sliders {
+            let (name, value) = (&slider.name, other.value_of(slider));
+            if self.sliders.iter().any(|known| known.name == *name) {
+                // A value that this scene does not take makes it another one, as it is.
+                let _ = self.set(name, value);
+            }
+        }
+        self
     }
 
     /// Lets time pass: paths go on, the walker walks, what is carried comes along.
@@ -248,6 +304,20 @@ mod tests {
             (4000, 1)
         );
         assert!(choices.settings.validate().is_ok());
+    }
+
+    /// Protects loudness: the law follows the algorithm until one is chosen, which then stays.
+    #[test]
+    fn the_panning_law_is_the_profile_s_until_it_is_chosen() {
+        let mut choices = Choices::of(&DemoOptions::default());
+        assert_eq!(choices.law(), PanningLaw::ConstantPower);
+        choices.set_profile(Profile::Thesis);
+        assert_eq!(choices.law(), PanningLaw::Linear);
+        choices.set_profile(Profile::March);
+        assert_eq!(choices.law(), PanningLaw::ConstantPower);
+        choices.chosen_law = Some(PanningLaw::Linear);
+        choices.set_profile(Profile::Hybrid);
+        assert_eq!(choices.law(), PanningLaw::Linear);
     }
 
     /// Protects moving scenes: paths go on until paused, and what was moved by hand stays.

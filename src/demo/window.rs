@@ -4,6 +4,7 @@ use super::{DemoError, DemoOptions};
 use crate::gpu::{WindowContext, WindowDisplay};
 use egui_glow::Painter;
 use egui_glow::egui_winit::{EventResponse, State};
+use std::sync::Arc;
 use winit::dpi::{LogicalSize, PhysicalPosition, PhysicalSize};
 use winit::event::WindowEvent;
 use winit::event_loop::{ActiveEventLoop, EventLoop};
@@ -23,7 +24,7 @@ pub struct DemoWindow {
     /// The context and the surface.
     pub gl: WindowContext,
     /// The window.
-    pub window: Window,
+    pub window: Arc<Window>,
 }
 
 /// The connection to the display.
@@ -48,7 +49,7 @@ impl DemoWindow {
     /// # Errors
     /// [`DemoError::NoWindow`], [`DemoError::Failed`].
     pub fn open(events: &ActiveEventLoop, options: &DemoOptions) -> Result<DemoWindow, DemoError> {
-        let display = WindowDisplay::of(events)?;
+        let display = WindowDisplay::of(events.owned_display_handle())?;
         let mut attributes = WindowAttributes::default()
             .with_title("Echomarch")
             .with_inner_size(LogicalSize::new(options.width, options.height))
@@ -60,8 +61,9 @@ impl DemoWindow {
         let window = window.map_err(|error| DemoError::NoWindow {
             reason: error.to_string(),
         })?;
+        let window = Arc::new(window);
         let size = window.inner_size();
-        let gl = display.context(&window, size.width, size.height)?;
+        let gl = display.context(window.clone(), size.width, size.height)?;
         gl.do_not_wait_for_refresh();
         let panels = Panels::new(events, &gl)?;
         Ok(DemoWindow { panels, gl, window })
@@ -88,6 +90,15 @@ impl DemoWindow {
     pub fn put_pointer(&self, [x, y]: [f64; 2]) {
         // Where it cannot be put it stays, and stops at the window's edge.
         let _ = self.window.set_cursor_position(PhysicalPosition::new(x, y));
+    }
+
+    /// Whether a panel lies at a place of the window, in pixels, as they were laid out last.
+    pub fn is_panel_at(&self, [x, y]: [f64; 2]) -> bool {
+        let context = &self.panels.context;
+        let scale = f64::from(context.pixels_per_point());
+        let at = egui::pos2((x / scale) as f32, (y / scale) as f32);
+        let layer = context.layer_id_at(at);
+        layer.is_some_and(|layer| layer.order != egui::Order::Background)
     }
 
     /// Tells the panels of an event; `consumed` in the answer says that it was theirs.

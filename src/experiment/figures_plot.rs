@@ -1,34 +1,43 @@
 //! The four tables as one picture: time and hits against waves, log-log.
 
 use super::figures::{FRAME_BUDGET_MS, FigureRow, FigureTable, FiguresReport};
-use plotters::coord::Shift;
+use super::log_plot::{LogAxis, Panel, PlotError, Point, Stroke, chart, draw_legend, draw_line};
 use plotters::prelude::*;
 
-type PlotError = Box<dyn std::error::Error + Send + Sync>;
-
-const WIDTH: u32 = 1100;
+const WIDTH: u32 = 1240;
 const TITLE_HEIGHT: u32 = 40;
 const ROW_HEIGHT: u32 = 340;
+/// Pixels of a plot; the legend has the rest.
+const PLOT_WIDTH: u32 = 510;
 
 /// The thesis' two machines: greys. Colours for ours, told apart by colour-blind eyes
-/// too (Okabe and Ito).
-const MOBILE: RGBColor = RGBColor(150, 150, 150);
-const DESKTOP: RGBColor = RGBColor(90, 90, 90);
-const BUDGET: RGBColor = RGBColor(204, 121, 167);
-const OURS: [RGBColor; 4] = [
-    RGBColor(213, 94, 0),
-    RGBColor(0, 114, 178),
-    RGBColor(0, 158, 115),
-    RGBColor(230, 159, 0),
+/// too (Okabe and Ito). Lines that come later lie on those before them: they are thinner, or have
+/// gaps, through which those below are seen.
+const MOBILE: Stroke = stroke(RGBColor(185, 185, 185), 7, None);
+const DESKTOP: Stroke = stroke(RGBColor(110, 110, 110), 7, None);
+const BUDGET: Stroke = stroke(RGBColor(204, 121, 167), 1, Some((12, 4)));
+const OURS: [Stroke; 4] = [
+    stroke(RGBColor(213, 94, 0), 3, None),
+    stroke(RGBColor(0, 114, 178), 4, None),
+    stroke(RGBColor(0, 200, 140), 2, Some((7, 7))),
+    stroke(RGBColor(230, 159, 0), 2, Some((2, 5))),
 ];
+
+const fn stroke(colour: RGBColor, width: u32, dash: Option<(i32, i32)>) -> Stroke {
+    Stroke {
+        colour,
+        width,
+        dash,
+    }
+}
 
 struct Curve {
     label: String,
-    colour: RGBColor,
-    points: Vec<(f64, f64)>,
+    stroke: Stroke,
+    points: Vec<Point>,
 }
 
-/// The report as an SVG picture: a row of two plots for each table.
+/// The report as an SVG picture: a row of two plots for each table, and what their lines mean.
 ///
 /// # Errors
 /// When the drawing fails, which its text says.
@@ -40,47 +49,54 @@ pub fn plot_svg(report: &FiguresReport) -> Result<String, PlotError> {
         root.fill(&WHITE)?;
         let title = format!("Figures 11.1 to 11.4, on {}", report.renderer);
         let body = root.titled(&title, ("sans-serif", 20))?;
-        let panels = body.split_evenly((report.tables.len(), 2));
-        for (index, table) in report.tables.iter().enumerate() {
-            plot_times(&panels[2 * index], table)?;
-            plot_hits(&panels[2 * index + 1], table)?;
+        let rows = body.split_evenly((report.tables.len(), 1));
+        for (row, table) in rows.iter().zip(&report.tables) {
+            let (times, rest) = row.split_horizontally(PLOT_WIDTH);
+            let (hits, legend) = rest.split_horizontally(PLOT_WIDTH);
+            let (of_times, of_hits) = (times_of(table), hits_of(table));
+            plot(&times, table, "milliseconds a frame", &of_times)?;
+            plot(&hits, table, "waves at the listener", &of_hits)?;
+            draw_legend(&legend, &entries(&of_times))?;
         }
         root.present()?;
     }
     Ok(svg)
 }
 
-fn plot_times(
-    panel: &DrawingArea<SVGBackend, Shift>,
-    table: &FigureTable,
-) -> Result<(), PlotError> {
+fn entries(curves: &[Curve]) -> Vec<(String, Stroke)> {
+    let entry = |curve: &Curve| (curve.label.clone(), curve.stroke);
+    curves.iter().map(entry).collect()
+}
+
+fn times_of(table: &FigureTable) -> Vec<Curve> {
     let mut curves = vec![
         thesis_curve(table, "thesis, GT 330M", MOBILE, |row| row.thesis.mobile_ms),
-        thesis_curve(table, "thesis, HD 3650", DESKTOP, |row| {
+        thesis_curve(table, "thesis, HD 3650; its hits", DESKTOP, |row| {
             row.thesis.desktop_ms
         }),
     ];
     curves.extend(our_curves(table, |row| row.milliseconds.total));
     let (first, last) = wave_range(table);
     curves.push(Curve {
-        label: "33.3 ms".to_owned(),
-        colour: BUDGET,
+        label: format!("{FRAME_BUDGET_MS:.1} ms"),
+        stroke: BUDGET,
         points: vec![(first, FRAME_BUDGET_MS), (last, FRAME_BUDGET_MS)],
     });
-    plot(panel, table, "milliseconds a frame", &curves)
+    curves
 }
 
-fn plot_hits(panel: &DrawingArea<SVGBackend, Shift>, table: &FigureTable) -> Result<(), PlotError> {
+/// On both of its machines the thesis counts the same.
+fn hits_of(table: &FigureTable) -> Vec<Curve> {
     let hits = |row: &FigureRow| row.thesis.listener_hits as f64;
     let mut curves = vec![thesis_curve(table, "thesis", DESKTOP, hits)];
     curves.extend(our_curves(table, |row| row.counts.listener_hits as f64));
-    plot(panel, table, "waves at the listener", &curves)
+    curves
 }
 
 fn thesis_curve(
     table: &FigureTable,
     label: &str,
-    colour: RGBColor,
+    stroke: Stroke,
     value: impl Fn(&FigureRow) -> f64,
 ) -> Curve {
     let mut points: Vec<_> = table
@@ -92,7 +108,7 @@ fn thesis_curve(
     points.dedup();
     Curve {
         label: label.to_owned(),
-        colour,
+        stroke,
         points,
     }
 }
@@ -106,7 +122,7 @@ fn our_curves(table: &FigureTable, value: impl Fn(&FigureRow) -> f64) -> Vec<Cur
             Some(curve) => curve.points.push(point),
             None => curves.push(Curve {
                 label,
-                colour: OURS[curves.len() % OURS.len()],
+                stroke: OURS[curves.len() % OURS.len()],
                 points: vec![point],
             }),
         }
@@ -121,68 +137,26 @@ fn wave_range(table: &FigureTable) -> (f64, f64) {
     (first.min(last), last.max(2.0 * first))
 }
 
-/// One log-log plot. A logarithm has no zero: such points are left out.
-fn plot(
-    panel: &DrawingArea<SVGBackend, Shift>,
-    table: &FigureTable,
-    what: &str,
-    curves: &[Curve],
-) -> Result<(), PlotError> {
-    let (first, last) = wave_range(table);
-    let values = curves.iter().flat_map(|c| &c.points).map(|p| p.1);
-    let least = values.clone().filter(|v| *v > 0.0).fold(1.0, f64::min);
-    let most = values.fold(10.0, f64::max);
-    let nothing = curves.iter().all(|c| c.points.iter().all(|p| p.1 == 0.0));
+/// One log-log plot.
+fn plot(panel: &Panel, table: &FigureTable, what: &str, curves: &[Curve]) -> Result<(), PlotError> {
+    let points = || curves.iter().flat_map(|curve| &curve.points);
+    let x = LogAxis::around(points().map(|point| point.0));
+    let y = LogAxis::around(points().map(|point| point.1));
     let caption = format!(
-        "{}: {}, {} iterations{}",
-        table.figure,
-        table.scene,
-        table.iterations,
-        if nothing { " (none)" } else { "" }
+        "{}: {}, {} iterations",
+        table.figure, table.scene, table.iterations
     );
-    let mut chart = ChartBuilder::on(panel)
-        .margin(12)
-        .margin_right(36)
-        .caption(caption, ("sans-serif", 16))
-        .x_label_area_size(40)
-        .y_label_area_size(64)
-        .build_cartesian_2d(
-            (first..last).log_scale(),
-            (0.8 * least..1.5 * most).log_scale(),
-        )?;
-    chart
-        .configure_mesh()
-        .x_desc("sound waves")
-        .y_desc(what)
-        .x_label_formatter(&|v| format!("{v:.0}"))
-        .y_label_formatter(&short)
-        .bold_line_style(BLACK.mix(0.15))
-        .light_line_style(BLACK.mix(0.04))
-        .draw()?;
+    let mut chart = chart(panel, &caption, [x, y], ["sound waves", what])?;
     for curve in curves {
-        let shown: Vec<_> = curve.points.iter().copied().filter(|p| p.1 > 0.0).collect();
-        let colour = curve.colour;
-        chart
-            .draw_series(LineSeries::new(shown.clone(), colour.stroke_width(2)))?
-            .label(curve.label.clone())
-            .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], colour.stroke_width(2)));
+        let place = |&(waves, value): &Point| (waves, y.place(value));
+        let shown: Vec<Point> = curve.points.iter().map(place).collect();
+        let stroke = curve.stroke;
+        draw_line(&mut chart, shown.clone(), stroke)?;
         if shown.len() > 2 {
-            chart.draw_series(shown.iter().map(|&p| Circle::new(p, 3, colour.filled())))?;
+            let radius = 2 + stroke.width as i32 / 2;
+            let dot = |&point: &Point| Circle::new(point, radius, stroke.colour.filled());
+            chart.draw_series(shown.iter().map(dot))?;
         }
     }
-    chart
-        .configure_series_labels()
-        .position(SeriesLabelPosition::UpperLeft)
-        .background_style(WHITE.mix(0.8))
-        .border_style(BLACK.mix(0.2))
-        .draw()?;
     Ok(())
-}
-
-fn short(value: &f64) -> String {
-    if *value >= 1.0 {
-        format!("{value:.0}")
-    } else {
-        format!("{value}")
-    }
 }

@@ -10,6 +10,7 @@ pub mod figures;
 mod figures_csv;
 mod figures_plot;
 pub mod localise;
+mod log_plot;
 mod thesis_tables;
 pub mod verify;
 

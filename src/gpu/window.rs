@@ -2,6 +2,7 @@
 //!
 //! Everything that a [`Context`] without a window can do, this one can too: the tracer shares it with the drawing.
 
+use std::any::Any;
 use std::ffi::{CStr, c_void};
 use std::num::NonZeroU32;
 use std::rc::Rc;
@@ -17,17 +18,21 @@ use glutin::context::{ContextApi, ContextAttributesBuilder, GlProfile, Version};
 use glutin::platform::x11::X11GlConfigExt;
 use glutin::prelude::*;
 use glutin::surface::{SurfaceAttributesBuilder, SwapInterval, WindowSurface};
-use winit::raw_window_handle::{HasDisplayHandle, HasWindowHandle};
+use winit::raw_window_handle::{
+    HasDisplayHandle, HasWindowHandle, RawDisplayHandle, RawWindowHandle,
+};
 
 use super::backend::Backend;
 use super::context::load;
-use super::{Api, Context, GpuError, Picture};
+use super::{Api, Context, GpuError, Picture, current};
 
-/// A display's way to OpenGL, and the kind of window that goes with it.
+/// A display's way to OpenGL, and the kind of window that goes with it. The fields go in this order: the connection
+/// to the display last.
 #[derive(Debug)]
 pub struct WindowDisplay {
     display: Display,
     config: Config,
+    connection: Box<dyn Any>,
 }
 
 /// A window's context, and the surface that it draws on.
@@ -43,19 +48,28 @@ struct Drawing {
     surface: Surface<WindowSurface>,
     context: PossiblyCurrentContext,
     display: Display,
+    _window: Box<dyn Any>,
+    _connection: Box<dyn Any>,
 }
 
 /// The window's share in [`Context`].
 struct WindowBackend(Rc<Drawing>);
 
 impl WindowDisplay {
-    /// OpenGL of the display that a windowing library is connected to.
+    /// OpenGL of the X11 display that a windowing library is connected to. The connection is kept as long as anything
+    /// made of it: to be passed by a counted reference, such as winit's `OwnedDisplayHandle`.
     ///
     /// # Errors
-    /// [`GpuError::NoContext`] with what EGL answered.
-    pub fn of(display: &impl HasDisplayHandle) -> Result<WindowDisplay, GpuError> {
-        let handle = display.display_handle().map_err(refused)?.as_raw();
-        // SAFETY: the handle is that of a connection that outlives every window of it.
+    /// [`GpuError::NoContext`] with what EGL answered, and for displays of another kind.
+    pub fn of(connection: impl HasDisplayHandle + 'static) -> Result<WindowDisplay, GpuError> {
+        // Where it stays from now on: nothing moves it, and nothing changes it.
+        let connection = Box::new(connection);
+        let handle = connection.display_handle().map_err(refused)?.as_raw();
+        if !matches!(handle, RawDisplayHandle::Xlib(_) | RawDisplayHandle::Xcb(_)) {
+            return Err(refused("the display is not of X11"));
+        }
+        // SAFETY: the handle is good while the connection is there, and the connection is kept beside all that is made
+        // of the handle, and goes after it.
         let display = unsafe { Display::new(handle) }.map_err(refused)?;
         let template = ConfigTemplateBuilder::new()
             .with_surface_type(ConfigSurfaceTypes::WINDOW)
@@ -70,7 +84,11 @@ impl WindowDisplay {
             .next()
             .ok_or_else(|| refused("EGL has no configuration for windows"))?;
         drop(configs);
-        Ok(WindowDisplay { display, config })
+        Ok(WindowDisplay {
+            display,
+            config,
+            connection,
+        })
     }
 
     /// The X11 visual that the window must be made with.
@@ -78,34 +96,44 @@ impl WindowDisplay {
         self.config.x11_visual().map(|visual| visual.visual_id())
     }
 
-    /// A context of OpenGL 3.3 core on a window of this display, of that size in pixels; it is left current. The
-    /// window must outlive it.
+    /// A context of OpenGL 3.3 core on an X11 window of this display, of that size in pixels; it is left current. The
+    /// window is kept as long as the context: to be passed by a counted reference, such as `Arc<winit::window::Window>`.
     ///
     /// # Errors
-    /// [`GpuError::NoContext`] with what EGL answered.
+    /// [`GpuError::NoContext`] with what EGL answered, and for windows of another kind.
     pub fn context(
         self,
-        window: &impl HasWindowHandle,
+        window: impl HasWindowHandle + 'static,
         width: u32,
         height: u32,
     ) -> Result<WindowContext, GpuError> {
+        // As the connection: where it stays.
+        let window = Box::new(window);
         let handle = window.window_handle().map_err(refused)?.as_raw();
+        if !matches!(handle, RawWindowHandle::Xlib(_) | RawWindowHandle::Xcb(_)) {
+            return Err(refused("the window is not of X11"));
+        }
         let attributes = ContextAttributesBuilder::new()
             .with_profile(GlProfile::Core)
             .with_context_api(ContextApi::OpenGl(Some(Version::new(3, 3))))
             .build(Some(handle));
         let (width, height) = (at_least_one(width), at_least_one(height));
         let surface = SurfaceAttributesBuilder::<WindowSurface>::new().build(handle, width, height);
-        // SAFETY: the window's handle is valid, and shares nothing with another context.
+        // SAFETY: the window's handle is good while the window is there, which is kept beside the surface and goes after
+        // it; it is a number that the display server looks up, so that a window of another connection is an error of
+        // EGL's and no more. The context shares nothing with another one.
         let (context, surface) = unsafe {
             let context = self.display.create_context(&self.config, &attributes);
             let surface = self.display.create_window_surface(&self.config, &surface);
             (context.map_err(refused)?, surface.map_err(refused)?)
         };
+        current::knows_egl(&self.display);
         let drawing = Rc::new(Drawing {
             surface,
             context: context.treat_as_possibly_current(),
             display: self.display,
+            _window: window,
+            _connection: self.connection,
         });
         let backend = Box::new(WindowBackend(drawing.clone()));
         let context = Context::from_backend(backend, Api::Gl)?;
@@ -227,6 +255,10 @@ impl Backend for WindowBackend {
             .context
             .make_current(&self.0.surface)
             .map_err(|error| error.to_string())
+    }
+
+    fn is_current(&self) -> bool {
+        self.0.context.is_current() && self.0.surface.is_current(&self.0.context)
     }
 
     fn release(&self) {

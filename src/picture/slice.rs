@@ -5,7 +5,7 @@ use super::{PictureError, marks, scale_bar, shader, wave_paths};
 use crate::error::Error;
 use crate::gpu::Context;
 use crate::scene::Scene;
-use crate::trace::{Settings, Tracer};
+use crate::trace::{Settings, Tracer, Wave};
 use image::RgbaImage;
 use tiny_skia::PixmapMut;
 
@@ -20,6 +20,8 @@ pub struct SliceOptions {
     pub bounds: Option<Bounds>,
     /// Number of waves whose paths are drawn; none for 0.
     pub paths: u32,
+    /// Paths that were traced before, as [`Tracer::paths`] gives them; drawn over the others.
+    pub also: Vec<Vec<Wave>>,
     /// How these waves are traced; `waves` is taken from `paths`.
     pub settings: Settings,
     /// Whether a scale bar stands in the lower left.
@@ -34,6 +36,7 @@ impl Default for SliceOptions {
             height: None,
             bounds: None,
             paths: 0,
+            also: Vec::new(),
             settings: Settings::default(),
             scale_bar: true,
         }
@@ -71,6 +74,7 @@ pub fn slice(
     // Opaque pixels are the same with and without premultiplied opacity.
     if let Some(mut canvas) = PixmapMut::from_bytes(&mut picture, plan.width, plan.height) {
         wave_paths::draw(&mut canvas, &plan, scene, &paths);
+        wave_paths::draw(&mut canvas, &plan, scene, &options.also);
         marks::draw(&mut canvas, &plan, scene);
         if options.scale_bar {
             scale_bar::draw(&mut canvas, &plan);

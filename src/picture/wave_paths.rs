@@ -9,9 +9,9 @@ use tiny_skia::{GradientStop, LinearGradient, Paint, PixmapMut, Point, SpreadMod
 
 /// Waves that reached the listener: vermilion.
 const REACHED: [u8; 3] = [213, 94, 0];
-/// Waves that are still on their way.
+/// Waves that are travelling.
 const TRAVELLING: [u8; 3] = [120, 128, 136];
-/// Waves that met nothing: bluish green.
+/// Waves that are dead: bluish green.
 const DEAD: [u8; 3] = [0, 158, 115];
 
 /// Length of the stub that shows where a dead wave went, as a share of the width.

@@ -25,8 +25,8 @@ pub struct MarchedWave {
     pub status: f32,
     /// Marches that ended at distance 0.
     pub zero_length_passes: u32,
-    /// Marches that were given up at the step bound.
-    pub guard_hits: u32,
+    /// Marches that reached the step limit.
+    pub step_limit_reached: u32,
     /// The least difference, in metres, between two numbers whose order decided
     /// something: a distance and the minimum distance, or the distances to two
     /// objects at the point of a hit.
@@ -55,7 +55,7 @@ fn follow_wave(scene: &Scene, settings: &Settings, direction: Vec3) -> MarchedWa
         direction,
         status: STATUS_STARTED,
         zero_length_passes: 0,
-        guard_hits: 0,
+        step_limit_reached: 0,
         margin: f32::INFINITY,
     };
     for _ in 0..settings.iterations {
@@ -73,7 +73,7 @@ fn iterate(scene: &Scene, settings: &Settings, wave: &mut MarchedWave) {
     let march = march_once(scene, settings, start, wave.direction);
     wave.margin = wave.margin.min(march.margin);
     let Some((t, object)) = march.hit else {
-        wave.guard_hits += u32::from(march.gave_up);
+        wave.step_limit_reached += u32::from(march.gave_up);
         wave.position = Vec3::ZERO;
         wave.direction = Vec3::ZERO;
         wave.status = STATUS_DEAD;

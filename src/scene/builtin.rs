@@ -99,6 +99,24 @@ fn unknown(name: &str) -> SceneError {
     SceneError::Unknown {
         name: name.to_owned(),
         builtin: BUILTIN_NAMES.join(", "),
+        nearest: nearest(name),
+    }
+}
+
+/// The built-in scene whose name is most like this one, if any is: case, spaces and underscores
+/// apart at most a third of it is mistyped.
+fn nearest(name: &str) -> Option<&'static str> {
+    let plain = name.to_lowercase().replace([' ', '_'], "-");
+    let known = BUILTIN_NAMES.into_iter();
+    let typed = known.map(|known| (strsim::damerau_levenshtein(&plain, known), known));
+    let (wrong, nearest) = typed.min()?;
+    let begins = BUILTIN_NAMES.into_iter().find(|known| {
+        let is_part = plain.len() >= 3 && known.starts_with(&plain);
+        is_part || known.split('-').any(|word| word == plain)
+    });
+    match 3 * wrong <= nearest.len() {
+        true => Some(nearest),
+        false => begins,
     }
 }
 
@@ -112,6 +130,29 @@ mod tests {
         let marked = format!("\u{feff}{}", BUILTIN[0].1);
         let scene = Scene::from_ron(&marked, "marked").unwrap();
         assert_eq!(scene, Scene::builtin(BUILTIN[0].0).unwrap());
+    }
+
+    /// Protects whoever mistypes a name: the nearest is named, and none where none is near.
+    #[test]
+    fn a_name_that_is_nearly_right_is_suggested() {
+        for (typed, meant) in [
+            ("cornr", Some("corner")),
+            ("Corner", Some("corner")),
+            ("conrer", Some("corner")),
+            ("obstacle", Some("obstacles")),
+            ("open_field", Some("open-field")),
+            ("openfield", Some("open-field")),
+            ("whispering", Some("whispering-gallery")),
+            ("mirrors", Some("parabolic-mirrors")),
+            ("trumpet", None),
+            ("x", None),
+        ] {
+            assert_eq!(nearest(typed), meant, "{typed}");
+            let told = Scene::load(typed).unwrap_err().to_string();
+            let is_asked = told.contains("did you mean");
+            assert_eq!(is_asked, meant.is_some(), "{told}");
+            assert!(meant.is_none_or(|meant| told.contains(meant)), "{told}");
+        }
     }
 
     /// Protects every file in `examples/scenes/` that ships as a built-in scene.

@@ -8,13 +8,16 @@ use std::path::PathBuf;
 pub enum SceneError {
     /// Neither a built-in name nor a file that exists.
     #[error(
-        "there is no scene {name:?}: neither a file nor one of the built-in scenes ({builtin})"
+        "there is no scene {name:?}: neither a file nor one of the built-in scenes ({builtin}){}",
+        nearest.map_or_else(String::new, |name| format!("; did you mean {name}?"))
     )]
     Unknown {
         /// What was asked for.
         name: String,
         /// The names there are, separated by commas.
         builtin: String,
+        /// The built-in scene whose name is nearly that one, if there is one.
+        nearest: Option<&'static str>,
     },
     /// The file cannot be read.
     #[error("cannot read the scene file {}: {source}", path.display())]

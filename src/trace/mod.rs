@@ -11,6 +11,7 @@
 //! The state of a wave never leaves the GPU in between. Departures from the thesis
 //! stand where they are made, in `glsl/`, and together in `docs/thesis.md`.
 
+mod budget;
 mod directions;
 mod error;
 mod frame;
@@ -26,6 +27,7 @@ mod trial;
 mod user_fields;
 mod waves;
 
+pub use budget::Budget;
 pub use error::TraceError;
 pub use frame::{Frame, Milliseconds};
 #[cfg(feature = "experiment")]
@@ -39,7 +41,7 @@ pub use settings::{
     Directions, MARCHES_PER_PASS, MAX_FIELD_STEPS, MAX_ITERATIONS, MAX_STEPS, MAX_WAVES, Profile,
     Settings,
 };
-pub use tracer::Tracer;
+pub use tracer::{HeardPaths, Tracer};
 pub use trial::{FieldTrial, TrialCommand, answer_field_trial};
 #[cfg(feature = "experiment")]
 pub(crate) use user_fields::UserFields;

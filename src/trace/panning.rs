@@ -30,14 +30,14 @@ impl Panning {
 pub struct Counts {
     /// Waves that reached the listener.
     pub listener_hits: u64,
-    /// Waves that met nothing.
+    /// Waves that met nothing, or whose march reached the step limit.
     pub dead: u64,
-    /// Waves still on their way after the last iteration.
+    /// Waves that are neither heard nor dead after the last iteration.
     pub travelling: u64,
     /// Marches (a wave in an iteration) that ended at distance 0.
     pub zero_length_passes: u64,
-    /// Marches that were given up at the step bound.
-    pub guard_hits: u64,
+    /// Marches that reached the step limit.
+    pub step_limit_reached: u64,
     /// Evaluations of the distance, where they were counted; the two before are then 0.
     #[serde(skip_serializing_if = "is_zero")]
     pub evaluations: u64,
@@ -54,9 +54,9 @@ impl Counts {
             self.evaluations += counters as u64;
             return;
         }
-        let (zero_length, guard) = unpack_counters(counters);
+        let (zero_length, step_limit) = unpack_counters(counters);
         self.zero_length_passes += u64::from(zero_length);
-        self.guard_hits += u64::from(guard);
+        self.step_limit_reached += u64::from(step_limit);
     }
 }
 
@@ -105,6 +105,9 @@ mod tests {
         assert_eq!((panning.left, panning.right), (0.25, 0.75));
         let fates = (counts.listener_hits, counts.dead, counts.travelling);
         assert_eq!(fates, (1, 1, 1));
-        assert_eq!((counts.zero_length_passes, counts.guard_hits), (3, 1));
+        assert_eq!(
+            (counts.zero_length_passes, counts.step_limit_reached),
+            (3, 1)
+        );
     }
 }

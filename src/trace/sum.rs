@@ -101,7 +101,7 @@ pub(super) fn totals(
         counts.evaluations = passes[2] as u64;
     } else {
         counts.zero_length_passes = passes[0] as u64;
-        counts.guard_hits = passes[1] as u64;
+        counts.step_limit_reached = passes[1] as u64;
     }
     (panning, counts)
 }

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-/// Status of a wave that met nothing.
+/// Status of a dead wave.
 pub const STATUS_DEAD: f32 = -1.0;
 
 /// Status of a wave that reached the listener.
@@ -11,7 +11,7 @@ pub const STATUS_LISTENER: f32 = 0.0;
 /// Status of a wave before its first march.
 pub(crate) const STATUS_STARTED: f32 = 0.5;
 
-/// Guard hits count in multiples of this in a wave's counters (`glsl/wave.glsl`).
+/// Marches that reached the step limit count in multiples of this in a wave's counters (`glsl/wave.glsl`).
 const GUARD_HIT: u32 = 4096;
 
 /// The texture that holds a number of waves: rows of `width`, wave by wave.
@@ -40,11 +40,11 @@ impl Grid {
 /// What became of a wave.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fate {
-    /// It met nothing.
+    /// It met nothing, or its march reached the step limit.
     Dead,
     /// It reached the listener.
     Listener,
-    /// It is still on its way after the last iteration.
+    /// It is neither heard nor dead after the last iteration.
     Travelling,
 }
 
@@ -74,9 +74,9 @@ pub struct Wave {
     pub status: f32,
     /// Marches that ended at distance 0. Without meaning in a frame that counts evaluations.
     pub zero_length_passes: u32,
-    /// Marches that were given up at the step bound. Without meaning in a frame that counts
+    /// Marches that reached the step limit. Without meaning in a frame that counts
     /// evaluations.
-    pub guard_hits: u32,
+    pub step_limit_reached: u32,
 }
 
 impl Wave {
@@ -93,14 +93,14 @@ pub(super) fn waves(starts: &[Vec<f32>; 2], ends: &[Vec<f32>; 2], anchor: Vec3) 
     let starts = texels(&starts[1]);
     let ends = texels(&ends[0]).into_iter().zip(texels(&ends[1]));
     let wave = |(start, (origin, direction)): ([f32; 4], ([f32; 4], [f32; 4]))| {
-        let (zero_length_passes, guard_hits) = unpack_counters(direction[3]);
+        let (zero_length_passes, step_limit_reached) = unpack_counters(direction[3]);
         Wave {
             start_direction: xyz(start),
             position: xyz(origin) + anchor,
             direction: xyz(direction),
             status: origin[3],
             zero_length_passes,
-            guard_hits,
+            step_limit_reached,
         }
     };
     starts.into_iter().zip(ends).map(wave).collect()
@@ -110,7 +110,7 @@ fn xyz(texel: [f32; 4]) -> Vec3 {
     Vec3::new(texel[0], texel[1], texel[2])
 }
 
-/// Zero-length passes and guard hits out of a texel's counters.
+/// Zero-length passes and marches that reached the step limit out of a texel's counters.
 pub(super) fn unpack_counters(counters: f32) -> (u32, u32) {
     let counters = counters as u32;
     (counters % GUARD_HIT, counters / GUARD_HIT)

@@ -78,6 +78,8 @@ impl Random {
 }
 
 #[cfg(feature = "demo")]
+pub mod drop;
+#[cfg(feature = "demo")]
 pub mod window;
 
 /// The program as a person starts it.

@@ -95,6 +95,13 @@ impl Display {
         demo
     }
 
+    /// Ends the display server, as a crash would.
+    pub fn end(&self) {
+        let pid = self.server.id().to_string();
+        let ended = Command::new("kill").args(["-9", &pid]).status().unwrap();
+        assert!(ended.success());
+    }
+
     pub fn xdotool(&self, arguments: &[&str]) -> String {
         let output = Command::new("xdotool")
             .env("DISPLAY", &self.name)
@@ -246,6 +253,14 @@ impl Demo<'_> {
         (report, picture, folder)
     }
 
+    /// Waits until the program has ended by itself: its exit code, what it printed, and what it
+    /// told.
+    pub fn ended(mut self) -> (Option<i32>, String, Vec<String>) {
+        let output = self.child.take().unwrap().wait_with_output().unwrap();
+        let printed = String::from_utf8(output.stdout).unwrap();
+        (output.status.code(), printed, self.told.iter().collect())
+    }
+
     pub fn report(&mut self) -> Value {
         let output = self.child.take().unwrap().wait_with_output().unwrap();
         let told = || self.told.iter().collect::<Vec<_>>().join("\n");
@@ -278,6 +293,18 @@ impl Image {
             width: picture.width(),
             pixels: picture.into_raw(),
         }
+    }
+
+    /// The share of pixels in these columns that are more red than blue.
+    pub fn warm(&self, columns: Range<u32>) -> f64 {
+        let pixels = self.pixels.chunks(4).enumerate();
+        let within = pixels.filter(|(index, _)| columns.contains(&(*index as u32 % self.width)));
+        let (mut all, mut warm) = (0u32, 0u32);
+        for (_, pixel) in within {
+            all += 1;
+            warm += u32::from(pixel[0] > pixel[2]);
+        }
+        f64::from(warm) / f64::from(all)
     }
 
     /// The share of pixels that differ by more than a shade, in columns that panels do not cover.

@@ -94,7 +94,7 @@ fn waves_in_a_room_with_each_field_end_as_in_the_reference() {
                 let buried = exact.surface_distance(place) < -1e-4;
                 let sound = place.is_finite()
                     && (wave.direction.length() - 1.0).abs() < 1e-4
-                    && wave.guard_hits == 0
+                    && wave.step_limit_reached == 0
                     && !buried;
                 all += 1;
                 if sound && is_same(wave, &truth, 0.0) {

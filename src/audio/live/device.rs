@@ -68,11 +68,13 @@ pub(super) fn forget_broken(error: &LiveError) {
     }
 }
 
-/// Keeps ALSA from writing to the standard error stream, on this thread.
+/// Keeps ALSA and what it loads from writing to the standard error stream: ALSA itself on this
+/// thread, JACK's client library everywhere.
 #[cfg(target_os = "linux")]
 fn hush() {
     // If it fails the lines are shown, which does no harm.
     let _ = alsa::Output::local_error_handler();
+    super::jack::hush();
 }
 
 #[cfg(not(target_os = "linux"))]
@@ -105,7 +107,9 @@ fn list() -> Vec<DeviceInfo> {
             rates: lowest..=highest,
         })
     };
-    devices.filter_map(describe).collect()
+    // ALSA lists a device that throws all sound away.
+    let plays = |device: &Device| id(device) != "null";
+    devices.filter(plays).filter_map(describe).collect()
 }
 
 /// Looks for a device by its name or its id, or for the default one.

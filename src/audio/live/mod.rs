@@ -21,6 +21,8 @@
 mod device;
 mod error;
 mod glide;
+#[cfg(target_os = "linux")]
+mod jack;
 mod link;
 mod meter;
 mod patience;

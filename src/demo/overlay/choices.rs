@@ -3,12 +3,13 @@
 use super::super::adapt::{MOST_WAVES, SCALES};
 use super::super::keys::Action;
 use super::super::sound::SOUNDS;
-use super::super::state::Choices;
+use super::super::state::{Choices, World};
+use super::super::values::ValueSlider;
 use super::{Facts, style};
 use crate::audio::PanningLaw;
 use crate::scene::BUILTIN_NAMES;
 use crate::trace::Profile;
-use egui::{ComboBox, RichText, Slider, SliderClamping, Ui};
+use egui::{Button, ComboBox, RichText, Slider, SliderClamping, Ui, Vec2};
 
 /// Metres of the shell at the slider's end.
 const WIDEST_SHELL: f64 = 1e8;
@@ -36,22 +37,15 @@ fn scene(ui: &mut Ui, facts: &Facts, chosen: &mut Choices, actions: &mut Vec<Act
     style::heading(ui, "SCENE");
     let world = facts.world;
     ui.horizontal(|ui| {
-        ComboBox::from_id_salt("scene")
-            .width(118.0)
-            .selected_text(&world.base.name)
-            .show_ui(ui, |ui| {
-                for name in BUILTIN_NAMES {
-                    let is_this = world.name == name;
-                    if ui.selectable_label(is_this, name).clicked() && !is_this {
-                        actions.push(Action::Scene(name.to_owned()));
-                    }
-                }
-            });
+        scenes(ui, facts, actions);
         if ui.button("save").on_hover_text("F5").clicked() {
             actions.push(Action::Save);
         }
     });
     ui.horizontal(|ui| {
+        if ui.button("start over").clicked() {
+            actions.push(Action::StartOver);
+        }
         let carry = if world.carrying {
             "put source down"
         } else {
@@ -60,20 +54,64 @@ fn scene(ui: &mut Ui, facts: &Facts, chosen: &mut Choices, actions: &mut Vec<Act
         if ui.button(carry).clicked() {
             actions.push(Action::PickUp);
         }
-        if ui.button("start over").clicked() {
-            actions.push(Action::StartOver);
-        }
     });
     ui.horizontal(|ui| {
         ui.checkbox(&mut chosen.paths, "paths in the plan");
         if world.moves() {
             let text = if world.paused { "go on" } else { "hold" };
-            if ui.button(text).clicked() {
+            let button = Button::new(text).min_size(Vec2::new(36.0, 0.0));
+            if ui.add(button).clicked() {
                 actions.push(Action::Pause);
             }
-            ui.monospace(format!("{:.1} s", world.looped()));
+            ui.monospace(format!("{:4.1} s", world.looped()));
         }
     });
+    for slider in &world.sliders {
+        value(ui, world, slider, actions);
+    }
+}
+
+/// The list of scenes: built-in ones, and files.
+fn scenes(ui: &mut Ui, facts: &Facts, actions: &mut Vec<Action>) {
+    let world = facts.world;
+    let mut choose = |ui: &mut Ui, name: &str, shown: &str| {
+        let is_this = world.name == name;
+        let label = ui.selectable_label(is_this, shown);
+        if label.on_hover_text(style::plain(name)).clicked() && !is_this {
+            actions.push(Action::Scene(name.to_owned()));
+        }
+    };
+    ComboBox::from_id_salt("scene")
+        .width(118.0)
+        .truncate()
+        .selected_text(style::plain(&world.base.name))
+        .show_ui(ui, |ui| {
+            for name in BUILTIN_NAMES {
+                choose(ui, name, name);
+            }
+            ui.separator();
+            for file in facts.files {
+                let name = std::path::Path::new(file).file_name();
+                let shown = name.unwrap_or_default().to_string_lossy();
+                choose(ui, file, &style::plain(&shown));
+            }
+            style::note(ui, "files: drop them on the window", style::FAINT, 1);
+        });
+}
+
+/// The slider of a named value, in the unit of its file.
+fn value(ui: &mut Ui, world: &World, of: &ValueSlider, actions: &mut Vec<Action>) {
+    let mut value = world.value_of(of);
+    let slider = slider(&mut value, of.range.clone())
+        .logarithmic(of.is_logarithmic)
+        .max_decimals(3)
+        .suffix(match of.unit {
+            "m" => " m",
+            other => other,
+        });
+    if style::slider(ui, &style::plain(&of.name), slider).changed() {
+        actions.push(Action::Set(of.name.clone(), value));
+    }
 }
 
 fn waves(ui: &mut Ui, chosen: &mut Choices, actions: &mut Vec<Action>) {
@@ -91,32 +129,36 @@ fn waves(ui: &mut Ui, chosen: &mut Choices, actions: &mut Vec<Action>) {
         }
     });
     let settings = &mut chosen.settings;
-    ui.add_enabled_ui(!chosen.adapt_waves, |ui| {
-        let most = MOST_WAVES.max(settings.waves);
-        let slider = slider(&mut settings.waves, 64..=most);
-        ui.add(slider.logarithmic(true).text("waves"));
-    });
-    ui.checkbox(&mut chosen.adapt_waves, "waves follow the frame time");
+    let most = MOST_WAVES.max(settings.waves);
+    let number = slider(&mut settings.waves, 64..=most).logarithmic(true);
+    if style::slider(ui, "waves", number).changed() {
+        // Whoever chooses the number no longer wants it to follow the time.
+        chosen.adapt_waves = false;
+    }
+    let text = "number follows the frame time";
+    ui.checkbox(&mut chosen.adapt_waves, text)
+        .on_hover_text("T: as many as fit, 4096 or more");
     let most = 64.max(settings.iterations);
-    ui.add(slider(&mut settings.iterations, 1..=most).text("iterations"));
+    style::slider(ui, "iterations", slider(&mut settings.iterations, 1..=most));
     match settings.profile {
         Profile::Thesis => {
             let slider = slider(&mut settings.min_distance, 0.001..=1.0);
             let slider = slider.custom_formatter(|metres, _| format!("{metres:.3} m"));
-            let slider = slider.logarithmic(true).text("min. dist.");
             let why = "a march ends this near to a surface: the thesis' only measure of accuracy";
-            ui.add(slider).on_hover_text(why);
+            style::slider(ui, "min. dist.", slider.logarithmic(true)).on_hover_text(why);
         }
         Profile::March => {
             let slider = slider(&mut settings.min_distance, 0.001..=WIDEST_SHELL as f32);
             let slider = slider.custom_formatter(|metres, _| shell(metres));
             let why = "within this distance of a surface steps are Newton's, along the ray";
-            ui.add(slider.logarithmic(true).text("shell"))
-                .on_hover_text(why);
+            style::slider(ui, "shell", slider.logarithmic(true)).on_hover_text(why);
         }
         _ => {
             let text = "closed form: no minimum distance";
-            ui.label(RichText::new(text).color(style::FAINT).small());
+            ui.horizontal(|ui| {
+                ui.set_min_height(style::ROW);
+                ui.label(RichText::new(text).color(style::FAINT).small());
+            });
         }
     }
 }
@@ -164,7 +206,9 @@ fn sound(ui: &mut Ui, facts: &Facts, chosen: &mut Choices, actions: &mut Vec<Act
             (PanningLaw::Linear, "linear"),
             (PanningLaw::ConstantPower, "constant power"),
         ] {
-            ui.selectable_value(&mut chosen.law, law, name);
+            if ui.selectable_label(chosen.law() == law, name).clicked() {
+                chosen.chosen_law = Some(law);
+            }
         }
     });
     let colour = if facts.sound.is_heard {
@@ -172,22 +216,24 @@ fn sound(ui: &mut Ui, facts: &Facts, chosen: &mut Choices, actions: &mut Vec<Act
     } else {
         style::BRIGHT
     };
-    ui.label(RichText::new(&facts.sound.text).color(colour).small());
+    style::note(ui, &facts.sound.text, colour, 2);
 }
 
 fn frame(ui: &mut Ui, facts: &Facts, chosen: &mut Choices) {
     style::heading(ui, "PICTURE");
     let mut follows = chosen.picture_scale.is_none();
+    let drawn = facts.drawn.size[1] as f32 / facts.window[1].max(1) as f32;
+    let mut share = chosen.picture_scale.unwrap_or(drawn);
     if ui
         .checkbox(&mut follows, "size follows the frame time")
         .clicked()
     {
-        let share = facts.drawn.size[1] as f32 / facts.window[1].max(1) as f32;
         chosen.picture_scale = (!follows).then_some(share);
     }
-    if let Some(scale) = &mut chosen.picture_scale {
-        let range = SCALES[0]..=SCALES[SCALES.len() - 1];
-        ui.add(slider(scale, range).text("of window"));
+    let range = SCALES[0]..=SCALES[SCALES.len() - 1];
+    let slider = slider(&mut share, range).fixed_decimals(2);
+    if style::slider(ui, "of window", slider).changed() {
+        chosen.picture_scale = Some(share);
     }
     ui.horizontal(|ui| {
         ui.label("waves every");
@@ -200,5 +246,5 @@ fn frame(ui: &mut Ui, facts: &Facts, chosen: &mut Choices) {
         Some(0) => (format!("{}; 0 GL errors", facts.renderer), style::FAINT),
         Some(some) => (format!("{}; {some} GL errors", facts.renderer), style::BAD),
     };
-    ui.label(RichText::new(text).color(colour).small());
+    style::note(ui, &text, colour, 1);
 }

@@ -1,16 +1,20 @@
 //! The keys, all of them, in the middle of the window.
 
 use super::super::keys::{Action, HELP};
-use super::{Facts, style};
-use egui::{Grid, RichText, Ui};
+use super::{ABOVE, MARGIN, style};
+use egui::{Grid, RichText, Ui, Vec2};
 
-/// Points of the window's height that are not for the keys.
-const HEADING: f32 = 80.0;
+/// Width of the list, in points.
+pub const WIDTH: f32 = 310.0;
+/// Points of the sheet's height that are not for the keys.
+const HEADING: f32 = 60.0;
 
-/// Shows the keys; a button closes them.
-pub fn draw(ui: &Ui, facts: &Facts, actions: &mut Vec<Action>) {
-    style::sheet(ui, "help", |ui| {
-        ui.set_width(310.0);
+/// Shows the keys in a window of that size, in points; a button closes them.
+pub fn draw(ui: &Ui, window: Vec2, actions: &mut Vec<Action>) {
+    // The line below, and a message above it.
+    let below = MARGIN + 2.0 * ABOVE;
+    style::sheet(ui, "help", -0.5 * below, |ui| {
+        ui.set_width(WIDTH.min(window.x - 2.0 * (style::INNER + MARGIN)));
         ui.horizontal(|ui| {
             ui.heading("Echomarch");
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
@@ -22,7 +26,7 @@ pub fn draw(ui: &Ui, facts: &Facts, actions: &mut Vec<Action>) {
         ui.label(
             RichText::new("Sound reaches you by waves that walls mirror.").color(style::FAINT),
         );
-        super::scrolled(ui, facts, HEADING, keys);
+        super::scrolled(ui, window.y - below - HEADING - 2.0 * MARGIN, keys);
     });
 }
 
@@ -33,7 +37,7 @@ fn keys(ui: &mut Ui) {
         Grid::new(title)
             .num_columns(2)
             .min_col_width(92.0)
-            .spacing([10.0, 2.0])
+            .spacing([10.0, 1.0])
             .show(ui, |ui| {
                 for (key, what) in keys {
                     ui.label(RichText::new(*key).strong());

@@ -5,6 +5,8 @@ use egui::{Color32, CornerRadius, Pos2, Rect, Sense, Ui, Vec2};
 
 /// Height of a meter in points.
 const METER: f32 = 9.0;
+/// Room for the number behind a meter, in points.
+const NUMBER: f32 = 54.0;
 /// Decibels at the left end of a meter.
 const QUIETEST: f32 = -48.0;
 
@@ -19,7 +21,7 @@ pub fn draw(ui: &mut Ui, facts: &Facts) {
     let pan = facts.heard.map_or(0.0, |heard| heard.panning.pan()) as f32;
     ui.horizontal(|ui| {
         ui.monospace(" ");
-        let width = ui.available_width() - 50.0;
+        let width = ui.available_width() - NUMBER;
         let (rect, _) = ui.allocate_exact_size(Vec2::new(width, METER), Sense::hover());
         let painter = ui.painter();
         let line = [rect.left_center(), rect.right_center()];
@@ -34,7 +36,7 @@ pub fn draw(ui: &mut Ui, facts: &Facts) {
 
 fn meter(ui: &mut Ui, level: f32) {
     let decibels = 20.0 * level.max(1e-6).log10();
-    let width = ui.available_width() - 50.0;
+    let width = ui.available_width() - NUMBER;
     let (rect, _) = ui.allocate_exact_size(Vec2::new(width, METER), Sense::hover());
     let painter = ui.painter();
     let round = CornerRadius::same(2);
@@ -57,32 +59,39 @@ fn meter(ui: &mut Ui, level: f32) {
 
 /// The waves by fate, and the latency by part.
 pub fn heard(ui: &mut Ui, facts: &Facts) {
-    if let Some(heard) = facts.heard {
-        let counts = &heard.counts;
-        let of = |count: u64| {
-            let all = counts.listener_hits + counts.dead + counts.travelling;
-            format!(
-                "{count} ({:.1} %)",
-                100.0 * count as f64 / all.max(1) as f64
-            )
-        };
-        for (name, count, colour) in [
-            ("heard", counts.listener_hits, style::REACHED),
-            ("on their way", counts.travelling, style::TRAVELLING),
-            ("met nothing", counts.dead, style::DEAD),
-        ] {
-            ui.horizontal(|ui| {
-                let (dot, _) = ui.allocate_exact_size(Vec2::splat(8.0), Sense::hover());
-                ui.painter().circle_filled(dot.center(), 3.5, colour);
-                style::row(ui, name, of(count));
-            });
+    let counts = facts.heard.map(|heard| &heard.counts);
+    let all = counts.map_or(0, |c| c.listener_hits + c.dead + c.travelling);
+    let of = |count: Option<u64>| match count {
+        None => "–".to_owned(),
+        Some(count) => {
+            let share = 100.0 * count as f64 / all.max(1) as f64;
+            format!("{count} ({share:5.1} %)")
         }
-        style::row(
-            ui,
+    };
+    for (name, count, colour) in [
+        ("heard", counts.map(|c| c.listener_hits), style::REACHED),
+        (
+            "travelling",
+            counts.map(|c| c.travelling),
+            style::TRAVELLING,
+        ),
+        ("dead", counts.map(|c| c.dead), style::DEAD),
+    ] {
+        ui.horizontal(|ui| {
+            let (dot, _) = ui.allocate_exact_size(Vec2::splat(8.0), Sense::hover());
+            ui.painter().circle_filled(dot.center(), 3.5, colour);
+            style::row(ui, name, of(count));
+        });
+    }
+    for (name, count) in [
+        (
             "passes of zero length",
-            counts.zero_length_passes.to_string(),
-        );
-        style::row(ui, "guard hits", counts.guard_hits.to_string());
+            counts.map(|c| c.zero_length_passes),
+        ),
+        ("step limit reached", counts.map(|c| c.step_limit_reached)),
+    ] {
+        let text = count.map_or("–".to_owned(), |count| count.to_string());
+        style::row(ui, name, text);
     }
     ui.separator();
     latency(ui, facts);

@@ -6,6 +6,8 @@ mod meters;
 mod plan;
 mod question;
 mod style;
+#[cfg(test)]
+mod tests;
 mod times;
 
 pub use plan::Plan;
@@ -25,15 +27,74 @@ use egui::{Align2, RichText, Ui, Vec2};
 const MARGIN: f32 = 8.0;
 /// Width that both side panels need, in points.
 const ROOM_FOR_BOTH: f32 = style::LEFT + style::RIGHT + 8.0 * MARGIN;
-/// Width that the line at the bottom needs beside both, in points.
+/// Width that the lines in the middle need beside both, in points.
 const ROOM_FOR_LINE: f32 = ROOM_FOR_BOTH + 400.0;
-/// From one line of text in the middle to the one above it, in points.
+/// Width of what a panel on the left takes of the window, edges included, in points. Lines in
+/// the middle keep as far from the right.
+const SIDE: f32 = style::LEFT + 2.0 * style::INNER + 2.0 * MARGIN;
+/// Width of the list of keys, edges included, in points.
+const ROOM_FOR_HELP: f32 = help::WIDTH + 2.0 * style::INNER + 2.0 * MARGIN;
+/// Height of a line of text on its own ground, with the space above it, in points.
 const ABOVE: f32 = 25.0;
+/// Height of one more line of the same text, in points.
+const ROW: f32 = 15.0;
+/// Height that a window needs to show the times below the choices, in points.
+const ROOM_FOR_TIMES: f32 = 330.0;
+
+/// Where there is room for what.
+#[derive(Clone, Copy)]
+struct Room {
+    /// The window's size in points.
+    size: Vec2,
+    /// Whether the lines of text stand below the panels, for want of room between them.
+    is_narrow: bool,
+    /// Width of a line's text at the most.
+    line: f32,
+    /// Rows of a message at the most.
+    rows: usize,
+    /// Height below panels that is left to the lines.
+    below: f32,
+    /// Whether the help leaves the panels no room.
+    is_help_alone: bool,
+}
+
+impl Room {
+    fn of(ui: &Ui, facts: &Facts, chosen: &Choices) -> Room {
+        let scale = ui.ctx().pixels_per_point();
+        let [width, height] = facts.window.map(|pixels| pixels as f32 / scale);
+        let is_narrow = width < ROOM_FOR_LINE;
+        let aside = if is_narrow || !chosen.panels {
+            3.0 * MARGIN
+        } else {
+            2.0 * SIDE
+        };
+        let rows = match (chosen.help, is_narrow) {
+            (true, _) => 1,
+            (false, true) => 2,
+            (false, false) => 4,
+        };
+        Room {
+            size: Vec2::new(width, height),
+            is_narrow,
+            line: width - aside - 2.0 * style::LINE_INNER,
+            rows,
+            below: if is_narrow { 2.0 * ABOVE + ROW } else { 0.0 },
+            is_help_alone: chosen.help && width < 2.0 * SIDE + ROOM_FOR_HELP,
+        }
+    }
+
+    /// Whether there is room for the times below the choices.
+    fn has_times(&self) -> bool {
+        self.size.y >= ROOM_FOR_TIMES
+    }
+}
 
 /// What the panels show and nobody changes there.
 pub struct Facts<'a> {
     /// The scene as it stands.
     pub world: &'a World,
+    /// Scene files that can be chosen.
+    pub files: &'a [String],
     /// What was heard last.
     pub heard: Option<&'a Frame>,
     /// The paths of some waves, by iteration.
@@ -67,24 +128,29 @@ pub struct Facts<'a> {
 /// Lays out everything; what was asked for comes out.
 pub fn draw(ui: &mut Ui, facts: &Facts, chosen: &mut Choices, plan: &mut Plan) -> Vec<Action> {
     let mut actions = Vec::new();
-    if chosen.panels && width(ui, facts) >= ROOM_FOR_BOTH {
-        left(ui, facts, chosen, plan);
+    let room = Room::of(ui, facts, chosen);
+    let panels = chosen.panels && !room.is_help_alone;
+    if panels && room.size.x >= ROOM_FOR_BOTH {
+        left(ui, facts, room, chosen, plan);
     }
-    if chosen.panels {
-        right(ui, facts, chosen, &mut actions);
-        lower(ui, facts);
+    if panels {
+        right(ui, facts, room, chosen, &mut actions);
     }
-    hint(ui, facts);
+    if panels && room.has_times() {
+        lower(ui, facts, room, chosen);
+    }
+    lines(ui, facts, room);
     if chosen.help {
-        help::draw(ui, facts, &mut actions);
+        help::draw(ui, room.size, &mut actions);
     }
     actions
 }
 
-fn left(ui: &Ui, facts: &Facts, chosen: &Choices, plan: &mut Plan) {
+fn left(ui: &Ui, facts: &Facts, room: Room, chosen: &Choices, plan: &mut Plan) {
     style::panel(ui, "left", Align2::LEFT_TOP, Vec2::splat(MARGIN), |ui| {
         ui.set_width(style::LEFT);
-        scrolled(ui, facts, 3.5 * MARGIN + below_panels(ui, facts), |ui| {
+        let most = room.size.y - room.below - 3.5 * MARGIN;
+        scrolled(ui, most, |ui| {
             plan.draw(ui, facts, chosen.paths);
             ui.add_space(3.0);
             meters::draw(ui, facts);
@@ -94,36 +160,21 @@ fn left(ui: &Ui, facts: &Facts, chosen: &Choices, plan: &mut Plan) {
     });
 }
 
-fn right(ui: &Ui, facts: &Facts, chosen: &mut Choices, actions: &mut Vec<Action>) {
+fn right(ui: &Ui, facts: &Facts, room: Room, chosen: &mut Choices, actions: &mut Vec<Action>) {
     let offset = Vec2::new(-MARGIN, MARGIN);
     style::panel(ui, "right", Align2::RIGHT_TOP, offset, |ui| {
         ui.set_width(style::RIGHT);
-        let below = style::TIMES + 4.5 * MARGIN + below_panels(ui, facts);
-        scrolled(ui, facts, below, |ui| {
+        let times = if room.has_times() { style::TIMES } else { 0.0 };
+        let most = room.size.y - room.below - times - 4.5 * MARGIN;
+        scrolled(ui, most, |ui| {
             choices::draw(ui, facts, chosen, actions);
         });
     });
 }
 
-/// The window's width in points.
-fn width(ui: &Ui, facts: &Facts) -> f32 {
-    facts.window[0] as f32 / ui.ctx().pixels_per_point()
-}
-
-/// Points below the panels that are left to the line in the middle, where it has no room
-/// between them.
-fn below_panels(ui: &Ui, facts: &Facts) -> f32 {
-    match width(ui, facts) < ROOM_FOR_LINE {
-        true => ABOVE,
-        false => 0.0,
-    }
-}
-
-/// As high as the window allows without so many points of it, and scrolled where that is too
-/// little.
-fn scrolled(ui: &mut Ui, facts: &Facts, without: f32, add: impl FnOnce(&mut Ui)) {
-    let height = facts.window[1] as f32 / ui.ctx().pixels_per_point();
-    let most = (height - without).max(80.0);
+/// As high as `most` points, and scrolled where that is too little.
+fn scrolled(ui: &mut Ui, most: f32, add: impl FnOnce(&mut Ui)) {
+    let most = most.max(60.0);
     egui::ScrollArea::vertical()
         // Else it would keep the height of the first frame's content.
         .min_scrolled_height(most)
@@ -131,52 +182,56 @@ fn scrolled(ui: &mut Ui, facts: &Facts, without: f32, add: impl FnOnce(&mut Ui))
         .show(ui, add);
 }
 
-fn lower(ui: &Ui, facts: &Facts) {
-    let offset = Vec2::new(-MARGIN, -MARGIN - below_panels(ui, facts));
+fn lower(ui: &Ui, facts: &Facts, room: Room, chosen: &Choices) {
+    let offset = Vec2::new(-MARGIN, -MARGIN - room.below);
     style::panel(ui, "lower", Align2::RIGHT_BOTTOM, offset, |ui| {
-        times::draw(ui, facts);
+        times::draw(ui, facts, chosen);
     });
 }
 
 /// What stands below the question: how the sound fares, and the last message.
 pub fn draw_below_question(ui: &Ui, facts: &Facts) {
+    let width = facts.window[0] as f32 / ui.ctx().pixels_per_point();
+    let most = (width - 5.0 * MARGIN, 2);
     let text = RichText::new(&facts.sound.text).color(style::FAINT);
-    line(ui, "hint", MARGIN, text);
-    message(ui, facts);
+    line(ui, "hint", MARGIN, most, text);
+    if let Some(message) = facts.message {
+        let text = RichText::new(message).color(style::BRIGHT);
+        line(ui, "message", MARGIN + ABOVE, most, text);
+    }
 }
 
-/// The line that is always there, and the last message above it.
-fn hint(ui: &Ui, facts: &Facts) {
+/// The line that is always there, the last message above it, and why the scene's file as it
+/// is now is not what is seen, which stands until the file is mended.
+fn lines(ui: &Ui, facts: &Facts, room: Room) {
     let text = if facts.mouse_looks {
         "the mouse looks about: Esc or a click frees it    WASD walk    F1 help"
     } else {
         HINT
     };
-    line(ui, "hint", MARGIN, RichText::new(text).color(style::TEXT));
-    message(ui, facts);
-    if let Some(why) = facts.refusal {
-        // It stands until the file is mended.
-        let text = RichText::new(format!("{why} (the last scene stays)"));
-        let text = text.color(style::BAD);
-        style::line(
-            ui,
-            "refusal",
-            Align2::CENTER_TOP,
-            Vec2::new(0.0, MARGIN),
-            text,
-        );
+    let text = RichText::new(text).color(style::TEXT);
+    line(ui, "hint", MARGIN, (room.line, 1), text);
+    let most = (room.line, room.rows);
+    let refusal = facts.refusal.map(|why| {
+        let text = format!("{why} (the last scene stays)");
+        RichText::new(text).color(style::BAD)
+    });
+    let is_above = !room.is_narrow && room.rows > 1;
+    if let Some(text) = refusal.clone().filter(|_| is_above) {
+        let offset = Vec2::new(0.0, MARGIN);
+        style::line(ui, "refusal", Align2::CENTER_TOP, offset, most, text);
+    }
+    let message = facts
+        .message
+        .map(|message| RichText::new(message).color(style::BRIGHT));
+    if let Some(text) = message.or(refusal.filter(|_| !is_above)) {
+        line(ui, "message", MARGIN + ABOVE, most, text);
     }
 }
 
-/// The last message, above the line at the bottom.
-fn message(ui: &Ui, facts: &Facts) {
-    if let Some(message) = facts.message {
-        let text = RichText::new(message).color(style::BRIGHT);
-        line(ui, "message", MARGIN + ABOVE, text);
-    }
-}
-
-/// A line of text in the middle, that far from the lower edge.
-fn line(ui: &Ui, name: &str, up: f32, text: RichText) {
-    style::line(ui, name, Align2::CENTER_BOTTOM, Vec2::new(0.0, -up), text);
+/// A line of text in the middle, that far from the lower edge, of that width and so many rows
+/// at the most.
+fn line(ui: &Ui, name: &str, up: f32, most: (f32, usize), text: RichText) {
+    let offset = Vec2::new(0.0, -up);
+    style::line(ui, name, Align2::CENTER_BOTTOM, offset, most, text);
 }

@@ -13,8 +13,8 @@ use glam::Vec3;
 
 /// Texels of the plan on its longer side.
 const TEXELS: usize = 220;
-/// Height of the plan at the most, in points.
-const HIGHEST: f32 = 210.0;
+/// Height of the plan's box, in points: the same for every scene.
+const HEIGHT: f32 = 210.0;
 /// A change of the listener's height that cuts the scene anew, in metres.
 const LEVEL: f32 = 0.25;
 /// Length of a dead wave's stub, as a share of the plan's width.
@@ -37,14 +37,14 @@ struct Cut {
 }
 
 impl Plan {
-    /// Draws the plan as wide as there is room.
+    /// Draws the plan as large as its box allows, which is as wide as there is room.
     pub fn draw(&mut self, ui: &mut Ui, facts: &Facts, paths: bool) {
         let scene = &facts.world.now;
         let bounds = self.refresh(ui.ctx(), &facts.world.name, scene);
         let size = bounds.max - bounds.min;
         let width = ui.available_width();
-        let scale = (width / size.x).min(HIGHEST / size.y);
-        let room = Vec2::new(width, scale * size.y);
+        let scale = (width / size.x).min(HEIGHT / size.y);
+        let room = Vec2::new(width, HEIGHT);
         let (whole, _) = ui.allocate_exact_size(room, Sense::hover());
         let rect = Rect::from_center_size(whole.center(), scale * Vec2::new(size.x, size.y));
         let painter = ui.painter_at(rect);

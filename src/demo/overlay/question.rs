@@ -42,7 +42,8 @@ pub fn draw(ui: &mut Ui, facts: &Facts, question: &Question, paper: &mut Paper) 
     let offset = Vec2::splat(super::MARGIN);
     style::panel(ui, "question", Align2::LEFT_TOP, offset, |ui| {
         ui.set_width(PLAN.x);
-        super::scrolled(ui, facts, 6.0 * super::MARGIN, |ui| {
+        let height = facts.window[1] as f32 / ui.ctx().pixels_per_point();
+        super::scrolled(ui, height - 6.0 * super::MARGIN, |ui| {
             content(ui, question, paper, &mut asked);
         });
     });

@@ -1,8 +1,9 @@
 //! Colours and frames of the panels.
 
+use egui::text::{LayoutJob, TextWrapping};
 use egui::{
-    Align2, Area, Color32, Context, CornerRadius, FontId, Frame, Id, Margin, RichText, TextStyle,
-    Ui, Vec2, Visuals,
+    Align2, Area, Color32, Context, CornerRadius, FontId, Frame, Id, Margin, Response, RichText,
+    Sense, Slider, TextStyle, Ui, Vec2, Visuals,
 };
 
 /// Width of the panel on the left, in points.
@@ -10,7 +11,21 @@ pub const LEFT: f32 = 236.0;
 /// Width of the panel on the right, in points.
 pub const RIGHT: f32 = 200.0;
 /// Height of the panel of times below it, in points.
-pub const TIMES: f32 = 124.0;
+pub const TIMES: f32 = 126.0;
+/// Space within a panel's edge, in points.
+pub const INNER: f32 = 7.0;
+/// Space before and after a line of text on its own ground, in points.
+pub const LINE_INNER: f32 = 8.0;
+/// Width of what stands before a slider, in points.
+pub const LABEL: f32 = 58.0;
+/// Width of a slider, in points.
+const SLIDER: f32 = 66.0;
+/// Width of the number behind a slider, in points: seven digits.
+const NUMBER: f32 = 62.0;
+/// Height of a row, in points.
+pub const ROW: f32 = 15.0;
+/// Height of a row of small text, in points.
+const SMALL_ROW: f32 = 12.0;
 
 /// Text.
 pub const TEXT: Color32 = Color32::from_rgb(214, 220, 226);
@@ -24,9 +39,9 @@ pub const SOURCE: Color32 = Color32::from_rgb(240, 176, 40);
 pub const LISTENER: Color32 = Color32::from_rgb(86, 180, 233);
 /// Waves that reached the listener.
 pub const REACHED: Color32 = Color32::from_rgb(255, 128, 44);
-/// Waves that are still on their way.
+/// Waves that are travelling.
 pub const TRAVELLING: Color32 = Color32::from_rgb(150, 160, 170);
-/// Waves that met nothing.
+/// Waves that are dead.
 pub const DEAD: Color32 = Color32::from_rgb(40, 190, 145);
 /// What must not be.
 pub const BAD: Color32 = Color32::from_rgb(255, 96, 84);
@@ -70,7 +85,7 @@ pub fn frame() -> Frame {
     Frame::new()
         .fill(BACK)
         .corner_radius(CornerRadius::same(5))
-        .inner_margin(Margin::same(7))
+        .inner_margin(Margin::same(INNER as i8))
 }
 
 /// A panel at a place of the window.
@@ -81,18 +96,23 @@ pub fn panel(ui: &Ui, name: &str, at: Align2, offset: Vec2, add: impl FnOnce(&mu
     });
 }
 
-/// A panel in the middle, which nothing shines through.
-pub fn sheet(ui: &Ui, name: &str, add: impl FnOnce(&mut Ui)) {
-    let area = Area::new(Id::unique(name)).anchor(Align2::CENTER_CENTER, Vec2::ZERO);
+/// A panel in the middle, which nothing shines through,
+/// but for so many points below it.
+pub fn sheet(ui: &Ui, name: &str, down: f32, add: impl FnOnce(&mut Ui)) {
+    let offset = Vec2::new(0.0, down);
+    let area = Area::new(Id::unique(name)).anchor(Align2::CENTER_CENTER, offset);
     at_once(ui, name, area, |ui| {
         frame().fill(BACK.to_opaque()).show(ui, add);
     });
 }
 
-/// A line of text at a place of the window, on a ground of its own; no mouse meets it.
-pub fn line(ui: &Ui, name: &str, at: Align2, offset: Vec2, text: RichText) {
+/// Text at a place of the window, on a ground of its own, of that width in points and so many
+/// rows at the most; no mouse meets it.
+pub fn line(ui: &Ui, name: &str, at: Align2, offset: Vec2, most: (f32, usize), text: RichText) {
     let area = Area::new(Id::unique(name)).anchor(at, offset);
-    at_once(ui, name, area.interactable(false), |ui| label(ui, text));
+    at_once(ui, name, area.interactable(false), |ui| {
+        label(ui, most, text)
+    });
 }
 
 /// Shows an area whole in the very frame that it is first wanted in, so that a picture of
@@ -109,19 +129,74 @@ fn at_once(ui: &Ui, name: &str, area: Area, add: impl FnOnce(&mut Ui)) {
     }
 }
 
-fn label(ui: &mut Ui, text: RichText) {
+fn label(ui: &mut Ui, (width, rows): (f32, usize), text: RichText) {
     Frame::new()
         .fill(BACK)
         .corner_radius(CornerRadius::same(5))
-        .inner_margin(Margin::symmetric(8, 3))
+        .inner_margin(Margin::symmetric(LINE_INNER as i8, 3))
         .show(ui, |ui| {
             // A long sentence goes on below; the area itself knows no width yet.
-            let most = ui.ctx().content_rect().width() - 40.0;
-            let wrap = Some(egui::TextWrapMode::Wrap);
             let text = egui::WidgetText::from(text);
-            let text = text.into_galley(ui, wrap, most, TextStyle::Body);
-            ui.label(text);
+            let job = text.into_layout_job(ui.style(), TextStyle::Body.into(), egui::Align::Center);
+            let mut job = (*job).clone();
+            job.wrap = TextWrapping {
+                max_width: width,
+                max_rows: rows,
+                break_anywhere: false,
+                overflow_character: Some('…'),
+            };
+            let galley = ui.ctx().fonts_mut(|fonts| fonts.layout_job(job));
+            ui.label(galley);
         });
+}
+
+/// A row with its name before it, the same width for all.
+pub fn named<T>(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui) -> T) -> T {
+    ui.horizontal(|ui| {
+        let size = Vec2::new(LABEL, ROW);
+        let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
+        let at = rect.left_center();
+        let font = TextStyle::Body.resolve(ui.style());
+        let painter = ui.painter_at(rect);
+        let drawn = painter.text(at, Align2::LEFT_CENTER, name, font, TEXT);
+        if drawn.width() > rect.width() {
+            response.on_hover_text(name);
+        }
+        add(ui)
+    })
+    .inner
+}
+
+/// A slider in a row of its own, whose parts stay where they are whatever the number.
+pub fn slider(ui: &mut Ui, name: &str, slider: Slider) -> Response {
+    named(ui, name, |ui| {
+        ui.spacing_mut().slider_width = SLIDER;
+        ui.spacing_mut().interact_size.x = NUMBER;
+        ui.add(slider)
+    })
+}
+
+/// Small text in a box of so many rows, whatever it says.
+pub fn note(ui: &mut Ui, text: &str, colour: Color32, rows: usize) {
+    let size = Vec2::new(ui.available_width(), SMALL_ROW * rows as f32);
+    let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
+    let mut job = LayoutJob::simple(
+        text.to_owned(),
+        TextStyle::Small.resolve(ui.style()),
+        colour,
+        rect.width(),
+    );
+    job.wrap.max_rows = rows;
+    let galley = ui.ctx().fonts_mut(|fonts| fonts.layout_job(job));
+    if galley.elided {
+        response.on_hover_text(text);
+    }
+    ui.painter_at(rect).galley(rect.min, galley, colour);
+}
+
+/// A name from a file in one line, whatever is in it.
+pub fn plain(name: &str) -> String {
+    crate::text::in_a_line(name).into_owned()
 }
 
 /// A heading within a panel.

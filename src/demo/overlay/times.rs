@@ -1,6 +1,7 @@
 //! The frames' times by part, against the time that a frame may take.
 
 use super::super::report::{FrameTimes, medians};
+use super::super::state::Choices;
 use super::{Facts, style};
 use egui::{Color32, Pos2, Rect, RichText, Sense, Ui, Vec2};
 
@@ -24,46 +25,77 @@ pub const FRAMES: usize = 100;
 /// Milliseconds at the top, as a share of the time that a frame may take.
 const TOP: f64 = 1.5;
 
-/// Draws one bar a frame and the legend with medians.
-pub fn draw(ui: &mut Ui, facts: &Facts) {
+/// Draws what adapts, one bar a frame, and the legend with medians.
+pub fn draw(ui: &mut Ui, facts: &Facts, chosen: &Choices) {
     let shown = &facts.times[facts.times.len().saturating_sub(FRAMES)..];
     let middle = medians(shown);
     ui.set_width(style::RIGHT);
+    let fps = 1000.0 / middle.whole.max(1e-3);
+    let colour = if middle.whole > 1.02 * facts.target {
+        style::BAD
+    } else {
+        style::BRIGHT
+    };
+    let [width, height] = facts.drawn.size;
+    let picture = format!("{width:>5}×{height:<5}");
+    let waves = format!("{:>11}", chosen.settings.waves);
     ui.horizontal(|ui| {
-        let fps = 1000.0 / middle.whole.max(1e-3);
-        let colour = if middle.whole > 1.02 * facts.target {
-            style::BAD
-        } else {
-            style::BRIGHT
-        };
         ui.label(
-            RichText::new(format!("{fps:.0} fps"))
+            RichText::new(format!("{fps:3.0} fps"))
                 .color(colour)
-                .strong(),
+                .monospace(),
         );
-        let [width, height] = facts.drawn.size;
-        let text = format!("picture {width}×{height}");
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            ui.label(RichText::new(text).color(style::FAINT));
-        });
+        adapted(ui, "picture", &picture, chosen.picture_scale.is_none());
+    });
+    ui.horizontal(|ui| {
+        adapted(ui, "waves", &waves, chosen.adapt_waves);
     });
     bars(ui, facts, shown);
-    ui.horizontal_wrapped(|ui| {
-        ui.spacing_mut().item_spacing.x = 7.0;
-        for (name, colour, of) in PARTS {
-            // No line breaks between a name and its number.
-            let text = format!("{name}\u{a0}{:.1}", of(&middle));
-            ui.label(
-                RichText::new(text.replace(' ', "\u{a0}"))
-                    .color(colour)
-                    .small(),
-            );
-        }
+    legend(ui, &middle);
+}
+
+/// A number that may follow the frame's time, and whether it does.
+fn adapted(ui: &mut Ui, name: &str, number: &str, follows: bool) {
+    let (word, colour) = match follows {
+        true => ("follows", style::BRIGHT),
+        false => ("fixed  ", style::FAINT),
+    };
+    ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+        ui.label(RichText::new(word).color(colour).monospace());
+        ui.label(RichText::new(number).monospace());
+        ui.label(RichText::new(name).color(style::FAINT));
     });
 }
 
+/// The parts' colours and medians, each in a place of its own.
+fn legend(ui: &mut Ui, middle: &FrameTimes) {
+    const COLUMNS: usize = 3;
+    const ROW: f32 = 13.0;
+    let rows = PARTS.len().div_ceil(COLUMNS);
+    let size = Vec2::new(style::RIGHT, ROW * rows as f32);
+    let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
+    let cell = Vec2::new(style::RIGHT / COLUMNS as f32, ROW);
+    let painter = ui.painter_at(rect);
+    for (index, (name, colour, of)) in PARTS.into_iter().enumerate() {
+        let place = Vec2::new((index % COLUMNS) as f32, (index / COLUMNS) as f32);
+        let place = Rect::from_min_size(rect.min + place * cell, cell);
+        let font = egui::FontId::proportional(9.5);
+        let left = egui::Align2::LEFT_CENTER;
+        painter.text(place.left_center(), left, name, font, colour);
+        let milliseconds = of(middle);
+        let decimals = usize::from(milliseconds < 100.0);
+        painter.text(
+            place.right_center() - Vec2::new(6.0, 0.0),
+            egui::Align2::RIGHT_CENTER,
+            format!("{milliseconds:.decimals$}"),
+            egui::FontId::monospace(9.5),
+            colour,
+        );
+    }
+}
+
 fn bars(ui: &mut Ui, facts: &Facts, shown: &[FrameTimes]) {
-    let size = Vec2::new(style::RIGHT, 52.0);
+    let size = Vec2::new(style::RIGHT, 40.0);
     let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 2, Color32::from_black_alpha(120));

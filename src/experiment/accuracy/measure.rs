@@ -146,7 +146,7 @@ mod tests {
             direction: Vec3::X,
             status,
             zero_length_passes: 0,
-            guard_hits: 0,
+            step_limit_reached: 0,
         }
     }
 

@@ -3,13 +3,15 @@
 
 use super::recommend::{ITERATIONS, comparable, pareto_front};
 use super::report::{AccuracyReport, Row, SceneReport};
+use crate::experiment::log_plot::{
+    LogAxis, Panel, PlotError, Point, Stroke, chart, draw_legend, draw_line,
+};
 use crate::trace::Profile;
-use plotters::coord::Shift;
 use plotters::prelude::*;
 
-type PlotError = Box<dyn std::error::Error + Send + Sync>;
-
-const WIDTH: u32 = 1200;
+const WIDTH: u32 = 1280;
+/// Pixels of a plot; the legend has the rest.
+const PLOT_WIDTH: u32 = 560;
 const TITLE_HEIGHT: u32 = 48;
 const ROW_HEIGHT: u32 = 460;
 
@@ -20,11 +22,13 @@ const COLOURS: [(Profile, RGBColor); 3] = [
     (Profile::Hybrid, RGBColor(0, 158, 115)),
 ];
 const FRONT: RGBColor = RGBColor(60, 60, 60);
+const FRONT_LINE: Stroke = Stroke {
+    colour: FRONT,
+    width: 1,
+    dash: None,
+};
 
-/// Milliseconds and error.
-type Point = (f64, f64);
-
-/// A row's point, and the radius that its number of waves is drawn with.
+/// A row's point (milliseconds and error), and the radius that its number of waves is drawn with.
 type Dot = (Point, i32);
 
 /// The report as an SVG picture: a row of two plots for each scene.
@@ -43,86 +47,72 @@ pub fn plot_svg(report: &AccuracyReport) -> Result<String, PlotError> {
             report.renderer
         );
         let body = root.titled(&title, ("sans-serif", 20))?;
-        let panels = body.split_evenly((rows, 2));
-        for (index, scene) in report.scenes.iter().enumerate() {
-            let seeds = report.seeds;
-            let what = format!("RMS panning error over {seeds} seeds");
-            let corner = SeriesLabelPosition::LowerLeft;
-            plot(&panels[2 * index], scene, &what, corner, |row| {
-                row.panning.rms
-            })?;
+        for (row, scene) in body.split_evenly((rows, 1)).iter().zip(&report.scenes) {
+            let (left, rest) = row.split_horizontally(PLOT_WIDTH);
+            let (right, legend) = rest.split_horizontally(PLOT_WIDTH);
+            let what = format!("RMS panning error over {} seeds", report.seeds);
+            plot(&left, scene, &what, |row| row.panning.rms)?;
             let what = "median end-point error, metres";
-            let middle = SeriesLabelPosition::MiddleLeft;
-            plot(&panels[2 * index + 1], scene, what, middle, |row| {
-                row.waves.end.median
-            })?;
+            plot(&right, scene, what, |row| row.waves.end.median)?;
+            draw_legend(&legend, &entries())?;
         }
         root.present()?;
     }
     Ok(svg)
 }
 
-/// One log-log plot. A logarithm has no zero: such points are left out.
+/// What dots and line mean.
+fn entries() -> Vec<(String, Stroke)> {
+    let dot = |(profile, colour): (Profile, RGBColor)| {
+        let stroke = Stroke {
+            colour,
+            width: 0,
+            dash: None,
+        };
+        (profile.to_string(), stroke)
+    };
+    let mut all: Vec<(String, Stroke)> = COLOURS.into_iter().map(dot).collect();
+    all.push(("Pareto front".to_owned(), FRONT_LINE));
+    all
+}
+
+/// One log-log plot.
 fn plot(
-    panel: &DrawingArea<SVGBackend, Shift>,
+    panel: &Panel,
     scene: &SceneReport,
     what: &str,
-    legend: SeriesLabelPosition,
     error: impl Fn(&Row) -> f64,
 ) -> Result<(), PlotError> {
-    let dots = COLOURS.map(|(profile, colour)| (profile, colour, dots(scene, profile, &error)));
+    let dots = COLOURS.map(|(profile, colour)| (colour, dots(scene, profile, &error)));
     let all: Vec<Point> = dots
         .iter()
-        .flat_map(|of| of.2.iter().map(|dot| dot.0))
+        .flat_map(|of| of.1.iter().map(|dot| dot.0))
         .collect();
-    let x = range(all.iter().map(|point| point.0), 1.3);
-    let y = decades(range(all.iter().map(|point| point.1), 1.2));
-    let mut chart = ChartBuilder::on(panel)
-        .margin(14)
-        .margin_right(30)
-        .caption(&scene.scene, ("sans-serif", 17))
-        .x_label_area_size(44)
-        .y_label_area_size(70)
-        .build_cartesian_2d((x.0..x.1).log_scale(), (y.0..y.1).log_scale())?;
-    chart
-        .configure_mesh()
-        .x_desc("milliseconds a frame")
-        .y_desc(what)
-        .x_label_formatter(&short)
-        .y_label_formatter(&short)
-        .bold_line_style(BLACK.mix(0.15))
-        .light_line_style(BLACK.mix(0.04))
-        .draw()?;
+    let x = LogAxis::around(all.iter().map(|point| point.0));
+    let y = LogAxis::around(all.iter().map(|point| point.1));
+    let place = |point: Point| (point.0, y.place(point.1));
+    let axes = ["milliseconds a frame", what];
+    let mut chart = chart(panel, &scene.scene, [x, y], axes)?;
     let front = pareto_front(&all);
-    chart
-        .draw_series(LineSeries::new(steps(&front, x.1), FRONT.stroke_width(1)))?
-        .label("Pareto front")
-        .legend(|(x, y)| PathElement::new([(x, y), (x + 18, y)], FRONT.stroke_width(1)));
-    for (profile, colour, dots) in dots {
-        let circle = |&(point, size): &Dot| Circle::new(point, size, colour.mix(0.75).filled());
-        chart
-            .draw_series(dots.iter().map(circle))?
-            .label(profile.to_string())
-            .legend(move |(x, y)| Circle::new((x + 9, y), 4, colour.filled()));
+    let stairs = steps(&front, x.end()).into_iter().map(place).collect();
+    draw_line(&mut chart, stairs, FRONT_LINE)?;
+    for (colour, dots) in dots {
+        let circle =
+            |&(point, size): &Dot| Circle::new(place(point), size, colour.mix(0.75).filled());
+        chart.draw_series(dots.iter().map(circle))?;
     }
-    let ring = |&point: &Point| Circle::new(point, 9, FRONT.stroke_width(1));
+    let ring = |&point: &Point| Circle::new(place(point), 9, FRONT.stroke_width(1));
     chart.draw_series(front.iter().map(ring))?;
-    chart
-        .configure_series_labels()
-        .position(legend)
-        .background_style(WHITE.mix(0.85))
-        .border_style(BLACK.mix(0.2))
-        .draw()?;
     Ok(())
 }
 
-/// The [`comparable`] rows of a profile; those that a logarithm cannot show are left out.
+/// The [`comparable`] rows of a profile, but for those that took no time.
 fn dots(scene: &SceneReport, profile: Profile, error: impl Fn(&Row) -> f64) -> Vec<Dot> {
     let name = profile.to_string();
     comparable(&scene.rows)
         .filter(|row| row.case.profile == name)
         .map(|row| ((row.speed.total_ms, error(row)), radius(row.case.waves)))
-        .filter(|((time, error), _)| *time > 0.0 && *error > 0.0)
+        .filter(|((time, error), _)| *time > 0.0 && error.is_finite())
         .collect()
 }
 
@@ -141,32 +131,4 @@ fn steps(front: &[Point], end: f64) -> Vec<Point> {
         stairs.extend([point, (until, point.1)]);
     }
     stairs
-}
-
-/// From a bit below the least to a bit above the most of these; something for nothing.
-fn range(values: impl Iterator<Item = f64>, margin: f64) -> (f64, f64) {
-    let (least, most) = values.fold((f64::INFINITY, 0.0), |(least, most), value| {
-        (f64::min(least, value), f64::max(most, value))
-    });
-    if most > 0.0 {
-        (least / margin, most * margin)
-    } else {
-        (0.1, 10.0)
-    }
-}
-
-/// The powers of ten around a range: an axis that begins and ends with a number.
-fn decades((least, most): (f64, f64)) -> (f64, f64) {
-    let power = |value: f64| 10f64.powf(value);
-    (power(least.log10().floor()), power(most.log10().ceil()))
-}
-
-/// A tick of the axis: one digit that counts.
-fn short(value: &f64) -> String {
-    let power = value.log10().floor() as i32;
-    match power {
-        -2 | -1 => format!("{value:.*}", power.unsigned_abs() as usize),
-        0..=4 => format!("{value:.0}"),
-        _ => format!("{value:.0e}"),
-    }
 }

@@ -125,7 +125,7 @@ impl Judge {
             && !(no_ends && (result.lost > 0 || !as_by_chance))
             && result.not_finite == 0
             && result.inside == 0
-            && result.guard_hits == 0
+            && result.step_limit_reached == 0
             && result.length_error <= LENGTH_ROUNDING;
         result
     }
@@ -156,7 +156,7 @@ impl Judge {
             result.deepest = result.deepest.max(depth);
         }
         if let Some(end) = path.last() {
-            result.guard_hits += u64::from(end.guard_hits);
+            result.step_limit_reached += u64::from(end.step_limit_reached);
             result.zero_length_passes += u64::from(end.zero_length_passes);
         }
     }

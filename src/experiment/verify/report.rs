@@ -56,8 +56,8 @@ pub struct ProfileResult {
     pub inside: usize,
     /// How deep at the most; metres.
     pub deepest: f64,
-    /// Marches that ended at the step bound.
-    pub guard_hits: u64,
+    /// Marches that reached the step limit.
+    pub step_limit_reached: u64,
     /// Largest difference of a direction's length from 1.
     pub length_error: f64,
     /// Marches that ended at distance 0.
@@ -100,8 +100,11 @@ impl ProfileResult {
                 short(self.deepest)
             ));
         }
-        if self.guard_hits > 0 {
-            add(format!("{} at the step bound", self.guard_hits));
+        if self.step_limit_reached > 0 {
+            add(format!(
+                "step limit reached {} times",
+                self.step_limit_reached
+            ));
         }
         if self.length_error > super::judge::LENGTH_ROUNDING {
             add(format!("length off by {}", short(self.length_error)));

@@ -17,14 +17,18 @@ use std::fmt::Write;
 pub fn ahead_sources(scene: &Scene, difference_normals: bool) -> Vec<Source> {
     let text = Text::new(scene);
     let mut sources = vec![source!("rounding.glsl")];
-    sources.extend(text.shape_files(distance_file));
+    if difference_normals {
+        sources.extend(text.shape_files(distance_file));
+    }
     sources.extend(land_files(&text));
     sources.extend(text.shape_files(gradient_file));
+    sources.extend(text.shape_files(ahead_file));
     add_once(&mut sources, text.data_file());
     let fields = field_files(text.fields(), true, &text.assets);
     add_once(&mut sources, fields);
     sources.extend(text.turn_file());
     sources.push(source!("distance/listener.glsl"));
+    sources.push(source!("ahead/listener.glsl"));
     let mut functions = text.uniforms();
     functions += &text.of_fields(|_| true, value_text);
     functions += &text.of_fields(|_| true, gradient_text);
@@ -51,6 +55,18 @@ fn gradient_file(shape: &Shape) -> Option<Source> {
     })
 }
 
+/// The file of the distance to a basic shape that can still be met; a room's stands with its
+/// gradient.
+fn ahead_file(shape: &Shape) -> Option<Source> {
+    Some(match shape {
+        Shape::Plane => source!("ahead/plane.glsl"),
+        Shape::Box { .. } => source!("ahead/box.glsl"),
+        Shape::Sphere { .. } => source!("ahead/sphere.glsl"),
+        Shape::Cylinder { .. } => source!("ahead/cylinder.glsl"),
+        Shape::Room { .. } | Shape::Field(_) => return None,
+    })
+}
+
 /// What the functions below call for the surfaces in cells.
 fn ahead_in_cells(text: &Text) -> Vec<Source> {
     if text.kinds.is_empty() {
@@ -60,10 +76,10 @@ fn ahead_in_cells(text: &Text) -> Vec<Source> {
     let distance = of_kind(
         text,
         "// The distance to a basic shape in cells, by its kind and the place of its values.\n\
-         float distanceOfKind(float kind, int data, vec3 p, bool left) {\n",
+         float distanceOfKind(float kind, int data, vec3 p, vec3 d, bool left) {\n",
         basic,
         |named| {
-            let distance = named.distance("p");
+            let distance = named.distance_ahead("p", "d");
             format!("return {};", named.unless_left("left", "1e30", &distance))
         },
         "    return 1e30;\n",
@@ -88,21 +104,15 @@ fn distance_ahead(text: &Text) -> String {
     let mut out = String::from(
         "// Distance to the nearest object that a wave at p along d can meet, its number, and\n\
          // the distance to the second nearest. What the wave leaves (last) is out of its way\n\
-         // when it is convex; of a room only the walls ahead count.\n\
+         // when it is convex, and so is all that it recedes from; of a room only the walls\n\
+         // ahead count.\n\
          float distanceAhead(vec3 p, vec3 d, float last, out float object, out float second) {\n    \
-         float nearest = listenerDistance(p);\n    object = 0.0;\n    second = 1e30;\n    \
+         float nearest = sdListenerAhead(p, d);\n    object = 0.0;\n    second = 1e30;\n    \
          float candidate;\n",
     );
     for named in text.loose.iter().filter(|named| named.field().is_none()) {
-        let distance = match named.surface.shape {
-            Shape::Room { .. } => format!(
-                "sdRoomAhead({}, {}{})",
-                named.point("p"),
-                named.vector("d"),
-                named.size()
-            ),
-            _ => named.unless_left(&named.left(), "1e30", &named.distance("p")),
-        };
+        let distance = named.distance_ahead("p", "d");
+        let distance = named.unless_left(&named.left(), "1e30", &distance);
         let _ = writeln!(
             out,
             "    // {}\n    candidate = {distance};\n    \

@@ -163,6 +163,17 @@ impl<'a> Named<'a> {
         }
     }
 
+    /// The distance to a basic shape that a wave at `p` along `d` can still meet.
+    pub fn distance_ahead(&self, p: &str, d: &str) -> String {
+        let (shape, point, vector) = (self.shape(), self.point(p), self.vector(d));
+        let size = match self.surface.shape {
+            // With the slack within which rounding decides on the side of a face.
+            Shape::Box { .. } => format!(", {}", self.value(1)),
+            _ => self.size(),
+        };
+        format!("sd{shape}Ahead({point}, {vector}{size})")
+    }
+
     /// The gradient of a field at a point of its own axes, with the value last.
     pub fn field_gradient(&self, q: &str) -> String {
         format!("gradient{}({q}{})", self.tag, self.data_argument())

@@ -15,6 +15,7 @@
 // glsl/distance/sphere.glsl
 // glsl/dual/sphere.glsl
 // glsl/distance/listener.glsl
+// glsl/ahead/listener.glsl
 // the surfaces
 uniform vec4 uSurfaces[1];
 
@@ -41,9 +42,10 @@ vec4 gradient1(vec3 p) {
 // the scene
 // Distance to the nearest object that a wave at p along d can meet, its number, and
 // the distance to the second nearest. What the wave leaves (last) is out of its way
-// when it is convex; of a room only the walls ahead count.
+// when it is convex, and so is all that it recedes from; of a room only the walls
+// ahead count.
 float distanceAhead(vec3 p, vec3 d, float last, out float object, out float second) {
-    float nearest = listenerDistance(p);
+    float nearest = sdListenerAhead(p, d);
     object = 0.0;
     second = 1e30;
     float candidate;

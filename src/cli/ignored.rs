@@ -1,0 +1,136 @@
+//! Options that would change nothing are refused, and those that have another name now.
+
+use super::exit::BadInput;
+use clap::ArgMatches;
+use clap::parser::ValueSource;
+
+/// Options that a subcommand takes and does not use.
+struct Ignored {
+    /// The subcommand, and the one below it.
+    command: &'static [&'static str],
+    options: &'static [&'static str],
+    /// Whether it is so with these arguments.
+    when: fn(&ArgMatches) -> bool,
+    because: &'static str,
+}
+
+const IGNORED: &[Ignored] = &[
+    Ignored {
+        command: &["info"],
+        options: &["gl", "gpu"],
+        when: always,
+        because: "it lists every renderer",
+    },
+    Ignored {
+        command: &["localise", "score"],
+        options: &["gl", "gpu"],
+        when: always,
+        because: "it traces nothing",
+    },
+    Ignored {
+        command: &["shader"],
+        options: &["gpu"],
+        when: always,
+        because: "it needs no renderer",
+    },
+    Ignored {
+        command: &["shader"],
+        options: &["json"],
+        when: |given| is_given(given, "output"),
+        because: "the text goes to the file of --output",
+    },
+    Ignored {
+        command: &["slice"],
+        options: &["waves"],
+        when: |given| !is_given(given, "heard_paths"),
+        because: "--paths says how many waves are followed",
+    },
+    Ignored {
+        command: &["slice"],
+        options: &["iterations_per_pass", "sum_on_gpu"],
+        when: always,
+        because: "--paths says how many waves are followed",
+    },
+    Ignored {
+        command: &["slice"],
+        options: &[
+            "profile",
+            "iterations",
+            "seed",
+            "directions",
+            "min_distance",
+            "max_distance",
+            "difference_normals",
+            "no_landing",
+        ],
+        when: |given| !is_given(given, "paths") && !is_given(given, "heard_paths"),
+        because: "no waves are followed without --paths",
+    },
+    Ignored {
+        command: &["demo"],
+        options: &[],
+        when: |given| is_given(given, "list_devices"),
+        because: "--list-devices opens no window",
+    },
+];
+
+/// Options that were renamed, with what they are called now.
+const RENAMED: &[(&str, &str, &str)] = &[
+    (
+        "slice",
+        "height",
+        "--cut-height is the height of the cut in metres, --image-width the picture's in pixels",
+    ),
+    ("slice", "width", "--image-width is the picture's in pixels"),
+    (
+        "view",
+        "height",
+        "--image-height is the picture's in pixels",
+    ),
+    ("view", "width", "--image-width is the picture's in pixels"),
+];
+
+fn always(_: &ArgMatches) -> bool {
+    true
+}
+
+/// Refuses what was typed and would change nothing.
+pub fn check(matches: &ArgMatches) -> Result<(), BadInput> {
+    let (mut path, mut given) = (Vec::new(), matches);
+    while let Some((name, below)) = given.subcommand() {
+        path.push(name);
+        given = below;
+    }
+    let name = path.join(" ");
+    for (_, option, now) in RENAMED.iter().filter(|(command, ..)| *command == name) {
+        if is_given(given, option) {
+            let text = format!("{name} has no --{option} any more: {now}");
+            return Err(BadInput(text));
+        }
+    }
+    let rules = IGNORED.iter().filter(|rule| rule.command == path);
+    for rule in rules.filter(|rule| (rule.when)(given)) {
+        let wanted = |id: &&str| match rule.options {
+            // Everything but what prints the list.
+            [] => !["list_devices", "json", "quiet"].contains(id),
+            options => options.contains(id),
+        };
+        let mut ids = given.ids().map(clap::Id::as_str).filter(wanted);
+        if let Some(id) = ids.find(|id| is_given(given, id)) {
+            let option = match id {
+                "scene" => "a scene".to_owned(),
+                id => format!("--{}", id.replace('_', "-")),
+            };
+            let because = rule.because;
+            let text = format!("{option} has no effect on {name}: {because}");
+            return Err(BadInput(text));
+        }
+    }
+    Ok(())
+}
+
+/// Whether an option was typed: not, if the subcommand has none of that name.
+fn is_given(given: &ArgMatches, id: &str) -> bool {
+    let is_known = given.ids().any(|known| known.as_str() == id);
+    is_known && given.value_source(id) == Some(ValueSource::CommandLine)
+}

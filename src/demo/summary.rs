@@ -1,0 +1,107 @@
+//! What is told of a frame, and of the run at its end.
+
+use super::app::App;
+use super::report::{FrameLine, Report, Standing};
+use super::save::trace_call;
+use super::state::World;
+use crate::scene::Scene;
+use std::io::Write;
+use std::time::SystemTime;
+
+impl App {
+    /// Tells the frame just drawn, if that is asked for.
+    pub fn log_frame(&self, began: SystemTime) {
+        if !self.options.log_frames {
+            return;
+        }
+        let since_1970 = began.duration_since(SystemTime::UNIX_EPOCH);
+        let line = FrameLine {
+            frame: self.recorder.frames,
+            began: since_1970.unwrap_or_default().as_secs_f64(),
+            seconds: self.seconds(),
+            traced: self.recorder.traced,
+            heard: self.recorder.last_heard(),
+            waves: self.choices.settings.waves,
+            adapts_waves: self.choices.adapt_waves,
+            scene: &self.world.name,
+            values: &self.world.values,
+            mouse_looks: self.mouse_looks,
+            paths_heard: self.paths.heard(),
+            listener: self.world.now.listener.position.to_array(),
+            sound: self.sound.is_heard,
+        };
+        if let Ok(line) = serde_json::to_string(&line) {
+            // Whoever drove the window may have gone.
+            let _ = writeln!(std::io::stderr(), "{line}");
+        }
+    }
+
+    /// What was measured.
+    pub fn report(&mut self) -> Report {
+        let listener = &self.world.now.listener;
+        let mut report = Report {
+            scene: self.world.base.name.clone(),
+            profile: self.choices.settings.profile.to_string(),
+            waves: self.choices.settings.waves,
+            iterations: self.choices.settings.iterations,
+            renderer: self.renderer.clone(),
+            seconds: self.seconds(),
+            window: self.window,
+            picture: self.drawn.size,
+            sound: self.speaker.status(),
+            latency_ms: self.latency.parts(),
+            counts: self.heard.as_ref().map(|f| f.counts).unwrap_or_default(),
+            listener: Standing {
+                position: listener.position.to_array(),
+                yaw: listener.yaw.to_degrees(),
+                pitch: listener.pitch.to_degrees(),
+            },
+            source: self.world.now.source.position.to_array(),
+            gl_errors: self.gl_errors(),
+            help: self.choices.help,
+            mouse_looks: self.mouse_looks,
+            adapts_waves: self.choices.adapt_waves,
+            values: self.world.values.iter().cloned().collect(),
+            paths_heard: self.paths.heard(),
+            saved: self.saved.clone(),
+            ..Report::default()
+        };
+        (report.trace_call, report.trace_call_is_exact) = self.call();
+        std::mem::take(&mut self.recorder).fill(&mut report);
+        report
+    }
+
+    /// The `trace` call nearest to what is heard, and whether its scene is that one.
+    pub fn call(&self) -> (String, bool) {
+        let (world, settings) = (&self.world, &self.choices.settings);
+        let time = world.moves().then(|| world.looped());
+        let names = self.saved.last().into_iter().chain([&world.name]);
+        let mut calls = names.map(|name| {
+            let at_time = |scene: Scene| match time {
+                Some(seconds) => scene.at(seconds),
+                None => scene,
+            };
+            let loaded = World::load(name).map(|loaded| loaded.like(world));
+            let sets = loaded.as_ref().map_or(&[][..], |loaded| &loaded.values);
+            let call = trace_call(name, time, sets, settings);
+            let is_exact = loaded.is_ok_and(|loaded| stands_as(&at_time(loaded.base), &world.now));
+            (call, is_exact)
+        });
+        let first_exact = calls.find(|(_, is_exact)| *is_exact);
+        first_exact.unwrap_or_else(|| {
+            let call = trace_call(&world.name, time, &world.values, settings);
+            (call, false)
+        })
+    }
+}
+
+/// Whether source and listener stand alike, but for the rounding of degrees.
+fn stands_as(a: &Scene, b: &Scene) -> bool {
+    let (one, other) = (&a.listener, &b.listener);
+    let turn = (one.yaw - other.yaw).sin().abs() + (one.pitch - other.pitch).sin().abs();
+    a.source.position == b.source.position
+        && one.position == other.position
+        && one.radius == other.radius
+        && turn < 1e-4
+        && a.surfaces == b.surfaces
+}
