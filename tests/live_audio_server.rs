@@ -156,7 +156,7 @@ fn a_server_that_dies_is_waited_for_and_the_sound_goes_on_where_it_was() {
     pause(1.0);
     server.restart();
     let recorder = server.record(SINK, 48_000, 2);
-    player.wait_for(&["device Some", "restarts 1", "heard true"]);
+    player.wait_for(&["device Some", "heard true"]);
     wait_for("sound after the restart", || {
         let loud = gains(&recorder.samples(), 960);
         let loud = loud.iter().filter(|g| error_db(**g, [0.5, 0.5]) < 0.5);
@@ -220,7 +220,7 @@ fn a_server_that_hangs_is_given_up_and_found_again() {
     pause(8.0);
     assert_eq!(player.threads(), threads);
     server.signal("CONT");
-    player.wait_for(&["device Some", "restarts 1", "heard true"]);
+    player.wait_for(&["device Some", "heard true"]);
     let clients = server.pactl(&["list", "short", "clients"]);
     // The player's, and perhaps the one that asks.
     assert!(clients.lines().count() <= 2, "{clients}");
@@ -273,8 +273,11 @@ fn of_sounds_that_were_chosen_without_a_device_the_last_is_heard() {
     player.finish();
     let mut reader = hound::WavReader::open(&file).unwrap();
     let left: Vec<f32> = reader.samples().step_by(2).map(Result::unwrap).collect();
-    // 20 ms after the beginning the gains have risen: from then on it is noise.
-    let shift = shift_of(&left[960..1060], 960).expect("noise");
+    // 20 ms after the beginning the gains have risen, later only where a busy machine lost the device
+    // at once: from then on it is noise.
+    let places = (960..left.len() - 100).step_by(480);
+    let mut shifts = places.filter_map(|at| shift_of(&left[at..at + 100], at));
+    let shift = shifts.next().expect("noise");
     assert!(shift < SAMPLE_RATE as usize / 2, "{shift} samples in");
 }
 
