@@ -150,7 +150,7 @@ const SHAPES: &[Picture] = &[
     ),
     (
         "bend",
-        "Bend(of: Box(size: (3.2, 0.7, 0.9)), rate: -30)",
+        "Bend(of: Box(size: (3.2, 0.7, 0.9)), rate: 30)",
         Outside,
     ),
     (

@@ -5,8 +5,10 @@
 // Newton step along the ray, distance / -(direction . gradient). The distance to a convex
 // solid is convex along a line, so its tangent never overshoots; the step is also limited
 // by the distance to every other object, so nothing is jumped over. A convex surface that
-// the wave recedes from is never met on this line. The wave has landed when its distance
-// is rounding: the shell can be wide without a loss of accuracy.
+// the wave recedes from is never met on this line, and so it is out of the way
+// (distanceAhead): where several faces lie in one plane, a wave that leaves one of them is
+// held up by none. The wave has landed when its distance is rounding: the shell can be wide
+// without a loss of accuracy.
 //
 // Departures from the thesis: no start offset (what the wave left is known from its
 // status and cannot be met next); the stored point lies on the surface; the normal is of
@@ -52,18 +54,21 @@ float traceWave(vec3 origin, vec3 direction, float last, out float object, out b
             float closing = -dot(direction, gradientAhead(p, direction, object, slack));
             // The point is as coarse as the largest number it was computed from.
             float rounding = roundingAt(p, max(slack, coarseness));
-            if (closing > 0.0 && abs(nearest) <= rounding) {
+            // There is no way back beyond the start: what the wave is in there is met at once.
+            bool within = nearest <= rounding && (nearest >= -rounding || t <= 0.0);
+            if (closing > 0.0 && within) {
                 // At a glance a rounding of the distance is a long way along the ray:
-                // there one whole step of Newton's more is taken.
-                if (refined || nearest <= GLANCE * closing * rounding) {
+                // there one whole step of Newton's more is taken, if another object that is
+                // as near does not forbid it.
+                if (refined || nearest <= GLANCE * closing * rounding || second <= rounding) {
                     return t;
                 }
                 refined = nearest <= second * closing;
             }
-            // Receding from a convex solid: only the others can be met.
+            // What is ahead comes nearer, but for rounding: then only the others can be met.
             float step = closing > 0.0 ? min(nearest / closing, second) : second;
             // Whatever rounding says, the march goes on.
-            t = max(t + step, nearest < 0.0 ? 0.0 : t + 0.5 * rounding);
+            t = max(t + step, closing > 0.0 && nearest < 0.0 ? 0.0 : t + 0.5 * rounding);
 #else
             return t;
 #endif

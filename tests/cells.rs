@@ -189,3 +189,89 @@ fn moved_surfaces_are_met_where_they_are() {
         }
     }
 }
+
+/// A scene whose surfaces are unrolled, and the same with each surface twice, so many that they
+/// lie in cells: the distances are the same everywhere.
+fn alone_and_twice(surfaces: &[Surface]) -> [Scene; 2] {
+    let source = Vec3::new(-3.0, 0.1, 0.2);
+    let mut alone = scene(surfaces.to_vec(), source);
+    alone.listener = Listener::at(Vec3::new(0.0, 3.0, 0.0), 0.5);
+    let mut twice = alone.clone();
+    twice.surfaces.extend_from_slice(surfaces);
+    [alone, twice]
+}
+
+/// Sets of 15 small surfaces, far smaller together than the thesis' minimum distance is wide.
+fn small_sets() -> Vec<(&'static str, Vec<Surface>)> {
+    let mut random = common::Random(11);
+    let mut set = |shape: Shape, turned: bool| -> Vec<Surface> {
+        let mut number = || 0.4 * random.signed() as f32;
+        let mut place = || Vec3::new(number(), number(), number());
+        let mut surface = |_| {
+            let surface = Surface::new(shape.clone()).at(place());
+            match turned {
+                true => surface.turned(Quat::from_rotation_y(place().x)),
+                false => surface,
+            }
+        };
+        (0..15).map(&mut surface).collect()
+    };
+    let ellipsoid = Node::Ellipsoid {
+        radii: Vec3::new(0.05, 0.02, 0.03),
+    };
+    let size = Vec3::new(0.05, 0.1, 0.02);
+    vec![
+        ("balls", set(Shape::Sphere { radius: 0.03 }, false)),
+        ("boxes", set(Shape::Box { size }, true)),
+        ("ellipsoids", set(ellipsoid.into(), false)),
+        ("pillars", set(Shape::Cylinder { radius: 0.03 }, false)),
+    ]
+}
+
+/// Protects the thesis' profile in cells: every bit of its waves is what unrolled text gives,
+/// from wherever they come. No box about the surfaces stands in for them.
+#[test]
+fn the_thesis_sees_the_same_with_cells_and_without() {
+    let mut tracer = tracer();
+    for (what, surfaces) in small_sets() {
+        let [alone, twice] = alone_and_twice(&surfaces);
+        for (min_distance, iterations) in [(0.1, 1), (0.1, 3), (0.5, 3), (1e-3, 1)] {
+            let settings = Settings {
+                min_distance,
+                ..Settings::thesis()
+                    .with_waves(20_000)
+                    .with_iterations(iterations)
+            };
+            let (_, expected) = tracer.frame_with_waves(&alone, &settings).unwrap();
+            let (_, found) = tracer.frame_with_waves(&twice, &settings).unwrap();
+            let differ = expected.iter().zip(&found).find(|(a, b)| a != b);
+            assert_eq!(differ, None, "{what}, {min_distance} m");
+            let is_met = |n: &u32| found.iter().any(|wave| wave.status == *n as f32);
+            let met = (1..=15).filter(is_met).count();
+            let enough = iterations > 1 || met >= 3;
+            assert!(enough, "{what}, {min_distance} m: only {met} are met");
+        }
+    }
+}
+
+/// Protects difference normals of `march` in cells: they ask for distances a step beside the
+/// place that is met, where another cell may be.
+#[test]
+fn difference_normals_are_the_same_with_cells_and_without() {
+    let mut tracer = tracer();
+    for (what, surfaces) in small_sets() {
+        let [alone, twice] = alone_and_twice(&surfaces);
+        let settings = Settings {
+            exact_normals: false,
+            normal_step: 1e-3,
+            ..Settings::march().with_waves(20_000).with_iterations(1)
+        };
+        let (_, expected) = tracer.frame_with_waves(&alone, &settings).unwrap();
+        let (_, found) = tracer.frame_with_waves(&twice, &settings).unwrap();
+        let far = expected
+            .iter()
+            .zip(&found)
+            .filter(|(a, b)| a.status == b.status && a.direction.distance(b.direction) > 0.05);
+        assert_eq!(far.count(), 0, "{what}");
+    }
+}

@@ -59,7 +59,11 @@ fn a_ball_behind_a_wall_can_be_left_out_and_the_room_not() {
             panic!("{:?}", report.surfaces);
         };
         assert_eq!(ball.verdict, Verdict::CanBeLeftOut);
-        assert_eq!((ball.met, ball.change.unwrap().pan.rms), (0, 0.0));
+        assert_eq!(ball.met, 0);
+        // The march may come nearer to the wall in other steps where the ball lies ahead, and
+        // then lands off by a rounding.
+        let rounding = if profile == Profile::March { 1e-7 } else { 0.0 };
+        assert!(ball.change.unwrap().pan.rms <= rounding);
         assert_eq!(room.verdict, Verdict::IsHeard);
         // Whatever is not heard at once is off to a wall.
         assert!(room.met_percent > 90.0, "{}", room.met_percent);

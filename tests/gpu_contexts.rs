@@ -4,7 +4,15 @@ use echomarch::gpu::{
     Api, Clock, Context, ContextOptions, GpuError, Picture, Program, RenderTarget, Texture,
     full_screen_pass, list_gpus,
 };
+use echomarch::{Scene, Settings, Tracer};
 use glow::HasContext;
+use glutin::api::egl::context::PossiblyCurrentContext;
+use glutin::api::egl::device::Device;
+use glutin::api::egl::display::Display;
+use glutin::config::{ConfigSurfaceTypes, ConfigTemplateBuilder};
+use glutin::context::ContextAttributesBuilder;
+use glutin::display::{AsRawDisplay, RawDisplay};
+use glutin::prelude::*;
 
 /// Runs the test on every API, each on a thread of its own.
 fn on_every_api(test: fn(Api)) {
@@ -169,6 +177,89 @@ fn gpu_contexts_are_freed() {
             draws(context, index as f32);
         }
     });
+}
+
+/// EGL by raw calls, as a program has it that knows nothing of echomarch's contexts.
+struct RawEgl {
+    egl: &'static glutin::api::egl::Egl,
+    display: Display,
+    context: PossiblyCurrentContext,
+}
+
+impl RawEgl {
+    /// A context of the program's own, on the first device on which one can be made; not current.
+    fn new() -> RawEgl {
+        let made = Device::query_devices().unwrap().find_map(|device| {
+            // SAFETY: there is no native display or window, and nothing is shared.
+            unsafe {
+                let display = Display::with_device(&device, None).ok()?;
+                let template = ConfigTemplateBuilder::new()
+                    .with_surface_type(ConfigSurfaceTypes::empty())
+                    .build();
+                let config = display.find_configs(template).ok()?.next()?;
+                let attributes = ContextAttributesBuilder::new().build(None);
+                let context = display.create_context(&config, &attributes).ok()?;
+                let egl = display.egl();
+                let context = context.treat_as_possibly_current();
+                Some(RawEgl {
+                    egl,
+                    display,
+                    context,
+                })
+            }
+        });
+        made.unwrap()
+    }
+
+    fn bind(&self) {
+        self.context.make_current_surfaceless().unwrap();
+    }
+
+    /// No context at all is current.
+    fn unbind(&self) {
+        let RawDisplay::Egl(display) = self.display.raw_display();
+        let none = std::ptr::null();
+        // SAFETY: the display lives, and null means none.
+        unsafe { self.egl.MakeCurrent(display, none, none, none) };
+    }
+}
+
+/// Whatever a program makes current between two frames, a frame is that of its own scene, on the tracer's context; and
+/// a context of the program's own is current again afterwards.
+#[test]
+fn gpu_frames_do_not_mind_what_others_make_current() {
+    for api in Api::ALL {
+        let raw = RawEgl::new();
+        let mut tracer = Tracer::new(&context(api)).unwrap();
+        let settings = Settings::hybrid().with_waves(4096);
+        let near = Scene::builtin("corner").unwrap();
+        let mut far = near.clone();
+        far.listener.position.x -= 4.0;
+        let mut alone = Tracer::new(&context(Api::Gl)).unwrap();
+        let [of_near, of_far] = [&near, &far].map(|s| alone.frame(s, &settings).unwrap().counts);
+        assert_ne!(of_near, of_far);
+        drop(alone);
+        let mut counts = |scene| tracer.frame(scene, &settings).unwrap().counts;
+        for _ in 0..2 {
+            assert_eq!(counts(&near), of_near, "{api}");
+            raw.unbind();
+            assert_eq!(counts(&far), of_far, "{api}, unbound");
+            raw.bind();
+            assert_eq!(counts(&near), of_near, "{api}, with another's context");
+            assert!(raw.context.is_current(), "{api}");
+            assert_eq!(counts(&far), of_far, "{api}, with another's context again");
+            assert!(raw.context.is_current(), "{api}");
+            raw.unbind();
+        }
+        tracer.frame_begin(&near, &settings).unwrap();
+        raw.bind();
+        assert_eq!(
+            tracer.frame_wait().unwrap().unwrap().counts,
+            of_near,
+            "{api}"
+        );
+        assert!(raw.context.is_current(), "{api}");
+    }
 }
 
 /// A clone keeps the context alive.

@@ -146,7 +146,7 @@ fn outputs_never_replace_inputs() {
             true,
         ),
         (vec!["view", "scene.ron", "-o", "h.png"], false),
-        (vec!["slice", "scene.ron", "-o", "soft.png"], true),
+        (vec!["slice", "scene.ron", "-o", "soft.png"], false),
         (vec!["cost", "scene.ron", "-o", "soft.csv"], true),
         (vec!["accuracy", "scene.ron", "-o", "out"], false),
         (
@@ -555,4 +555,62 @@ fn a_run_that_is_broken_off_leaves_nothing() {
     if ignored.unwrap_or(0) & 1 == 0 {
         broken_off("HUP", 1, &render);
     }
+}
+
+/// Protects from scenes whose shader the driver would compile for minutes, or die of.
+#[test]
+fn what_compiles_for_minutes_is_refused() {
+    let planes = "Plane), Surface(shape: ".repeat(600) + "Plane";
+    let balls = format!("Union([{}])", "Sphere(radius: 1),".repeat(600));
+    let kinds: Vec<String> = (1..40)
+        .map(|n| format!("Union([{}])", "Torus(ring: 2, tube: 1),".repeat(n)))
+        .collect();
+    let kinds = kinds.join("), Surface(shape: ");
+    for shapes in [planes, balls, kinds] {
+        let folder = folder_with(&shapes);
+        let said = refusal(folder.path(), &["trace", "scene.ron", "--waves", "64"]);
+        assert!(said.contains("512"), "{said}");
+    }
+}
+
+/// Protects what the window keeps: broken off, it ends as if it had been closed.
+#[cfg(feature = "demo")]
+#[test]
+fn a_window_that_is_broken_off_is_closed() {
+    use std::io::{BufRead, BufReader};
+    let display = common::window::Display::new();
+    let folder = tempfile::tempdir().unwrap();
+    let mut program = command();
+    let program = program
+        .args([
+            "demo",
+            "--waves",
+            "64",
+            "--scale",
+            "0.1",
+            "--screenshot",
+            "last.png",
+        ])
+        .arg("--log-frames")
+        .current_dir(folder.path())
+        .env("DISPLAY", &display.name);
+    let mut program = program
+        .stderr(Stdio::piped())
+        .stdout(Stdio::null())
+        .spawn()
+        .unwrap();
+    let mut lines = BufReader::new(program.stderr.take().unwrap()).lines();
+    let frame = lines.find(|line| {
+        line.as_ref()
+            .is_ok_and(|line| line.starts_with("{\"frame\""))
+    });
+    assert!(frame.is_some(), "no frame was drawn");
+    let read_on = std::thread::spawn(move || lines.count());
+    let id = program.id().to_string();
+    let sent = Command::new("kill").args(["-s", "TERM", &id]).status();
+    assert!(sent.unwrap().success());
+    assert_eq!(program.wait().unwrap().code(), Some(128 + 15));
+    read_on.join().unwrap();
+    let left: Vec<PathBuf> = contents(folder.path()).into_keys().collect();
+    assert_eq!(left, [folder.path().join("last.png")]);
 }

@@ -473,3 +473,42 @@ mod program {
         assert_eq!(output.status.code(), Some(2));
     }
 }
+
+/// Protects normals of users' fields: as good as a ball's, whatever the box of the field and
+/// the unit that its text is written in.
+#[test]
+fn normals_do_not_depend_on_the_box() {
+    let mut tracer = Tracer::new(&context(Api::Gl)).unwrap();
+    for (radius, box_size) in [(1.0f32, 4.0f32), (1.0, 100.0), (0.1, 10.0), (50.0, 120.0)] {
+        let text = format!("float field(vec3 p) {{\n    return length(p) - {radius:?};\n}}\n");
+        let field = UserField::new("ball.glsl", text, Vec3::splat(box_size), 1.0);
+        let node = Node::User {
+            field: Arc::new(field),
+        };
+        let scene = Scene {
+            name: "ball".into(),
+            surfaces: vec![Surface::new(node)],
+            source: Source::at(Vec3::new(-4.0 * radius, 0.0, 0.0)),
+            listener: Listener::at(Vec3::new(6.0 * radius, 3.0 * radius, 0.0), radius),
+        };
+        for profile in [Profile::Hybrid, Profile::March] {
+            let settings = Settings::of(profile).with_waves(16_384).with_iterations(1);
+            let (_, waves) = tracer.frame_with_waves(&scene, &settings).unwrap();
+            let mut met = 0;
+            let mut worst: f64 = 0.0;
+            for wave in waves.iter().filter(|wave| wave.status == 1.0) {
+                let normal = wave.position.as_dvec3().normalize();
+                let d = wave.start_direction.as_dvec3();
+                let mirrored = d - 2.0 * d.dot(normal) * normal;
+                worst = worst.max(mirrored.distance(wave.direction.as_dvec3()));
+                met += 1;
+            }
+            println!("radius {radius}, box {box_size}, {profile}: {met} waves, {worst:.2e}");
+            assert!(met > 200, "{met} waves met the ball");
+            assert!(
+                worst < 1e-5,
+                "radius {radius}, box {box_size}, {profile}: {worst}"
+            );
+        }
+    }
+}

@@ -5,7 +5,7 @@ void aheadInCells(vec3 p, vec3 d, float last, inout float nearest, inout float o
     if (cellAhead(p, d, cell, reach)) {
         for (int i = 0; i < int(cell.y); ++i) {
             vec4 entry = listed(cell, i);
-            float candidate = distanceOfKind(entry.y, int(entry.z), p, last == entry.x);
+            float candidate = distanceOfKind(entry.y, int(entry.z), p, d, last == entry.x);
             if (candidate < nearest) { second = nearest; nearest = candidate; object = entry.x; }
             else { second = min(second, candidate); }
         }

@@ -1,16 +1,37 @@
-// The nearest of the surfaces that can be nearest in the cell of p. Outside of the grid: the
-// distance to what holds all of them, which is never less than the grid's border.
+// The least distance to the surfaces in cells. Of several at the very same distance the first
+// one counts, as where each surface has its own lines of text.
+
+uniform int uGroups;       // index of the first group in the scene's data
+uniform int uGroupCount;
+
+void nearestListed(int first, int count, vec3 p, inout float nearest, inout float object) {
+    for (int i = 0; i < count; ++i) {
+        vec4 entry = sceneData(first + i);
+        float candidate = surfaceOfKind(entry.y, int(entry.z), p);
+        if (candidate < nearest || (candidate == nearest && entry.x < object)) {
+            nearest = candidate;
+            object = entry.x;
+        }
+    }
+}
+
+// In the grid: the surfaces that can be nearest in the cell of p. Outside of it: those of each
+// group whose box is no further away than what is known. A group is two vectors: the least
+// coordinates of its box and the place of its list, the greatest ones and the list's length.
 void distanceInCells(vec3 p, inout float nearest, inout float object) {
+    const float ROUNDED_DOWN = 0.999999;   // eight roundings of a length
     vec3 place;
-    if (!cellOf(p, place)) {
-        float outside = length(max(max(uCellsMin - p, p - uCellsMax), 0.0));
-        if (outside < nearest) { nearest = outside; object = 1.0; }
+    if (cellOf(p, place)) {
+        vec4 cell = cellAt(place);
+        nearestListed(int(cell.x), int(cell.y), p, nearest, object);
         return;
     }
-    vec4 cell = cellAt(place);
-    for (int i = 0; i < int(cell.y); ++i) {
-        vec4 entry = listed(cell, i);
-        float candidate = surfaceOfKind(entry.y, int(entry.z), p);
-        if (candidate < nearest) { nearest = candidate; object = entry.x; }
+    for (int i = 0; i < uGroupCount; ++i) {
+        vec4 low = sceneData(uGroups + 2 * i);
+        vec4 high = sceneData(uGroups + 2 * i + 1);
+        float outside = length(max(max(low.xyz - p, p - high.xyz), 0.0));
+        if (ROUNDED_DOWN * outside <= nearest) {
+            nearestListed(int(low.w), int(high.w), p, nearest, object);
+        }
     }
 }

@@ -6,8 +6,6 @@
 uniform vec3 uCellOrigin;   // corner with the least coordinates, metres
 uniform vec3 uCellSize;     // metres
 uniform vec3 uCellCount;
-uniform vec3 uCellsMin;     // what holds all surfaces that lie in cells, metres
-uniform vec3 uCellsMax;
 uniform int uCells;         // index of the first cell
 uniform int uDirectory;     // index of the first entry of the directory
 

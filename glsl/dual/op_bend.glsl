@@ -4,8 +4,8 @@ vec4 unbend(vec4 g, vec3 p, vec3 q, float rate, float beyond, float lipschitz) {
     float kept = beyond > 0.0 ? 1.0 - beyond / radius : 1.0;
     float s = sin(rate * p.x * kept);
     float c = cos(rate * p.x * kept);
-    float turning = rate * (q.x * g.y - q.y * g.x);
-    vec4 held = vec4(c * g.x + s * g.y + turning, c * g.y - s * g.x, g.z, g.w);
+    float turning = rate * (q.y * g.x - q.x * g.y);
+    vec4 held = vec4(c * g.x - s * g.y + turning, s * g.x + c * g.y, g.z, g.w);
     if (beyond > 0.0) {
         // What is held changes around the axis and along it, not away from it.
         vec2 outward = p.xy / radius;

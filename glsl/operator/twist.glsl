@@ -1,4 +1,5 @@
-// Turned about y, rate radians a metre of y; held at the greatest radius.
+// The point turned back about y by rate radians a metre of y, so that what it is asked of is
+// turned right-handedly; held at the greatest radius.
 vec3 twist(vec3 p, float rate, float most, out float beyond) {
     float radius = length(p.xz);
     beyond = max(radius - most, 0.0);

@@ -50,7 +50,7 @@ pub struct Arguments {
 /// Runs the subcommand.
 pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     check_range("--runs", f64::from(arguments.runs), 1.0, 1000.0)?;
-    let settings = arguments.options.settings(common)?;
+    let settings = arguments.options.settings()?;
     if let Some(path) = &arguments.output {
         check_ending(path, "csv")?;
     }

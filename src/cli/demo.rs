@@ -176,7 +176,7 @@ fn options(arguments: &Arguments, common: &Common) -> anyhow::Result<DemoOptions
     Ok(DemoOptions {
         scene: arguments.scene.clone(),
         values: arguments.values.pairs().to_vec(),
-        settings: arguments.trace.settings(common)?,
+        settings: arguments.trace.settings()?,
         trace_every: window.trace_every,
         adapt_waves: window.adapt_waves || arguments.trace.waves.is_none(),
         frame_milliseconds: 1000.0 / window.fps,

@@ -8,7 +8,7 @@ use crate::error::Error;
 use crate::gpu::{Api, Context, ContextOptions};
 use crate::scene::layout::Layout;
 use crate::scene::{Scene, SceneError};
-use crate::trace::{Directions, MARCHES_PER_PASS, Profile, Settings, Tracer};
+use crate::trace::{Budget, Directions, Profile, Settings, Tracer};
 use clap::Args;
 use std::path::Path;
 
@@ -222,8 +222,8 @@ pub struct TraceOptions {
     /// else 1e9]
     #[arg(long, allow_negative_numbers = true, value_name = "METRES", value_parser = real::<f32>)]
     pub max_distance: Option<f32>,
-    /// Iterations in one pass over the waves [hybrid: all; march: 8, the
-    /// most it takes; thesis: 1]
+    /// Iterations in one pass over the waves, fewer where the scene's loops allow no
+    /// more [hybrid: all; march: 8; thesis: 1]
     #[arg(long, allow_negative_numbers = true, value_name = "N", value_parser = count::<u32>)]
     pub iterations_per_pass: Option<u32>,
     /// Sum the panning on the GPU and read back one texel
@@ -239,7 +239,7 @@ pub struct TraceOptions {
 
 impl TraceOptions {
     /// The settings that were typed, checked.
-    pub fn settings(&self, common: &Common) -> anyhow::Result<Settings> {
+    pub fn settings(&self) -> anyhow::Result<Settings> {
         if self.profile == Profile::Hybrid && self.min_distance.is_some() {
             let text = "--min-distance has no effect on --profile hybrid: it does not march";
             return Err(BadInput(text.to_owned()).into());
@@ -268,13 +268,21 @@ impl TraceOptions {
             settings.iterations_per_pass = iterations;
         }
         settings.validate().map_err(Error::from)?;
-        if self.profile != Profile::Hybrid && settings.iterations_per_pass > MARCHES_PER_PASS {
+        Ok(settings)
+    }
+
+    /// Tells when a pass takes fewer iterations than were asked for.
+    pub fn note_passes(&self, common: &Common, scene: &Scene, settings: &Settings) {
+        let Some(asked) = self.iterations_per_pass else {
+            return;
+        };
+        let most = Budget::of(scene, settings).iterations_per_pass;
+        if most < asked.min(settings.iterations) {
             common.note(&format!(
-                "note: --profile {} takes {MARCHES_PER_PASS} iterations in a pass at the most",
-                self.profile
+                "note: with --profile {} this scene takes {most} iterations in a pass at the most",
+                settings.profile
             ));
         }
-        Ok(settings)
     }
 }
 

@@ -83,7 +83,7 @@ struct FrameLine {
 
 /// Runs the subcommand.
 pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
-    let settings = arguments.options.settings(common)?;
+    let settings = arguments.options.settings()?;
     let law = arguments.law.of(settings.profile);
     check_ending(&arguments.output, "wav")?;
     let scene = common.scene_with(&arguments.scene, &arguments.values)?;
@@ -92,6 +92,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     check_file(&arguments.output)?;
     let mut tracer = common.tracer()?;
     tracer.check(&scene, &settings)?;
+    arguments.options.note_passes(common, &scene, &settings);
     check_on_the_way(&scene, timing)?;
     common.warn_checked(&scene);
     warn_on_the_way(&scene, timing, common);

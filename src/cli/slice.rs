@@ -67,7 +67,7 @@ pub struct Arguments {
 
 /// Runs the subcommand.
 pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
-    let settings = arguments.options.settings(common)?;
+    let settings = arguments.options.settings()?;
     check_paths("--paths", arguments.paths, settings.iterations)?;
     check_paths("--heard-paths", arguments.heard_paths, settings.iterations)?;
     check_ending(&arguments.output, "png")?;

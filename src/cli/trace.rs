@@ -7,7 +7,9 @@ use super::print;
 use crate::audio::PanningLaw;
 use crate::output::{OutputError, check_file, write_whole};
 use crate::scene::{BUILTIN_NAMES, Scene};
-use crate::trace::{Frame, Milliseconds, Profile, Reload, Reloading, Settings, Tracer, Wave};
+use crate::trace::{
+    Budget, Frame, Milliseconds, Profile, Reload, Reloading, Settings, Tracer, Wave,
+};
 use clap::Args;
 use serde::Serialize;
 use std::io::{self, Write};
@@ -83,7 +85,7 @@ struct Report<'a> {
 
 /// Runs the subcommand.
 pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
-    let settings = arguments.options.settings(common)?;
+    let settings = arguments.options.settings()?;
     if let Some(path) = &arguments.dump_waves {
         check_ending(path, "csv")?;
     }
@@ -94,6 +96,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     check_output(arguments)?;
     let mut tracer = common.tracer()?;
     tracer.check(&scene, &settings)?;
+    arguments.options.note_passes(common, &scene, &settings);
     common.warn_checked(&scene);
     trace(arguments, common, &mut tracer, &scene, &settings)
 }
@@ -158,7 +161,7 @@ fn trace(
         let hits = frame.counts.step_limit_reached;
         common.note(&format!(
             "warning: {hits} marches reached the step limit of {}; their waves are dead",
-            settings.step_bound()
+            step_limits(scene, settings)
         ));
     }
     let renderer = tracer.context().renderer();
@@ -174,6 +177,18 @@ fn trace(
         return print::json(&report);
     }
     print_text(&report)
+}
+
+/// How many steps a march may take: fields have a limit of their own.
+fn step_limits(scene: &Scene, settings: &Settings) -> String {
+    let Budget {
+        steps, field_steps, ..
+    } = Budget::of(scene, settings);
+    match (steps, field_steps) {
+        (steps, 0) => format!("{steps} steps"),
+        (0, field_steps) => format!("{field_steps} steps"),
+        _ => format!("{steps} steps, or {field_steps} among fields"),
+    }
 }
 
 fn report<'a>(

@@ -6,11 +6,9 @@ use glow::{HasContext, PixelPackData};
 
 use super::{Context, GpuError, RenderTarget, bytes};
 
-/// Longest wait in one call, in nanoseconds; what is not there then is asked for again.
+/// Longest wait in one call, in nanoseconds; what is not there then is asked for again, and the driver whether it has
+/// lost the context.
 const WAIT_NANOSECONDS: i32 = 100_000_000;
-
-/// Waits in a row before the context counts as lost: ten seconds in all.
-const WAITS_AT_MOST: u32 = 100;
 
 /// A read-back under way: the texels are copied into a buffer of GL's when the drawing before it is done, and a fence
 /// tells when that was. One at a time; the buffer is kept from one to the next.
@@ -123,23 +121,16 @@ impl AsyncRead {
         }
     }
 
-    /// Waits for the texels; `false` where no read is under way.
+    /// Waits for the texels, however long the drawing before them takes; `false` where no read is under way.
     ///
     /// # Errors
-    /// What GL reports; [`GpuError::ContextLost`] when nothing came for ten seconds.
+    /// What GL reports; [`GpuError::ContextLost`] when the driver says that it is.
     pub fn wait(&mut self, texels: &mut Vec<f32>) -> Result<bool, GpuError> {
         if self.pending.is_none() {
             return Ok(false);
         }
-        for _ in 0..WAITS_AT_MOST {
-            if let ControlFlow::Break(floats) = self.wait_for(WAIT_NANOSECONDS)? {
-                return self.take(floats, texels).map(|()| true);
-            }
-        }
-        self.cancel();
-        Err(GpuError::ContextLost {
-            reason: "a read-back did not come in ten seconds".into(),
-        })
+        let floats = until_there(|| self.wait_for(WAIT_NANOSECONDS))?;
+        self.take(floats, texels).map(|()| true)
     }
 
     /// Gives up the read under way, if there is one.
@@ -166,7 +157,14 @@ impl AsyncRead {
                 self.cancel();
                 Ok(ControlFlow::Break(floats))
             }
-            glow::TIMEOUT_EXPIRED => Ok(ControlFlow::Continue(())),
+            // Slow or lost: the driver knows.
+            glow::TIMEOUT_EXPIRED => match self.context.check_not_lost() {
+                Ok(()) => Ok(ControlFlow::Continue(())),
+                Err(lost) => {
+                    self.cancel();
+                    Err(lost)
+                }
+            },
             _ => {
                 self.cancel();
                 self.context.check("the wait for a read-back")?;
@@ -204,10 +202,46 @@ impl AsyncRead {
     }
 }
 
+/// Asks again and again until something has come. A frame may take as long as it takes: only an error ends the wait.
+fn until_there(
+    mut ask: impl FnMut() -> Result<ControlFlow<usize>, GpuError>,
+) -> Result<usize, GpuError> {
+    loop {
+        if let ControlFlow::Break(floats) = ask()? {
+            return Ok(floats);
+        }
+    }
+}
+
 impl Drop for AsyncRead {
     fn drop(&mut self) {
         self.cancel();
         // SAFETY: the context is current, and the buffer its own and not used again.
         unsafe { self.context.gl().delete_buffer(self.buffer) };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects frames that take minutes: no number of waits in vain is a loss, and a loss is told at once.
+    #[test]
+    fn slowness_is_no_loss() {
+        let mut asked = 0;
+        let slow = until_there(|| {
+            asked += 1;
+            Ok(match asked {
+                100_000 => ControlFlow::Break(4),
+                _ => ControlFlow::Continue(()),
+            })
+        });
+        assert!(matches!(slow, Ok(4)));
+        let lost = until_there(|| {
+            Err(GpuError::ContextLost {
+                reason: "reset".into(),
+            })
+        });
+        assert!(matches!(lost, Err(GpuError::ContextLost { .. })));
     }
 }

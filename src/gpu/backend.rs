@@ -13,6 +13,9 @@ pub(super) trait Backend {
     /// What the library answered.
     fn make_current(&self) -> Result<(), String>;
 
+    /// Whether the library says that calls on this thread go to this context: others may have made theirs current.
+    fn is_current(&self) -> bool;
+
     /// Makes no context current on this thread. The context is the current one.
     fn release(&self);
 

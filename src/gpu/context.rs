@@ -64,7 +64,11 @@ pub(super) struct Inner {
     version: String,
     shading_language: String,
     limits: Limits,
+    reset_status: Option<ResetStatus>,
 }
+
+/// glGetGraphicsResetStatus, under whatever name the driver has it.
+type ResetStatus = unsafe extern "system" fn() -> u32;
 
 impl Drop for Inner {
     fn drop(&mut self) {
@@ -223,6 +227,31 @@ impl Context {
         }
     }
 
+    /// Makes the context current until the answer is dropped, and then what somebody else had made current on this
+    /// thread by way of EGL. Where nothing was current the context stays so.
+    ///
+    /// # Errors
+    /// [`GpuError::ContextLost`] if it cannot be made current.
+    pub(crate) fn enter(&self) -> Result<current::Entered, GpuError> {
+        current::enter(&self.inner).map_err(|reason| GpuError::ContextLost { reason })
+    }
+
+    /// Asks the driver whether it has lost the context, where it can tell.
+    ///
+    /// # Errors
+    /// [`GpuError::ContextLost`] if it has.
+    pub(super) fn check_not_lost(&self) -> Result<(), GpuError> {
+        current::make(&self.inner).map_err(|reason| GpuError::ContextLost { reason })?;
+        // SAFETY: the context is current, and has the extension that the function is of.
+        let status = self.inner.reset_status.map(|ask| unsafe { ask() });
+        match status {
+            None | Some(glow::NO_ERROR) => Ok(()),
+            Some(status) => Err(GpuError::ContextLost {
+                reason: format!("the driver tells of a reset, {status:#x}"),
+            }),
+        }
+    }
+
     /// [`check`](Context::check) in debug builds, or where the environment has `ECHOMARCH_GL_CHECK=1`; else nothing,
     /// since asking can stall a driver that works on another thread.
     ///
@@ -301,6 +330,7 @@ fn describe(backend: Box<dyn Backend>, api: Api) -> Result<Inner, (Box<dyn Backe
     // SAFETY: the context is current, and the vertex array its own.
     unsafe { gl.bind_vertex_array(Some(vertex_array)) };
     let limits = limits(&gl, api);
+    let reset_status = reset_status(&*backend, &gl, api);
     Ok(Inner {
         backend,
         gl,
@@ -311,7 +341,26 @@ fn describe(backend: Box<dyn Backend>, api: Api) -> Result<Inner, (Box<dyn Backe
         version,
         shading_language,
         limits,
+        reset_status,
     })
+}
+
+/// The function that tells of resets, of an extension that the context has.
+fn reset_status(backend: &dyn Backend, gl: &glow::Context, api: Api) -> Option<ResetStatus> {
+    let of_khr = match api {
+        Api::Gles => c"glGetGraphicsResetStatusKHR",
+        Api::Gl | Api::OsMesa => c"glGetGraphicsResetStatus",
+    };
+    let names = [
+        ("GL_KHR_robustness", of_khr),
+        ("GL_ARB_robustness", c"glGetGraphicsResetStatusARB"),
+        ("GL_EXT_robustness", c"glGetGraphicsResetStatusEXT"),
+    ];
+    let has = |extension: &str| gl.supported_extensions().contains(extension);
+    let (_, name) = names.into_iter().find(|(extension, _)| has(extension))?;
+    let address = backend.proc_address(name);
+    // SAFETY: the address is that of the function of this name, which takes nothing and answers with a GLenum, or null.
+    (!address.is_null()).then(|| unsafe { std::mem::transmute(address) })
 }
 
 /// The functions of GL, with the context current.

@@ -11,7 +11,7 @@ use glutin::error::ErrorKind;
 use glutin::prelude::*;
 
 use super::backend::Backend;
-use super::{Api, GpuError};
+use super::{Api, GpuError, current};
 
 /// A context of EGL that draws into no surface.
 pub(super) struct Egl {
@@ -85,6 +85,7 @@ fn create(device: &Device, api: Api) -> Result<Egl, glutin::error::Error> {
     // SAFETY: the attributes name no window and share no other context.
     let context =
         unsafe { display.create_context(&config, &attributes) }?.treat_as_possibly_current();
+    current::knows_egl(&display);
     Ok(Egl { context, display })
 }
 
@@ -93,6 +94,10 @@ impl Backend for Egl {
         self.context
             .make_current_surfaceless()
             .map_err(|error| error.to_string())
+    }
+
+    fn is_current(&self) -> bool {
+        self.context.is_current()
     }
 
     fn release(&self) {

@@ -29,6 +29,7 @@ const SIDE: usize = 16;
 type CreateContext = unsafe extern "C" fn(*const c_int, *mut c_void) -> *mut c_void;
 type DestroyContext = unsafe extern "C" fn(*mut c_void);
 type MakeCurrent = unsafe extern "C" fn(*mut c_void, *mut c_void, c_uint, c_int, c_int) -> u8;
+type GetCurrentContext = unsafe extern "C" fn() -> *mut c_void;
 type GetProcAddress = unsafe extern "C" fn(*const c_char) -> *const c_void;
 
 /// The functions of the library. Once loaded it stays: drivers do not survive being unloaded.
@@ -36,6 +37,7 @@ struct Functions {
     create_context: CreateContext,
     destroy_context: DestroyContext,
     make_current: MakeCurrent,
+    get_current_context: GetCurrentContext,
     get_proc_address: GetProcAddress,
     _library: Library,
 }
@@ -59,6 +61,7 @@ impl Functions {
                 create_context: *library.get(b"OSMesaCreateContextAttribs\0")?,
                 destroy_context: *library.get(b"OSMesaDestroyContext\0")?,
                 make_current: *library.get(b"OSMesaMakeCurrent\0")?,
+                get_current_context: *library.get(b"OSMesaGetCurrentContext\0")?,
                 get_proc_address: *library.get(b"OSMesaGetProcAddress\0")?,
                 _library: library,
             })
@@ -139,6 +142,11 @@ impl Backend for OsMesa {
         } else {
             Ok(())
         }
+    }
+
+    fn is_current(&self) -> bool {
+        // SAFETY: asks only; what it answers is compared and never followed.
+        unsafe { (self.functions.get_current_context)() == self.context }
     }
 
     fn release(&self) {

@@ -24,7 +24,7 @@ use winit::raw_window_handle::{
 
 use super::backend::Backend;
 use super::context::load;
-use super::{Api, Context, GpuError, Picture};
+use super::{Api, Context, GpuError, Picture, current};
 
 /// A display's way to OpenGL, and the kind of window that goes with it. The fields go in this order: the connection
 /// to the display last.
@@ -127,6 +127,7 @@ impl WindowDisplay {
             let surface = self.display.create_window_surface(&self.config, &surface);
             (context.map_err(refused)?, surface.map_err(refused)?)
         };
+        current::knows_egl(&self.display);
         let drawing = Rc::new(Drawing {
             surface,
             context: context.treat_as_possibly_current(),
@@ -254,6 +255,10 @@ impl Backend for WindowBackend {
             .context
             .make_current(&self.0.surface)
             .map_err(|error| error.to_string())
+    }
+
+    fn is_current(&self) -> bool {
+        self.0.context.is_current() && self.0.surface.is_current(&self.0.context)
     }
 
     fn release(&self) {

@@ -6,11 +6,17 @@
 //! diagonal r, the distance d of a surface and the least such distance u obey
 //! d(x) ≥ d(c) − r and min d(x) ≤ u + r, so that only surfaces with d(c) ≤ u + 2 r are near.
 //!
+//! A distance from outside of the grid asks *groups* of surfaces instead (`groups.rs`).
+//!
 //! Uniform cells were chosen over a list of all surfaces (the same code with one cell) and
 //! over unrolled text by measuring: see docs/benchmarks/surfaces-llvmpipe.md. Lists are kept from frame to
 //! frame: what moved is taken out and put in, and only the cells that it was or can be
 //! near to are made again. They are built on all cores; their order is that of the
 //! surfaces, whatever the number of threads.
+
+mod groups;
+
+pub use groups::Group;
 
 use super::layout::Layout;
 use super::{Bounds3, Exactness, Scene, Surface};
@@ -24,14 +30,14 @@ const CELLS_A_SURFACE: f64 = 2.0;
 const MOST_CELLS: f64 = 128.0;
 
 /// Half the length that stands for no end, in metres: squares of it are finite in `f32`.
-const ENDLESS: f64 = 1e9;
+pub(super) const ENDLESS: f64 = 1e9;
 
 /// What is added to every cell when lists are made, as a share of its size: a place that
 /// rounding put into the next cell must find the same surfaces there.
 const PAD: f64 = 1e-3;
 
 /// The free border of the grid, as a share of its size: what moves within it makes no new
-/// grid, and outside of the grid no surface is nearer than this.
+/// grid.
 const BORDER: f64 = 0.05;
 
 /// The grid: where its cells are, in world metres.
@@ -56,6 +62,8 @@ pub struct Cells {
     known: Vec<Member>,
     touching: Vec<Vec<u32>>,
     near: Option<Vec<Near>>,
+    /// Made with the near lists.
+    groups: Vec<Group>,
 }
 
 /// A surface in the grid.
@@ -99,6 +107,7 @@ impl Cells {
             known,
             touching: Vec::new(),
             near: None,
+            groups: Vec::new(),
         };
         cells.touching = vec![Vec::new(); cells.grid.cells()];
         for member in 0..cells.known.len() {
@@ -158,6 +167,18 @@ impl Cells {
     /// The grid.
     pub fn grid(&self) -> &Grid {
         &self.grid
+    }
+
+    /// Groups of all surfaces in cells. Near lists must be prepared before.
+    pub fn groups(&self) -> &[Group] {
+        &self.groups
+    }
+
+    /// The length of the longest list. Near lists must be prepared before.
+    pub fn longest(&self, which: Lists) -> usize {
+        let mut longest = 0;
+        self.for_each_list(which, |_, list| longest = longest.max(list.len()));
+        longest
     }
 
     /// Makes the lists that are only made when they are asked for.
@@ -242,6 +263,7 @@ impl Cells {
             near[cell] = list;
         }
         self.near = Some(near);
+        self.groups = groups::groups(&self.known);
     }
 
     /// Makes the near lists again that something that moved was in, or gets into.
@@ -256,7 +278,7 @@ impl Cells {
             moved.iter().any(|&place| {
                 let member = &self.known[place];
                 list.members.contains(&(place as u32))
-                    || member.least_distance(bounds, self.layout.columns) <= reach
+                    || member.least_value(bounds, self.layout.columns) <= reach
             })
         };
         let all: Vec<u32> = (0..self.known.len() as u32).collect();
@@ -270,6 +292,7 @@ impl Cells {
                 near[cell] = list;
             }
         }
+        self.groups = groups::groups(&self.known);
     }
 
     /// Those of the candidates that are the nearest to some place of a box.
@@ -281,7 +304,7 @@ impl Cells {
             .map(|&place| {
                 let member = &self.known[place as usize];
                 least = least.min(member.most_distance(bounds, columns));
-                member.least_distance(bounds, columns)
+                member.least_value(bounds, columns)
             })
             .collect();
         let reach = least + 2.0 * radius(bounds, columns);
@@ -335,6 +358,14 @@ impl Member {
             max: DVec3::select(mask, DVec3::INFINITY, self.bounds.max),
         };
         flat.distance(middle)
+    }
+
+    /// Never more than its value there, which for a bound may be less than the distance.
+    fn least_value(&self, bounds: Bounds3, columns: [bool; 3]) -> f64 {
+        match self.exact || self.is_told_by_value(columns) {
+            true => self.least_distance(bounds, columns),
+            false => f64::NEG_INFINITY,
+        }
     }
 
     /// Never less than that distance.

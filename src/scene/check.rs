@@ -1,5 +1,6 @@
 //! Scenes that cannot be traced, and scenes that can but hardly mean to.
 
+use super::layout::{Layout, MOST_UNROLLED};
 use super::{Field, Motion, Scene, SceneError, Shape, Surface};
 use glam::Vec3;
 use std::fmt;
@@ -11,6 +12,12 @@ const LARGEST: f32 = 1e9;
 /// Times of a surface's key frames times nodes of its field, at the most: some seconds of looking
 /// at each node at each time.
 const MOST_WORK: usize = 3_000_000;
+
+/// As [`MOST_WORK`], of all surfaces and the times between keys alone: less than a second.
+const MOST_WORK_BETWEEN: usize = 300_000;
+
+/// Frames between keys that are looked at, at the most: a minute and a half.
+const MOST_BETWEEN: usize = 2700;
 
 /// Something odd that still runs.
 #[derive(Clone, Debug, PartialEq)]
@@ -102,6 +109,7 @@ impl Scene {
                 checked.map_err(|why| self.bad_field(&surface.label(index), why))?;
             }
         }
+        self.check_unrolled()?;
         self.at_checked_times(Scene::check_growth)
     }
 
@@ -162,19 +170,16 @@ impl Scene {
         self.at_checked_times(|scene, label, posed, _| scene.validate_pose(label, posed))
     }
 
-    /// Looking at every node at every time must take seconds at the most.
+    /// Looking at every node at every key must take seconds at the most.
     fn validate_work(&self, label: &str, surface: &Surface) -> Result<(), SceneError> {
-        let nodes = surface.shape.field().map_or(1, |field| field.nodes().len());
-        let times = match surface.drivers.is_empty() {
-            true => 0,
-            false => surface.checked_times().len(),
-        };
-        if nodes * times <= MOST_WORK {
+        let nodes = surface.nodes();
+        let keys = surface.checked_times(0).len();
+        if nodes * keys <= MOST_WORK {
             return Ok(());
         }
         let what = format!("{label}: times of its key frames (at a field of {nodes} nodes)");
         let must = "few enough that times × nodes are at most 3000000";
-        Err(self.bad_number(&what, must, times))
+        Err(self.bad_number(&what, must, keys))
     }
 
     /// Tries each surface as it stands at every time that is looked at; `check` is told how
@@ -183,19 +188,33 @@ impl Scene {
         &self,
         check: impl Fn(&Scene, &str, &Surface, usize) -> Result<(), SceneError>,
     ) -> Result<(), SceneError> {
-        for (index, surface) in self.surfaces.iter().enumerate() {
-            if surface.drivers.is_empty() {
-                continue;
-            }
+        let moves = |(_, surface): &(usize, &Surface)| !surface.drivers.is_empty();
+        let moving = || self.surfaces.iter().enumerate().filter(moves);
+        let nodes: usize = moving().map(|(_, surface)| surface.nodes()).sum();
+        let most_between = (MOST_WORK_BETWEEN / nodes.max(1)).min(MOST_BETWEEN);
+        for (index, surface) in moving() {
             let mut posed = surface.clone();
             let label = surface.label(index);
-            let times = surface.checked_times();
+            let times = surface.checked_times(most_between);
             for &seconds in &times {
                 posed.drive_to(seconds);
                 check(self, &label, &posed, times.len()).map_err(|refused| refused.at(seconds))?;
             }
         }
         Ok(())
+    }
+
+    /// What stands in a shader one by one must compile in seconds.
+    fn check_unrolled(&self) -> Result<(), SceneError> {
+        let layout = Layout::of(self);
+        let unrolled = layout.loose.iter().chain(&layout.kinds);
+        let pieces: usize = unrolled.map(|&index| self.surfaces[index].nodes()).sum();
+        if pieces <= MOST_UNROLLED {
+            return Ok(());
+        }
+        let what =
+            "what its shader holds one by one (surfaces, and shapes and operators within them)";
+        Err(self.bad_number(what, "at most 512", pieces))
     }
 
     /// What is odd about the scene as it stands, although it can be traced.
@@ -336,6 +355,11 @@ impl Scene {
 }
 
 impl Surface {
+    /// Nodes of its field; a basic shape is one.
+    fn nodes(&self) -> usize {
+        self.shape.field().map_or(1, |field| field.nodes().len())
+    }
+
     /// What a sentence calls the surface with this index (from 0).
     pub(crate) fn label(&self, index: usize) -> String {
         let number = index + 1;

@@ -12,9 +12,6 @@ use std::collections::{HashMap, HashSet};
 /// has unless it is told otherwise, so that what can be loaded can be rendered.
 const CHECKED_FPS: f64 = 30.0;
 
-/// Frames between keys that are looked at, at the most: a minute and a half.
-const MOST_BETWEEN: usize = 2700;
-
 /// Says where a number of a surface comes from.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Driver {
@@ -132,10 +129,10 @@ impl Surface {
         parameters.map(|(name, _)| name).collect()
     }
 
-    /// Times at which the surface is looked at before it is drawn, in seconds, in order, each
-    /// once: all keys, and between the first and the last one the frames that a rendering has
-    /// by default, or [`MOST_BETWEEN`] of them, evenly.
-    pub(super) fn checked_times(&self) -> Vec<f64> {
+    /// Times at which the surface is looked at before it is drawn, in seconds: all keys, in order,
+    /// and then from the first to the last one the frames that a rendering has by default, or
+    /// `most_between` of them at the most, evenly.
+    pub(super) fn checked_times(&self, most_between: usize) -> Vec<f64> {
         let mut times = Vec::new();
         for driver in &self.drivers {
             if let Motion::Keys(keys) = &driver.motion {
@@ -143,18 +140,14 @@ impl Surface {
             }
         }
         times.sort_by(f64::total_cmp);
+        times.dedup();
         if let (Some(&first), Some(&last)) = (times.first(), times.last()) {
             let (first, last) = ((first * CHECKED_FPS).ceil(), (last * CHECKED_FPS).floor());
-            let every = ((last - first) / MOST_BETWEEN as f64).ceil().max(1.0);
-            let between = (0..=MOST_BETWEEN).map(|step| first + step as f64 * every);
-            times.extend(
-                between
-                    .take_while(|frame| *frame <= last)
-                    .map(|frame| frame / CHECKED_FPS),
-            );
-            times.sort_by(f64::total_cmp);
+            let every = ((last - first) / most_between as f64).ceil().max(1.0);
+            let between = (0..=most_between).map(|step| first + step as f64 * every);
+            let between = between.take_while(|frame| *frame <= last);
+            times.extend(between.map(|frame| frame / CHECKED_FPS));
         }
-        times.dedup();
         times
     }
 

@@ -10,6 +10,10 @@
 //! The slab is that of the box as it has grown so far. Walls of rooms and planes come
 //! first, so that a box that stands between floor and ceiling and against another such box
 //! finds it grown as tall.
+//!
+//! Where boxes of one width stand on each other, the slab's sides would lie in the faces of
+//! its cover: waves that hit the cover there would be told to have hit the box. So a long
+//! push has to end deep inside of its cover; any other is only as long as rounding asks for.
 
 use super::{Bounds3, Shape, Surface};
 use glam::{DVec3, Vec3};
@@ -22,7 +26,8 @@ type Face = (usize, f32);
 pub(super) fn sealed(surfaces: &[Surface], slacks: &[f32]) -> Vec<Surface> {
     let is_half_space = |shape: &Shape| matches!(shape, Shape::Plane | Shape::Room { .. });
     let against_walls = round(surfaces, slacks, is_half_space);
-    round(&against_walls, slacks, |shape| !is_half_space(shape))
+    let is_solid = |shape: &Shape| shape.is_convex() && !is_half_space(shape);
+    round(&against_walls, slacks, is_solid)
 }
 
 /// Seals every box against those of the surfaces whose shape is `wanted`.
@@ -36,13 +41,12 @@ fn round(surfaces: &[Surface], slacks: &[f32], wanted: impl Fn(&Shape) -> bool) 
         let covers = near.touching(index);
         for axis in 0..3 {
             for side in [-1.0, 1.0] {
-                let holds = |corners: &[Vec3]| {
-                    covers.iter().any(|&cover| {
-                        let slack = slacks[index].max(slacks[cover]);
-                        holds_all(&surfaces[cover], corners, slack)
-                    })
+                let against = |cover: &usize| {
+                    let slack = slacks[index].max(slacks[*cover]);
+                    push(&grown[index], (axis, side), &surfaces[*cover], slack)
                 };
-                grown[index] = pushed(&grown[index], (axis, side), holds);
+                let by = covers.iter().map(against).fold(0.0, f32::max);
+                grown[index] = pushed(&grown[index], (axis, side), by);
             }
         }
     }
@@ -100,29 +104,41 @@ impl Neighbours {
     }
 }
 
-/// The box with one face pushed outwards: as far as the box is long, or a power of two
-/// less, or not at all when the slab that this adds is not held.
-fn pushed(surface: &Surface, face: Face, holds: impl Fn(&[Vec3]) -> bool) -> Surface {
-    /// The last try is 2^-12 of the box's length: less hardly helps against rounding.
+/// How far a face of a box can be pushed on into one solid, in metres: as far as the box is
+/// long, or a power of two less, if the solid holds what that adds with something to spare;
+/// else just past rounding, if the solid holds that; else not at all.
+fn push(surface: &Surface, face: Face, cover: &Surface, slack: f32) -> f32 {
+    /// The last try is 2^-12 of the box's length: less hardly helps more than a short push.
     const TRIES: i32 = 13;
+    /// Length of a short push in slacks: the face is then well out of the reach of a wave
+    /// that rounding put to the wrong side of the seam.
+    const SHORT: f32 = 4.0;
+    let Shape::Box { size } = surface.shape else {
+        return 0.0;
+    };
+    let near = corners(surface, size, face, 0.0);
+    if !holds_all(cover, &near, &[], slack, slack) {
+        return 0.0;
+    }
+    let short = SHORT * slack;
+    let holds = |by: f32, most: f32| {
+        let far = corners(surface, size, face, by);
+        holds_all(cover, &near, &far, slack, most)
+    };
+    let mut lengths = (0..TRIES).map(|halvings| size.max_element() * 0.5_f32.powi(halvings));
+    let long = lengths.find(|&by| by > short && holds(by, -short));
+    match long {
+        Some(by) => by,
+        None if holds(short, slack) => short,
+        None => 0.0,
+    }
+}
+
+/// The box with one face pushed outwards.
+fn pushed(surface: &Surface, (axis, side): Face, by: f32) -> Surface {
     let Shape::Box { size } = surface.shape else {
         return surface.clone();
     };
-    let face_alone = corners(surface, size, face, 0.0);
-    if !holds(&face_alone) {
-        return surface.clone();
-    }
-    let lengths = (0..TRIES).map(|halvings| size.max_element() * 0.5_f32.powi(halvings));
-    for by in lengths {
-        let far = corners(surface, size, face, by);
-        if holds(&[face_alone, far].concat()) {
-            return grown(surface, size, face, by);
-        }
-    }
-    surface.clone()
-}
-
-fn grown(surface: &Surface, size: Vec3, (axis, side): Face, by: f32) -> Surface {
     let mut bigger = size;
     bigger[axis] += by;
     let mut shift = Vec3::ZERO;
@@ -146,19 +162,22 @@ fn corners(surface: &Surface, size: Vec3, (axis, side): Face, by: f32) -> [Vec3;
     })
 }
 
-/// Whether one convex solid holds all points, or has them within `slack`. Of a room each
-/// wall is a solid of its own.
-fn holds_all(solid: &Surface, points: &[Vec3], slack: f32) -> bool {
+/// Whether one convex solid holds all points: the near ones within `slack`, the far ones
+/// with a distance of `most` at the most. Of a room each wall is a solid of its own.
+fn holds_all(solid: &Surface, near: &[Vec3], far: &[Vec3], slack: f32, most: f32) -> bool {
+    let held_by = |distance: &dyn Fn(Vec3) -> f32| {
+        near.iter().all(|&point| distance(point) <= slack)
+            && far.iter().all(|&point| distance(point) <= most)
+    };
     let Shape::Room { size } = solid.shape else {
-        return points.iter().all(|&point| solid.distance(point) <= slack);
+        return held_by(&|point| solid.distance(point));
     };
     let inverse = solid.rotation.conjugate();
-    (0..3).any(|axis| {
-        [-1.0, 1.0].iter().any(|side| {
-            points.iter().all(|&point| {
-                let local = inverse * (point - solid.position);
-                0.5 * size[axis] - side * local[axis] <= slack
-            })
+    let mut walls = (0..3).flat_map(|axis| [(axis, -1.0), (axis, 1.0)]);
+    walls.any(|(axis, side)| {
+        held_by(&|point| {
+            let local = inverse * (point - solid.position);
+            0.5 * size[axis] - side * local[axis]
         })
     })
 }

@@ -11,6 +11,7 @@
 //! The state of a wave never leaves the GPU in between. Departures from the thesis
 //! stand where they are made, in `glsl/`, and together in `docs/thesis.md`.
 
+mod budget;
 mod directions;
 mod error;
 mod frame;
@@ -26,6 +27,7 @@ mod trial;
 mod user_fields;
 mod waves;
 
+pub use budget::Budget;
 pub use error::TraceError;
 pub use frame::{Frame, Milliseconds};
 #[cfg(feature = "experiment")]

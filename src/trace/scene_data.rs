@@ -49,6 +49,11 @@ impl SceneData {
         Ok(())
     }
 
+    /// The cells of the scene that was set last, if it has any.
+    pub fn cells(&self) -> Option<&Cells> {
+        self.cells.as_ref()
+    }
+
     /// Sets the uniforms of a program that reads the data, but for the texture.
     pub fn set_uniforms(&self, program: &Program) {
         let Some(cells) = &self.placed else {
@@ -57,9 +62,9 @@ impl SceneData {
         program.set_vec3("uCellOrigin", cells.origin);
         program.set_vec3("uCellSize", cells.cell);
         program.set_vec3("uCellCount", cells.count);
-        program.set_vec3("uCellsMin", cells.inner[0]);
-        program.set_vec3("uCellsMax", cells.inner[1]);
         program.set_i32("uCells", cells.cells);
+        program.set_i32("uGroups", cells.groups);
+        program.set_i32("uGroupCount", cells.group_count);
         program.set_i32("uDirectory", cells.directory);
     }
 

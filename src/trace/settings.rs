@@ -25,9 +25,7 @@ pub const MAX_FIELD_STEPS: u32 = 1024;
 /// listener hears of, and well inside what `f32` can square.
 const FAR: f32 = 1e9;
 
-/// Iterations in one pass at the most for what marches, whatever the settings say: Mesa's
-/// llvmpipe leaves a loop after 65,536 turns, nested ones taken together, and 8 marches of
-/// [`MAX_STEPS`] stay clear of that.
+/// Iterations in one pass of `march` by default: more save no time that could be measured.
 pub const MARCHES_PER_PASS: u32 = 8;
 
 /// The largest distance that may be asked for, in metres: its square and the square of
@@ -96,7 +94,7 @@ pub struct Settings {
     #[doc(hidden)]
     pub distance_factor: f32,
     /// Iterations in one pass at the most; 1 is the thesis' way, more save texture traffic.
-    /// What marches takes [`MARCHES_PER_PASS`] at the most, whatever stands here.
+    /// A pass has no more than the [`Budget`](super::Budget) of the scene allows.
     pub iterations_per_pass: u32,
     /// Whether the panning texture is summed on the GPU and read back as one texel.
     pub sum_on_gpu: bool,
@@ -189,7 +187,8 @@ impl Settings {
     }
 
     /// The step limit: evaluations of the distance after which a march ends: as many as the
-    /// distances allow, and never more than [`MAX_STEPS`].
+    /// distances allow, and never more than [`MAX_STEPS`]. In a scene with long lists of
+    /// surfaces `march` may be left with fewer: see [`Budget`](super::Budget).
     pub fn step_bound(&self) -> u32 {
         if self.profile != Profile::Thesis {
             return MAX_STEPS;

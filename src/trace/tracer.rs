@@ -5,6 +5,7 @@ mod job;
 mod parts;
 mod pending;
 
+use super::budget::{self, Budget};
 use super::directions::{random_turn, unit_directions};
 use super::frame::{in_milliseconds, timed};
 use super::limits::{check_surfaces, check_waves};
@@ -22,7 +23,6 @@ use crate::gpu::{
     full_screen_pass_rows,
 };
 use crate::scene::Scene;
-use crate::scene::cells::Lists;
 use crate::scene::glsl::Placement;
 use glam::{Vec3, Vec4};
 pub use heard::HeardPaths;
@@ -44,6 +44,9 @@ const EVALUATIONS_PER_DRAW: u64 = 1 << 33;
 /// Traces frames. Programs and textures are kept from frame to frame: a frame that
 /// only moves things compiles nothing and allocates nothing on the GPU. Of many scenes and
 /// profiles in turns the programs used last are kept, a dozen of them.
+///
+/// Every call makes the tracer's context current, whatever the caller has made current in the
+/// meantime, and a context of the caller's own (EGL) is current again when the call returns.
 pub struct Tracer {
     context: Context,
     clock: Clock,
@@ -92,6 +95,7 @@ impl Tracer {
     }
 
     fn with(context: &Context, kept: Rc<RefCell<Kept>>) -> Result<Tracer, Error> {
+        let _entered = context.enter()?;
         Ok(Tracer {
             context: context.clone(),
             clock: Clock::for_context(context)?,
@@ -125,6 +129,7 @@ impl Tracer {
     /// # Errors
     /// As [`Tracer::frame`].
     pub fn check(&mut self, scene: &Scene, settings: &Settings) -> Result<(), Error> {
+        let _entered = self.context.enter()?;
         self.check_input(scene, settings)?;
         let programs = &mut self.kept.borrow_mut().programs;
         programs.march(&self.context, scene, settings)?;
@@ -142,6 +147,7 @@ impl Tracer {
     /// [`Error::Scene`] and [`Error::Trace`] for input that cannot be traced,
     /// [`Error::Gpu`] when the renderer fails.
     pub fn frame(&mut self, scene: &Scene, settings: &Settings) -> Result<Frame, Error> {
+        let _entered = self.context.enter()?;
         let job = self.prepare(scene, settings)?;
         let initialise = self.initialise(&job)?;
         let march = self.march_all(&job)?;
@@ -158,6 +164,7 @@ impl Tracer {
         scene: &Scene,
         settings: &Settings,
     ) -> Result<(Frame, Vec<Wave>), Error> {
+        let _entered = self.context.enter()?;
         let job = self.prepare(scene, settings)?;
         let initialise = self.initialise(&job)?;
         let (starts, first_read) = timed(|| self.read_pair())?;
@@ -176,6 +183,7 @@ impl Tracer {
     /// # Errors
     /// As [`Tracer::frame`].
     pub fn paths(&mut self, scene: &Scene, settings: &Settings) -> Result<Vec<Vec<Wave>>, Error> {
+        let _entered = self.context.enter()?;
         let job = self.prepare(scene, settings)?;
         self.initialise(&job)?;
         self.follow(&job)
@@ -196,6 +204,7 @@ impl Tracer {
         settings: &Settings,
         directions: &[Vec3],
     ) -> Result<Vec<Vec<Wave>>, Error> {
+        let _entered = self.context.enter()?;
         let units = unit_directions(directions)?;
         let waves = u32::try_from(units.len()).unwrap_or(u32::MAX);
         let settings = settings.clone().with_waves(waves);
@@ -236,14 +245,13 @@ impl Tracer {
         // What only a first frame pays is over.
         let began = Instant::now();
         let placed = placement.apply(scene);
-        let lists = match settings.profile {
-            Profile::Thesis => Lists::Near,
-            Profile::March | Profile::Hybrid => Lists::Touching,
-        };
+        let lists = budget::lists(settings);
         self.scene_data.set(scene, &placement, &placed, lists)?;
+        let budget = Budget::with_cells(scene, settings, self.scene_data.cells());
         let job = Job {
             scene,
             settings,
+            budget,
             placed,
             placement,
             march,
@@ -314,7 +322,7 @@ impl Tracer {
         let mut time = 0.0;
         let mut left = job.settings.iterations;
         while left > 0 {
-            let iterations = left.min(job.iterations_per_pass());
+            let iterations = left.min(job.budget.iterations_per_pass);
             time += self.march(job, iterations)?;
             left -= iterations;
         }

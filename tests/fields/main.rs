@@ -7,4 +7,5 @@ mod bad;
 mod promises;
 mod shaders;
 mod table;
+mod turning;
 mod waves;

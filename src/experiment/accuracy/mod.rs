@@ -246,7 +246,7 @@ fn run_group(
             panning.sum_error = sum_error;
             Row {
                 label: case.label.clone(),
-                case: case.report(),
+                case: case.report(truth.scene),
                 speed,
                 waves: errors,
                 panning,

@@ -7,7 +7,8 @@
 //! `march`) is never varied.
 
 use super::report::CaseReport;
-use crate::trace::{Directions, MARCHES_PER_PASS, MAX_ITERATIONS, Profile, Settings};
+use crate::scene::Scene;
+use crate::trace::{Budget, Directions, MAX_ITERATIONS, Profile, Settings};
 
 /// Minimum distances in metres.
 pub const MIN_DISTANCES: [f32; 6] = [1e-4, 1e-3, 1e-2, 0.03, 0.1, 0.3];
@@ -52,8 +53,8 @@ impl Case {
         Case { label, settings }
     }
 
-    /// What the report tells of it.
-    pub fn report(&self) -> CaseReport {
+    /// What the report tells of it in a scene.
+    pub fn report(&self, scene: &Scene) -> CaseReport {
         let settings = &self.settings;
         CaseReport {
             profile: settings.profile.to_string(),
@@ -63,7 +64,7 @@ impl Case {
             directions: settings.directions.to_string(),
             exact_normals: settings.profile == Profile::Hybrid || settings.exact_normals,
             landing: settings.profile == Profile::Hybrid || settings.landing,
-            fused: iterations_in_a_pass(settings) == settings.iterations,
+            fused: Budget::of(scene, settings).iterations_per_pass >= settings.iterations,
             sum_on_gpu: settings.sum_on_gpu,
         }
     }
@@ -74,22 +75,10 @@ fn has_distance(settings: &Settings) -> bool {
     settings.profile != Profile::Hybrid && settings.min_distance < EVERYWHERE
 }
 
-/// Iterations that one pass truly holds, at the most.
-fn iterations_in_a_pass(settings: &Settings) -> u32 {
-    let most = match settings.profile {
-        Profile::Hybrid => MAX_ITERATIONS,
-        _ => MARCHES_PER_PASS,
-    };
-    settings
-        .iterations_per_pass
-        .min(most)
-        .min(settings.iterations)
-}
-
 /// What is computed: equal where settings differ in nothing that comes to pass.
 fn computed(settings: &Settings) -> Settings {
     Settings {
-        iterations_per_pass: iterations_in_a_pass(settings),
+        iterations_per_pass: settings.iterations_per_pass.min(settings.iterations),
         ..settings.clone()
     }
 }
@@ -250,6 +239,7 @@ fn every(base: &Case) -> Case {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::{Node, Shape, Surface};
 
     /// Protects the sweep from settings that cannot be traced, and from doing work twice.
     #[test]
@@ -270,20 +260,30 @@ mod tests {
         assert!(quick().iter().all(|case| full.contains(case)));
     }
 
-    /// Protects "fused" from settings that the tracer does not follow.
+    /// Protects "fused" from settings that the tracer does not follow: what fits a pass is told
+    /// by the tracer's own rule, and depends on the scene.
     #[test]
     fn fused_is_what_runs_in_one_pass() {
-        let fused = |profile, iterations, per_pass| {
+        let corner = Scene::builtin("corner").unwrap();
+        let fused = |scene: &Scene, profile, iterations, per_pass| {
             let mut settings = Settings::of(profile).with_iterations(iterations);
             settings.iterations_per_pass = per_pass;
-            Case::new("", settings).report().fused
+            Case::new("", settings).report(scene).fused
         };
         for profile in [Profile::Thesis, Profile::March] {
-            assert!(fused(profile, MARCHES_PER_PASS, MAX_ITERATIONS));
-            assert!(!fused(profile, MARCHES_PER_PASS + 1, MAX_ITERATIONS));
-            assert!(!fused(profile, 4, 1));
+            assert!(fused(&corner, profile, 8, MAX_ITERATIONS));
+            assert!(!fused(&corner, profile, 64, MAX_ITERATIONS));
+            assert!(!fused(&corner, profile, 4, 1));
         }
-        assert!(fused(Profile::Hybrid, 16, MAX_ITERATIONS));
-        assert!(!fused(Profile::Hybrid, 16, 8));
+        assert!(fused(&corner, Profile::Hybrid, 16, MAX_ITERATIONS));
+        assert!(!fused(&corner, Profile::Hybrid, 16, 8));
+        let torus = Node::Torus {
+            ring: 2.0,
+            tube: 0.5,
+        };
+        let mut marched = corner;
+        marched.surfaces.push(Surface::new(Shape::from(torus)));
+        assert!(fused(&marched, Profile::Hybrid, 8, MAX_ITERATIONS));
+        assert!(!fused(&marched, Profile::Hybrid, 64, MAX_ITERATIONS));
     }
 }

@@ -57,7 +57,8 @@ impl Judge {
         let ear = scene.listener.position.as_dvec3();
         let reach = |surface: &crate::Surface| {
             let size = match surface.shape {
-                Shape::Plane | Shape::Field(_) => 0.0,
+                Shape::Plane => 0.0,
+                Shape::Field(ref field) => field.extent() as f32,
                 Shape::Box { size } | Shape::Room { size } => size.max_element() * 0.5,
                 Shape::Sphere { radius } | Shape::Cylinder { radius } => radius,
             };

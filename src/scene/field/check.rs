@@ -7,8 +7,8 @@ use glam::{DVec2, DVec3, Vec3};
 /// The largest length, in metres.
 const LARGEST: f32 = 1e9;
 
-/// Nodes of one tree at the most: beyond it a shader would compile for minutes.
-const MOST_NODES: usize = 4096;
+/// Nodes of one tree at the most.
+const MOST_NODES: usize = crate::scene::layout::MOST_UNROLLED;
 
 /// Points at which a stated Lipschitz constant is tried.
 const TRIES: usize = 4096;

@@ -216,7 +216,7 @@ pub enum Node {
         /// How fast the value may grow; 0 to have it from the bounds.
         lipschitz: f32,
     },
-    /// Turned about z the further right one looks: a bar along x becomes an arc.
+    /// Turned about z (right-handed) the further right one looks: a bar along x becomes an arc.
     Bend {
         /// Radians per metre of x.
         rate: f32,

@@ -22,6 +22,8 @@ pub struct UserField {
     /// How fast its value may grow at the most, in metres a metre.
     pub lipschitz: f32,
     samples: OnceLock<Arc<UserSamples>>,
+    /// Read once: it is asked for every frame.
+    has_loops: OnceLock<bool>,
     evaluation_seconds: OnceLock<f64>,
 }
 
@@ -43,6 +45,7 @@ impl UserField {
             size,
             lipschitz,
             samples: OnceLock::new(),
+            has_loops: OnceLock::new(),
             evaluation_seconds: OnceLock::new(),
         }
     }
@@ -99,6 +102,12 @@ impl UserField {
     /// one point cannot do, or more than a compiler can be trusted with.
     pub fn check_text(&self) -> Result<(), (Option<u32>, String)> {
         text::read(&self.text).map(|_| ())
+    }
+
+    /// Whether there are loops in the text, as far as it can be read.
+    pub fn has_loops(&self) -> bool {
+        let read = || text::read(&self.text).is_ok_and(|text| text.has_loops);
+        *self.has_loops.get_or_init(read)
     }
 
     /// All names in the text that are not GLSL's own: they are renamed when it is taken into a

@@ -69,8 +69,9 @@ impl Field {
         }
     }
 
-    /// A twist (axis 1) or a bend (axis 2). Beyond the radius of the field's bounds: the
-    /// value at them, and the way to them.
+    /// A twist (axis 1) or a bend (axis 2). The point is turned back, so that what it is
+    /// asked of is turned right-handedly. Beyond the radius of the field's bounds: the value at
+    /// them, and the way to them.
     fn turned_value(&self, p: DVec3, axis: usize, rate: f64) -> f64 {
         let of = &self.of[0];
         let lipschitz = self.properties().lipschitz;
@@ -95,8 +96,8 @@ impl Field {
             )
         } else {
             DVec3::new(
-                cos * held.x - sin * held.y,
-                sin * held.x + cos * held.y,
+                cos * held.x + sin * held.y,
+                cos * held.y - sin * held.x,
                 held.z,
             )
         };

@@ -2,7 +2,7 @@
 
 use super::cells::{of_kind, walk_files};
 use super::distance::surface_distance_sources;
-use super::field::{field_files, gradient_text, value_text};
+use super::field::{field_files, gradient_text, normal_text, value_text};
 use super::fields_ahead::{Marched, fields_ahead};
 use super::land::{land_files, land_text};
 use super::{Named, Source, Text, add_once, distance_file, source};
@@ -17,17 +17,22 @@ use std::fmt::Write;
 pub fn ahead_sources(scene: &Scene, difference_normals: bool) -> Vec<Source> {
     let text = Text::new(scene);
     let mut sources = vec![source!("rounding.glsl")];
-    sources.extend(text.shape_files(distance_file));
+    if difference_normals {
+        sources.extend(text.shape_files(distance_file));
+    }
     sources.extend(land_files(&text));
     sources.extend(text.shape_files(gradient_file));
+    sources.extend(text.shape_files(ahead_file));
     add_once(&mut sources, text.data_file());
     let fields = field_files(text.fields(), true, &text.assets);
     add_once(&mut sources, fields);
     sources.extend(text.turn_file());
     sources.push(source!("distance/listener.glsl"));
+    sources.push(source!("ahead/listener.glsl"));
     let mut functions = text.uniforms();
     functions += &text.of_fields(|_| true, value_text);
     functions += &text.of_fields(|_| true, gradient_text);
+    functions += &text.of_fields(|_| true, normal_text);
     sources.push((Cow::Borrowed("the surfaces"), Cow::Owned(functions)));
     if difference_normals {
         add_once(&mut sources, surface_distance_sources(&text));
@@ -35,7 +40,7 @@ pub fn ahead_sources(scene: &Scene, difference_normals: bool) -> Vec<Source> {
     add_once(&mut sources, ahead_in_cells(&text));
     let functions = distance_ahead(&text) + &gradient_ahead(&text) + &land_text(&text);
     sources.push((Cow::Borrowed("the scene"), Cow::Owned(functions)));
-    sources.extend(fields_ahead(&text, Marched::All));
+    add_once(&mut sources, fields_ahead(&text, Marched::All));
     sources
 }
 
@@ -50,6 +55,18 @@ fn gradient_file(shape: &Shape) -> Option<Source> {
     })
 }
 
+/// The file of the distance to a basic shape that can still be met; a room's stands with its
+/// gradient.
+fn ahead_file(shape: &Shape) -> Option<Source> {
+    Some(match shape {
+        Shape::Plane => source!("ahead/plane.glsl"),
+        Shape::Box { .. } => source!("ahead/box.glsl"),
+        Shape::Sphere { .. } => source!("ahead/sphere.glsl"),
+        Shape::Cylinder { .. } => source!("ahead/cylinder.glsl"),
+        Shape::Room { .. } | Shape::Field(_) => return None,
+    })
+}
+
 /// What the functions below call for the surfaces in cells.
 fn ahead_in_cells(text: &Text) -> Vec<Source> {
     if text.kinds.is_empty() {
@@ -59,10 +76,10 @@ fn ahead_in_cells(text: &Text) -> Vec<Source> {
     let distance = of_kind(
         text,
         "// The distance to a basic shape in cells, by its kind and the place of its values.\n\
-         float distanceOfKind(float kind, int data, vec3 p, bool left) {\n",
+         float distanceOfKind(float kind, int data, vec3 p, vec3 d, bool left) {\n",
         basic,
         |named| {
-            let distance = named.distance("p");
+            let distance = named.distance_ahead("p", "d");
             format!("return {};", named.unless_left("left", "1e30", &distance))
         },
         "    return 1e30;\n",
@@ -87,21 +104,15 @@ fn distance_ahead(text: &Text) -> String {
     let mut out = String::from(
         "// Distance to the nearest object that a wave at p along d can meet, its number, and\n\
          // the distance to the second nearest. What the wave leaves (last) is out of its way\n\
-         // when it is convex; of a room only the walls ahead count.\n\
+         // when it is convex, and so is all that it recedes from; of a room only the walls\n\
+         // ahead count.\n\
          float distanceAhead(vec3 p, vec3 d, float last, out float object, out float second) {\n    \
-         float nearest = listenerDistance(p);\n    object = 0.0;\n    second = 1e30;\n    \
+         float nearest = sdListenerAhead(p, d);\n    object = 0.0;\n    second = 1e30;\n    \
          float candidate;\n",
     );
     for named in text.loose.iter().filter(|named| named.field().is_none()) {
-        let distance = match named.surface.shape {
-            Shape::Room { .. } => format!(
-                "sdRoomAhead({}, {}{})",
-                named.point("p"),
-                named.vector("d"),
-                named.size()
-            ),
-            _ => named.unless_left(&named.left(), "1e30", &named.distance("p")),
-        };
+        let distance = named.distance_ahead("p", "d");
+        let distance = named.unless_left(&named.left(), "1e30", &distance);
         let _ = writeln!(
             out,
             "    // {}\n    candidate = {distance};\n    \

@@ -1,7 +1,7 @@
 //! Where a line meets each surface: no march at all, but for fields without a closed form.
 
 use super::cells::{of_kind, walk_files};
-use super::field::{field_files, gradient_text, hit_text, value_text};
+use super::field::{field_files, gradient_text, hit_text, normal_text, value_text};
 use super::fields_ahead::{Marched, fields_ahead};
 use super::land::{land_files, land_text};
 use super::source::without_uncalled;
@@ -34,11 +34,12 @@ pub fn closed_form_sources(scene: &Scene) -> Vec<Source> {
     functions += &text.of_fields(|named| named.has_closed_form(), hit_text);
     functions += &text.of_fields(marched, value_text);
     functions += &text.of_fields(|_| true, gradient_text);
+    functions += &text.of_fields(|_| true, normal_text);
     sources.push((Cow::Borrowed("the surfaces"), Cow::Owned(functions)));
     add_once(&mut sources, hit_in_cells(&text));
     let functions = nearest_hit(&text) + &land_text(&text);
     sources.push((Cow::Borrowed("the scene"), Cow::Owned(functions)));
-    sources.extend(fields_ahead(&text, Marched::Others));
+    add_once(&mut sources, fields_ahead(&text, Marched::Others));
     without_uncalled(sources)
 }
 

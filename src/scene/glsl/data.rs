@@ -3,12 +3,15 @@
 //! A list of vectors: the heights of images first, at places that the text knows; then, for
 //! surfaces in cells, a directory (a vector for each surface of the scene: its number, its
 //! kind, where its values lie), the values, the cells (a vector each: where its list begins,
-//! how long it is) and the lists, whose entries are those of the directory.
+//! how long it is) and the lists, whose entries are those of the directory; then, for
+//! distances, the groups (two vectors each: the least coordinates of a box and where its list
+//! begins, the greatest ones and how long the list is) and their lists.
 
 use super::field::Assets;
+use super::placement::rounding_of;
 use super::{Placed, Placement};
 use crate::scene::Scene;
-use crate::scene::cells::{Cells, Lists};
+use crate::scene::cells::{Cells, ENDLESS, Group, Lists};
 use crate::scene::layout::Layout;
 use glam::{DVec3, Vec3, Vec4};
 
@@ -35,10 +38,12 @@ pub struct CellData {
     pub cell: Vec3,
     /// Cells along each axis.
     pub count: Vec3,
-    /// The least and greatest coordinates of all surfaces in cells (metres).
-    pub inner: [Vec3; 2],
     /// Index of the first cell in the scene's data.
     pub cells: i32,
+    /// Index of the first group; groups come with near lists alone.
+    pub groups: i32,
+    /// How many groups there are.
+    pub group_count: i32,
     /// Index of the directory.
     pub directory: i32,
 }
@@ -80,12 +85,31 @@ impl CellData {
         let grid = cells.grid();
         let anchor = placement.anchor.as_dvec3();
         let local = |place: DVec3| (place - anchor).as_vec3();
+        let groups: &[Group] = match lists {
+            Lists::Near => cells.groups(),
+            Lists::Touching => &[],
+        };
+        let first_group = data.len();
+        data.resize(first_group + 2 * groups.len(), Vec4::ZERO);
+        for (group, place) in groups.iter().zip((first_group..).step_by(2)) {
+            let (low, high) = (local(group.bounds.min), local(group.bounds.max));
+            // What stands for no end is no place that anything is computed with.
+            let places = low.abs().max(high.abs());
+            let ends = places.cmplt(Vec3::splat(0.5 * ENDLESS as f32));
+            let spare = Vec3::splat(rounding_of(Vec3::select(ends, places, Vec3::ZERO)));
+            data[place] = (low - spare).extend(data.len() as f32);
+            data[place + 1] = (high + spare).extend(group.surfaces.len() as f32);
+            for &index in &group.surfaces {
+                data.push(data[directory + index as usize]);
+            }
+        }
         CellData {
             origin: local(grid.origin),
             cell: grid.cell.as_vec3(),
             count: grid.count.as_vec3(),
-            inner: [local(grid.inner.min), local(grid.inner.max)],
             cells: first_cell as i32,
+            groups: first_group as i32,
+            group_count: groups.len() as i32,
             directory: directory as i32,
         }
     }

@@ -1,7 +1,8 @@
 //! The fields that are marched: their least value, and the gradient of one of them.
 
 use super::cells::of_kind;
-use super::{Named, Source, Text, source};
+use super::field::{files_of_bounds, free_text, is_bounded};
+use super::{Named, Source, Text, add_once, source};
 use std::borrow::Cow;
 use std::fmt::Write;
 
@@ -20,8 +21,8 @@ impl Marched {
     }
 }
 
-/// `fieldsAhead(p, d, last, object, reach)`, `fieldGradient(p, object, slack)` and the march
-/// that calls them; nothing where nothing is marched. With cells, what walks them must stand
+/// `fieldsAhead(p, d, last, object, reach)`, `fieldsFree(p, d, last, slack)`,
+/// `fieldGradient(p, object, slack)` and the march that calls them; nothing where nothing is marched. With cells, what walks them must stand
 /// before.
 pub(super) fn fields_ahead(text: &Text, marched: Marched) -> Vec<Source> {
     if !text.all().any(|named| marched.takes(named)) {
@@ -29,12 +30,25 @@ pub(super) fn fields_ahead(text: &Text, marched: Marched) -> Vec<Source> {
     }
     let in_cells = text.kinds.iter().any(|named| marched.takes(named));
     let mut sources = Vec::new();
+    for field in text.all().filter(|named| marched.takes(named)) {
+        add_once(
+            &mut sources,
+            field.field().map(files_of_bounds).into_iter().flatten(),
+        );
+    }
+    let bounds = text.of_fields(|named| marched.takes(named), free_text);
+    sources.push((Cow::Borrowed("the fields along a line"), Cow::Owned(bounds)));
     if in_cells {
-        let kinds = field_of_kind(text, marched) + &gradient_of_kind(text, marched);
+        let kinds = field_of_kind(text, marched)
+            + &free_of_kind(text, marched)
+            + &gradient_of_kind(text, marched);
         sources.push((Cow::Borrowed("the kinds of fields"), Cow::Owned(kinds)));
         sources.push(source!("cells/fields.glsl"));
+        sources.push(source!("cells/fields_free.glsl"));
     }
-    let functions = value(text, marched, in_cells) + &gradient(text, marched, in_cells);
+    let functions = value(text, marched, in_cells)
+        + &free(text, marched, in_cells)
+        + &gradient(text, marched, in_cells);
     sources.push((Cow::Borrowed("the fields"), Cow::Owned(functions)));
     sources.push(source!("march_fields.glsl"));
     sources
@@ -51,6 +65,17 @@ fn field_of_kind(text: &Text, marched: Marched) -> String {
             format!("return {};", named.unless_left("left", "1e30", &value))
         },
         "    return 1e30;\n",
+    )
+}
+
+fn free_of_kind(text: &Text, marched: Marched) -> String {
+    of_kind(
+        text,
+        "// How far along d from p it leaves the way free.\n\
+         float freeOfKind(float kind, int data, vec3 p, vec3 d, float slack) {\n",
+        |named| marched.takes(named),
+        |named| format!("return {};", named.free("p", "d", "slack")),
+        "    return 0.0;\n",
     )
 }
 
@@ -95,6 +120,39 @@ fn value(text: &Text, marched: Marched, in_cells: bool) -> String {
         out.push_str("    fieldsInCells(p, d, last, nearest, object, reach);\n");
     }
     out + "    return nearest;\n}\n\n"
+}
+
+fn free(text: &Text, marched: Marched, in_cells: bool) -> String {
+    let is_bounded = |named: &Named| named.field().is_some_and(is_bounded);
+    if !text
+        .all()
+        .any(|named| marched.takes(named) && is_bounded(named))
+    {
+        return String::from(
+            "// Nothing is known of the fields but their values.\n\
+             float fieldsFree(vec3 p, vec3 d, float last, float slack) { return 0.0; }\n\n",
+        );
+    }
+    let mut out = String::from(
+        "// How far along d from p no field is met for sure, where slack is what rounding may do\n\
+         // to their values.\n\
+         float fieldsFree(vec3 p, vec3 d, float last, float slack) {\n    \
+         float way = NO_END;\n    float candidate;\n",
+    );
+    for named in text.loose.iter().filter(|named| marched.takes(named)) {
+        let value = named.unless_left(&named.left(), "NO_END", &named.distance("p"));
+        let free = named.free("p", "d", "slack");
+        let _ = writeln!(
+            out,
+            "    // {}\n    candidate = {value};\n    \
+             if (candidate < way) {{ way = min(way, max(candidate, {free})); }}",
+            named.label
+        );
+    }
+    if in_cells {
+        out.push_str("    fieldsFreeInCells(p, d, last, slack, way);\n");
+    }
+    out + "    return way;\n}\n\n"
 }
 
 fn gradient(text: &Text, marched: Marched, in_cells: bool) -> String {

@@ -64,7 +64,8 @@ fn statements(named: &Named) -> Vec<String> {
             // A Newton step onto the field's surface, and the gradient there.
             let gradient = named.field_gradient("q");
             statements.push(format!("q = ontoField(q, {gradient});"));
-            statements.push(format!("normal = facing({gradient}.xyz, {vector});"));
+            let normal = named.field_normal("q");
+            statements.push(format!("normal = facing({normal}.xyz, {vector});"));
         }
         Shape::Box { .. } | Shape::Room { .. } => statements.push(format!(
             "land{}(q, {vector}{}, normal);",

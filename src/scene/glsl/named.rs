@@ -163,9 +163,28 @@ impl<'a> Named<'a> {
         }
     }
 
+    /// The distance to a basic shape that a wave at `p` along `d` can still meet.
+    pub fn distance_ahead(&self, p: &str, d: &str) -> String {
+        let (shape, point, vector) = (self.shape(), self.point(p), self.vector(d));
+        let size = match self.surface.shape {
+            // With the slack within which rounding decides on the side of a face.
+            Shape::Box { .. } => format!(", {}", self.value(1)),
+            _ => self.size(),
+        };
+        format!("sd{shape}Ahead({point}, {vector}{size})")
+    }
+
     /// The gradient of a field at a point of its own axes, with the value last.
     pub fn field_gradient(&self, q: &str) -> String {
         format!("gradient{}({q}{})", self.tag, self.data_argument())
+    }
+
+    /// The same for its direction, which is the normal's.
+    pub fn field_normal(&self, q: &str) -> String {
+        match self.field().is_some_and(field::has_user) {
+            true => format!("normal{}({q}{})", self.tag, self.data_argument()),
+            false => self.field_gradient(q),
+        }
     }
 
     /// Where the line of a wave meets it, for what has a closed form.
@@ -181,6 +200,17 @@ impl<'a> Named<'a> {
             Shape::Box { .. } => format!("hitBox({point}, {vector}, {})", self.value(1)),
             _ => format!("hit{}({point}, {vector}{})", self.shape(), self.size()),
         }
+    }
+
+    /// How far the line of a wave is free of a field that is marched.
+    pub fn free(&self, p: &str, d: &str, slack: &str) -> String {
+        let (point, vector) = (self.point(p), self.vector(d));
+        let slack = format!("max({slack}, {})", self.slack());
+        format!(
+            "free{}({point}, {vector}, {slack}{})",
+            self.tag,
+            self.data_argument()
+        )
     }
 
     /// The expression, or `none` for the wave that leaves a convex surface.

@@ -112,6 +112,11 @@ pub(super) fn value_count(surface: &Surface, is_data: bool) -> usize {
 /// same as in `glsl/rounding.glsl`.
 const ROUNDING: f32 = 8.0 * f32::EPSILON;
 
+/// What rounding may do to a distance that is computed with a place, in metres.
+pub(super) fn rounding_of(place: Vec3) -> f32 {
+    ROUNDING * place.abs().max_element()
+}
+
 /// What rounding may do to the distance to a surface, in metres; of a box or a room never so
 /// much that a thin one would vanish in it.
 fn slack(surface: &Surface) -> f32 {

@@ -1,11 +1,12 @@
 //! What one frame needs: its input, checked, and what follows from it.
 
+use super::super::budget::Budget;
 use super::super::waves::{STATUS_DEAD, STATUS_STARTED};
-use super::super::{Grid, MARCHES_PER_PASS, MAX_FIELD_STEPS, Profile, Settings};
+use super::super::{Grid, Profile, Settings};
 use super::EVALUATIONS_PER_DRAW;
 use crate::gpu::Program;
 use crate::scene::Scene;
-use crate::scene::glsl::{self, Placed, Placement};
+use crate::scene::glsl::{Placed, Placement};
 use glam::Vec4;
 use std::rc::Rc;
 use std::time::Instant;
@@ -23,6 +24,7 @@ const USUAL_STEPS: f64 = 20.0;
 pub(super) struct Job<'a> {
     pub scene: &'a Scene,
     pub settings: &'a Settings,
+    pub budget: Budget,
     pub placement: Placement,
     pub placed: Placed,
     pub march: Rc<Program>,
@@ -44,31 +46,13 @@ impl Job<'_> {
         program.set_f32("uNormalStep", settings.normal_step);
         program.set_f32("uLipschitz", settings.lipschitz);
         program.set_f32("uDistanceFactor", settings.distance_factor);
-        program.set_i32("uStepBound", settings.step_bound() as i32);
-        program.set_i32("uFieldSteps", MAX_FIELD_STEPS as i32);
-    }
-
-    /// Whether a wave of this frame takes steps.
-    pub fn marches(&self) -> bool {
-        self.settings.profile != Profile::Hybrid || glsl::marches_fields(self.scene, false)
-    }
-
-    pub fn iterations_per_pass(&self) -> u32 {
-        match self.settings.profile {
-            Profile::Hybrid if !self.marches() => self.settings.iterations_per_pass,
-            _ => self.settings.iterations_per_pass.min(MARCHES_PER_PASS),
-        }
+        program.set_i32("uStepBound", self.budget.steps as i32);
+        program.set_i32("uFieldSteps", self.budget.field_steps as i32);
     }
 
     /// Evaluations of one surface that a wave may take in so many iterations.
     pub fn evaluations(&self, iterations: u32) -> u64 {
-        let steps = match self.settings.profile {
-            Profile::Hybrid if !self.marches() => 1,
-            Profile::Hybrid => MAX_FIELD_STEPS,
-            _ => self.settings.step_bound(),
-        };
-        let objects = self.scene.surfaces.len() as u64 + 1;
-        u64::from(iterations) * u64::from(steps) * objects
+        u64::from(iterations) * self.budget.evaluations
     }
 
     /// How many evaluations of a usual surface one of the scene's takes the time of: of users'

@@ -136,6 +136,7 @@ impl Tracer {
         scene: &Scene,
         settings: &Settings,
     ) -> Result<(), Error> {
+        let _entered = self.context.enter()?;
         self.pending.give_up();
         let job = self.prepare(scene, settings)?;
         let grid = self.targets()?.grid;
@@ -143,7 +144,7 @@ impl Tracer {
         self.pending.marks.restart()?;
         self.without_waiting(|tracer| tracer.initialise(&job))?;
         self.pending.marks.mark()?;
-        let in_pass = job.iterations_per_pass().min(settings.iterations);
+        let in_pass = job.budget.iterations_per_pass.min(settings.iterations);
         let progress = Progress {
             began: job.began,
             left: settings.iterations - in_pass,
@@ -166,6 +167,7 @@ impl Tracer {
     /// # Errors
     /// As [`Tracer::frame`].
     pub fn frame_go_on(&mut self, milliseconds: f64) -> Result<bool, Error> {
+        let _entered = self.context.enter()?;
         let Some(Parts {
             scene,
             settings,
@@ -239,7 +241,7 @@ impl Tracer {
             if progress.rows == height {
                 self.flip();
                 progress.rows = 0;
-                progress.in_pass = job.iterations_per_pass().min(progress.left);
+                progress.in_pass = job.budget.iterations_per_pass.min(progress.left);
                 progress.left -= progress.in_pass;
             }
         }

@@ -104,6 +104,7 @@ impl Tracer {
     /// # Errors
     /// As [`Tracer::frame`].
     pub fn frame_begin(&mut self, scene: &Scene, settings: &Settings) -> Result<(), Error> {
+        let _entered = self.context.enter()?;
         self.pending.give_up();
         let begun = self.without_waiting(|tracer| tracer.begin(scene, settings))?;
         self.pending.begun = Some(begun);
@@ -123,6 +124,7 @@ impl Tracer {
     /// # Errors
     /// [`Error::Gpu`] when the renderer fails.
     pub fn frame_poll(&mut self) -> Result<Option<Frame>, Error> {
+        let _entered = self.context.enter()?;
         self.collect(false)
     }
 
@@ -132,6 +134,7 @@ impl Tracer {
     /// # Errors
     /// [`Error::Gpu`] when the renderer fails.
     pub fn frame_wait(&mut self) -> Result<Option<Frame>, Error> {
+        let _entered = self.context.enter()?;
         while !self.frame_go_on(f64::INFINITY)? {}
         self.collect(true)
     }

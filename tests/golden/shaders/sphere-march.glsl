@@ -6,10 +6,11 @@
 #define MARCHES_FIELDS 0
 
 // glsl/rounding.glsl
-// glsl/distance/sphere.glsl
 // glsl/land/sphere.glsl
 // glsl/gradient/sphere.glsl
+// glsl/ahead/sphere.glsl
 // glsl/distance/listener.glsl
+// glsl/ahead/listener.glsl
 // the surfaces
 uniform vec4 uSurfaces[1];
 
@@ -17,14 +18,15 @@ uniform vec4 uSurfaces[1];
 // the scene
 // Distance to the nearest object that a wave at p along d can meet, its number, and
 // the distance to the second nearest. What the wave leaves (last) is out of its way
-// when it is convex; of a room only the walls ahead count.
+// when it is convex, and so is all that it recedes from; of a room only the walls
+// ahead count.
 float distanceAhead(vec3 p, vec3 d, float last, out float object, out float second) {
-    float nearest = listenerDistance(p);
+    float nearest = sdListenerAhead(p, d);
     object = 0.0;
     second = 1e30;
     float candidate;
     // surface 1 (Sphere)
-    candidate = last == 1.0 ? 1e30 : sdSphere(p - uSurfaces[0].xyz, uSurfaces[0].w);
+    candidate = last == 1.0 ? 1e30 : sdSphereAhead(p - uSurfaces[0].xyz, d, uSurfaces[0].w);
     if (candidate < nearest) { second = nearest; nearest = candidate; object = 1.0; }
     else { second = min(second, candidate); }
     return nearest;

@@ -26,6 +26,7 @@ vec4 gradient1(vec3 p) {
     return g1;
 }
 
+// surface 1 (Torus)
 
 // the scene
 // How far from p along d the next object is, and its number. A convex surface is
@@ -52,6 +53,17 @@ void land(float object, vec3 d, inout vec3 p, out vec3 normal) {
 }
 
 
+// glsl/along/bound.glsl
+// glsl/along/torus.glsl
+// the fields along a line
+// surface 1 (Torus)
+float free1(vec3 p, vec3 d, float slack) {
+    vec4 b1 = gdTorus(p, 2.0, 0.5);
+    vec4 b2 = orPlain(alongTorus(b1, p, d, 2.0, 0.5), slack);
+    return freeAlong(b2, slack);
+}
+
+
 // the fields
 // The least value of the fields that a wave at p along d can meet, and whose it is. It
 // holds as far as reach along d. A convex one that the wave leaves is out of its way.
@@ -64,6 +76,17 @@ float fieldsAhead(vec3 p, vec3 d, float last, out float object, out float reach)
     candidate = field1(p - uSurfaces[0].xyz);
     if (candidate < nearest) { nearest = candidate; object = 1.0; }
     return nearest;
+}
+
+// How far along d from p no field is met for sure, where slack is what rounding may do
+// to their values.
+float fieldsFree(vec3 p, vec3 d, float last, float slack) {
+    float way = NO_END;
+    float candidate;
+    // surface 1 (Torus)
+    candidate = field1(p - uSurfaces[0].xyz);
+    if (candidate < way) { way = min(way, max(candidate, free1(p - uSurfaces[0].xyz, d, max(slack, uSurfaces[0].w)))); }
+    return way;
 }
 
 // The gradient of one of them, and what rounding may do to its value.

@@ -15,6 +15,7 @@
 // glsl/distance/sphere.glsl
 // glsl/dual/sphere.glsl
 // glsl/distance/listener.glsl
+// glsl/ahead/listener.glsl
 // the surfaces
 uniform vec4 uSurfaces[1];
 
@@ -36,13 +37,15 @@ vec4 gradient1(vec3 p) {
     return g4;
 }
 
+// surface 1 (SmoothUnion)
 
 // the scene
 // Distance to the nearest object that a wave at p along d can meet, its number, and
 // the distance to the second nearest. What the wave leaves (last) is out of its way
-// when it is convex; of a room only the walls ahead count.
+// when it is convex, and so is all that it recedes from; of a room only the walls
+// ahead count.
 float distanceAhead(vec3 p, vec3 d, float last, out float object, out float second) {
-    float nearest = listenerDistance(p);
+    float nearest = sdListenerAhead(p, d);
     object = 0.0;
     second = 1e30;
     float candidate;
@@ -70,6 +73,22 @@ void land(float object, vec3 d, inout vec3 p, out vec3 normal) {
 }
 
 
+// glsl/along/bound.glsl
+// glsl/along/blend.glsl
+// glsl/along/exit.glsl
+// the fields along a line
+// surface 1 (SmoothUnion)
+float free1(vec3 p, vec3 d, float slack) {
+    vec4 b1 = gdBox(p, vec3(0.75, 0.75, 0.75));
+    vec4 b2 = orPlain(vec4(1.0 * b1.w, 1.0 * dot(b1.xyz, d), 0.0, NO_END), slack);
+    vec3 p3 = p - vec3(1.0, 0.0, 0.0);
+    vec4 b4 = gdSphere(p3, 1.0);
+    vec4 b5 = orPlain(vec4(1.0 * b4.w, 1.0 * dot(b4.xyz, d), 0.0, NO_END), slack);
+    vec4 b6 = orPlain(blendAlong(b2, b5, 0.25), slack);
+    return freeAlong(b6, slack);
+}
+
+
 // the fields
 // The least value of the fields that a wave at p along d can meet, and whose it is. It
 // holds as far as reach along d. A convex one that the wave leaves is out of its way.
@@ -82,6 +101,17 @@ float fieldsAhead(vec3 p, vec3 d, float last, out float object, out float reach)
     candidate = field1(p - uSurfaces[0].xyz);
     if (candidate < nearest) { nearest = candidate; object = 1.0; }
     return nearest;
+}
+
+// How far along d from p no field is met for sure, where slack is what rounding may do
+// to their values.
+float fieldsFree(vec3 p, vec3 d, float last, float slack) {
+    float way = NO_END;
+    float candidate;
+    // surface 1 (SmoothUnion)
+    candidate = field1(p - uSurfaces[0].xyz);
+    if (candidate < way) { way = min(way, max(candidate, free1(p - uSurfaces[0].xyz, d, max(slack, uSurfaces[0].w)))); }
+    return way;
 }
 
 // The gradient of one of them, and what rounding may do to its value.

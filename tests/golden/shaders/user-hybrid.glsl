@@ -27,21 +27,39 @@ float sdUser0(vec3 p, vec3 halfSize, float inverseLipschitz) {
     return max(inside, sdBox(p, halfSize));
 }
 
-// Its gradient by differences over a tetrahedron: nobody can say it.
+// Its gradient by differences over a step that follows from the place, whatever the box.
+vec3 differencesOfUser0(vec3 p, float h, vec3 halfSize, float inverseLipschitz) {
+    vec2 e = vec2(h, 0.0);
+    return vec3(
+        sdUser0(p + e.xyy, halfSize, inverseLipschitz) - sdUser0(p - e.xyy, halfSize, inverseLipschitz),
+        sdUser0(p + e.yxy, halfSize, inverseLipschitz) - sdUser0(p - e.yxy, halfSize, inverseLipschitz),
+        sdUser0(p + e.yyx, halfSize, inverseLipschitz) - sdUser0(p - e.yyx, halfSize, inverseLipschitz)) / (2.0 * h);
+}
+
+// The power of 2 below the largest coordinate: what the text's own rounding goes by.
+float scaleOfUser0(vec3 p, vec3 halfSize) {
+    return exp2(floor(log2(max(largest(p), 9.765625e-4 * largest(halfSize)))));
+}
+
+// For a march: right next to edges, and to some 1e-4.
 vec4 gdUser0(vec3 p, vec3 halfSize, float inverseLipschitz) {
     float value = sdUser0(p, halfSize, inverseLipschitz);
     float outside = sdBox(p, halfSize);
     if (outside >= value) {
         return vec4(gradientBox(p, halfSize), outside);
     }
-    // A step of 2^-12 of the size: rounding and curvature weigh about the same.
-    float step_ = 4.8828125e-4 * max(halfSize.x, max(halfSize.y, halfSize.z));
-    vec2 e = vec2(step_, -step_);
-    vec3 growth = e.xyy * sdUser0(p + e.xyy, halfSize, inverseLipschitz)
-        + e.yyx * sdUser0(p + e.yyx, halfSize, inverseLipschitz)
-        + e.yxy * sdUser0(p + e.yxy, halfSize, inverseLipschitz)
-        + e.xxx * sdUser0(p + e.xxx, halfSize, inverseLipschitz);
-    return vec4(growth / (4.0 * step_ * step_), value);
+    float h = 9.765625e-4 * scaleOfUser0(p, halfSize);
+    return vec4(differencesOfUser0(p, h, halfSize, inverseLipschitz), value);
+}
+
+// For a normal: differences of fourth order over wide steps, whose rounding is some
+// 1e-6, where the surface is smooth so far that near ones tell the same.
+vec4 gnUser0(vec3 p, vec3 halfSize, float inverseLipschitz) {
+    vec4 near = gdUser0(p, halfSize, inverseLipschitz);
+    float h = 0.03125 * scaleOfUser0(p, halfSize);
+    vec3 wide = (4.0 * differencesOfUser0(p, h, halfSize, inverseLipschitz)
+        - differencesOfUser0(p, 2.0 * h, halfSize, inverseLipschitz)) / 3.0;
+    return length(wide - near.xyz) < 4.8828125e-4 ? vec4(wide, near.w) : near;
 }
 
 // glsl/land/field.glsl
@@ -59,6 +77,12 @@ float field1(vec3 p) {
 // surface 1 (Field)
 vec4 gradient1(vec3 p) {
     vec4 g1 = gdUser0(p, vec3(1.5, 1.5, 1.5), 0.5);
+    return g1;
+}
+
+// surface 1 (Field)
+vec4 normal1(vec3 p) {
+    vec4 g1 = gnUser0(p, vec3(1.5, 1.5, 1.5), 0.5);
     return g1;
 }
 
@@ -80,11 +104,19 @@ void land(float object, vec3 d, inout vec3 p, out vec3 normal) {
     if (object == 1.0) { // surface 1 (Field)
         q = p - uSurfaces[0].xyz;
         q = ontoField(q, gradient1(q));
-        normal = facing(gradient1(q).xyz, d);
+        normal = facing(normal1(q).xyz, d);
         p = q + uSurfaces[0].xyz;
         normal = normal;
         return;
     }
+}
+
+
+// glsl/along/bound.glsl
+// the fields along a line
+// surface 1 (Field)
+float free1(vec3 p, vec3 d, float slack) {
+    return 0.0;
 }
 
 
@@ -101,6 +133,9 @@ float fieldsAhead(vec3 p, vec3 d, float last, out float object, out float reach)
     if (candidate < nearest) { nearest = candidate; object = 1.0; }
     return nearest;
 }
+
+// Nothing is known of the fields but their values.
+float fieldsFree(vec3 p, vec3 d, float last, float slack) { return 0.0; }
 
 // The gradient of one of them, and what rounding may do to its value.
 vec3 fieldGradient(vec3 p, float object, out float slack) {

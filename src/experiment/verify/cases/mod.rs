@@ -4,6 +4,7 @@ mod build;
 mod chaos;
 mod corners;
 mod distortion;
+mod fields;
 mod incidence;
 mod input;
 mod listener;
@@ -28,6 +29,7 @@ pub fn all() -> Vec<Case> {
         chaos::cases,
         open::cases,
         distortion::cases,
+        fields::cases,
         input::cases,
     ]
     .iter()

@@ -35,6 +35,8 @@ pub(super) struct Text {
     pub code: String,
     /// All names in it that GLSL does not know, in the order in which they come.
     pub names: Vec<String>,
+    /// Whether it loops.
+    pub has_loops: bool,
 }
 
 /// Reads a text, and refuses what is no field or has in it what a field cannot have.
@@ -54,6 +56,9 @@ pub(super) fn read(text: &str) -> Result<Text, Refusal> {
     Ok(Text {
         code: written(&tokens, end),
         names: check::names(&tokens),
+        has_loops: tokens
+            .iter()
+            .any(|token| matches!(token.text, "for" | "while" | "do")),
     })
 }
 

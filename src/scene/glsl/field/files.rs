@@ -102,20 +102,33 @@ fn user_functions(index: usize, gradients: bool) -> String {
     if gradients {
         let _ = write!(
             text,
-            "\n// Its gradient by differences over a tetrahedron: nobody can say it.\n\
+            "\n// Its gradient by differences over a step that follows from the place, whatever the box.\n\
+             vec3 differencesOfUser{index}(vec3 p, float h, vec3 halfSize, float inverseLipschitz) {{\n    \
+             vec2 e = vec2(h, 0.0);\n    \
+             return vec3(\n        \
+             sdUser{index}(p + e.xyy, halfSize, inverseLipschitz) - sdUser{index}(p - e.xyy, halfSize, inverseLipschitz),\n        \
+             sdUser{index}(p + e.yxy, halfSize, inverseLipschitz) - sdUser{index}(p - e.yxy, halfSize, inverseLipschitz),\n        \
+             sdUser{index}(p + e.yyx, halfSize, inverseLipschitz) - sdUser{index}(p - e.yyx, halfSize, inverseLipschitz)) / (2.0 * h);\n}}\n\n\
+             // The power of 2 next to the largest coordinate: what the text's own rounding goes by.\n\
+             float scaleOfUser{index}(vec3 p, vec3 halfSize) {{\n    \
+             return exp2(floor(0.5 + log2(max(largest(p), 9.765625e-4 * largest(halfSize)))));\n}}\n\n\
+             // For a march: right next to edges, and to some 1e-4.\n\
              vec4 gdUser{index}(vec3 p, vec3 halfSize, float inverseLipschitz) {{\n    \
              float value = sdUser{index}(p, halfSize, inverseLipschitz);\n    \
              float outside = sdBox(p, halfSize);\n    \
              if (outside >= value) {{\n        \
              return vec4(gradientBox(p, halfSize), outside);\n    }}\n    \
-             // A step of 2^-12 of the size: rounding and curvature weigh about the same.\n    \
-             float step_ = 4.8828125e-4 * max(halfSize.x, max(halfSize.y, halfSize.z));\n    \
-             vec2 e = vec2(step_, -step_);\n    \
-             vec3 growth = e.xyy * sdUser{index}(p + e.xyy, halfSize, inverseLipschitz)\n        \
-             + e.yyx * sdUser{index}(p + e.yyx, halfSize, inverseLipschitz)\n        \
-             + e.yxy * sdUser{index}(p + e.yxy, halfSize, inverseLipschitz)\n        \
-             + e.xxx * sdUser{index}(p + e.xxx, halfSize, inverseLipschitz);\n    \
-             return vec4(growth / (4.0 * step_ * step_), value);\n}}\n"
+             float h = 9.765625e-4 * scaleOfUser{index}(p, halfSize);\n    \
+             return vec4(differencesOfUser{index}(p, h, halfSize, inverseLipschitz), value);\n}}\n\n\
+             // For a normal: differences of sixth order over wide steps, whose rounding is some\n\
+             // 1e-6, where the surface is smooth so far that near ones tell the same.\n\
+             vec4 gnUser{index}(vec3 p, vec3 halfSize, float inverseLipschitz) {{\n    \
+             vec4 near = gdUser{index}(p, halfSize, inverseLipschitz);\n    \
+             float h = 0.0625 * scaleOfUser{index}(p, halfSize);\n    \
+             vec3 wide = 1.5 * differencesOfUser{index}(p, h, halfSize, inverseLipschitz)\n        \
+             - 0.6 * differencesOfUser{index}(p, 2.0 * h, halfSize, inverseLipschitz)\n        \
+             + 0.1 * differencesOfUser{index}(p, 3.0 * h, halfSize, inverseLipschitz);\n    \
+             return length(wide - near.xyz) < 4.8828125e-4 ? vec4(wide, near.w) : near;\n}}\n"
         );
     }
     text

@@ -256,7 +256,7 @@ pub(in crate::scene::glsl) fn files_of_hits(field: &Field) -> Vec<Source> {
     files
 }
 
-fn hit_files(node: &Node) -> Option<Vec<Source>> {
+pub(super) fn hit_files(node: &Node) -> Option<Vec<Source>> {
     let quadric = |file| Some(vec![source!("hit/quadric_line.glsl"), file]);
     match node {
         Node::Plane => Some(vec![source!("hit/plane.glsl")]),

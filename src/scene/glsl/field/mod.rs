@@ -2,24 +2,27 @@
 //!
 //! Each tree becomes straight-line code, one statement a node, in functions that are named
 //! after the surface's number: `field3(p)`, `gradient3(p)` (the gradient, and in its last
-//! component the value) and, where there is a closed form, `hit3(p, d, slack)`. Value and
+//! component the value), where there is a closed form `hit3(p, d, slack)`, and for the march
+//! `free3(p, d, slack)`. Value and
 //! gradient are the same text over two types: `float`, and `vec4` for a value with its
 //! gradient, which the operators take along (forward differentiation).
 //!
 //! Numbers are literals. Those of a node that something moves are uniforms instead, all of
 //! them at once, because several follow from one parameter (a rotation's nine).
 
+mod along;
 mod files;
 mod hit;
 mod numbers;
 mod signature;
 mod text;
 
+pub(super) use along::{files_of_bounds, free_text, is_bounded};
 pub(super) use files::{field_files, user_text};
 pub(super) use hit::{files_of_hits, has_closed_form, hit_text};
 pub(super) use numbers::moving_values;
 pub(super) use signature::{Signature, signature};
-pub(super) use text::{gradient_text, value_text};
+pub(super) use text::{gradient_text, has_user, normal_text, value_text};
 
 use crate::scene::layout::Layout;
 use crate::scene::{Field, HeightImage, Node, Scene};

@@ -32,6 +32,16 @@ impl<'a> Numbers<'a> {
         taken.collect()
     }
 
+    /// The place in the tree, for who writes a part of it more than once.
+    pub fn mark(&self) -> (usize, usize) {
+        (self.taken, self.node)
+    }
+
+    /// Goes back to a [`Numbers::mark`].
+    pub fn back_to(&mut self, (taken, node): (usize, usize)) {
+        (self.taken, self.node) = (taken, node);
+    }
+
     /// What the whole value is divided by, or nothing where that is 1.
     pub fn lipschitz(&mut self, field: &Field) -> Option<String> {
         let lipschitz = field.properties().lipschitz;

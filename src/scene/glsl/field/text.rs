@@ -10,13 +10,15 @@ use std::fmt::Write;
 enum Kind {
     Value,
     Gradient,
+    /// A gradient whose direction is as exact as can be.
+    Normal,
 }
 
 impl Kind {
     fn of_type(self) -> &'static str {
         match self {
             Kind::Value => "float",
-            Kind::Gradient => "vec4",
+            Kind::Gradient | Kind::Normal => "vec4",
         }
     }
 
@@ -24,13 +26,15 @@ impl Kind {
         match self {
             Kind::Value => "field",
             Kind::Gradient => "gradient",
+            Kind::Normal => "normal",
         }
     }
 
-    fn prefix(self) -> &'static str {
+    fn prefix(self, node: &Node) -> &'static str {
         match self {
             Kind::Value => "sd",
-            Kind::Gradient => "gd",
+            Kind::Normal if node.user().is_some() => "gn",
+            Kind::Gradient | Kind::Normal => "gd",
         }
     }
 }
@@ -47,6 +51,20 @@ pub(in crate::scene::glsl) fn gradient_text(
     assets: &Assets,
 ) -> String {
     Writer::new(place, assets).whole(field, Kind::Gradient)
+}
+
+/// `vec4 normal<number>(vec3 p)`: the same for who wants its direction, of a field with a
+/// user's text in it, whose gradient is one of differences; nothing for another.
+pub(in crate::scene::glsl) fn normal_text(field: &Field, place: &Place, assets: &Assets) -> String {
+    if !has_user(field) {
+        return String::new();
+    }
+    Writer::new(place, assets).whole(field, Kind::Normal)
+}
+
+/// Whether its gradient is one of differences somewhere.
+pub(in crate::scene::glsl) fn has_user(field: &Field) -> bool {
+    field.nodes().iter().any(|node| node.node.user().is_some())
 }
 
 impl<'a> Writer<'a> {
@@ -118,6 +136,11 @@ impl<'a> Writer<'a> {
         }
     }
 
+    /// Writes the value of a node; its name.
+    pub(super) fn value(&mut self, field: &Field, p: &str) -> String {
+        self.node(field, Kind::Value, p)
+    }
+
     fn result(&mut self, kind: Kind, expression: &str) -> String {
         let stem = if kind == Kind::Value { "d" } else { "g" };
         let name = self.name(stem);
@@ -128,7 +151,7 @@ impl<'a> Writer<'a> {
     fn shape(&mut self, field: &Field, kind: Kind, p: &str, numbers: &[String]) -> String {
         let mut call = format!(
             "{}{}({p}{}",
-            kind.prefix(),
+            kind.prefix(&field.node),
             self.shape_name(field),
             arguments(&field.node, numbers)
         );
@@ -141,7 +164,7 @@ impl<'a> Writer<'a> {
     }
 
     /// The name of the shape's functions; each user's field has its own.
-    fn shape_name(&self, field: &Field) -> String {
+    pub(super) fn shape_name(&self, field: &Field) -> String {
         match &field.node {
             Node::User { field } => format!("User{}", self.assets.user(field).unwrap_or(0)),
             node => node.name().to_owned(),
@@ -191,7 +214,7 @@ impl<'a> Writer<'a> {
                 self.result(kind, &format!("{result} * {}", n[0]))
             }
             (Kind::Value, ..) | (_, _, None) => result,
-            (Kind::Gradient, _, Some(outward)) => self.result(kind, &outward.replace('#', &result)),
+            (_, _, Some(outward)) => self.result(kind, &outward.replace('#', &result)),
         }
     }
 
@@ -216,7 +239,7 @@ impl<'a> Writer<'a> {
             Kind::Value => {
                 self.result(kind, &format!("beyondTurning({of}, {beyond}, {lipschitz})"))
             }
-            Kind::Gradient => self.result(
+            Kind::Gradient | Kind::Normal => self.result(
                 kind,
                 &format!("un{turn}({of}, {p}, {q}, {rate}, {beyond}, {lipschitz})"),
             ),
@@ -253,7 +276,7 @@ impl<'a> Writer<'a> {
         let [_, _, _, x, y, z, near, inverse] = periods else {
             return result;
         };
-        let prefix = kind.prefix();
+        let prefix = kind.prefix(&field.node);
         self.result(
             kind,
             &format!(
@@ -307,16 +330,16 @@ impl<'a> Writer<'a> {
 }
 
 /// One axis of a repetition.
-struct Axis {
-    coordinate: String,
-    period: String,
-    count: u32,
-    copies: Copies,
+pub(super) struct Axis {
+    pub coordinate: String,
+    pub period: String,
+    pub count: u32,
+    pub copies: Copies,
 }
 
 impl Axis {
-    /// The coordinate and the copies' range, as the GLSL functions take them.
-    fn range(&self) -> String {
+    /// The coordinate, and the copies' period and range, as the GLSL functions take them.
+    pub fn range(&self) -> (String, String) {
         let even = self.count > 0 && self.count.is_multiple_of(2);
         let (coordinate, period) = (&self.coordinate, &self.period);
         // Copies of an even number lie about the origin, none at it.
@@ -332,14 +355,16 @@ impl Axis {
                 (first, first + f64::from(count - 1))
             }
         };
-        format!("{q}, {period}, {}, {}", literal(first), literal(last))
+        let range = format!("{period}, {}, {}", literal(first), literal(last));
+        (q, range)
     }
 
-    fn copy(&self, step: &str) -> String {
+    pub fn copy(&self, step: &str) -> String {
         if self.copies == Copies::None {
             return self.coordinate.clone();
         }
-        format!("repeatCopy({}, {step})", self.range())
+        let (q, range) = self.range();
+        format!("repeatCopy({q}, {range}, {step})")
     }
 
     fn steps(&self) -> (i64, i64) {
@@ -352,13 +377,16 @@ impl Axis {
 
     fn moved_by(&self, step: &str) -> String {
         match self.copies {
-            Copies::OwnAndNext => format!("float({step}) * repeatSide({})", self.range()),
+            Copies::OwnAndNext => {
+                let (q, range) = self.range();
+                format!("float({step}) * repeatSide({q}, {range})")
+            }
             _ => format!("float({step})"),
         }
     }
 }
 
-fn mirrored(p: &str, axes: [bool; 3]) -> (String, Option<String>) {
+pub(super) fn mirrored(p: &str, axes: [bool; 3]) -> (String, Option<String>) {
     let folded = |axis: usize| {
         let coordinate = format!("{p}.{}", ["x", "y", "z"][axis]);
         if axes[axis] {

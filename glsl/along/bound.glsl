@@ -1,0 +1,57 @@
+// A lower bound of a field's value along a line: value + slope t - bend t^2 / 2, which holds for
+// t from 0 to reach, as the vector (value, slope, bend, reach); t and reach in metres.
+//
+// Theory. Where the second derivative along every line is at least -bend, Taylor's formula gives
+// such a bound. The distance to a convex solid has bend 0 from outside, and its complement is
+// concave within: there a chord that ends in the air bounds it.
+
+const float NO_END = 1e20;   // beyond every length here, and no overflow where it is scaled
+
+// How far along the line the bound is greater than 0, of a start that slack may have put into
+// the solid.
+float freeAlong(vec4 bound, float slack) {
+    if (bound.x < -slack) {
+        return 0.0;
+    }
+    float value = max(bound.x, 0.0);
+    float root = sqrt(bound.y * bound.y + 2.0 * bound.z * value);
+    float way = NO_END;
+    if (bound.y < 0.0) {
+        way = 2.0 * value / (root - bound.y);
+    } else if (bound.z > 0.0) {
+        way = (bound.y + root) / bound.z;
+    }
+    return min(way, bound.w);
+}
+
+// What every field has: its value falls by no more than a metre a metre.
+vec4 plainAlong(float value) {
+    return vec4(value, -1.0, 0.0, NO_END);
+}
+
+// A bound that reaches no further than the value alone is worth less than that.
+vec4 orPlain(vec4 bound, float slack) {
+    return freeAlong(bound, slack) < bound.x ? plainAlong(bound.x) : bound;
+}
+
+// Of the lesser of two values: the lesser's as far as it stays below, or one below both.
+vec4 lowerAlong(vec4 a, vec4 b, float slack) {
+    vec4 low = a.x < b.x ? a : b;
+    vec4 high = a.x < b.x ? b : a;
+    float reach = min(a.w, b.w);
+    vec4 gap = vec4(high.xy - low.xy, max(high.z - low.z, 0.0), reach);
+    vec4 apart = vec4(low.xyz, freeAlong(gap, 0.0));
+    vec4 below = vec4(low.x, min(a.y, b.y), max(a.z, b.z), reach);
+    return freeAlong(apart, slack) > freeAlong(below, slack) ? apart : below;
+}
+
+// Of the greater of two values: either's. The one that says more is taken.
+vec4 upperAlong(vec4 a, vec4 b, float slack) {
+    return freeAlong(a, slack) >= freeAlong(b, slack) ? a : b;
+}
+
+// Of a value that is concave as far as a place in the air that is `way` ahead.
+vec4 concaveAlong(float value, float way) {
+    float end = max(way, 0.0);
+    return vec4(value, -max(value, 0.0) / max(end, 1e-30), 0.0, end);
+}

@@ -1,0 +1,90 @@
+//! Fields that are marched: solids behind what is grazed, steep ground, listeners far away.
+
+use super::super::Case;
+use super::build::{lattice, scene};
+use crate::scene::{Field, HeightImage, Listener, Node, Surface};
+use glam::{UVec2, Vec3};
+use std::sync::Arc;
+
+/// One flight: where a wave lands. Of a crease a rounding decides which side it leaves by.
+const ITERATIONS: u32 = 1;
+
+pub fn cases() -> Vec<Case> {
+    let torus = || {
+        Field::from(Node::Torus {
+            ring: 2.0,
+            tube: 0.8,
+        })
+    };
+    let capsule = || {
+        Field::from(Node::Capsule {
+            radius: 0.6,
+            height: 2.5,
+        })
+    };
+    let near = Vec3::new(0.0, 0.0, 30.0);
+    let far = Vec3::new(900.0, 0.0, 400.0);
+    let blend = || {
+        Field::smooth_union(
+            0.3,
+            [torus(), capsule().translate(Vec3::new(0.7, 0.2, -0.4))],
+        )
+    };
+    vec![
+        before_a_slab("torus-slab", torus(), near),
+        before_a_slab("torus-slab-far", torus(), far),
+        before_a_slab("shell-slab", torus().shell(0.02), near),
+        before_a_slab("blend-slab", blend(), near),
+        before_a_slab("blend-slab-far", blend(), far),
+        over_ground("ground", Vec3::new(200.0, 24.0, 200.0), 0.0),
+        over_ground("ground-steep", Vec3::new(6.0, 12.0, 5.0), 0.0),
+        over_ground("ground-far", Vec3::new(6.0, 5.0, 5.0), 300.0),
+    ]
+}
+
+/// A field that the source grazes, 6 m before a wide slab.
+fn before_a_slab(name: &str, field: Field, listener: Vec3) -> Case {
+    let slab = Field::from(Node::RoundedBox {
+        size: Vec3::new(200.0, 200.0, 0.5),
+        rounding: 0.1,
+    });
+    let surfaces = vec![
+        Surface::new(field.rotate(Vec3::X * std::f32::consts::FRAC_PI_2))
+            .at(Vec3::new(0.0, 0.0, -6.0)),
+        Surface::new(slab).at(Vec3::new(0.0, 0.0, -20.0)),
+    ];
+    spread(
+        name,
+        "a step at a graze may be longer than the way to the slab behind",
+        "no wave passes the slab",
+        scene(name, surfaces, Vec3::ZERO, Listener::at(listener, 1.0)),
+    )
+}
+
+/// Ground of an image of heights, heard from beside it.
+fn over_ground(name: &str, size: Vec3, far: f32) -> Case {
+    const SIDE: u32 = 24;
+    let height = |index: u32| {
+        let (x, z) = (index % SIDE, index / SIDE);
+        ((x * 7 + z * 13 + x * z * 3) % 17) as f32 / 16.0
+    };
+    let heights = (0..SIDE * SIDE).map(height).collect();
+    let image = match HeightImage::new("steps", UVec2::splat(SIDE), heights) {
+        Ok(image) => Arc::new(image),
+        // A test makes every case.
+        Err(error) => unreachable!("{error}"),
+    };
+    let ground = Surface::new(Field::from(Node::HeightField { image, size }));
+    let source = size * Vec3::new(-0.2, 0.62, -0.15);
+    let listener = Listener::at(Vec3::new(far, 0.9 * size.y + 0.1 * far, 0.0), 0.02 * size.x);
+    spread(
+        name,
+        "the value of steep ground says little of the distance",
+        "no wave passes through the ground",
+        scene(name, vec![ground], source, listener),
+    )
+}
+
+fn spread(name: &str, hard: &'static str, exact: &str, scene: crate::Scene) -> Case {
+    Case::spread(name, hard, exact, scene, lattice(4096), ITERATIONS)
+}

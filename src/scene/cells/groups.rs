@@ -1,0 +1,74 @@
+//! Groups of surfaces that lie together: what a distance from outside of the grid asks.
+//!
+//! Outside of the grid any surface can be the nearest. A group whose box is further away than
+//! what is already known is passed over as a whole; about √n groups of √n surfaces each are
+//! looked at and few of them opened. No bound stands in for a distance: what comes of it is
+//! the least distance itself.
+
+use super::{ENDLESS, Member};
+use crate::scene::Bounds3;
+use glam::DVec3;
+
+/// Surfaces that lie together.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Group {
+    /// No surface of it is nearer than this box (world metres); ±1e9 m stands for no end.
+    pub bounds: Bounds3,
+    /// Indices of the surfaces in the scene, in their order.
+    pub surfaces: Vec<u32>,
+}
+
+/// All members in groups.
+pub(super) fn groups(members: &[Member]) -> Vec<Group> {
+    // The value of a bound may be less than the distance to what holds the solid.
+    let (exact, bounds): (Vec<&Member>, Vec<&Member>) = members.iter().partition(|m| m.exact);
+    let most = (members.len() as f64).sqrt().ceil() as usize;
+    let mut all = Vec::new();
+    split(exact, most.max(1), &mut all);
+    if !bounds.is_empty() {
+        all.push(Group {
+            bounds: ended(Bounds3::EVERYWHERE),
+            ..group(&bounds)
+        });
+    }
+    all
+}
+
+/// Halves the members by their middles along the longest axis until they are few enough.
+fn split(mut members: Vec<&Member>, most: usize, all: &mut Vec<Group>) {
+    if members.is_empty() {
+        return;
+    }
+    if members.len() <= most {
+        all.push(group(&members));
+        return;
+    }
+    let middle = |member: &Member| ended(member.bounds).middle();
+    let spread = Bounds3::of_points(members.iter().map(|member| middle(member)));
+    let size = spread.max - spread.min;
+    let axis = (0..3).max_by(|&a, &b| size[a].total_cmp(&size[b]));
+    let axis = axis.unwrap_or_default();
+    members.sort_by(|a, b| middle(a)[axis].total_cmp(&middle(b)[axis]));
+    let upper = members.split_off(members.len() / 2);
+    split(members, most, all);
+    split(upper, most, all);
+}
+
+fn group(members: &[&Member]) -> Group {
+    let bounds = members.iter().map(|member| ended(member.bounds));
+    let mut surfaces: Vec<u32> = members.iter().map(|member| member.index).collect();
+    surfaces.sort_unstable();
+    Group {
+        bounds: bounds.reduce(Bounds3::hull).unwrap_or(Bounds3::EVERYWHERE),
+        surfaces,
+    }
+}
+
+/// The same with ends that `f32` can square.
+fn ended(bounds: Bounds3) -> Bounds3 {
+    let end = DVec3::splat(ENDLESS);
+    Bounds3 {
+        min: bounds.min.max(-end),
+        max: bounds.max.min(end),
+    }
+}

@@ -1,0 +1,196 @@
+//! How much one pass and one march may do.
+//!
+//! Mesa's llvmpipe leaves a loop of a shader in silence once all loops of the shader together
+//! have taken 65,536 turns, nested ones included. So the turns that an iteration of a scene may
+//! take at the most are counted here, and nowhere else: over the iterations of a pass, the steps
+//! of a march, the lists of cells and the copies of repetitions. From that follow the
+//! iterations of a pass and, where a single march could take more, its steps: what is given up
+//! at a step bound is counted and reported.
+
+use super::{MAX_FIELD_STEPS, MAX_STEPS, Profile, Settings};
+use crate::scene::Scene;
+use crate::scene::cells::{Cells, Lists};
+use crate::scene::glsl::{self, Loops};
+use crate::scene::layout::Layout;
+
+/// Turns of all loops of a shader together at the most.
+const MOST_TURNS: u64 = 65_535;
+
+/// Steps that a march is left with, however long the lists of its cells are: what takes more
+/// grazes a surface. A single march of such a scene may run out of turns.
+const LEAST_STEPS: u64 = 128;
+
+/// What a frame's passes may do: the same on every renderer, so that results do not depend on
+/// it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Budget {
+    /// Iterations in one pass.
+    pub iterations_per_pass: u32,
+    /// Steps of one march among the basic shapes, or in `thesis` among all.
+    pub steps: u32,
+    /// Steps of one march of the fields.
+    pub field_steps: u32,
+    /// Evaluations of a surface that a wave may take in an iteration.
+    pub(super) evaluations: u64,
+}
+
+impl Budget {
+    /// The budget of a scene as it stands.
+    pub fn of(scene: &Scene, settings: &Settings) -> Budget {
+        let lists = lists(settings);
+        let mut cells = Cells::new(scene, &Layout::of(scene));
+        if let Some(cells) = &mut cells {
+            cells.prepare(lists);
+        }
+        Budget::with_cells(scene, settings, cells.as_ref())
+    }
+
+    /// The same for who has the scene's cells, with the lists that [`lists`] names.
+    pub(super) fn with_cells(scene: &Scene, settings: &Settings, cells: Option<&Cells>) -> Budget {
+        let loops = glsl::loops(scene, cells, lists(settings));
+        let marches_fields = glsl::marches_fields(scene, settings.profile == Profile::March);
+        match settings.profile {
+            Profile::Thesis => thesis(settings, &loops),
+            Profile::March => march(settings, &loops, marches_fields),
+            Profile::Hybrid => hybrid(settings, &loops, marches_fields),
+        }
+    }
+}
+
+/// The lists of cells that frames with these settings read. Near lists hold what lines need too,
+/// but in cells that lie within a solid.
+pub(super) fn lists(settings: &Settings) -> Lists {
+    match settings.profile {
+        Profile::Thesis => Lists::Near,
+        Profile::March if !settings.exact_normals => Lists::Near,
+        Profile::March | Profile::Hybrid => Lists::Touching,
+    }
+}
+
+/// Differences that a normal of the thesis is taken from.
+const DIFFERENCES: u64 = 6;
+
+fn thesis(settings: &Settings, loops: &Loops) -> Budget {
+    // The thesis' steps are as many as its distances ask for.
+    let steps = u64::from(settings.step_bound());
+    let work = Work {
+        turns: steps * (1 + loops.distance) + DIFFERENCES * loops.distance,
+        evaluations: (steps + DIFFERENCES) * (1 + loops.unrolled + loops.distance),
+    };
+    work.budget(settings, steps, 0)
+}
+
+fn march(settings: &Settings, loops: &Loops, marches_fields: bool) -> Budget {
+    let differences = match settings.exact_normals {
+        true => 0,
+        false => DIFFERENCES * loops.distance,
+    };
+    let rest = 1 + loops.landing + differences;
+    let field_turns = if marches_fields { loops.all_fields } else { 0 };
+    // The fields may use half of what there is.
+    let share = if marches_fields { 2 } else { 1 };
+    let left = MOST_TURNS.saturating_sub(rest) / share;
+    let steps = held(MAX_STEPS, left, 1 + loops.ahead);
+    let field_steps = match marches_fields {
+        true => held(MAX_FIELD_STEPS, left, 1 + field_turns),
+        false => 0,
+    };
+    let objects = 1 + loops.unrolled;
+    let work = Work {
+        turns: rest - 1 + steps * (1 + loops.ahead) + field_steps * (1 + field_turns),
+        evaluations: steps * (objects + loops.ahead) + field_steps * (objects + field_turns),
+    };
+    work.budget(settings, steps, field_steps)
+}
+
+fn hybrid(settings: &Settings, loops: &Loops, marches_fields: bool) -> Budget {
+    let rest = 1 + loops.line + loops.landing;
+    let left = MOST_TURNS.saturating_sub(rest);
+    let field_steps = match marches_fields {
+        true => held(MAX_FIELD_STEPS, left, 1 + loops.other_fields),
+        false => 0,
+    };
+    let objects = 1 + loops.unrolled;
+    let work = Work {
+        turns: rest - 1 + field_steps * (1 + loops.other_fields),
+        evaluations: objects + loops.line + field_steps * (objects + loops.other_fields),
+    };
+    work.budget(settings, 0, field_steps)
+}
+
+/// Steps of so many turns each that fit what is left.
+fn held(most: u32, left: u64, turns: u64) -> u64 {
+    (left / turns).max(LEAST_STEPS).min(most.into())
+}
+
+/// What one iteration may take.
+struct Work {
+    /// Turns of the loops in it.
+    turns: u64,
+    evaluations: u64,
+}
+
+impl Work {
+    fn budget(&self, settings: &Settings, steps: u64, field_steps: u64) -> Budget {
+        // The iteration itself is a turn.
+        let fit = (MOST_TURNS / (1 + self.turns)).max(1);
+        let asked = u64::from(settings.iterations_per_pass);
+        Budget {
+            iterations_per_pass: asked.min(fit) as u32,
+            steps: steps as u32,
+            field_steps: field_steps as u32,
+            evaluations: self.evaluations,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Shape, Surface};
+    use glam::Vec3;
+
+    /// Every profile, with as many iterations in a pass as may be asked for.
+    fn asked(profile: Profile) -> Settings {
+        Settings {
+            iterations_per_pass: super::super::MAX_ITERATIONS,
+            ..Settings::of(profile)
+        }
+    }
+
+    fn balls(count: usize) -> Scene {
+        let mut scene = Scene::builtin("corner").unwrap();
+        let place = |i: usize| Vec3::new((i % 7) as f32, (i / 7 % 7) as f32, (i / 49) as f32);
+        let ball = |i| Surface::new(Shape::Sphere { radius: 0.3 }).at(1.5 * place(i));
+        scene.surfaces = (0..count).map(ball).collect();
+        scene
+    }
+
+    /// Protects the defaults of the built-in rooms: their passes are as long as they ever were.
+    #[test]
+    fn the_rooms_of_the_thesis_run_as_they_did() {
+        let corner = Scene::builtin("corner").unwrap();
+        for profile in Profile::ALL {
+            let settings = Settings::of(profile);
+            let budget = Budget::of(&corner, &settings);
+            assert_eq!(budget.iterations_per_pass, settings.iterations_per_pass);
+        }
+        let march = Budget::of(&corner, &Settings::march());
+        assert_eq!((march.steps, march.field_steps), (MAX_STEPS, 0));
+        let closed = Budget::of(&corner, &asked(Profile::Hybrid));
+        assert_eq!(closed.iterations_per_pass, super::super::MAX_ITERATIONS);
+    }
+
+    /// Protects the lists of cells from being left out of the count.
+    #[test]
+    fn lists_make_for_shorter_passes() {
+        for profile in Profile::ALL {
+            let settings = asked(profile);
+            let few = Budget::of(&balls(20), &settings).iterations_per_pass;
+            let many = Budget::of(&balls(40), &settings).iterations_per_pass;
+            let crowd = Budget::of(&balls(1000), &settings).iterations_per_pass;
+            assert!(few > many, "{profile}: {few}, {many}");
+            assert!(few > crowd && crowd >= 1, "{profile}: {few}, {crowd}");
+        }
+    }
+}
