@@ -235,13 +235,19 @@ impl Writer<'_> {
                 | Node::Quadric { .. },
                 _,
             ) => {
-                if line.sign_alone {
-                    let numbers = arguments(&field.node, &n[..n.len() - 1]);
-                    let free = format!("hit{name}({p}, {d}, {sign}{numbers})");
-                    return self.bound(&format!("vec4({sign} * {gradient}.w, 0.0, 0.0, {free})"));
-                }
                 let (steepness, norm) = quadric_steepness(&field.node, p, n);
-                format!("quadricAlong({sign}, {gradient}, {d}, {steepness}, {norm})")
+                let near = format!("quadricAlong({sign}, {gradient}, {d}, {steepness}, {norm})");
+                if line.sign_alone {
+                    // Right before the surface rounding may put the root behind the wave.
+                    let numbers = arguments(&field.node, &n[..n.len() - 1]);
+                    let falling = format!("{sign} * dot({gradient}.xyz, {d}) < 0.0");
+                    let free = format!("hit{name}({p}, {d}, {sign}{numbers})");
+                    return self.bound(&format!(
+                        "{sign} * {gradient}.w <= {slack} && {falling} ? orPlain({near}, {slack}) \
+                         : vec4({sign} * {gradient}.w, 0.0, 0.0, {free})"
+                    ));
+                }
+                near
             }
             (Node::Sphere { .. }, Solid) => concave(format!("exitBall({p}, {d}{more})")),
             (_, Solid) => concave(format!("exit{name}({p}, {d}{more})")),
