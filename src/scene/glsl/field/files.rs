@@ -125,6 +125,8 @@ fn user_functions(index: usize, gradients: bool) -> String {
              vec4 gnUser{index}(vec3 p, vec3 halfSize, float inverseLipschitz) {{\n    \
              vec4 near = gdUser{index}(p, halfSize, inverseLipschitz);\n    \
              float h = 0.0625 * scaleOfUser{index}(p, halfSize);\n    \
+             // Nothing is known beyond the box.\n    \
+             h = max(min(h, -sdBox(p, halfSize) / 3.0), 0.03125 * h);\n    \
              vec3 wide = 1.5 * differencesOfUser{index}(p, h, halfSize, inverseLipschitz)\n        \
              - 0.6 * differencesOfUser{index}(p, 2.0 * h, halfSize, inverseLipschitz)\n        \
              + 0.1 * differencesOfUser{index}(p, 3.0 * h, halfSize, inverseLipschitz);\n    \
