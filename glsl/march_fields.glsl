@@ -16,7 +16,7 @@ const float NEAR = 64.0;      // roundings from the surface within which the bou
 const int PATIENCE = 12;      // steps in a row after which they are asked everywhere
 const float RELAXED = 0.95;   // of the step for which the balls would just touch
 const float PLACE = 0.25;     // of ROUNDING: what it does to a place, and to a distance from it
-const float SHALLOW = 16.0;   // roundings along the ray that the last step goes at the most
+const float SHALLOW = 16.0;   // roundings along the ray that the last step goes on at the most
 const float FLAT = 0.0625;    // the slowest growth at which a value still tells a place
 const int LOOKS = 4;          // at a surface that is a rounding away
 
@@ -99,11 +99,15 @@ float marchFields(vec3 origin, vec3 d, float last, float limit, out float object
             }
             if (closing > 0.0 && f <= touch) {
                 // Beyond an edge that is closer than that there may be air: it lands in the solid.
-                if (f <= 0.0 || looks == 0) {
-                    t = max(t + clamp(f / closing, -SHALLOW * rounding, SHALLOW * rounding), 0.0);
+                if (f <= 0.0 || (looks == 0 && f <= SHALLOW * rounding * closing)) {
+                    // Back into the air no further than it came from.
+                    float back = max(taken, SHALLOW * rounding);
+                    t = max(t + clamp(f / closing, -back, SHALLOW * rounding), 0.0);
                     return t < limit ? t : -1.0;
                 }
-                --looks;
+                looks = max(looks - 1, 0);
+            } else {
+                looks = LOOKS;
             }
             slope = -closing;
             // Whatever rounding says, the march goes on.

@@ -13,7 +13,7 @@ vec4 aboveGroundAlong(float side, vec3 p, vec3 d, vec3 halfSize, float inverseGr
     float b = sceneData(at + 1).x;
     float c = sceneData(at + size.x).x;
     float e = sceneData(at + size.x + 1).x;
-    vec2 within = place - cell;
+    vec2 within = clamp((held.xz - (cell * metres - halfSize.xz)) / metres, 0.0, 1.0);
     float height = mix(mix(a, b, within.x), mix(c, e, within.x), within.y);
     vec2 speed = d.xz / metres;
     float rise = mix(b - a, e - c, within.y) * speed.x + mix(c - a, e - b, within.x) * speed.y;

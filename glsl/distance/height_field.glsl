@@ -5,7 +5,9 @@ vec3 groundAt(vec3 p, vec3 halfSize, int first, ivec2 size) {
     vec2 cells = vec2(size - 1);
     vec2 place = clamp((p.xz / (2.0 * halfSize.xz) + 0.5) * cells, vec2(0.0), cells);
     vec2 cell = min(floor(place), cells - 1.0);
-    vec2 within = place - cell;
+    // From the cell's own corner: a share of the whole image has lost the digits.
+    vec2 metres = 2.0 * halfSize.xz / cells;
+    vec2 within = clamp((p.xz - (cell * metres - halfSize.xz)) / metres, 0.0, 1.0);
     int at = first + int(cell.y) * size.x + int(cell.x);
     float a = sceneData(at).x;
     float b = sceneData(at + 1).x;

@@ -20,6 +20,10 @@ const LEAST_STEP: f64 = 1e-12;
 /// about 1e-10, of rounding and curvature alike.
 const DIFFERENCE: f64 = 1e-5;
 
+/// How far ahead a line is looked at to tell whether it goes in, as a share of the extent: so
+/// near that no crease lies between, and a slope of 1e-8 is still told.
+const AHEAD: f64 = 1e-8;
+
 /// Steps of one march at the most. A line that grazes a surface takes thousands.
 const STEPS: usize = 200_000;
 
@@ -87,7 +91,7 @@ impl MarchedField {
     }
 
     fn goes_in(&self, p: DVec3, d: DVec3) -> bool {
-        self.gradient(p).dot(d) < 0.0
+        self.distance(p + AHEAD * self.extent * d) < self.distance(p)
     }
 
     fn gradient(&self, p: DVec3) -> DVec3 {

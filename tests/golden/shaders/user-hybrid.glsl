@@ -36,9 +36,9 @@ vec3 differencesOfUser0(vec3 p, float h, vec3 halfSize, float inverseLipschitz) 
         sdUser0(p + e.yyx, halfSize, inverseLipschitz) - sdUser0(p - e.yyx, halfSize, inverseLipschitz)) / (2.0 * h);
 }
 
-// The power of 2 below the largest coordinate: what the text's own rounding goes by.
+// The power of 2 next to the largest coordinate: what the text's own rounding goes by.
 float scaleOfUser0(vec3 p, vec3 halfSize) {
-    return exp2(floor(log2(max(largest(p), 9.765625e-4 * largest(halfSize)))));
+    return exp2(floor(0.5 + log2(max(largest(p), 9.765625e-4 * largest(halfSize)))));
 }
 
 // For a march: right next to edges, and to some 1e-4.
@@ -52,13 +52,16 @@ vec4 gdUser0(vec3 p, vec3 halfSize, float inverseLipschitz) {
     return vec4(differencesOfUser0(p, h, halfSize, inverseLipschitz), value);
 }
 
-// For a normal: differences of fourth order over wide steps, whose rounding is some
+// For a normal: differences of sixth order over wide steps, whose rounding is some
 // 1e-6, where the surface is smooth so far that near ones tell the same.
 vec4 gnUser0(vec3 p, vec3 halfSize, float inverseLipschitz) {
     vec4 near = gdUser0(p, halfSize, inverseLipschitz);
-    float h = 0.03125 * scaleOfUser0(p, halfSize);
-    vec3 wide = (4.0 * differencesOfUser0(p, h, halfSize, inverseLipschitz)
-        - differencesOfUser0(p, 2.0 * h, halfSize, inverseLipschitz)) / 3.0;
+    float h = 0.0625 * scaleOfUser0(p, halfSize);
+    // Nothing is known beyond the box.
+    h = max(min(h, -sdBox(p, halfSize) / 3.0), 0.03125 * h);
+    vec3 wide = 1.5 * differencesOfUser0(p, h, halfSize, inverseLipschitz)
+        - 0.6 * differencesOfUser0(p, 2.0 * h, halfSize, inverseLipschitz)
+        + 0.1 * differencesOfUser0(p, 3.0 * h, halfSize, inverseLipschitz);
     return length(wide - near.xyz) < 4.8828125e-4 ? vec4(wide, near.w) : near;
 }
 
