@@ -9,6 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::sync::mpsc::{self, Receiver};
 use std::time::{Duration, Instant};
 
+use echomarch::audio::PanningLaw;
 use echomarch::audio::live::{Live, LiveError, LiveOptions, list_devices};
 
 use crate::sound_server::{PATIENCE, Process, SINK, wait_for};
@@ -43,6 +44,8 @@ pub fn play() {
 fn start(device: Option<&str>) -> Live {
     let options = LiveOptions {
         device: device.map(str::to_owned),
+        // In the middle both sides have half of the sound.
+        law: PanningLaw::Linear,
         ..LiveOptions::default()
     };
     Live::start("noise".parse().unwrap(), options)
