@@ -22,7 +22,9 @@ fn truth(scene: &Scene, origin: Vec3, direction: Vec3) -> Option<f32> {
     for _ in 0..20_000 {
         let nearest = scene.distance(origin + t * direction);
         if nearest.distance < TOUCH {
-            return Some(nearest.object as f32);
+            // What it touches it has to go into; else it may pass by within the touch.
+            let beyond = scene.distance(origin + (t + CLOSE) * direction);
+            return (beyond.distance < 0.0).then_some(nearest.object as f32);
         }
         if nearest.distance < CLOSE {
             receding = Some(receding.map_or(nearest.distance, |d: f32| d.min(nearest.distance)));

@@ -16,6 +16,9 @@ use crate::scene::layout::Layout;
 /// Turns of all loops of a shader together at the most.
 const MOST_TURNS: u64 = 65_535;
 
+/// Turns of the loops in `marchFields` for one step: an inner and an outer one.
+const FIELD_TURNS: u64 = 2;
+
 /// Steps that a march is left with, however long the lists of its cells are: what takes more
 /// grazes a surface. A single march of such a scene may run out of turns.
 const LEAST_STEPS: u64 = 128;
@@ -92,12 +95,12 @@ fn march(settings: &Settings, loops: &Loops, marches_fields: bool) -> Budget {
     let left = MOST_TURNS.saturating_sub(rest) / share;
     let steps = held(MAX_STEPS, left, 1 + loops.ahead);
     let field_steps = match marches_fields {
-        true => held(MAX_FIELD_STEPS, left, 1 + field_turns),
+        true => held(MAX_FIELD_STEPS, left, FIELD_TURNS + field_turns),
         false => 0,
     };
     let objects = 1 + loops.unrolled;
     let work = Work {
-        turns: rest - 1 + steps * (1 + loops.ahead) + field_steps * (1 + field_turns),
+        turns: rest - 1 + steps * (1 + loops.ahead) + field_steps * (FIELD_TURNS + field_turns),
         evaluations: steps * (objects + loops.ahead) + field_steps * (objects + field_turns),
     };
     work.budget(settings, steps, field_steps)
@@ -107,12 +110,12 @@ fn hybrid(settings: &Settings, loops: &Loops, marches_fields: bool) -> Budget {
     let rest = 1 + loops.line + loops.landing;
     let left = MOST_TURNS.saturating_sub(rest);
     let field_steps = match marches_fields {
-        true => held(MAX_FIELD_STEPS, left, 1 + loops.other_fields),
+        true => held(MAX_FIELD_STEPS, left, FIELD_TURNS + loops.other_fields),
         false => 0,
     };
     let objects = 1 + loops.unrolled;
     let work = Work {
-        turns: rest - 1 + field_steps * (1 + loops.other_fields),
+        turns: rest - 1 + field_steps * (FIELD_TURNS + loops.other_fields),
         evaluations: objects + loops.line + field_steps * (objects + loops.other_fields),
     };
     work.budget(settings, 0, field_steps)

@@ -5,6 +5,7 @@ use super::distance::surface_distance_sources;
 use super::field::{field_files, gradient_text, normal_text, value_text};
 use super::fields_ahead::{Marched, fields_ahead};
 use super::land::{land_files, land_text};
+use super::source::without_uncalled_bounds;
 use super::{Named, Source, Text, add_once, distance_file, source};
 use crate::scene::{Scene, Shape};
 use std::borrow::Cow;
@@ -41,7 +42,7 @@ pub fn ahead_sources(scene: &Scene, difference_normals: bool) -> Vec<Source> {
     let functions = distance_ahead(&text) + &gradient_ahead(&text) + &land_text(&text);
     sources.push((Cow::Borrowed("the scene"), Cow::Owned(functions)));
     add_once(&mut sources, fields_ahead(&text, Marched::All));
-    sources
+    without_uncalled_bounds(sources)
 }
 
 fn gradient_file(shape: &Shape) -> Option<Source> {

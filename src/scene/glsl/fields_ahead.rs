@@ -22,28 +22,26 @@ impl Marched {
 }
 
 /// `fieldsAhead(p, d, last, object, reach)`, `fieldsFree(p, d, last, slack)`,
-/// `fieldGradient(p, object, slack)` and the march that calls them; nothing where nothing is marched. With cells, what walks them must stand
-/// before.
+/// `fieldGradient(p, object, slack)` and the march that calls them; nothing where nothing is
+/// marched. With cells, what walks them must stand before.
 pub(super) fn fields_ahead(text: &Text, marched: Marched) -> Vec<Source> {
     if !text.all().any(|named| marched.takes(named)) {
         return Vec::new();
     }
     let in_cells = text.kinds.iter().any(|named| marched.takes(named));
+    let bounded = any_is_bounded(text, marched);
     let mut sources = Vec::new();
-    for field in text.all().filter(|named| marched.takes(named)) {
-        add_once(
-            &mut sources,
-            field.field().map(files_of_bounds).into_iter().flatten(),
-        );
+    if bounded {
+        sources = bounds(text, marched);
     }
-    let bounds = text.of_fields(|named| marched.takes(named), free_text);
-    sources.push((Cow::Borrowed("the fields along a line"), Cow::Owned(bounds)));
     if in_cells {
-        let kinds = field_of_kind(text, marched)
-            + &free_of_kind(text, marched)
-            + &gradient_of_kind(text, marched);
+        let kinds = field_of_kind(text, marched) + &gradient_of_kind(text, marched);
         sources.push((Cow::Borrowed("the kinds of fields"), Cow::Owned(kinds)));
         sources.push(source!("cells/fields.glsl"));
+    }
+    if in_cells && bounded {
+        let kinds = free_of_kind(text, marched);
+        sources.push((Cow::Borrowed("their bounds"), Cow::Owned(kinds)));
         sources.push(source!("cells/fields_free.glsl"));
     }
     let functions = value(text, marched, in_cells)
@@ -51,6 +49,27 @@ pub(super) fn fields_ahead(text: &Text, marched: Marched) -> Vec<Source> {
         + &gradient(text, marched, in_cells);
     sources.push((Cow::Borrowed("the fields"), Cow::Owned(functions)));
     sources.push(source!("march_fields.glsl"));
+    sources
+}
+
+/// Whether anything is known of one of the fields but its value.
+fn any_is_bounded(text: &Text, marched: Marched) -> bool {
+    text.all()
+        .any(|named| marched.takes(named) && named.field().is_some_and(is_bounded))
+}
+
+/// The bounds of the fields along a line, and the files that they call.
+fn bounds(text: &Text, marched: Marched) -> Vec<Source> {
+    let mut sources = Vec::new();
+    for named in text.all().filter(|named| marched.takes(named)) {
+        let files = named.field().map(files_of_bounds);
+        add_once(&mut sources, files.into_iter().flatten());
+    }
+    let functions = text.of_fields(|named| marched.takes(named), free_text);
+    sources.push((
+        Cow::Borrowed("the fields along a line"),
+        Cow::Owned(functions),
+    ));
     sources
 }
 
@@ -123,11 +142,7 @@ fn value(text: &Text, marched: Marched, in_cells: bool) -> String {
 }
 
 fn free(text: &Text, marched: Marched, in_cells: bool) -> String {
-    let is_bounded = |named: &Named| named.field().is_some_and(is_bounded);
-    if !text
-        .all()
-        .any(|named| marched.takes(named) && is_bounded(named))
-    {
+    if !any_is_bounded(text, marched) {
         return String::from(
             "// Nothing is known of the fields but their values.\n\
              float fieldsFree(vec3 p, vec3 d, float last, float slack) { return 0.0; }\n\n",

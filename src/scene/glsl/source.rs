@@ -33,9 +33,14 @@ pub fn join(sources: &[Source]) -> String {
     text
 }
 
-/// The sources without the shape files that nothing calls: of a field with a closed form the
-/// gradient is needed, and not always the value.
-pub(super) fn without_uncalled(mut sources: Vec<Source>) -> Vec<Source> {
+/// The sources without what nothing calls: whole files of distances (of a field with a closed
+/// form the gradient is needed, and not always the value), and single functions of the bounds
+/// along lines.
+pub(super) fn without_uncalled(sources: Vec<Source>) -> Vec<Source> {
+    without_uncalled_bounds(without_uncalled_files(sources))
+}
+
+fn without_uncalled_files(mut sources: Vec<Source>) -> Vec<Source> {
     loop {
         let uncalled = sources.iter().position(|(name, text)| {
             let others = || sources.iter().filter(|(other, _)| other != name);
@@ -49,6 +54,35 @@ pub(super) fn without_uncalled(mut sources: Vec<Source>) -> Vec<Source> {
             None => return sources,
         };
     }
+}
+
+/// Leaves out the functions of `glsl/along/` that nothing after them calls; there each stands in
+/// a paragraph of its own, after those that it calls.
+pub(super) fn without_uncalled_bounds(sources: Vec<Source>) -> Vec<Source> {
+    let mut after = String::new();
+    let mut kept = Vec::new();
+    for (name, text) in sources.into_iter().rev() {
+        if !name.starts_with("glsl/along/") {
+            after.push_str(&text);
+            kept.push((name, text));
+            continue;
+        }
+        let mut paragraphs = Vec::new();
+        for paragraph in text.trim_end().rsplit("\n\n") {
+            let mut defined = functions(paragraph).peekable();
+            if defined.peek().is_none() || defined.any(|f| calls(&after, f)) {
+                after.push_str(paragraph);
+                paragraphs.push(paragraph);
+            }
+        }
+        paragraphs.reverse();
+        let text = paragraphs.join("\n\n") + "\n";
+        if functions(&text).next().is_some() {
+            kept.push((name, Cow::Owned(text)));
+        }
+    }
+    kept.reverse();
+    kept
 }
 
 /// Names of the functions that a file defines: at the start of a line, a type and a name.

@@ -75,7 +75,6 @@ void land(float object, vec3 d, inout vec3 p, out vec3 normal) {
 
 // glsl/along/bound.glsl
 // glsl/along/blend.glsl
-// glsl/along/exit.glsl
 // the fields along a line
 // surface 1 (SmoothUnion)
 float free1(vec3 p, vec3 d, float slack) {

@@ -115,14 +115,6 @@ void land(float object, vec3 d, inout vec3 p, out vec3 normal) {
 }
 
 
-// glsl/along/bound.glsl
-// the fields along a line
-// surface 1 (Field)
-float free1(vec3 p, vec3 d, float slack) {
-    return 0.0;
-}
-
-
 // the fields
 // The least value of the fields that a wave at p along d can meet, and whose it is. It
 // holds as far as reach along d. A convex one that the wave leaves is out of its way.

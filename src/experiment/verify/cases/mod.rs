@@ -1,5 +1,6 @@
 //! All hard cases, by what is hard about them.
 
+mod boxes;
 mod build;
 mod chaos;
 mod corners;
@@ -28,6 +29,7 @@ pub fn all() -> Vec<Case> {
         scale::cases,
         chaos::cases,
         open::cases,
+        boxes::cases,
         distortion::cases,
         fields::cases,
         input::cases,
