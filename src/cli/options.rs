@@ -144,6 +144,7 @@ pub struct Values {
 
 impl Values {
     /// The names and what they are set to.
+    #[cfg(feature = "demo")]
     pub fn pairs(&self) -> &[(String, f32)] {
         &self.set
     }
