@@ -20,8 +20,9 @@ Examples:
   echomarch demo my.ron --set door=60 --waves 262144
   echomarch demo corner --seconds 10 --screenshot demo.png --json
 
-Keys stand in the window: F1 shows them all. Scene files and WAV files can be dropped on it. Scenes: corner, obstacles, open-field, open-pillars,
-shoebox, whispering-gallery, parabolic-mirrors, colonnade, cave, morphing-room, menger.";
+Keys stand in the window: F1 shows them all. Scene files and WAV files can be dropped on it.
+Scenes: corner, obstacles, open-field, open-pillars, shoebox, whispering-gallery,
+parabolic-mirrors, colonnade, cave, morphing-room, menger.";
 
 /// Arguments of `demo`.
 #[derive(Args, Debug)]

@@ -49,7 +49,7 @@ const IGNORED: &[Ignored] = &[
         command: &["slice"],
         options: &["iterations_per_pass", "sum_on_gpu"],
         when: always,
-        because: "--paths says how many waves are followed",
+        because: "paths are followed one iteration at a time, and nothing is summed",
     },
     Ignored {
         command: &["slice"],
@@ -64,7 +64,7 @@ const IGNORED: &[Ignored] = &[
             "no_landing",
         ],
         when: |given| !is_given(given, "paths") && !is_given(given, "heard_paths"),
-        because: "no waves are followed without --paths",
+        because: "no waves are followed without --paths or --heard-paths",
     },
     Ignored {
         command: &["demo"],

@@ -12,7 +12,27 @@ mod field_trial;
 mod figures;
 mod ignored;
 mod info;
+#[cfg(unix)]
 mod interrupt;
+/// Where there are no signals the system ends the program.
+#[cfg(not(unix))]
+mod interrupt {
+    pub fn install() -> std::io::Result<()> {
+        Ok(())
+    }
+
+    #[cfg(feature = "demo")]
+    pub fn ask_from_now_on() {}
+
+    #[cfg(feature = "demo")]
+    pub fn is_asked() -> bool {
+        false
+    }
+
+    pub fn asked() -> Option<u8> {
+        None
+    }
+}
 mod localise;
 mod numbers;
 mod options;

@@ -242,7 +242,8 @@ impl TraceOptions {
     /// The settings that were typed, checked.
     pub fn settings(&self) -> anyhow::Result<Settings> {
         if self.profile == Profile::Hybrid && self.min_distance.is_some() {
-            let text = "--min-distance has no effect on --profile hybrid: it does not march";
+            let text =
+                "--min-distance has no effect on --profile hybrid: it has no minimum distance";
             return Err(BadInput(text.to_owned()).into());
         }
         if self.profile != Profile::March && (self.difference_normals || self.no_landing) {

@@ -48,8 +48,9 @@ pub struct Arguments {
     /// Draw the paths of this many waves
     #[arg(long, default_value_t = 0, value_name = "N", value_parser = count::<u32>)]
     paths: u32,
-    /// Draw the paths of this many waves that reach the listener: traces --waves of them, then
-    /// those of the next seeds, until there are so many (4194304 waves at the most)
+    /// Draw the paths of this many waves that reach the listener: traces --waves of them (4096
+    /// to 262144), then those of the next seeds, until there are so many (some 4194304 waves at
+    /// the most)
     #[arg(long, default_value_t = 0, value_name = "N", value_parser = count::<u32>)]
     heard_paths: u32,
     /// Seconds on the scene's paths; without it everything stands where the file puts it
@@ -75,7 +76,9 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     check_file(&arguments.output)?;
     let mut tracer = common.tracer()?;
     let wanted = arguments.heard_paths as usize;
-    let found = tracer.heard_paths(&scene, &settings, wanted, MOST_TRACED)?;
+    let mut searched = settings.clone();
+    searched.waves = searched.waves.max(LEAST_SEARCHED);
+    let found = tracer.heard_paths(&scene, &searched, wanted, MOST_TRACED)?;
     tell_missing(&found, wanted, common);
     let counts = (found.count(), found.traced);
     let options = SliceOptions {
@@ -101,6 +104,9 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     }
     print::line(&output)
 }
+
+/// Waves of one frame of the search for heard ones at the least: fewer take as long.
+const LEAST_SEARCHED: u32 = 4096;
 
 /// Waves that are traced to find heard ones at the most: half a minute without a graphics card.
 const MOST_TRACED: u64 = 1 << 22;

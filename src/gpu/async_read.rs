@@ -215,6 +215,7 @@ fn until_there(
 
 impl Drop for AsyncRead {
     fn drop(&mut self) {
+        let _entered = self.context.enter();
         self.cancel();
         // SAFETY: the context is current, and the buffer its own and not used again.
         unsafe { self.context.gl().delete_buffer(self.buffer) };

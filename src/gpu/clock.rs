@@ -104,6 +104,7 @@ impl Clock {
 
 impl Drop for Clock {
     fn drop(&mut self) {
+        let _entered = self.context.enter();
         if let Some(query) = self.query {
             // SAFETY: the context is current, and the query its own and not used again.
             unsafe { self.context.gl().delete_query(query) };

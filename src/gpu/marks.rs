@@ -92,6 +92,7 @@ impl Marks {
 
 impl Drop for Marks {
     fn drop(&mut self) {
+        let _entered = self.context.enter();
         for query in &self.queries {
             // SAFETY: the context is current, and the query its own and not used again.
             unsafe { self.context.gl().delete_query(*query) };

@@ -167,6 +167,7 @@ impl Target for RenderTarget {
 
 impl Drop for RenderTarget {
     fn drop(&mut self) {
+        let _entered = self.context.enter();
         // SAFETY: the context is current, and the framebuffer its own and not used again.
         unsafe { self.context.gl().delete_framebuffer(self.framebuffer) };
     }

@@ -124,6 +124,7 @@ impl Texture {
 
 impl Drop for Texture {
     fn drop(&mut self) {
+        let _entered = self.context.enter();
         // SAFETY: the context is current, and the texture its own and not used again.
         unsafe { self.context.gl().delete_texture(self.texture) };
     }
