@@ -264,31 +264,13 @@ impl Writer<'_> {
         match &field.node {
             Node::Translate { .. } => {
                 let p = &self.point(&format!("{p} - {}", vector()));
-                self.along(
-                    child,
-                    Line {
-                        p,
-                        d,
-                        slack,
-                        ..line
-                    },
-                    side,
-                )
+                self.along(child, Line { p, ..line }, side)
             }
             Node::Rotate { .. } => {
                 let turn = format!("mat3({})", n.join(", "));
                 let p = &self.point(&format!("{turn} * {p}"));
                 let d = &self.point(&format!("{turn} * {d}"));
-                self.along(
-                    child,
-                    Line {
-                        p,
-                        d,
-                        slack,
-                        ..line
-                    },
-                    side,
-                )
+                self.along(child, Line { p, d, ..line }, side)
             }
             Node::Scale { .. } => {
                 let by = &n[0];
