@@ -4,6 +4,7 @@
 //! cargo run --release --example against_exact [WAVES]
 //! ```
 
+use echomarch::experiment::median;
 use echomarch::glam::Vec3;
 use echomarch::gpu::{Context, ContextOptions};
 use echomarch::reference::ExactScene;
@@ -37,19 +38,18 @@ fn main() -> Result<(), Box<dyn Error>> {
             let heard = exact.iter().filter(|wave| wave.status == 0).count();
 
             // Where waves end that have not died (closed rooms let none escape).
-            let mut offs: Vec<f64> = marched
+            let offs: Vec<f64> = marched
                 .iter()
                 .zip(&exact)
                 .filter(|(marched, _)| marched.fate() != Fate::Dead)
                 .map(|(marched, exact)| marched.position.as_dvec3().distance(exact.point))
                 .collect();
-            offs.sort_by(f64::total_cmp);
-            let far = offs.len() - offs.partition_point(|off| *off <= 1.0);
+            let far = offs.len() - offs.iter().filter(|off| **off <= 1.0).count();
             println!(
                 "{name:10} {iterations:10} {:7} {heard:7} {:13.1} % {:17.2} m",
                 frame.counts.listener_hits,
                 100.0 * far as f64 / offs.len() as f64,
-                offs[offs.len() / 2],
+                median(offs),
             );
         }
     }

@@ -5,8 +5,10 @@
 //! cargo run --release --example many_surfaces
 //! ```
 
+use echomarch::experiment::median;
 use echomarch::gpu::{Api, Context, ContextOptions};
-use echomarch::{Error, Listener, Scene, Settings, Shape, Source, Surface, Tracer};
+use echomarch::scene::shape::{Cylinder, Room};
+use echomarch::{Error, Listener, Node, Scene, Settings, Source, Surface, Tracer};
 use glam::Vec3;
 use std::time::Instant;
 
@@ -59,7 +61,7 @@ fn main() -> Result<(), Error> {
 /// Milliseconds that the waves of a frame march.
 fn march(tracer: &mut Tracer, scene: &Scene, settings: &Settings) -> Result<f64, Error> {
     let frames = (0..FRAMES).map(|_| Ok(tracer.frame(scene, settings)?.milliseconds.march));
-    Ok(median(frames.collect::<Result<_, Error>>()?))
+    Ok(median(frames.collect::<Result<Vec<f64>, Error>>()?))
 }
 
 /// Milliseconds of a whole frame when nothing moves, and when a pillar has moved, in turns.
@@ -86,22 +88,17 @@ fn whole(tracer: &mut Tracer, scene: &Scene, settings: &Settings) -> Result<f64,
     Ok(began.elapsed().as_secs_f64() * 1e3)
 }
 
-fn median(mut times: Vec<f64>) -> f64 {
-    times.sort_by(f64::total_cmp);
-    times[times.len() / 2]
-}
-
 /// A room with pillars from floor to ceiling, as many along x as along z.
 fn hall(side: usize) -> Scene {
     let width = SPACING * side as f32;
-    let mut surfaces = vec![Surface::new(Shape::Room {
+    let mut surfaces = vec![Surface::new(Node::Room(Room {
         size: Vec3::new(width, 6.0, width),
-    })];
+    }))];
     let place = |index: usize| SPACING * (index as f32 + 0.5) - 0.5 * width;
     for row in 0..side {
         for column in 0..side {
             let radius = 0.3 + 0.1 * ((row * 7 + column * 3) % 5) as f32;
-            let pillar = Surface::new(Shape::Cylinder { radius });
+            let pillar = Surface::new(Node::Cylinder(Cylinder { radius }));
             surfaces.push(pillar.at(Vec3::new(place(column), 0.0, place(row))));
         }
     }

@@ -7,7 +7,8 @@
 
 use echomarch::glam::{Quat, Vec3};
 use echomarch::gpu::{Context, ContextOptions};
-use echomarch::{Error, Listener, Scene, Settings, Shape, Source, Surface, Tracer};
+use echomarch::scene::shape::{Cuboid, Cylinder, Room, Sphere};
+use echomarch::{Error, Listener, Node, Scene, Settings, Source, Surface, Tracer};
 
 fn main() -> Result<(), Error> {
     let context = Context::headless(&ContextOptions::default())?;
@@ -16,21 +17,21 @@ fn main() -> Result<(), Error> {
     let settings = Settings::default().with_waves(16_384).with_iterations(4);
 
     // Metres; x to the right, y up, z towards the viewer. The listener looks along -z.
-    let door = Surface::new(Shape::Box {
+    let door = Surface::new(Node::Cuboid(Cuboid {
         size: Vec3::new(4.0, 6.0, 0.3),
-    });
+    }));
     let mut scene = Scene {
         name: "hall with a door".to_owned(),
         surfaces: vec![
-            Surface::new(Shape::Room {
+            Surface::new(Node::Room(Room {
                 size: Vec3::new(16.0, 6.0, 16.0),
-            }),
+            })),
             // `turns` says that the rotation will change although it is none now.
             Surface {
                 turns: true,
                 ..door.named("door")
             },
-            Surface::new(Shape::Cylinder { radius: 0.6 }).at(Vec3::new(4.0, 0.0, -2.0)),
+            Surface::new(Node::Cylinder(Cylinder { radius: 0.6 })).at(Vec3::new(4.0, 0.0, -2.0)),
         ],
         source: Source::at(Vec3::new(-5.0, 0.0, -5.0)),
         listener: Listener::at(Vec3::new(0.0, 0.0, 5.0), 1.5),
@@ -41,9 +42,10 @@ fn main() -> Result<(), Error> {
         // The source walks from left to right, the door opens, the pillar shrinks.
         scene.source.position.x = -5.0 + 10.0 * share;
         scene.surfaces[1].rotation = Quat::from_rotation_y(90_f32.to_radians() * share);
-        scene.surfaces[2].shape = Shape::Cylinder {
+        scene.surfaces[2].shape = Node::Cylinder(Cylinder {
             radius: 0.6 - 0.4 * share,
-        };
+        })
+        .into();
         let frame = tracer.frame(&scene, &settings)?;
         println!(
             "source at x = {:+.1} m: {:4} waves heard, pan {:+.3}; {} programs compiled",
@@ -55,7 +57,7 @@ fn main() -> Result<(), Error> {
     }
 
     // One more surface is another structure: that, and only that, compiles again.
-    let stone = Shape::Sphere { radius: 1.0 };
+    let stone = Node::Sphere(Sphere { radius: 1.0 });
     scene
         .surfaces
         .push(Surface::new(stone).at(Vec3::new(-4.0, -2.0, 2.0)));

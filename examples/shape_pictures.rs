@@ -6,7 +6,8 @@
 
 use echomarch::gpu::{Context, ContextOptions};
 use echomarch::picture::{ViewOptions, first_person, save_png};
-use echomarch::scene::{Field, HeightImage, Node, SceneError, Surface};
+use echomarch::scene::shape::HeightField;
+use echomarch::scene::{HeightImage, Node, SceneError, Shape, Surface};
 use echomarch::{Error, Scene};
 use glam::{UVec2, Vec3};
 use std::path::Path;
@@ -182,6 +183,7 @@ const SCENES: &[(&str, Option<Gaze>)] = &[
     ("cave", Some((Vec3::new(-10.8, 0.8, 2.6), 65.0, -6.0))),
     ("morphing-room", None),
     ("menger", Some((Vec3::new(5.5, 2.2, 5.0), -46.0, -15.0))),
+    ("glasshouse", Some((Vec3::new(9.0, 0.3, 0.3), -90.0, -3.0))),
 ];
 
 fn main() -> Result<(), Error> {
@@ -207,7 +209,8 @@ fn main() -> Result<(), Error> {
         let mut scene = stage("Plane", Far)?;
         let size = Vec3::new(7.0, 1.6, 7.0);
         let image = Arc::new(hills());
-        scene.surfaces[0] = Surface::new(Field::from(Node::HeightField { image, size }));
+        scene.surfaces[0] =
+            Surface::new(Shape::from(Node::HeightField(HeightField { image, size })));
         save(&scene, "shapes/height-field", (200, 150))?;
     }
     for (name, eye) in SCENES.iter().filter(|(name, ..)| is_wanted(name)) {

@@ -1,5 +1,5 @@
 // What a pass adds to a wave's counters.
-float countPass(float counters, bool zeroLength, bool guardHit) {
-    return counters + (zeroLength ? ZERO_LENGTH_PASS : 0.0) + (guardHit ? GUARD_HIT : 0.0);
+float countPass(float counters, bool zeroLength, bool limitReached) {
+    return counters + (zeroLength ? ZERO_LENGTH_PASS : 0.0) + (limitReached ? LIMIT_REACHED : 0.0);
 }
 #define COUNT_EVALUATIONS(n)

@@ -1,6 +1,6 @@
 // In a frame that counts evaluations of the distance, these take the counters' place.
 float evaluations = 0.0;
-float countPass(float counters, bool zeroLength, bool guardHit) {
+float countPass(float counters, bool zeroLength, bool limitReached) {
     return counters;
 }
 #define COUNT_EVALUATIONS(n) (evaluations += (n))

@@ -1,9 +1,9 @@
 // One iteration in closed form, where there is one: profile `hybrid`.
 //
 // Every surface that has a closed form is solved for where the line of the wave meets it; the
-// nearest wins. There is no march among them, so there is no minimum distance, no start offset
-// and no step bound, and what a wave costs does not depend on where it goes. Fields without a
-// closed form are marched, no further than to the nearest of those hits.
+// nearest wins. There is no march among them, so there is no minimum distance and no start offset,
+// and no step limit but for walks past copies without end (operator/repeat.glsl). Fields without
+// a closed form are marched, no further than to the nearest of those hits.
 
 uniform float uMaxDistance;   // a wave counts as dead beyond this, metres; far below NO_HIT
 
@@ -13,19 +13,19 @@ bool finished(float status) {
 
 void iterate(inout vec4 origin, inout vec4 direction) {
     float object;
-    float t = nearestHit(origin.xyz, direction.xyz, origin.w, object);
-    bool guardHit = false;
+    float t = nearestHit(origin.xyz, direction.xyz, origin.w, uMaxDistance, object);
+    bool limitReached = t < 0.0;
 #if MARCHES_FIELDS
     float fieldMet;
-    float limit = min(t, uMaxDistance);
-    float marched = marchFields(origin.xyz, direction.xyz, origin.w, limit, fieldMet, guardHit);
+    float marched = limitReached ? -1.0
+        : marchFields(origin.xyz, direction.xyz, origin.w, t, fieldMet, limitReached);
     if (marched >= 0.0) {
         t = marched;
         object = fieldMet;
     }
 #endif
-    if (guardHit || !(t < uMaxDistance)) {
-        direction.w = countPass(direction.w, false, guardHit);
+    if (limitReached || !(t < uMaxDistance)) {
+        direction.w = countPass(direction.w, false, limitReached);
         origin.w = STATUS_DEAD;
         return;
     }

@@ -18,7 +18,7 @@ uniform float uMinDistance;     // width of the shell in which Newton's steps ar
 uniform float uMaxDistance;     // a wave counts as dead beyond this, metres
 uniform float uLipschitz;       // how much faster than 1 the distance may grow at most
 uniform float uDistanceFactor;  // the distance is multiplied by this: 1, or a test's distortion
-uniform int uStepBound;         // evaluations in one march at the most
+uniform int uStepLimit;         // evaluations in one march at the most
 uniform float uNormalStep;      // of difference normals, metres
 
 bool finished(float status) {
@@ -36,12 +36,12 @@ float boundedDistance(vec3 p, vec3 d, float last, out float object, out float se
 const float GLANCE = 16.0;   // roundings along the ray that make a landing inexact
 
 // How far the wave gets along its direction, or -1.
-float traceWave(vec3 origin, vec3 direction, float last, out float object, out bool guardHit) {
+float traceWave(vec3 origin, vec3 direction, float last, out float object, out bool limitReached) {
     float t = 0.0;
     bool refined = false;
     float coarseness = ROUNDING * largest(origin);
-    guardHit = false;
-    for (int i = 0; i < uStepBound; ++i) {
+    limitReached = false;
+    for (int i = 0; i < uStepLimit; ++i) {
         vec3 p = origin + t * direction;
         float second;
         float nearest = boundedDistance(p, direction, last, object, second);
@@ -80,7 +80,7 @@ float traceWave(vec3 origin, vec3 direction, float last, out float object, out b
             return -1.0;
         }
     }
-    guardHit = true;
+    limitReached = true;
     return -1.0;
 }
 
@@ -99,23 +99,23 @@ vec3 differenceNormal(vec3 p) {
 
 void iterate(inout vec4 origin, inout vec4 direction) {
     float object;
-    bool guardHit;
-    float t = traceWave(origin.xyz, direction.xyz, origin.w, object, guardHit);
+    bool limitReached;
+    float t = traceWave(origin.xyz, direction.xyz, origin.w, object, limitReached);
 #if MARCHES_FIELDS
     // Where the basic shapes gave up, nothing is known of what lies ahead.
     float fieldMet;
-    bool fieldGuardHit = false;
+    bool fieldLimitReached = false;
     float limit = t < 0.0 ? uMaxDistance : t;
-    float marched = guardHit ? -1.0
-        : marchFields(origin.xyz, direction.xyz, origin.w, limit, fieldMet, fieldGuardHit);
-    guardHit = guardHit || fieldGuardHit;
+    float marched = limitReached ? -1.0
+        : marchFields(origin.xyz, direction.xyz, origin.w, limit, fieldMet, fieldLimitReached);
+    limitReached = limitReached || fieldLimitReached;
     if (marched >= 0.0) {
         t = marched;
         object = fieldMet;
     }
-    t = guardHit ? -1.0 : t;
+    t = limitReached ? -1.0 : t;
 #endif
-    float counters = countPass(direction.w, t == 0.0, guardHit);
+    float counters = countPass(direction.w, t == 0.0, limitReached);
     if (t < 0.0) {
         origin = vec4(origin.xyz, STATUS_DEAD);
         direction.w = counters;

@@ -2,14 +2,14 @@
 //
 // Kept on purpose: the start offset that is not stored; hits up to the minimum distance
 // short of the surface; normals from differences of the whole scene's distance; waves
-// that met nothing are marched again from the origin with direction 0. Departures: the
-// march has a step bound, and counters ride in the direction's last component.
+// that are dead are marched again from the origin with direction 0. Departures: the
+// march has a step limit, and counters ride in the direction's last component.
 
 uniform float uMinDistance;   // a surface counts as met below this distance, metres
 uniform float uMaxDistance;   // a wave counts as dead beyond this, metres
 uniform float uStartOffset;   // along the direction, metres
 uniform float uNormalStep;    // of the central differences, metres
-uniform int uStepBound;       // evaluations in one march at the most
+uniform int uStepLimit;       // evaluations in one march at the most
 
 // Figure 8: only waves that reached the listener stop.
 bool finished(float status) {
@@ -17,11 +17,11 @@ bool finished(float status) {
 }
 
 // Figure 9: how far the wave gets along its direction, or -1.
-float traceWave(vec3 origin, vec3 direction, out float object, out bool guardHit) {
+float traceWave(vec3 origin, vec3 direction, out float object, out bool limitReached) {
     float t = 0.0;
-    guardHit = false;
+    limitReached = false;
     object = STATUS_DEAD;
-    for (int i = 0; i < uStepBound; ++i) {
+    for (int i = 0; i < uStepLimit; ++i) {
         if (!(t < uMaxDistance)) {
             return -1.0;
         }
@@ -32,7 +32,7 @@ float traceWave(vec3 origin, vec3 direction, out float object, out bool guardHit
         }
         t += nearest;
     }
-    guardHit = t < uMaxDistance;
+    limitReached = t < uMaxDistance;
     return -1.0;
 }
 
@@ -50,11 +50,11 @@ vec3 traceNormal(vec3 p) {
 // Figure 8.
 void iterate(inout vec4 origin, inout vec4 direction) {
     float object;
-    bool guardHit;
+    bool limitReached;
     vec3 offset = direction.xyz * uStartOffset;
-    float t = traceWave(origin.xyz + offset, direction.xyz, object, guardHit);
+    float t = traceWave(origin.xyz + offset, direction.xyz, object, limitReached);
     vec3 hit = origin.xyz + t * direction.xyz;
-    float counters = countPass(direction.w, t == 0.0, guardHit);
+    float counters = countPass(direction.w, t == 0.0, limitReached);
     if (t >= 0.0) {
         origin = vec4(hit, object);
         direction = vec4(reflect(direction.xyz, traceNormal(hit)), counters);

@@ -5,7 +5,7 @@ uniform highp sampler2D uContributions;   // left, right, status, counters
 uniform int uBlock;                       // side of a block in texels
 
 layout(location = 0) out vec4 outHeard;   // left, right, waves at the listener, dead waves
-layout(location = 1) out vec4 outPasses;  // of zero length, at the step bound; evaluations
+layout(location = 1) out vec4 outPasses;  // of zero length, step limit reached; evaluations
 
 void main() {
     ivec2 size = textureSize(uContributions, 0);
@@ -21,8 +21,8 @@ void main() {
             vec4 wave = texelFetch(uContributions, ivec2(x, y), 0);
             float arrived = reachedListener(wave.z) ? 1.0 : 0.0;
             heard += vec4(wave.xy, arrived, wave.z < -0.1 ? 1.0 : 0.0);
-            float guardHits = floor(wave.w / GUARD_HIT);
-            passes += vec3(wave.w - guardHits * GUARD_HIT, guardHits, wave.w);
+            float limitsReached = floor(wave.w / LIMIT_REACHED);
+            passes += vec3(wave.w - limitsReached * LIMIT_REACHED, limitsReached, wave.w);
         }
     }
     outHeard = heard;

@@ -1,10 +1,10 @@
-// A user's field by itself: its value at each point of a list.
+// A user's field by itself: its value at each point of a list, and the gradient that it states.
 
 uniform highp sampler2D uPoints;   // metres, in the axes of the field's box
 
-layout(location = 0) out vec4 outValue;   // value in its first component
+layout(location = 0) out vec4 outValue;   // the value, and the gradient: 0 where none is stated
 
 void main() {
     vec3 p = texelFetch(uPoints, ivec2(gl_FragCoord.xy), 0).xyz;
-    outValue = vec4(user0_field(p), 0.0, 0.0, 0.0);
+    outValue = vec4(user0_field(p), statedGradient(p));
 }

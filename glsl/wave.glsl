@@ -2,14 +2,14 @@
 //   first texture:  origin x, y, z in metres, status
 //   second texture: direction x, y, z, counters
 // The thesis leaves the last component of the direction unused (0). Here it counts,
-// for reports alone, the passes that ended at distance 0 and those that met the step
-// bound: counters = zeroLengthPasses + 4096 * guardHits, exact below 2^24.
+// for reports alone, the passes of zero length and the marches that reached the step
+// limit: counters = zeroLengthPasses + 4096 * limitsReached, exact below 2^24.
 
-const float STATUS_DEAD = -1.0;     // met nothing
+const float STATUS_DEAD = -1.0;     // dead: followed no more, and not heard
 const float STATUS_LISTENER = 0.0;  // reached the listener
-const float STATUS_STARTED = 0.5;   // has met nothing yet; from 1 up: the object met
+const float STATUS_STARTED = 0.5;   // not yet marched; from 1 up: the object met
 const float ZERO_LENGTH_PASS = 1.0;
-const float GUARD_HIT = 4096.0;
+const float LIMIT_REACHED = 4096.0;
 
 uniform uint uWaveCount;   // waves in the texture pair; texels beyond hold none
 uniform uint uGridWidth;   // texels in a row

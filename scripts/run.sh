@@ -10,7 +10,8 @@ Installs the Debian packages that are missing, builds echomarch and writes
 into FOLDER (default: out):
   figures.csv, .json, .svg   the thesis' four tables beside this machine's
   open-field.wav             a source that passes from left to right
-  corner.png, obstacles.png  the two scenes as pictures
+  corner.png, obstacles.png, open-pillars.png
+                             three scenes, each as its listener sees it
   corner-paths.png, obstacles-paths.png
                              the scenes from above, with the paths of some waves
 TEXT

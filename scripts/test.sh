@@ -44,7 +44,9 @@ need_cargo fmt clippy
 run cargo fmt --check
 run cargo clippy --locked --all-targets -- -D warnings
 run cargo clippy --locked --no-default-features --lib -- -D warnings
-run cargo clippy --locked --no-default-features --features cli -- -D warnings
+for features in picture experiment cli demo audio; do
+    run cargo clippy --locked --no-default-features --features "$features" -- -D warnings
+done
 run env RUSTDOCFLAGS="-D warnings" cargo doc --locked --no-deps
 run cargo test --locked
 run check_package

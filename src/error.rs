@@ -22,7 +22,7 @@ pub enum Error {
     #[error(transparent)]
     Audio(#[from] AudioError),
     /// A picture that cannot be made or kept.
-    #[cfg(feature = "experiment")]
+    #[cfg(feature = "picture")]
     #[error(transparent)]
     Picture(#[from] crate::picture::PictureError),
 }
@@ -46,7 +46,7 @@ impl Error {
             ),
             Error::Gpu(error) => error.is_bad_input(),
             Error::Audio(error) => error.is_bad_input(),
-            #[cfg(feature = "experiment")]
+            #[cfg(feature = "picture")]
             Error::Picture(error) => error.is_bad_input(),
         }
     }

@@ -48,16 +48,6 @@ impl InputFile {
     /// # Errors
     /// [`InputError`].
     pub fn open(path: &Path, limit_bytes: u64) -> Result<InputFile, InputError> {
-        let file = InputFile::open_unnoted(path, limit_bytes)?;
-        note(path);
-        Ok(file)
-    }
-
-    /// As [`InputFile::open`], for a file that this program keeps and replaces itself.
-    ///
-    /// # Errors
-    /// [`InputError`].
-    pub fn open_unnoted(path: &Path, limit_bytes: u64) -> Result<InputFile, InputError> {
         // Before it is opened: that alone makes some devices act.
         check_regular(std::fs::metadata(path)?.file_type())?;
         let file = options().open(path)?;
@@ -67,6 +57,7 @@ impl InputFile {
         if about.len() > limit_bytes {
             return Err(InputError::TooLarge { limit_bytes });
         }
+        note(path);
         Ok(InputFile {
             file,
             length: about.len(),
@@ -144,15 +135,6 @@ pub(crate) fn read_text(path: &Path, limit_bytes: u64) -> Result<String, InputEr
     InputFile::open(path, limit_bytes)?.text()
 }
 
-/// As [`read_text`], of a file that this program keeps and replaces itself.
-///
-/// # Errors
-/// As of [`read_text`].
-#[cfg(feature = "experiment")]
-pub(crate) fn read_own_text(path: &Path, limit_bytes: u64) -> Result<String, InputError> {
-    InputFile::open_unnoted(path, limit_bytes)?.text()
-}
-
 fn options() -> OpenOptions {
     let mut options = OpenOptions::new();
     options.read(true);
@@ -197,10 +179,26 @@ fn special(_: FileType) -> &'static str {
 /// Every file that was read as an input, by its real path.
 static INPUTS: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
+/// Every file that this run has written, by its real path: read again it is no input, since
+/// nobody else made it.
+static OUTPUTS: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+
 fn note(path: &Path) {
-    if let Ok(real) = std::fs::canonicalize(path) {
+    let Ok(real) = std::fs::canonicalize(path) else {
+        return;
+    };
+    let outputs = OUTPUTS.lock().unwrap_or_else(PoisonError::into_inner);
+    if !outputs.contains(&real) {
         let mut inputs = INPUTS.lock().unwrap_or_else(PoisonError::into_inner);
         inputs.insert(real);
+    }
+}
+
+/// Remembers a file as written by this run.
+pub(crate) fn note_output(path: &Path) {
+    if let Ok(real) = std::fs::canonicalize(path) {
+        let mut outputs = OUTPUTS.lock().unwrap_or_else(PoisonError::into_inner);
+        outputs.insert(real);
     }
 }
 
@@ -284,5 +282,16 @@ mod tests {
             assert!(is_input(path), "{}", path.display());
         }
         assert!(!is_input(&other) && !is_input(&folder.path().join("absent")));
+    }
+
+    /// Protects what a run has written from being held for an input once it was read again.
+    #[test]
+    fn a_run_replaces_what_it_wrote() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("file");
+        for text in [b"1", b"2"] {
+            crate::output::write_whole(&file, |out| out.write_all(text)).unwrap();
+            assert_eq!(read(&file, 9).unwrap(), text);
+        }
     }
 }

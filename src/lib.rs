@@ -35,7 +35,7 @@
 //! | [`offline`] | a moving scene to sound, without a sound card |
 //! | [`gpu`] | OpenGL without acoustics: contexts, programs, textures, passes, clocks |
 //! | [`mod@reference`] | the same and the exact waves on the CPU, to check against |
-//! | `picture` | what the listener sees, and the plan with paths (feature `experiment`) |
+//! | `picture` | what the listener sees, and the plan with paths (feature `picture`) |
 //! | `experiment` | the thesis' experiments, run for real, and what accuracy costs (feature `experiment`) |
 //! | `demo` | the window: walk through a scene and hear it (feature `demo`) |
 //! | [`input`] | what keeps files from being read |
@@ -49,10 +49,11 @@
 //! # Features
 //! | feature | default | what it adds |
 //! | --- | --- | --- |
-//! | `cli` | yes | the program `echomarch`; brings `experiment` |
-//! | `demo` | yes | the window `echomarch demo`; brings `cli` |
 //! | `audio` | yes | live output through a sound card, in [`audio`] |
-//! | `experiment` | with `cli` | tables as data, CSV and SVG; pictures as PNG |
+//! | `picture` | with `experiment`, `demo` | pictures and plans of scenes as PNG |
+//! | `experiment` | with `cli` | the experiments: tables as data, CSV and SVG |
+//! | `demo` | yes | the window, as a module; needs no crate of the command line |
+//! | `cli` | yes | the program `echomarch`; its subcommand `demo` with the feature `demo` |
 //!
 //! A library user without the program takes `default-features = false`.
 //!
@@ -72,14 +73,17 @@ pub mod gpu;
 pub mod input;
 pub mod offline;
 pub mod output;
-#[cfg(feature = "experiment")]
+#[cfg(feature = "picture")]
 pub mod picture;
 pub mod reference;
+mod rng;
 pub mod scene;
+#[cfg(any(feature = "experiment", feature = "demo"))]
+mod stats;
 mod text;
 pub mod trace;
 
 pub use error::Error;
 pub use glam;
-pub use scene::{Listener, Scene, Shape, Source, Surface};
+pub use scene::{Listener, Node, Scene, Shape, Source, Surface};
 pub use trace::{Frame, Panning, Profile, Settings, Tracer};

@@ -66,7 +66,9 @@ pub fn write_whole(
     fill(&mut writer).map_err(error)?;
     writer.flush().map_err(error)?;
     drop(writer);
-    beside.persist(target).map_err(error)
+    beside.persist(target).map_err(error)?;
+    crate::input::note_output(target);
+    Ok(())
 }
 
 /// Where a path leads: a link keeps being one, and what it names is replaced.

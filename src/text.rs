@@ -90,6 +90,19 @@ pub(crate) fn json(text: &str) -> Cow<'_, str> {
     Cow::Owned(shown)
 }
 
+/// A record of JSON in one line, for a program that reads standard error: as [`json`], and no
+/// longer than a message. Of a longer one only its length is told.
+#[cfg(all(feature = "cli", feature = "demo"))]
+pub(crate) fn json_record(text: &str) -> Cow<'_, str> {
+    let shown = json(text);
+    match shown.chars().count() {
+        count if count > MOST_CHARACTERS => {
+            format!("{{\"left_out\":\"{count} characters\"}}").into()
+        }
+        _ => shown,
+    }
+}
+
 /// JSON as it may stand within a `script` element: no character in it that HTML gives a
 /// meaning to. Any JSON reader reads the same.
 #[cfg(feature = "experiment")]
@@ -240,6 +253,24 @@ mod tests {
         let shown = super::json(&json);
         assert!(shown.contains("<!--") && !shown.contains(['\u{2028}', '\u{202e}']));
         assert_eq!(serde_json::from_str::<String>(&shown).unwrap(), text);
+    }
+
+    /// Protects whoever reads the records of a window: each is JSON in one line that moves no
+    /// cursor, and none is longer than a message.
+    #[cfg(all(feature = "cli", feature = "demo"))]
+    #[test]
+    fn records_are_short_json() {
+        let record = |name: &str| serde_json::json!({ "scene": name }).to_string();
+        let name = "a\u{1b}[31m\u{202e}b";
+        let shown = json_record(&record(name)).into_owned();
+        assert!(!shown.contains(['\u{1b}', '\u{202e}', '\n']));
+        let read: serde_json::Value = serde_json::from_str(&shown).unwrap();
+        assert_eq!(read["scene"], name);
+        for name in ["x".repeat(MOST_CHARACTERS), "\u{202e}".repeat(200)] {
+            let cut = json_record(&record(&name)).into_owned();
+            let read: serde_json::Value = serde_json::from_str(&cut).unwrap();
+            assert!(cut.len() < 100 && read["left_out"].is_string(), "{cut}");
+        }
     }
 
     /// Protects spreadsheets from running what a scene is called.

@@ -1,9 +1,15 @@
-//! Frames that are begun now and collected later.
+//! Frames in steps: begun, advanced, and collected later.
 
 mod common;
 
 use common::{builtin, for_each_api};
-use echomarch::{Profile, Settings, Tracer};
+use echomarch::{Profile, Scene, Settings, Tracer};
+
+/// Begins a frame and draws all of it, but does not collect it.
+fn begin_and_draw(tracer: &mut Tracer, scene: &Scene, settings: &Settings) {
+    tracer.frame_begin(scene, settings).unwrap();
+    assert!(tracer.frame_advance(f64::INFINITY).unwrap());
+}
 
 /// Protects the read-back through a pixel buffer: bit for bit what a frame that waits answers, summed on either
 /// side, and a frame that waits is not disturbed by one begun before it.
@@ -17,15 +23,15 @@ fn a_frame_begun_is_the_frame_that_waits() {
             for waves in [1000, 4099, 64] {
                 let mut settings = Settings::default().with_waves(waves).with_iterations(6);
                 settings.sum_on_gpu = sum_on_gpu;
-                tracer.frame_begin(&scene, &settings).unwrap();
+                begin_and_draw(&mut tracer, &scene, &settings);
                 let late = tracer.frame_wait().unwrap().unwrap();
-                tracer.frame_begin(&scene, &settings).unwrap();
+                begin_and_draw(&mut tracer, &scene, &settings);
                 let now = tracer.frame(&scene, &settings).unwrap();
                 assert_eq!((late.panning, late.counts), (now.panning, now.counts));
                 let begun = tracer.frame_wait().unwrap().unwrap();
                 assert_eq!((begun.panning, begun.counts), (now.panning, now.counts));
                 // Nor by one of another size.
-                tracer.frame_begin(&scene, &settings).unwrap();
+                begin_and_draw(&mut tracer, &scene, &settings);
                 let other = settings.clone().with_waves(2 * waves);
                 assert!(tracer.frame(&scene, &other).unwrap().panning != now.panning);
                 let begun = tracer.frame_wait().unwrap().unwrap();
@@ -45,7 +51,7 @@ fn a_frame_is_collected_once() {
         assert!(tracer.frame_poll().unwrap().is_none());
         assert!(tracer.frame_wait().unwrap().is_none());
         let settings = Settings::default().with_waves(256);
-        tracer.frame_begin(&builtin("shoebox"), &settings).unwrap();
+        begin_and_draw(&mut tracer, &builtin("shoebox"), &settings);
         let frame = loop {
             assert!(tracer.is_frame_pending());
             if let Some(frame) = tracer.frame_poll().unwrap() {
@@ -64,7 +70,7 @@ fn a_frame_is_collected_once() {
 fn a_frame_in_parts_is_the_frame_in_one_piece() {
     for_each_api(|context| {
         let mut tracer = Tracer::new(context).unwrap();
-        let mut beside = tracer.beside().unwrap();
+        let mut other = tracer.with_shared_programs().unwrap();
         let mut parts = 0;
         for profile in [Profile::Thesis, Profile::March, Profile::Hybrid] {
             for sum_on_gpu in [false, true] {
@@ -72,18 +78,18 @@ fn a_frame_in_parts_is_the_frame_in_one_piece() {
                 settings.sum_on_gpu = sum_on_gpu;
                 let mut scene = builtin("corner");
                 let whole = tracer.frame(&scene, &settings).unwrap();
-                tracer.frame_begin_in_parts(&scene, &settings).unwrap();
+                tracer.frame_begin(&scene, &settings).unwrap();
                 scene.source.position.x += 1.0;
                 loop {
-                    assert!(tracer.is_frame_pending() && tracer.is_frame_in_parts());
+                    assert!(tracer.is_frame_pending() && tracer.frame_marching_for().is_some());
                     assert!(tracer.frame_poll().unwrap().is_none());
                     // With the same programs, and other uniforms.
-                    beside
+                    other
                         .frame(&scene, &settings.clone().with_waves(64))
                         .unwrap();
                     parts += 1;
                     // No time at all: one row after the other.
-                    if tracer.frame_go_on(0.0).unwrap() {
+                    if tracer.frame_advance(0.0).unwrap() {
                         break;
                     }
                 }
@@ -104,16 +110,16 @@ fn a_frame_in_parts_may_be_waited_for_or_given_up() {
     for_each_api(|context| {
         let mut tracer = Tracer::new(context).unwrap();
         let (scene, settings) = (builtin("corner"), Settings::default().with_waves(4099));
-        assert!(tracer.frame_go_on(1.0).unwrap());
+        assert!(tracer.frame_advance(1.0).unwrap());
         let whole = tracer.frame(&scene, &settings).unwrap();
-        tracer.frame_begin_in_parts(&scene, &settings).unwrap();
-        tracer.frame_go_on(0.0).unwrap();
+        tracer.frame_begin(&scene, &settings).unwrap();
+        tracer.frame_advance(0.0).unwrap();
         let waited = tracer.frame_wait().unwrap().unwrap();
         assert_eq!(
             (waited.panning, waited.counts),
             (whole.panning, whole.counts)
         );
-        tracer.frame_begin_in_parts(&scene, &settings).unwrap();
+        tracer.frame_begin(&scene, &settings).unwrap();
         let other = settings.clone().with_waves(100);
         let now = tracer.frame(&scene, &other).unwrap();
         assert!(!tracer.is_frame_pending() && now.panning != whole.panning);

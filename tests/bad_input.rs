@@ -574,6 +574,41 @@ Scene(
     assert_eq!(thesis["step_limit_reached"], 0);
 }
 
+/// Protects the step limit's number where fields are marched: tori without end, between which waves
+/// fly far.
+#[test]
+fn the_step_limit_of_fields_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("tori.ron");
+    let text = "\
+Scene(
+    surfaces: [Surface(shape: Repeat(of: Torus(ring: 0.3, tube: 0.05), period: (4, 4, 4)))],
+    source: Source(position: (2, 2, 2)),
+    listener: Listener(position: (6, 2, 2), radius: 0.5),
+)
+";
+    std::fs::write(&file, text).unwrap();
+    let sparse = [
+        "trace",
+        argument(&file),
+        "--iterations",
+        "1",
+        "--waves",
+        "4096",
+    ];
+    let report = json(&sparse);
+    let reached = report["step_limit_reached"].as_u64().unwrap();
+    assert!(
+        reached > 0 && report["dead"].as_u64().unwrap() >= reached,
+        "{reached}"
+    );
+    let told = format!(
+        "warning: {reached} marches reached the step limit of 1024 steps; their waves are dead"
+    );
+    let output = succeed(&sparse);
+    assert!(stderr(&output).contains(&told), "{}", stderr(&output));
+}
+
 /// Protects against a hang in a scene without walls: the least minimum distances end too.
 #[test]
 fn the_least_minimum_distance_ends() {

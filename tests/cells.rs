@@ -4,8 +4,9 @@
 mod common;
 
 use common::tracer;
-use echomarch::scene::{Field, Node};
-use echomarch::{Listener, Scene, Settings, Shape, Source, Surface, Tracer};
+use echomarch::scene::shape::{Capsule, Cuboid, Cylinder, Ellipsoid, Plane, Sphere, Torus};
+use echomarch::scene::{Node, Shape};
+use echomarch::{Listener, Scene, Settings, Source, Surface, Tracer};
 use glam::{Quat, Vec3};
 use std::f32::consts::FRAC_PI_2;
 
@@ -90,7 +91,7 @@ fn compare(tracer: &mut Tracer, what: &str, scene: &Scene) {
 }
 
 /// Surfaces of one shape on a lattice of 6 by 6, 4 m apart.
-fn lattice(height: f32, shape: &Shape) -> Vec<Surface> {
+fn lattice(height: f32, shape: &(impl Into<Shape> + Clone)) -> Vec<Surface> {
     let place =
         |index: usize| Vec3::new((index % 6) as f32 * 4.0, height, (index / 6) as f32 * 4.0);
     let surface = |index| Surface::new(shape.clone()).at(place(index));
@@ -98,7 +99,7 @@ fn lattice(height: f32, shape: &Shape) -> Vec<Surface> {
 }
 
 /// Forty of one shape, anywhere in a cube of 30 m.
-fn scattered(shape: &Shape) -> Vec<Surface> {
+fn scattered(shape: &(impl Into<Shape> + Clone)) -> Vec<Surface> {
     let mut random = common::Random(7);
     let mut number = || 30.0 * random.unit() as f32;
     let mut place = || Vec3::new(number(), number(), number());
@@ -112,20 +113,18 @@ fn scattered(shape: &Shape) -> Vec<Surface> {
 fn scattered_shapes_are_all_met() {
     let mut tracer = tracer();
     let shapes = [
-        Shape::Sphere { radius: 0.6 },
-        Shape::Box {
+        Node::Sphere(Sphere { radius: 0.6 }),
+        Node::Cuboid(Cuboid {
             size: Vec3::new(0.5, 1.5, 1.0),
-        },
-        Node::Torus {
+        }),
+        Node::Torus(Torus {
             ring: 0.7,
             tube: 0.3,
-        }
-        .into(),
-        Node::Capsule {
+        }),
+        Node::Capsule(Capsule {
             radius: 0.4,
             height: 1.0,
-        }
-        .into(),
+        }),
     ];
     for shape in &shapes {
         for source in [Vec3::new(14.0, 15.5, 15.0), Vec3::new(-8.0, 15.0, 15.0)] {
@@ -139,13 +138,16 @@ fn scattered_shapes_are_all_met() {
 #[test]
 fn pillars_are_all_met() {
     let mut tracer = tracer();
-    let pillar = Shape::Cylinder { radius: 0.5 };
+    let pillar = Node::Cylinder(Cylinder { radius: 0.5 });
     for source in [Vec3::new(2.0, 1.0, 2.0), Vec3::new(-9.0, 1.0, 2.0)] {
         let what = format!("pillars from {source}");
         compare(&mut tracer, &what, &scene(lattice(0.0, &pillar), source));
     }
-    let cut = Field::intersection([Node::Cylinder { radius: 0.5 }.into(), Node::Plane.into()]);
-    let cut = lattice(-8.0, &Shape::Field(cut));
+    let cut = Shape::intersection([
+        Node::Cylinder(Cylinder { radius: 0.5 }).into(),
+        Node::Plane(Plane).into(),
+    ]);
+    let cut = lattice(-8.0, &cut);
     compare(
         &mut tracer,
         "cut pillars",
@@ -171,7 +173,10 @@ fn pillars_are_all_met() {
 #[test]
 fn moved_surfaces_are_met_where_they_are() {
     let mut kept = tracer();
-    let mut scene = scene(scattered(&Shape::Sphere { radius: 0.6 }), Vec3::splat(15.0));
+    let mut scene = scene(
+        scattered(&Node::Sphere(Sphere { radius: 0.6 })),
+        Vec3::splat(15.0),
+    );
     for step in 0..12 {
         let index = (step * 7) % scene.surfaces.len();
         scene.surfaces[index].position += match step {
@@ -207,7 +212,7 @@ fn alone_and_twice(surfaces: &[Surface]) -> [Scene; 2] {
 /// Sets of 15 small surfaces, far smaller together than the thesis' minimum distance is wide.
 fn small_sets() -> Vec<(&'static str, Vec<Surface>)> {
     let mut random = common::Random(11);
-    let mut set = |shape: Shape, turned: bool| -> Vec<Surface> {
+    let mut set = |shape: Node, turned: bool| -> Vec<Surface> {
         let mut number = || 0.4 * random.signed() as f32;
         let mut place = || Vec3::new(number(), number(), number());
         let mut surface = |_| {
@@ -219,15 +224,18 @@ fn small_sets() -> Vec<(&'static str, Vec<Surface>)> {
         };
         (0..15).map(&mut surface).collect()
     };
-    let ellipsoid = Node::Ellipsoid {
+    let ellipsoid = Node::Ellipsoid(Ellipsoid {
         radii: Vec3::new(0.05, 0.02, 0.03),
-    };
+    });
     let size = Vec3::new(0.05, 0.1, 0.02);
     vec![
-        ("balls", set(Shape::Sphere { radius: 0.03 }, false)),
-        ("boxes", set(Shape::Box { size }, true)),
-        ("ellipsoids", set(ellipsoid.into(), false)),
-        ("pillars", set(Shape::Cylinder { radius: 0.03 }, false)),
+        ("balls", set(Node::Sphere(Sphere { radius: 0.03 }), false)),
+        ("boxes", set(Node::Cuboid(Cuboid { size }), true)),
+        ("ellipsoids", set(ellipsoid, false)),
+        (
+            "pillars",
+            set(Node::Cylinder(Cylinder { radius: 0.03 }), false),
+        ),
     ]
 }
 

@@ -39,6 +39,25 @@ fn every_help_has_examples() {
     assert!(stdout(&whole).contains("Examples:"));
 }
 
+/// Protects whoever looks for a scene: the help names every one that comes with the program, and
+/// the document of scene files, its lists in one, does too.
+#[test]
+fn every_built_in_scene_is_named_where_scenes_are_listed() {
+    let document = include_str!("../docs/scene-format.md");
+    let of = |arguments: &[&str]| stdout(&succeed(arguments)).to_owned();
+    let lists = [
+        of(&["--help"]),
+        of(&["demo", "--help"]),
+        document.to_owned(),
+    ];
+    for list in lists {
+        for name in echomarch::scene::BUILTIN_NAMES {
+            let mut words = list.split(|c: char| !(c.is_alphanumeric() || c == '-'));
+            assert!(words.any(|word| word == name), "{name}: {list}");
+        }
+    }
+}
+
 /// Protects scripts that read the report: exactly these keys, in this order.
 #[test]
 fn trace_reports_the_documented_keys() {
@@ -232,7 +251,7 @@ fn a_passing_source_moves_from_left_to_right() {
     let first = folder.path().join("first.wav");
     let second = folder.path().join("second.wav");
     // The direct sound alone. The listener stands at the world's origin, where the thesis'
-    // algorithm would put the waves that met nothing, and hear them in the second iteration.
+    // algorithm would put the dead waves, and hear them in the second iteration.
     let short = ["--waves", "16384", "--iterations", "1", "--law", "linear"];
     let sine = ["render", "open-field", "--sound", "sine:440", "-o"];
     let render = |path| [&sine[..], &[argument(path)], &short[..]].concat();

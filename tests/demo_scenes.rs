@@ -1,5 +1,5 @@
 //! The window's scenes, files and named values, its mouse, and its end.
-#![cfg(feature = "demo")]
+#![cfg(all(feature = "cli", feature = "demo"))]
 
 mod common;
 
@@ -151,7 +151,7 @@ fn named_values_are_set_by_option_and_slider() {
 
     // The saved file has what was heard: no value is left to be set.
     let saved = std::fs::read_to_string(hall.with_file_name("hall-1.ron")).unwrap();
-    assert!(saved.contains(r#"Value("door",60)"#), "{saved}");
+    assert!(saved.contains(r#"Value("door", 60)"#), "{saved}");
     let trace = |arguments: &[&str]| {
         let arguments = [&["trace"], arguments, &["--waves", "4096", "--json"]].concat();
         let traced: Value = serde_json::from_slice(&succeed(&arguments).stdout).unwrap();

@@ -1,6 +1,6 @@
 //! The window's sound: what `echomarch demo` plays through a real sound server, beside what
 //! its report says that it traced.
-#![cfg(all(feature = "demo", feature = "audio"))]
+#![cfg(all(feature = "cli", feature = "demo", feature = "audio"))]
 
 mod common;
 mod sound_server;

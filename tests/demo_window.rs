@@ -1,5 +1,5 @@
 //! The window as a person uses it.
-#![cfg(feature = "demo")]
+#![cfg(all(feature = "cli", feature = "demo"))]
 
 mod common;
 

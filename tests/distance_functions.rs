@@ -6,7 +6,8 @@ mod common;
 use common::{builtin, for_each_api};
 use echomarch::gpu::{Context, Program, RenderTarget, Texture, full_screen_pass};
 use echomarch::scene::glsl;
-use echomarch::{Listener, Scene, Shape, Source, Surface};
+use echomarch::scene::shape::{Cuboid, Cylinder, Plane, Room, Sphere};
+use echomarch::{Listener, Node, Scene, Source, Surface};
 use glam::{EulerRot, Quat, Vec3};
 
 /// Units in the last place, of the largest number that an evaluation meets, by which shader and
@@ -22,35 +23,37 @@ const KINDS: usize = 5;
 
 /// The number of a shape's kind. A new variant does not compile here: give it a number, raise
 /// [`KINDS`], and add it to [`shapes`].
-fn kind(shape: &Shape) -> usize {
+fn kind(shape: &Node) -> usize {
     match shape {
-        Shape::Plane => 0,
-        Shape::Box { .. } => 1,
-        Shape::Room { .. } => 2,
-        Shape::Sphere { .. } => 3,
-        Shape::Cylinder { .. } => 4,
-        Shape::Field(_) => unreachable!("fields have a table of their own, tests/fields"),
+        Node::Plane(Plane) => 0,
+        Node::Cuboid(_) => 1,
+        Node::Room(_) => 2,
+        Node::Sphere(_) => 3,
+        Node::Cylinder(_) => 4,
+        _ => unreachable!("other shapes have a table of their own, tests/fields"),
     }
 }
 
 /// Every kind of shape, in sizes from a pebble's to a hall's.
-fn shapes() -> Vec<Shape> {
-    let cube = |size| Shape::Box {
-        size: Vec3::splat(size),
+fn shapes() -> Vec<Node> {
+    let cube = |size| {
+        Node::Cuboid(Cuboid {
+            size: Vec3::splat(size),
+        })
     };
     let beam = Vec3::new(0.2, 20.0, 1.5);
     let hall = Vec3::new(30.0, 20.0, 30.0);
     vec![
-        Shape::Plane,
+        Node::Plane(Plane),
         cube(0.01),
         cube(4.0),
-        Shape::Box { size: beam },
-        Shape::Room { size: hall },
-        Shape::Room { size: beam },
-        Shape::Sphere { radius: 0.01 },
-        Shape::Sphere { radius: 3.0 },
-        Shape::Cylinder { radius: 0.05 },
-        Shape::Cylinder { radius: 6.0 },
+        Node::Cuboid(Cuboid { size: beam }),
+        Node::Room(Room { size: hall }),
+        Node::Room(Room { size: beam }),
+        Node::Sphere(Sphere { radius: 0.01 }),
+        Node::Sphere(Sphere { radius: 3.0 }),
+        Node::Cylinder(Cylinder { radius: 0.05 }),
+        Node::Cylinder(Cylinder { radius: 6.0 }),
     ]
 }
 
@@ -59,7 +62,7 @@ fn surfaces() -> Vec<Surface> {
     let place = Vec3::new(3.5, -7.25, 11.125);
     let turn = Quat::from_euler(EulerRot::XYZEx, 0.4, -1.1, 2.3);
     let quarter = Quat::from_rotation_y(std::f32::consts::FRAC_PI_2);
-    let placed = |shape: Shape| {
+    let placed = |shape: Node| {
         let plain = Surface::new(shape);
         let mut to_be_turned = plain.clone().at(place);
         to_be_turned.turns = true;
@@ -83,7 +86,7 @@ fn points(surface: &Surface) -> Vec<Vec3> {
         for length in [0.001, 0.02, 0.3, 1.0, 2.5, 6.0, 15.0, 80.0, 300.0] {
             local.push(direction * length);
         }
-        local.push(on_surface(&surface.shape, direction));
+        local.push(on_surface(&surface.shape.node, direction));
     }
     let to_world = |p: Vec3| surface.position + surface.rotation * p;
     local.into_iter().map(to_world).collect()
@@ -105,19 +108,19 @@ fn directions() -> Vec<Vec3> {
     directions
 }
 
-fn on_surface(shape: &Shape, direction: Vec3) -> Vec3 {
+fn on_surface(shape: &Node, direction: Vec3) -> Vec3 {
     match *shape {
-        Shape::Field(_) => unreachable!("fields have a table of their own, tests/fields"),
-        Shape::Plane => direction.with_y(0.0) * 10.0,
-        Shape::Box { size } | Shape::Room { size } => {
+        Node::Plane(Plane) => direction.with_y(0.0) * 10.0,
+        Node::Cuboid(Cuboid { size }) | Node::Room(Room { size }) => {
             let half = size * 0.5;
             direction * (half / direction.abs()).min_element()
         }
-        Shape::Sphere { radius } => direction * radius,
-        Shape::Cylinder { radius } => {
+        Node::Sphere(Sphere { radius }) => direction * radius,
+        Node::Cylinder(Cylinder { radius }) => {
             let ring = direction.with_y(0.0).try_normalize().unwrap_or(Vec3::X);
             ring * radius + Vec3::Y * direction.y * 5.0
         }
+        _ => unreachable!("other shapes have a table of their own, tests/fields"),
     }
 }
 
@@ -152,8 +155,8 @@ void main() {
 ";
 
 fn shader(context: &Context, scene: &Scene) -> Program {
-    let mut sources = glsl::distance_sources(scene);
-    sources.push(("evaluate".into(), EVALUATE.into()));
+    let roots = vec![glsl::Source::new("evaluate", EVALUATE)];
+    let sources = glsl::link(roots, glsl::distance_parts(scene));
     Program::fragment(context, "evaluate", &glsl::join(&sources)).unwrap()
 }
 
@@ -185,10 +188,10 @@ fn evaluate(context: &Context, program: &Program, scene: &Scene, points: &[Vec3]
 
 /// One unit in the last place of the largest number that an evaluation at `point` meets.
 fn unit(surface: &Surface, point: Vec3) -> f32 {
-    let size = match surface.shape {
-        Shape::Plane | Shape::Field(_) => 0.0,
-        Shape::Box { size } | Shape::Room { size } => 0.5 * size.length(),
-        Shape::Sphere { radius } | Shape::Cylinder { radius } => radius,
+    let size = match surface.shape.node {
+        Node::Cuboid(Cuboid { size }) | Node::Room(Room { size }) => 0.5 * size.length(),
+        Node::Sphere(Sphere { radius }) | Node::Cylinder(Cylinder { radius }) => radius,
+        _ => 0.0,
     };
     f32::EPSILON * (point.length() + surface.position.length() + size)
 }
@@ -211,7 +214,7 @@ fn every_shape_is_in_the_list() {
     for (name, form) in forms {
         let mut found = [false; KINDS];
         for surface in surfaces().iter().filter(|s| form(s)) {
-            found[kind(&surface.shape)] = true;
+            found[kind(&surface.shape.node)] = true;
         }
         assert_eq!(found, [true; KINDS], "{name}");
     }
@@ -265,8 +268,8 @@ fn shaders_and_cpu_name_the_same_nearest_object() {
     for_each_api(|context| {
         for name in echomarch::scene::BUILTIN_NAMES {
             let scene = builtin(name);
-            // Fields have a table of their own, tests/fields.
-            if scene.surfaces.iter().any(|s| s.shape.field().is_some()) {
+            // Other shapes have a table of their own, tests/fields.
+            if scene.surfaces.iter().any(|s| !s.shape.is_basic()) {
                 continue;
             }
             let program = shader(context, &scene);

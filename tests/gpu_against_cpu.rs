@@ -7,6 +7,7 @@
 mod common;
 
 use common::{builtin, context, for_each_api, thesis};
+use echomarch::experiment::median;
 use echomarch::gpu::{Api, Context};
 use echomarch::reference::march32::{self, MarchedWave};
 use echomarch::trace::{Fate, Wave};
@@ -78,12 +79,6 @@ fn all_bits(waves: &[Wave]) -> Vec<[u32; 12]> {
     waves.iter().map(bits).collect()
 }
 
-fn median(values: impl Iterator<Item = f32>) -> f32 {
-    let mut values: Vec<f32> = values.collect();
-    values.sort_by(f32::total_cmp);
-    values[values.len() / 2]
-}
-
 /// Protects the whole march on the GPU, passes, textures and shaders: at least 99.5 % of the
 /// waves end as on the CPU, those that do not hung on a rounding, and the counts are the same
 /// but for them.
@@ -114,8 +109,11 @@ fn check_waves(case: &str, pairs: &[Pair]) {
         );
     }
     // The bound above says something only where most waves are far from it.
-    let usual = median(pairs.iter().map(|pair| pair.cpu.margin));
-    assert!(usual > 10.0 * FLIP_MARGIN, "{case}: median margin {usual}");
+    let usual = median(pairs.iter().map(|pair| f64::from(pair.cpu.margin)));
+    assert!(
+        usual > 10.0 * f64::from(FLIP_MARGIN),
+        "{case}: median margin {usual}"
+    );
 }
 
 fn check_counts(frame: &Frame, pairs: &[Pair]) {

@@ -1,8 +1,8 @@
 //! Contexts without a window, of every API, alone and in turns. A machine without GL fails these tests.
 
 use echomarch::gpu::{
-    Api, Clock, Context, ContextOptions, GpuError, Picture, Program, RenderTarget, Texture,
-    full_screen_pass, list_gpus,
+    Api, AsyncRead, Context, ContextOptions, GpuError, GpuTimer, Picture, Program, RenderTarget,
+    Texture, full_screen_pass, list_gpus,
 };
 use echomarch::{Scene, Settings, Tracer};
 use glow::HasContext;
@@ -11,8 +11,9 @@ use glutin::api::egl::device::Device;
 use glutin::api::egl::display::Display;
 use glutin::config::{ConfigSurfaceTypes, ConfigTemplateBuilder};
 use glutin::context::ContextAttributesBuilder;
-use glutin::display::{AsRawDisplay, RawDisplay};
+use glutin::display::{AsRawDisplay, DisplayFeatures, RawDisplay};
 use glutin::prelude::*;
+use std::ffi::CString;
 
 /// Runs the test on every API, each on a thread of its own.
 fn on_every_api(test: fn(Api)) {
@@ -262,6 +263,83 @@ fn gpu_frames_do_not_mind_what_others_make_current() {
     }
 }
 
+/// Drops what belongs to a context of echomarch's while a context of the program's own is current, which has to be
+/// current afterwards: EGL says so, and calls go there.
+fn drop_beside<T>(raw: &RawEgl, what: &str, dropped: T) {
+    const VIEWPORT: [i32; 4] = [1, 2, 3, 4];
+    raw.bind();
+    let address = |name: &str| raw.display.get_proc_address(&CString::new(name).unwrap());
+    // SAFETY: the context is current, and the addresses are those of its library.
+    let gl = unsafe { glow::Context::from_loader_function(address) };
+    // SAFETY: the context is current.
+    unsafe { gl.viewport(VIEWPORT[0], VIEWPORT[1], VIEWPORT[2], VIEWPORT[3]) };
+    drop(dropped);
+    assert!(raw.context.is_current(), "{what} was dropped");
+    let mut found = [0; 4];
+    // SAFETY: as above, and the slice has room for four numbers.
+    unsafe { gl.get_parameter_i32_slice(glow::VIEWPORT, &mut found) };
+    assert_eq!(found, VIEWPORT, "{what} was dropped");
+}
+
+/// Protects a program's own context from what it drops beside it: to free an object its context is made current, and
+/// then the program's again. Each kind of object is dropped alone, the context with the last of them.
+#[test]
+fn gpu_drops_leave_the_context_of_others_current() {
+    const BODY: &str = "layout(location = 0) out vec4 result; void main() { result = vec4(1.0); }";
+    for api in Api::ALL {
+        let raw = RawEgl::new();
+        let context = context(api);
+        let texture = Texture::new(&context, 2, 2).unwrap();
+        let target = RenderTarget::new(&context, &[&texture]).unwrap();
+        let mut read = AsyncRead::new(&context).unwrap();
+        read.begin(&target, 0, 2, 2).unwrap();
+        drop_beside(&raw, "a read under way", read);
+        drop_beside(&raw, "a target", target);
+        drop_beside(&raw, "a texture", texture);
+        let program = Program::fragment(&context, "constant", BODY).unwrap();
+        drop_beside(&raw, "a program", program);
+        drop_beside(&raw, "a picture", Picture::new(&context, 2, 2).unwrap());
+        // Two marks have a query between them, where there is one to be had.
+        let mut timer = GpuTimer::new(&context);
+        timer.restart().unwrap();
+        timer.mark().unwrap();
+        drop_beside(&raw, "a timer", timer);
+
+        let mut tracer = Tracer::new(&context).unwrap();
+        let scene = Scene::builtin("corner").unwrap();
+        let settings = Settings::hybrid().with_waves(256);
+        tracer.frame_begin(&scene, &settings).unwrap();
+        tracer.frame_advance(f64::INFINITY).unwrap();
+        drop_beside(&raw, "a tracer with a frame under way", tracer);
+        let alone = Tracer::new(&context).unwrap();
+        drop(context);
+        drop_beside(&raw, "a tracer, and the context with it", alone);
+        raw.unbind();
+    }
+}
+
+/// Protects from waiting for ever for a context that a reset of the graphics card has taken: where the driver offers
+/// to tell, it was asked to.
+#[test]
+fn gpu_contexts_are_told_of_resets_where_the_driver_offers_it() {
+    // Of KHR_robustness.
+    const RESET_NOTIFICATION_STRATEGY: u32 = 0x8256;
+    const LOSE_CONTEXT_ON_RESET: i32 = 0x8252;
+    let raw = RawEgl::new();
+    let is_offered = raw
+        .display
+        .supported_features()
+        .contains(DisplayFeatures::CONTEXT_ROBUSTNESS);
+    let context = context(Api::Gl);
+    // SAFETY: the context is current.
+    let strategy = unsafe { context.gl().get_parameter_i32(RESET_NOTIFICATION_STRATEGY) };
+    println!(
+        "{}: offered {is_offered}, strategy {strategy:#x}",
+        context.renderer()
+    );
+    assert_eq!(is_offered, strategy == LOSE_CONTEXT_ON_RESET);
+}
+
 /// A clone keeps the context alive.
 #[test]
 fn gpu_context_lives_as_long_as_its_last_clone() {
@@ -329,17 +407,23 @@ fn gpu_check_names_the_error() {
     });
 }
 
-/// A measurement passes the result on and takes time; software renderers are measured by the wall clock.
+/// Protects the times of passes: each takes some, and software renderers are measured by the wall clock.
 #[test]
-fn gpu_clocks_measure() {
+fn gpu_timers_measure() {
     on_every_api(|api| {
         let context = context(api);
-        for clock in [Clock::for_context(&context).unwrap(), Clock::wall(&context)] {
-            let ((), took) = clock.measure(|| draws(&context, 3.0)).unwrap();
-            assert!(took.as_nanos() > 0, "{}", clock.name());
-            if context.is_software() {
-                assert_eq!(clock.name(), "wall clock around glFinish");
-            }
+        let mut timer = GpuTimer::new(&context);
+        timer.restart().unwrap();
+        for _ in 0..2 {
+            draws(&context, 3.0);
+            timer.mark().unwrap();
+        }
+        let took = timer.milliseconds();
+        assert_eq!(took.len(), 2);
+        assert!(took.iter().all(|time| *time > 0.0), "{}", timer.name());
+        if context.is_software() {
+            assert_eq!(timer.name(), "wall clock around glFinish");
+            assert!(timer.waits());
         }
     });
 }

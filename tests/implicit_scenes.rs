@@ -3,9 +3,10 @@
 mod common;
 
 use common::{builtin, tracer};
-use echomarch::scene::{Field, Node};
+use echomarch::scene::shape::{Cylinder, Plane};
+use echomarch::scene::{Node, Shape};
 use echomarch::trace::Wave;
-use echomarch::{Listener, Profile, Scene, Settings, Shape, Source, Surface};
+use echomarch::{Listener, Profile, Scene, Settings, Source, Surface};
 use glam::{DVec3, Vec3};
 
 /// Both profiles that are right.
@@ -67,7 +68,7 @@ const SPACING: f32 = 4.0;
 const RADIUS: f32 = 0.6;
 
 fn colonnade(pillars: impl IntoIterator<Item = Surface>) -> Scene {
-    let floor = Surface::new(Shape::Plane).at(Vec3::Y * -2.0);
+    let floor = Surface::new(Node::Plane(Plane)).at(Vec3::Y * -2.0);
     Scene {
         name: "colonnade".into(),
         surfaces: [floor].into_iter().chain(pillars).collect(),
@@ -77,7 +78,7 @@ fn colonnade(pillars: impl IntoIterator<Item = Surface>) -> Scene {
 }
 
 fn repeated() -> Scene {
-    let pillar = Field::from(Node::Cylinder { radius: RADIUS });
+    let pillar = Shape::from(Node::Cylinder(Cylinder { radius: RADIUS }));
     let all = pillar.repeat(Vec3::new(SPACING, 0.0, SPACING), [SIDE, 0, SIDE]);
     colonnade([Surface::new(all)])
 }
@@ -86,7 +87,7 @@ fn listed() -> Scene {
     let place = |index: u32| SPACING * (index as f32 - 0.5 * (SIDE - 1) as f32);
     let pillar = |index: u32| {
         let at = Vec3::new(place(index % SIDE), 0.0, place(index / SIDE));
-        Surface::new(Shape::Cylinder { radius: RADIUS }).at(at)
+        Surface::new(Node::Cylinder(Cylinder { radius: RADIUS })).at(at)
     };
     colonnade((0..SIDE * SIDE).map(pillar))
 }

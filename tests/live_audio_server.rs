@@ -151,14 +151,14 @@ fn a_server_that_dies_is_waited_for_and_the_sound_goes_on_where_it_was() {
     let mut server = Server::start();
     let file = server.folder.path().join("heard.wav");
     let player = Player::start(server.command(this_program()), "endure", &file);
-    player.wait_for(&["device Some", "restarts 0", "heard true"]);
+    player.wait_for_sound_after(0);
     pause(0.5);
     server.kill();
     player.wait_for(&["device None", "heard false", "is lost"]);
     pause(1.0);
     server.restart();
     let recorder = server.record(SINK, 48_000, 2);
-    player.wait_for(&["device Some", "heard true"]);
+    player.wait_for_sound_after(1);
     wait_for("sound after the restart", || {
         let loud = gains(&recorder.samples(), 960);
         let loud = loud.iter().filter(|g| error_db(**g, [0.5, 0.5]) < 0.5);
@@ -193,7 +193,7 @@ fn a_sink_that_goes_away_and_comes_back_is_opened_again() {
     let server = Server::start();
     let file = server.folder.path().join("heard.wav");
     let player = Player::start(server.command(this_program()), "endure", &file);
-    player.wait_for(&["device Some", "restarts 0", "heard true"]);
+    player.wait_for_sound_after(0);
     server.pactl(&["unload-module", "module-null-sink"]);
     player.wait_for(&["device None", "heard false", "is lost"]);
     let sink = format!("sink_name={SINK}");
@@ -204,7 +204,7 @@ fn a_sink_that_goes_away_and_comes_back_is_opened_again() {
         "rate=48000",
         "norewinds=1",
     ]);
-    player.wait_for(&["device Some", "heard true"]);
+    player.wait_for_sound_after(1);
     player.finish();
 }
 
@@ -213,7 +213,7 @@ fn a_server_that_hangs_is_given_up_and_found_again() {
     let server = Server::start();
     let file = server.folder.path().join("heard.wav");
     let player = Player::start(server.command(this_program()), "endure", &file);
-    player.wait_for(&["device Some", "restarts 0", "heard true"]);
+    player.wait_for_sound_after(0);
     server.signal("STOP");
     player.wait_for(&["device None", "heard false", "has taken no sound for 1.0 s"]);
     // However often it is asked, no more threads wait for it, nor connections.
@@ -222,7 +222,7 @@ fn a_server_that_hangs_is_given_up_and_found_again() {
     pause(8.0);
     assert_eq!(player.threads(), threads);
     server.signal("CONT");
-    player.wait_for(&["device Some", "heard true"]);
+    player.wait_for_sound_after(1);
     let clients = server.pactl(&["list", "short", "clients"]);
     // The player's, and perhaps the one that asks.
     assert!(clients.lines().count() <= 2, "{clients}");

@@ -14,6 +14,9 @@ use std::time::{Duration, Instant};
 
 const TRIALS: usize = 3;
 
+/// What the order seed 7 makes of three trials in a form of seed 7; 8 makes 2, 1, 3.
+const ORDER_OF_7: [u32; 3] = [1, 3, 2];
+
 /// What WebDriver calls these keys.
 const TAB: char = '\u{E004}';
 const ENTER: char = '\u{E007}';
@@ -21,7 +24,12 @@ const RIGHT: char = '\u{E014}';
 
 /// A form of three trials.
 fn form(folder: &Path) -> PathBuf {
-    succeed(&[
+    form_with(folder, &[])
+}
+
+/// A form of three trials, with more options.
+fn form_with(folder: &Path, more: &[&str]) -> PathBuf {
+    let fixed = [
         "localise",
         "form",
         "-o",
@@ -38,7 +46,8 @@ fn form(folder: &Path) -> PathBuf {
         "4",
         "--seconds",
         "0.3",
-    ]);
+    ];
+    succeed(&[&fixed, more].concat());
     folder.join("form.html")
 }
 
@@ -78,7 +87,8 @@ fn save(browser: &Browser, downloads: &Path) -> PathBuf {
     browser.click("#save");
     let began = Instant::now();
     loop {
-        if let Some(new) = saved().into_iter().find(|path| !before.contains(path)) {
+        let new = saved().into_iter().find(|path| !before.contains(path));
+        if let Some(new) = new.filter(|path| is_complete(path)) {
             return new;
         }
         assert!(
@@ -87,6 +97,12 @@ fn save(browser: &Browser, downloads: &Path) -> PathBuf {
         );
         std::thread::sleep(Duration::from_millis(50));
     }
+}
+
+/// Whether the browser has written all of a file: it makes an empty one by that name first.
+fn is_complete(path: &Path) -> bool {
+    let text = fs::read_to_string(path).unwrap_or_default();
+    serde_json::from_str::<serde_json::Value>(&text).is_ok()
 }
 
 fn score(files: &[&Path]) -> serde_json::Value {
@@ -310,18 +326,58 @@ fn each_person_has_an_order_of_their_own() {
     let browser = driver.open(&folder.path().join("home"), folder.path());
     let mut orders = Vec::new();
     for _ in 0..12 {
-        browser.go(&page);
-        browser.click("#begin");
-        browser.wait_for("#number", "Sound 1 of 3");
-        let file = file_of(&save(&browser, folder.path()));
+        let file = begin_and_save(&browser, &page, folder.path());
         let order = file["order"].as_array().unwrap().clone();
         let mut sorted: Vec<u64> = order.iter().map(|n| n.as_u64().unwrap()).collect();
         sorted.sort_unstable();
         assert_eq!(sorted, [1, 2, 3]);
+        assert!(file["order_seed"].is_u64(), "{}", file["order_seed"]);
         orders.push(order);
     }
     // Twelve of six orders: all alike once in 300 million.
     assert!(orders.iter().any(|order| *order != orders[0]));
+}
+
+/// A session begun and saved without an answer.
+fn begin_and_save(browser: &Browser, page: &Path, downloads: &Path) -> serde_json::Value {
+    browser.go(page);
+    browser.click("#begin");
+    browser.wait_for("#number", "Sound 1 of 3");
+    file_of(&save(browser, downloads))
+}
+
+/// Protects an order that has to be had again: the seed gives it in every session, on every
+/// machine, and stands in the form's file and in the answers. A file whose order is not that
+/// of its seed is refused; one from before seeds were saved is taken up.
+#[test]
+fn an_order_seed_gives_one_order_to_all_sessions() {
+    let folder = tempfile::tempdir().unwrap();
+    let made = folder.path().join("form");
+    let page = form_with(&made, &["--order-seed", "7"]);
+    assert_eq!(file_of(&made.join("experiment.json"))["order_seed"], 7);
+    let driver = Driver::start();
+    let browser = driver.open(&folder.path().join("home"), folder.path());
+    let [first, second] = [(); 2].map(|()| begin_and_save(&browser, &page, folder.path()));
+    assert_ne!(first["session"], second["session"]);
+    for session in [&first, &second] {
+        assert_eq!(session["order_seed"], 7);
+        assert_eq!(session["order"], serde_json::json!(ORDER_OF_7));
+    }
+    let load = |file: &serde_json::Value| {
+        browser.go(&page);
+        let path = folder.path().join("changed.json");
+        fs::write(&path, file.to_string()).unwrap();
+        browser.type_into("#load", argument(&path));
+    };
+    let mut other = first.clone();
+    other["order_seed"] = 8.into();
+    load(&other);
+    browser.wait_for("#warning", "order");
+    let mut old = first.clone();
+    old.as_object_mut().unwrap().remove("order_seed");
+    load(&old);
+    browser.wait_for("#number", "Sound 1 of 3");
+    assert_eq!(browser.errors(), Vec::<String>::new());
 }
 
 /// Protects large forms: sounds that lie beside the page are 16-bit WAV files, which every

@@ -5,14 +5,15 @@
 mod common;
 
 use common::tracer;
-use echomarch::scene::{Field, Node};
+use echomarch::scene::shape::{Room, Sphere, Torus};
+use echomarch::scene::{Node, Shape};
 use echomarch::trace::{Budget, MAX_ITERATIONS, Profile, Wave};
-use echomarch::{Listener, Scene, Settings, Shape, Source, Surface};
+use echomarch::{Listener, Scene, Settings, Source, Surface};
 use glam::Vec3;
 
 fn room(surfaces: impl IntoIterator<Item = Surface>) -> Scene {
     let size = Vec3::splat(20.0);
-    let walls = Surface::new(Shape::Room { size });
+    let walls = Surface::new(Node::Room(Room { size }));
     Scene {
         name: "room".into(),
         surfaces: std::iter::once(walls).chain(surfaces).collect(),
@@ -21,7 +22,7 @@ fn room(surfaces: impl IntoIterator<Item = Surface>) -> Scene {
     }
 }
 
-fn scattered(shape: &Shape) -> Scene {
+fn scattered(shape: &(impl Into<Shape> + Clone)) -> Scene {
     let mut random = common::Random(3);
     let mut number = || 9.0 * random.signed() as f32;
     let mut place = || Vec3::new(number(), number(), number());
@@ -29,32 +30,38 @@ fn scattered(shape: &Shape) -> Scene {
 }
 
 fn scenes() -> Vec<(&'static str, Scene)> {
-    let ball = Field::from(Node::Sphere { radius: 0.2 });
-    let torus = Field::from(Node::Torus {
+    let ball = Shape::from(Node::Sphere(Sphere { radius: 0.2 }));
+    let torus = Shape::from(Node::Torus(Torus {
         ring: 0.5,
         tube: 0.1,
-    });
+    }));
     let lattice =
-        |of: &Field, period: f32, count: u32| of.clone().repeat(Vec3::splat(period), [count; 3]);
+        |of: &Shape, period: f32, count: u32| of.clone().repeat(Vec3::splat(period), [count; 3]);
     let nested = lattice(&lattice(&ball, 0.5, 3), 3.0, 5);
     // Copies that reach out of their cells: several are evaluated each time.
     let crossing = lattice(&torus.translate(Vec3::X * 0.6), 1.5, 5);
-    let field = |field: Field| room([Surface::new(Shape::Field(field))]);
+    let endless = |of: &Shape, period: f32| lattice(of, period, 0);
+    let field = |field: Shape| room([Surface::new(field)]);
     vec![
-        ("balls in cells", scattered(&Shape::Sphere { radius: 0.3 })),
+        (
+            "balls in cells",
+            scattered(&Node::Sphere(Sphere { radius: 0.3 })),
+        ),
         (
             "tori in cells",
-            scattered(
-                &Node::Torus {
-                    ring: 0.4,
-                    tube: 0.1,
-                }
-                .into(),
-            ),
+            scattered(&Node::Torus(Torus {
+                ring: 0.4,
+                tube: 0.1,
+            })),
         ),
         ("a limited repeat", field(lattice(&ball, 1.5, 11))),
         ("nested repeats", field(nested)),
         ("crossing copies", field(crossing)),
+        ("an endless repeat", field(endless(&ball, 1.5))),
+        (
+            "a limited repeat in an endless one",
+            field(endless(&lattice(&ball, 0.5, 3), 3.0)),
+        ),
     ]
 }
 

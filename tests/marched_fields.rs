@@ -3,33 +3,16 @@
 
 mod common;
 
-use common::tracer;
-use echomarch::reference::ExactScene;
-use echomarch::scene::{Field, HeightImage, Node};
-use echomarch::trace::Wave;
-use echomarch::{Listener, Profile, Scene, Settings, Shape, Source, Surface};
+use common::flights;
+use echomarch::scene::shape::{
+    Capsule, Cone, Ellipsoid, HalfSpace, HeightField, Prism, Room, RoundedBox, Torus,
+};
+use echomarch::scene::{HeightImage, Node, Shape};
+use echomarch::{Listener, Profile, Scene, Source, Surface};
 use glam::{DVec3, EulerRot, Quat, UVec2, Vec2, Vec3};
 use std::sync::Arc;
 
 const PROFILES: [Profile; 2] = [Profile::Hybrid, Profile::March];
-
-/// Units in the last place of the largest coordinate by which a ray may be off: what placing
-/// surfaces, flying and landing cost.
-const ROUNDINGS: f64 = 8.0;
-
-/// Where a wave may end otherwise than its exact twin: the twin of a ray that is this much off.
-fn rounding(scene: &Scene) -> f64 {
-    let far = |place: Vec3| f64::from((place - scene.listener.position).abs().max_element());
-    let places = scene.surfaces.iter().map(|surface| {
-        let extent = match &surface.shape {
-            Shape::Field(field) => field.properties().bounds.half_size().max_element(),
-            _ => 0.0,
-        };
-        far(surface.position) + if extent.is_finite() { extent } else { 0.0 }
-    });
-    let largest = places.fold(far(scene.source.position), f64::max);
-    ROUNDINGS * f64::from(f32::EPSILON) * largest
-}
 
 /// Directions around one another within a cone about an axis, evenly.
 fn aims(axis: Vec3, half_angle: f64, count: u32) -> Vec<Vec3> {
@@ -48,60 +31,14 @@ fn aims(axis: Vec3, half_angle: f64, count: u32) -> Vec<Vec3> {
 
 /// Traces one flight in each profile and compares it with the exact one.
 fn compare(scene: &Scene, directions: &[Vec3]) {
-    let exact = ExactScene::new(scene).unwrap();
-    let start = scene.source.position.as_dvec3();
-    let ear = scene.listener.position.as_dvec3();
-    let mut tracer = tracer();
-    for profile in PROFILES {
-        let settings = Settings::of(profile).with_iterations(1);
-        let states = tracer
-            .trace_directions(scene, &settings, directions)
-            .unwrap();
-        let waves = &states[1];
-        let context = |wave: &Wave| format!("{}, {profile}: {wave:?}", scene.name);
-        for wave in waves {
-            assert_eq!(wave.step_limit_reached, 0, "{}", context(wave));
-            let d = wave.start_direction.as_dvec3();
-            let truth = exact.trace(start, d, 1);
-            let place = wave.position.as_dvec3();
-            if wave.status < 0.0 && truth.status < 0 {
-                continue;
-            }
-            let reach = (truth.point - ear).abs().max_element();
-            let off = rounding(scene).max(ROUNDINGS * f64::from(f32::EPSILON) * reach);
-            let near = place.distance(truth.point) <= off;
-            if wave.status as i32 == truth.status && near {
-                assert!(exact.surface_distance(place) > -off, "{}", context(wave));
-                continue;
-            }
-            // It hangs on a rounding, or one is a long way along the surface: then rays beside
-            // it end on either side of it, and the place lies on a surface all the same.
-            let (one, other) = d.any_orthonormal_pair();
-            let aside = [one, -one, other, -other].map(|side| {
-                let twin = exact.trace(start + off * side, d, 1);
-                (twin.status, twin.point.distance(truth.point))
-            });
-            let as_twin = aside.iter().any(|twin| twin.0 == wave.status as i32);
-            let spread = aside.iter().map(|twin| twin.1).fold(0.0, f64::max);
-            let off_surfaces = wave.status <= 0.0;
-            let on_surface = off_surfaces || exact.surface_distance(place).abs() <= off;
-            let same = wave.status as i32 == truth.status
-                && place.distance(truth.point) <= off + 2.0 * spread;
-            let other = wave.status as i32 != truth.status && as_twin;
-            assert!(
-                on_surface && (same || other),
-                "{} for {truth:?}",
-                context(wave)
-            );
-        }
-    }
+    flights::compare(scene, directions, &PROFILES);
 }
 
-fn torus() -> Field {
-    Node::Torus {
+fn torus() -> Shape {
+    Node::Torus(Torus {
         ring: 2.0,
         tube: 0.8,
-    }
+    })
     .into()
 }
 
@@ -111,11 +48,11 @@ fn turned(surface: Surface, degrees: Vec3) -> Surface {
 }
 
 /// A field 6 m before a slab of 200 m, and the listener.
-fn before_a_slab(name: &str, field: Field, scale: f32, listener: Vec3) -> Scene {
-    let slab = Field::from(Node::RoundedBox {
+fn before_a_slab(name: &str, field: Shape, scale: f32, listener: Vec3) -> Scene {
+    let slab = Shape::from(Node::RoundedBox(RoundedBox {
         size: Vec3::new(200.0, 200.0, 0.5) * scale,
         rounding: 0.1 * scale,
-    });
+    }));
     let ahead = Surface::new(field.scale(scale)).at(Vec3::new(0.0, 0.0, -6.0 * scale));
     Scene {
         name: format!("{name} x {scale} heard at {listener}"),
@@ -137,21 +74,21 @@ fn hills(side: u32) -> Arc<HeightImage> {
     Arc::new(HeightImage::new("hills", UVec2::splat(side), heights).unwrap())
 }
 
-fn height_field(size: Vec3) -> Field {
-    Node::HeightField {
+fn height_field(size: Vec3) -> Shape {
+    Node::HeightField(HeightField {
         image: hills(24),
         size,
-    }
+    })
     .into()
 }
 
 /// Every kind of field whose march may be led past a solid: not convex, or blended, cut, thin.
-fn kinds() -> Vec<(&'static str, Field)> {
+fn kinds() -> Vec<(&'static str, Shape)> {
     let cone = || {
-        Field::from(Node::Cone {
+        Shape::from(Node::Cone(Cone {
             radius: 1.5,
             height: 3.0,
-        })
+        }))
     };
     let prism = || {
         let corners = [
@@ -159,36 +96,36 @@ fn kinds() -> Vec<(&'static str, Field)> {
             Vec2::new(2.0, 0.4),
             Vec2::new(1.0, 2.0),
         ];
-        Field::from(Node::Prism {
+        Shape::from(Node::Prism(Prism {
             corners,
             depth: 1.5,
-        })
+        }))
     };
     let capsule = || {
-        Field::from(Node::Capsule {
+        Shape::from(Node::Capsule(Capsule {
             radius: 0.6,
             height: 2.5,
-        })
+        }))
     };
     let ellipsoid = || {
-        Field::from(Node::Ellipsoid {
+        Shape::from(Node::Ellipsoid(Ellipsoid {
             radii: Vec3::new(2.5, 0.4, 1.0),
-        })
+        }))
     };
-    let aside = |field: Field| field.translate(Vec3::new(0.7, 0.2, -0.4));
+    let aside = |field: Shape| field.translate(Vec3::new(0.7, 0.2, -0.4));
     vec![
         ("torus", torus()),
         ("shell of a torus", torus().shell(0.02)),
         (
             "union",
-            Field::union([torus(), aside(cone()), aside(prism())]),
+            Shape::union([torus(), aside(cone()), aside(prism())]),
         ),
         (
             "smooth union",
-            Field::smooth_union(0.3, [torus(), aside(capsule())]),
+            Shape::smooth_union(0.3, [torus(), aside(capsule())]),
         ),
         ("cut", torus().minus([aside(capsule())])),
-        ("common", Field::intersection([torus(), aside(ellipsoid())])),
+        ("common", Shape::intersection([torus(), aside(ellipsoid())])),
         ("mirrored", aside(torus()).mirror([true, false, true])),
         ("elongated", torus().elongate(Vec3::new(0.4, 0.0, 0.2))),
         (
@@ -201,7 +138,7 @@ fn kinds() -> Vec<(&'static str, Field)> {
         ("grown quadric", ellipsoid().offset(0.2)),
         (
             "shell of a union",
-            Field::union([cone(), aside(capsule())]).shell(0.01),
+            Shape::union([cone(), aside(capsule())]).shell(0.01),
         ),
         ("ground", height_field(Vec3::new(5.0, 3.0, 5.0))),
     ]
@@ -279,19 +216,19 @@ fn no_wave_passes_ground() {
 #[test]
 fn edges_and_parallel_planes_take_few_steps() {
     let corners = [Vec2::ZERO, Vec2::new(1.0, 0.4), Vec2::new(1.0, -0.4)];
-    let room = Surface::new(Shape::Room {
+    let room = Surface::new(Node::Room(Room {
         size: Vec3::new(22.0, 12.0, 18.0),
-    });
+    }));
     let source = Vec3::new(-8.25, 1.125, -6.25);
     let edge = Vec3::new(-6.8, 1.7, -3.8);
     let scene = Scene {
         name: "a prism's edge".into(),
         surfaces: vec![
             room,
-            Surface::new(Field::from(Node::Prism {
+            Surface::new(Shape::from(Node::Prism(Prism {
                 corners,
                 depth: 0.5,
-            }))
+            })))
             .at(edge),
         ],
         source: Source::at(source),
@@ -301,8 +238,9 @@ fn edges_and_parallel_planes_take_few_steps() {
     let at_edge: Vec<Vec3> = points.map(|p| (p - source).normalize()).collect();
     compare(&scene, &at_edge);
 
-    let half =
-        |normal: Vec3, offset: f32| Surface::new(Field::from(Node::HalfSpace { normal, offset }));
+    let half = |normal: Vec3, offset: f32| {
+        Surface::new(Shape::from(Node::HalfSpace(HalfSpace { normal, offset })))
+    };
     let scene = Scene {
         name: "half spaces".into(),
         surfaces: vec![half(Vec3::Y, -2.0), half(Vec3::new(-1.0, -0.2, 0.3), -12.0)],
@@ -316,4 +254,15 @@ fn edges_and_parallel_planes_take_few_steps() {
         })
         .collect();
     compare(&scene, &level);
+}
+
+/// Protects what lies in cells from relaxed steps that end just beyond one: there another list of
+/// surfaces is asked, which does not hold what the step has passed. This is one of 65,536 waves in
+/// the glasshouse, after its first mirror; `march` led it through a trunk of 0.26 m.
+#[test]
+fn a_step_that_leaves_its_cell_passes_nothing() {
+    let mut scene = common::builtin("glasshouse");
+    let direction = Vec3::new(0.751_490_8, -0.065_449_245, -0.656_489_25);
+    scene.source = Source::at(Vec3::new(0.115_575_79, -0.637_445_1, 8.0) + 0.01 * direction);
+    compare(&scene, &aims(direction, 0.02, 8192));
 }

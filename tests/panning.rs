@@ -6,7 +6,8 @@
 mod common;
 
 use common::{builtin, for_each_api, thesis, tracer};
-use echomarch::{Frame, Listener, Scene, Settings, Shape, Source, Surface, Tracer};
+use echomarch::scene::shape::Plane;
+use echomarch::{Frame, Listener, Node, Scene, Settings, Source, Surface, Tracer};
 use glam::{Quat, Vec3};
 use std::f32::consts::FRAC_PI_2;
 
@@ -23,7 +24,7 @@ const STAND: Vec3 = Vec3::new(20.0, 0.0, 30.0);
 fn field(source: Vec3) -> Scene {
     Scene {
         name: "field".into(),
-        surfaces: vec![Surface::new(Shape::Plane).at(Vec3::new(0.0, -10.0, 0.0))],
+        surfaces: vec![Surface::new(Node::Plane(Plane)).at(Vec3::new(0.0, -10.0, 0.0))],
         source: Source::at(STAND + source),
         listener: Listener::at(STAND, 2.0),
     }

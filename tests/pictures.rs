@@ -6,7 +6,7 @@
 //! below 1/255 and fewer than 0.5 % of its pixels differ by more than 8/255 in any.
 //! `ECHOMARCH_UPDATE_GOLDEN=1` writes them anew, drawn with the first API.
 
-#![cfg(feature = "experiment")]
+#![cfg(feature = "picture")]
 
 use echomarch::gpu::{Api, Context, ContextOptions};
 use echomarch::picture::{

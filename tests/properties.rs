@@ -9,8 +9,9 @@ use common::Random;
 use echomarch::experiment::verify::{END_ROUNDING, LENGTH_ROUNDING, START_ROUNDING};
 use echomarch::gpu::{Context, ContextOptions};
 use echomarch::reference::ExactScene;
+use echomarch::scene::shape::{Cuboid, Cylinder, Plane, Room, Sphere};
 use echomarch::trace::{Fate, Wave};
-use echomarch::{Listener, Profile, Scene, Settings, Shape, Source, Surface, Tracer};
+use echomarch::{Listener, Node, Profile, Scene, Settings, Source, Surface, Tracer};
 use glam::{DQuat, DVec3, Quat, Vec3};
 use proptest::prelude::*;
 use std::cell::RefCell;
@@ -72,12 +73,12 @@ fn plant(random: &mut Random) -> Planted {
     let within: DVec3 = std::array::from_fn(|_| 0.9 * random.signed()).into();
     let on_face = half * (within * (DVec3::ONE - face) + face);
     let (shape, point, normal) = match (random.unit() * 5.0) as usize {
-        0 => (Shape::Plane, ring * round, DVec3::Y),
-        1 => (Shape::Box { size }, on_face, face),
-        2 => (Shape::Room { size }, on_face, -face),
-        3 => (Shape::Sphere { radius }, around * round, around),
+        0 => (Node::Plane(Plane), ring * round, DVec3::Y),
+        1 => (Node::Cuboid(Cuboid { size }), on_face, face),
+        2 => (Node::Room(Room { size }), on_face, -face),
+        3 => (Node::Sphere(Sphere { radius }), around * round, around),
         _ => (
-            Shape::Cylinder { radius },
+            Node::Cylinder(Cylinder { radius }),
             ring * round + DVec3::Y * (within.y * round),
             ring,
         ),
@@ -117,7 +118,7 @@ impl Planted {
     }
 
     fn is_room(&self) -> bool {
-        matches!(self.surface.shape, Shape::Room { .. })
+        matches!(self.surface.shape.node, Node::Room(_))
     }
 }
 
@@ -246,9 +247,9 @@ proptest! {
                 break away;
             }
         };
-        let distance = match planted.surface.shape {
+        let distance = match planted.surface.shape.node {
             // Within the room: the point is at least this far from its edges.
-            Shape::Room { .. } => planted.size * 0.014 * random.unit(),
+            Node::Room(_) => planted.size * 0.014 * random.unit(),
             _ => planted.size * 10f64.powf(4.0 * random.unit() - 2.0),
         };
         let source = planted.point + away * distance;

@@ -2,7 +2,12 @@
 //! refused, where.
 
 use echomarch::Scene;
-use echomarch::scene::{Driver, Field, HeightImage, Motion, Node, Shape, UserField};
+use echomarch::scene::shape::{
+    Bend, CappedCylinder, Capsule, Complement, Cone, Cuboid, Cylinder, Ellipsoid, GeneralQuadric,
+    HalfSpace, HeightField, Hyperboloid, Paraboloid, Plane, Prism, Room, RoundedBox, Sphere, Torus,
+    Twist, Union, User,
+};
+use echomarch::scene::{Driver, HeightImage, Motion, Node, Shape, UserField};
 use glam::{UVec2, Vec2, Vec3};
 use std::path::Path;
 use std::sync::Arc;
@@ -30,17 +35,17 @@ fn refusal(surface: &str) -> String {
     sentence
 }
 
-fn field(node: Node) -> Field {
-    Field::from(node)
+fn field(node: Node) -> Shape {
+    Shape::from(node)
 }
 
-fn ball() -> Field {
-    field(Node::Sphere { radius: 1.0 })
+fn ball() -> Shape {
+    field(Node::Sphere(Sphere { radius: 1.0 }))
 }
 
-fn block() -> Field {
+fn block() -> Shape {
     let size = Vec3::new(1.0, 2.0, 3.0);
-    field(Node::Box { size })
+    field(Node::Cuboid(Cuboid { size }))
 }
 
 /// Protects the grammar: each shape and operator, from its text to the field that it says.
@@ -53,118 +58,116 @@ fn every_node_is_read_from_a_file() {
     let shapes: [(&str, Node); 16] = [
         (
             "HalfSpace(normal: (1, 2, 3))",
-            Node::HalfSpace {
+            Node::HalfSpace(HalfSpace {
                 normal: xyz,
                 offset: 0.0,
-            },
+            }),
         ),
         (
             "HalfSpace(normal: (1, 2, 3), offset: -2.5)",
-            Node::HalfSpace {
+            Node::HalfSpace(HalfSpace {
                 normal: xyz,
                 offset: -2.5,
-            },
+            }),
         ),
         (
             "RoundedBox(size: (1, 2, 3), rounding: 0.25)",
-            Node::RoundedBox {
+            Node::RoundedBox(RoundedBox {
                 size: xyz,
                 rounding: 0.25,
-            },
+            }),
         ),
         (
             "Cylinder(radius: 1, height: 4)",
-            Node::CappedCylinder {
+            Node::CappedCylinder(CappedCylinder {
                 radius: 1.0,
                 height: 4.0,
-            },
+            }),
         ),
         (
             "Cylinder(radius: 1, height: 4, axis: Y)",
-            Node::CappedCylinder {
+            Node::CappedCylinder(CappedCylinder {
                 radius: 1.0,
                 height: 4.0,
-            },
+            }),
         ),
         (
             "Capsule(radius: 1, height: 4)",
-            Node::Capsule {
+            Node::Capsule(Capsule {
                 radius: 1.0,
                 height: 4.0,
-            },
+            }),
         ),
         (
             "Torus(ring: 3, tube: 1)",
-            Node::Torus {
+            Node::Torus(Torus {
                 ring: 3.0,
                 tube: 1.0,
-            },
+            }),
         ),
         (
             "Cone(radius: 1, height: 4)",
-            Node::Cone {
+            Node::Cone(Cone {
                 radius: 1.0,
                 height: 4.0,
-            },
+            }),
         ),
         (
             "Prism(corners: [(0, 0), (2, 0), (0, 1.5)], depth: 3)",
-            Node::Prism {
+            Node::Prism(Prism {
                 corners: [Vec2::ZERO, Vec2::new(2.0, 0.0), Vec2::new(0.0, 1.5)],
                 depth: 3.0,
-            },
+            }),
         ),
         (
             "Ellipsoid(radii: (1, 2, 3))",
-            Node::Ellipsoid { radii: xyz },
+            Node::Ellipsoid(Ellipsoid { radii: xyz }),
         ),
         (
             "Paraboloid(focal_length: 2)",
-            Node::Paraboloid { focal_length: 2.0 },
+            Node::Paraboloid(Paraboloid { focal_length: 2.0 }),
         ),
         (
             "Hyperboloid(waist: 1, rise: 2)",
-            Node::Hyperboloid {
+            Node::Hyperboloid(Hyperboloid {
                 waist: 1.0,
                 rise: 2.0,
                 two_sheets: false,
-            },
+            }),
         ),
         (
             "Hyperboloid(waist: 1, rise: 2, sheets: 2)",
-            Node::Hyperboloid {
+            Node::Hyperboloid(Hyperboloid {
                 waist: 1.0,
                 rise: 2.0,
                 two_sheets: true,
-            },
+            }),
         ),
         (
             "Quadric((1, 2, 3, 0, 0.5, 0, 0, 0, -1, -4))",
-            Node::Quadric {
+            Node::GeneralQuadric(GeneralQuadric {
                 coefficients: [1.0, 2.0, 3.0, 0.0, 0.5, 0.0, 0.0, 0.0, -1.0, -4.0],
-            },
+            }),
         ),
-        ("Union([Plane])", Node::Union),
-        ("Complement(Plane)", Node::Complement),
+        ("Union([Plane])", Node::Union(Union)),
+        ("Complement(Plane)", Node::Complement(Complement)),
     ];
     for (text, node) in shapes {
-        let Shape::Field(read) = shape(text) else {
-            panic!("{text} is a basic shape");
-        };
+        let read = shape(text);
         assert_eq!(read.node, node, "{text}");
     }
     let operators = [
         (
             format!("Union([{BALL}, {BLOCK}])"),
-            Field::union([ball(), block()]),
+            Shape::union([ball(), block()]),
         ),
         (
             format!("Intersection([{BALL}, {BLOCK}])"),
-            Field::intersection([ball(), block()]),
+            Shape::intersection([ball(), block()]),
         ),
         (
             format!("Difference(from: {BALL}, cut: [{BLOCK}, Plane])"),
-            ball().minus([block(), field(Node::Plane)]),
+            ball().minus([block(), field(Node::Plane(Plane))]),
         ),
         (format!("Complement({BLOCK})"), block().complement()),
         (
@@ -173,7 +176,7 @@ fn every_node_is_read_from_a_file() {
         ),
         (
             format!("SmoothUnion(of: [{BALL}, {BLOCK}], radius: 0.5)"),
-            Field::smooth_union(0.5, [ball(), block()]),
+            Shape::smooth_union(0.5, [ball(), block()]),
         ),
         (format!("Offset(of: {BALL}, by: -0.5)"), ball().offset(-0.5)),
         (
@@ -211,21 +214,21 @@ fn every_node_is_read_from_a_file() {
         ),
         (
             format!("Twist(of: {BLOCK}, rate: 90, lipschitz: 4)"),
-            Field::over(
-                Node::Twist {
+            Shape::over(
+                Node::Twist(Twist {
                     rate: quarter,
                     lipschitz: 4.0,
-                },
+                }),
                 [block()],
             ),
         ),
         (
             format!("Bend(of: {BLOCK}, rate: 90, lipschitz: 5)"),
-            Field::over(
-                Node::Bend {
+            Shape::over(
+                Node::Bend(Bend {
                     rate: quarter,
                     lipschitz: 5.0,
-                },
+                }),
                 [block()],
             ),
         ),
@@ -239,11 +242,11 @@ fn every_node_is_read_from_a_file() {
             ),
             ball()
                 .shell(0.5)
-                .minus([Field::union([block()]).translate(xyz)]),
+                .minus([Shape::union([block()]).translate(xyz)]),
         ),
     ];
     for (text, expected) in operators {
-        assert_eq!(shape(&text), Shape::Field(expected), "{text}");
+        assert_eq!(shape(&text), expected, "{text}");
     }
 }
 
@@ -252,18 +255,21 @@ fn every_node_is_read_from_a_file() {
 fn basic_shapes_stay_basic() {
     let size = Vec3::new(1.0, 2.0, 3.0);
     let cases = [
-        ("Plane", Shape::Plane),
-        ("Box(size: (1, 2, 3))", Shape::Box { size }),
-        ("Room(size: (1, 2, 3))", Shape::Room { size }),
-        ("Sphere(radius: 2)", Shape::Sphere { radius: 2.0 }),
-        ("Cylinder(radius: 2)", Shape::Cylinder { radius: 2.0 }),
+        ("Plane", Node::Plane(Plane)),
+        ("Box(size: (1, 2, 3))", Node::Cuboid(Cuboid { size })),
+        ("Room(size: (1, 2, 3))", Node::Room(Room { size })),
+        ("Sphere(radius: 2)", Node::Sphere(Sphere { radius: 2.0 })),
+        (
+            "Cylinder(radius: 2)",
+            Node::Cylinder(Cylinder { radius: 2.0 }),
+        ),
         (
             "Cylinder(radius: 2, axis: (0, 3, 0))",
-            Shape::Cylinder { radius: 2.0 },
+            Node::Cylinder(Cylinder { radius: 2.0 }),
         ),
     ];
     for (text, expected) in cases {
-        assert_eq!(shape(text), expected);
+        assert_eq!(shape(text), expected.into());
     }
 }
 
@@ -363,20 +369,26 @@ fn numbers_move() {
     }
 
     let read = scene("shape: Sphere(radius: Keys([(-1, 1), (1, 3)]))");
-    assert_eq!(read.surfaces[0].shape, Shape::Sphere { radius: 2.0 });
     assert_eq!(
-        read.at(0.5).surfaces[0].shape,
-        Shape::Sphere { radius: 2.5 }
+        read.surfaces[0].shape.node,
+        Node::Sphere(Sphere { radius: 2.0 })
+    );
+    assert_eq!(
+        read.at(0.5).surfaces[0].shape.node,
+        Node::Sphere(Sphere { radius: 2.5 })
     );
     assert_eq!(read.duration(), 1.0);
 
     let mut read = scene("shape: Sphere(radius: Value(\"size\", 2))");
-    assert_eq!(read.surfaces[0].shape, Shape::Sphere { radius: 2.0 });
+    assert_eq!(
+        read.surfaces[0].shape.node,
+        Node::Sphere(Sphere { radius: 2.0 })
+    );
     assert_eq!(read.value_names(), ["size"]);
     read.set_value("size", 5.0).unwrap();
     assert_eq!(
-        read.at(9.0).surfaces[0].shape,
-        Shape::Sphere { radius: 5.0 }
+        read.at(9.0).surfaces[0].shape.node,
+        Node::Sphere(Sphere { radius: 5.0 })
     );
 }
 
@@ -578,21 +590,20 @@ fn files_lie_beside_the_scene() {
 
     const FIELD: &str = "Field(file: \"ball.glsl\", lipschitz: 1.5, size: (3, 3, 3))";
     let scene = read(&format!("shape: Union([{FIELD}, {FIELD}])")).unwrap();
-    let field = scene.surfaces[0].shape.field().unwrap();
-    let Node::User { field: user } = &field.of[0].node else {
+    let field = &scene.surfaces[0].shape;
+    let Node::User(User { field: user }) = &field.children[0].node else {
         panic!("{field:?}");
     };
     let text = "float field(vec3 p) { return length(p) - 1.0; }".to_owned();
     let path = folder.path().join("ball.glsl");
     assert_eq!(**user, UserField::new(path, text, Vec3::splat(3.0), 1.5));
-    let Node::User { field: second } = &field.of[1].node else {
+    let Node::User(User { field: second }) = &field.children[1].node else {
         panic!("{field:?}");
     };
     assert!(Arc::ptr_eq(user, second), "the same file is read twice");
 
     let scene = read("shape: HeightField(image: \"hills.png\", size: (8, 2, 8))").unwrap();
-    let Some(Node::HeightField { image, size }) = scene.surfaces[0].shape.field().map(|f| &f.node)
-    else {
+    let Node::HeightField(HeightField { image, size }) = &scene.surfaces[0].shape.node else {
         panic!("{:?}", scene.surfaces[0]);
     };
     assert_eq!(*size, Vec3::new(8.0, 2.0, 8.0));

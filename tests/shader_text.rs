@@ -3,9 +3,14 @@
 //! `ECHOMARCH_UPDATE_GOLDEN=1` writes `tests/golden/shaders/` anew. Only what is written for
 //! the scene is in the golden files: the files under `glsl/` that it takes in are named.
 
-use echomarch::scene::{Driver, Field, HeightImage, Motion, Node, UserField};
+use echomarch::scene::shape::{
+    CappedCylinder, Capsule, Cone, Cuboid, Cylinder, Ellipsoid, GeneralQuadric, HalfSpace,
+    HeightField, Hyperboloid, Offset, Paraboloid, Plane, Prism, Room, RoundedBox, SmoothUnion,
+    Sphere, Torus, Translate, User,
+};
+use echomarch::scene::{Driver, HeightImage, Motion, Node, Shape, UserField};
 use echomarch::trace::{Pass, shader_text};
-use echomarch::{Listener, Profile, Scene, Settings, Shape, Source, Surface};
+use echomarch::{Listener, Profile, Scene, Settings, Source, Surface};
 use glam::{UVec2, Vec2, Vec3};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -22,31 +27,34 @@ fn scene(surfaces: Vec<Surface>) -> Scene {
 fn user() -> Node {
     let text = "const float R = 1.0;\nfloat field(vec3 p) { return length(p) - R; }\n";
     let field = UserField::new("my.glsl", text.to_owned(), Vec3::splat(3.0), 2.0);
-    Node::User {
+    Node::User(User {
         field: Arc::new(field),
-    }
+    })
 }
 
-fn over(node: Node, of: Vec<Field>) -> Field {
-    Field { node, of }
+fn over(node: Node, of: Vec<Shape>) -> Shape {
+    Shape { node, children: of }
 }
 
-fn tree() -> Field {
-    let ball = Field::from(Node::Sphere { radius: 1.0 });
-    let moved = over(Node::Translate { by: Vec3::X }, vec![ball]);
-    let block = Field::from(Node::Box {
+fn tree() -> Shape {
+    let ball = Shape::from(Node::Sphere(Sphere { radius: 1.0 }));
+    let moved = over(Node::Translate(Translate { by: Vec3::X }), vec![ball]);
+    let block = Shape::from(Node::Cuboid(Cuboid {
         size: Vec3::splat(1.5),
-    });
-    over(Node::SmoothUnion { radius: 0.25 }, vec![block, moved])
+    }));
+    over(
+        Node::SmoothUnion(SmoothUnion { radius: 0.25 }),
+        vec![block, moved],
+    )
 }
 
 fn moving() -> Surface {
     let mut surface = Surface::new(over(
-        Node::Offset { by: 0.1 },
-        vec![Field::from(Node::Torus {
+        Node::Offset(Offset { by: 0.1 }),
+        vec![Shape::from(Node::Torus(Torus {
             ring: 2.0,
             tube: 0.5,
-        })],
+        }))],
     ));
     surface.drivers.push(Driver {
         parameter: "0.tube".into(),
@@ -57,11 +65,11 @@ fn moving() -> Surface {
 
 /// Name, scene and profile of each golden file.
 fn golden() -> Vec<(&'static str, Scene, Profile)> {
-    let ball = || Surface::new(Shape::Sphere { radius: 1.0 });
-    let torus = Node::Torus {
+    let ball = || Surface::new(Node::Sphere(Sphere { radius: 1.0 }));
+    let torus = Node::Torus(Torus {
         ring: 2.0,
         tube: 0.5,
-    };
+    });
     vec![
         ("sphere-hybrid", scene(vec![ball()]), Profile::Hybrid),
         ("sphere-march", scene(vec![ball()]), Profile::March),
@@ -135,54 +143,55 @@ fn shapes() -> Vec<Shape> {
     let heights = HeightImage::new("h", UVec2::splat(2), vec![0.0, 0.5, 0.5, 1.0]).unwrap();
     let (radius, height) = (1.0, 2.0);
     let nodes = [
-        Node::Plane,
-        Node::HalfSpace {
+        Node::Plane(Plane),
+        Node::HalfSpace(HalfSpace {
             normal: size,
             offset: 1.0,
-        },
-        Node::Box { size },
-        Node::Room { size },
-        Node::RoundedBox {
+        }),
+        Node::Cuboid(Cuboid { size }),
+        Node::Room(Room { size }),
+        Node::RoundedBox(RoundedBox {
             size,
             rounding: 0.25,
-        },
-        Node::Sphere { radius },
-        Node::Cylinder { radius },
-        Node::CappedCylinder { radius, height },
-        Node::Capsule { radius, height },
-        Node::Torus {
+        }),
+        Node::Sphere(Sphere { radius }),
+        Node::Cylinder(Cylinder { radius }),
+        Node::CappedCylinder(CappedCylinder { radius, height }),
+        Node::Capsule(Capsule { radius, height }),
+        Node::Torus(Torus {
             ring: 2.0,
             tube: 0.5,
-        },
-        Node::Cone { radius, height },
-        Node::Prism {
+        }),
+        Node::Cone(Cone { radius, height }),
+        Node::Prism(Prism {
             corners: [Vec2::ZERO, Vec2::X, Vec2::Y],
             depth: 1.0,
-        },
-        Node::Ellipsoid { radii: size },
-        Node::Paraboloid { focal_length: 1.0 },
-        Node::Hyperboloid {
+        }),
+        Node::Ellipsoid(Ellipsoid { radii: size }),
+        Node::Paraboloid(Paraboloid { focal_length: 1.0 }),
+        Node::Hyperboloid(Hyperboloid {
             waist: 1.0,
             rise: 1.0,
             two_sheets: false,
-        },
-        Node::Quadric {
+        }),
+        Node::GeneralQuadric(GeneralQuadric {
             coefficients: [1.0, 1.0, 1.0, 0.1, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0],
-        },
-        Node::HeightField {
+        }),
+        Node::HeightField(HeightField {
             image: Arc::new(heights),
             size,
-        },
+        }),
         user(),
     ];
     let mut shapes: Vec<Shape> = nodes.into_iter().map(Shape::from).collect();
-    shapes.extend([
-        Shape::Plane,
-        Shape::Box { size },
-        Shape::Room { size },
-        Shape::Sphere { radius },
-        Shape::Cylinder { radius },
-    ]);
+    let basic = [
+        Node::Plane(Plane),
+        Node::Cuboid(Cuboid { size }),
+        Node::Room(Room { size }),
+        Node::Sphere(Sphere { radius }),
+        Node::Cylinder(Cylinder { radius }),
+    ];
+    shapes.extend(basic.map(Shape::from));
     shapes
 }
 

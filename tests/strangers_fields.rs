@@ -7,9 +7,10 @@ mod common;
 use common::cli::{argument, command, stderr};
 use common::context;
 use echomarch::gpu::Api;
+use echomarch::scene::shape::{Room, User};
 use echomarch::scene::{Node, UserField};
 use echomarch::trace::{FieldTrial, Reload, Reloading, TraceError, TrialCommand};
-use echomarch::{Error, Listener, Profile, Scene, Settings, Shape, Source, Surface, Tracer};
+use echomarch::{Error, Listener, Profile, Scene, Settings, Source, Surface, Tracer};
 use glam::Vec3;
 use std::path::Path;
 use std::process::{Command, Output};
@@ -45,6 +46,22 @@ fn doubling(levels: usize) -> String {
         text += &format!("#define A{level} A{of} A{of}\n");
     }
     text + &format!("float field(vec3 p) {{ return 1.0 A{levels}; }}\n")
+}
+
+/// Calls that double, to be inlined: what compilers do with that takes seconds.
+fn doubling_calls(start: &str) -> String {
+    let call = |n: usize| {
+        format!(
+            "float f{}(float x) {{ return f{n}(x) + f{n}(x + 1.0); }}",
+            n + 1
+        )
+    };
+    let first = format!("float f0(float x) {{ return sin(x + {start}); }}\n");
+    format!(
+        "{first}{}\n{}",
+        joined(24, call, "\n"),
+        before("p.x += 1e-9 * f24(p.x);")
+    )
 }
 
 fn joined(count: usize, one: impl Fn(usize) -> String, between: &str) -> String {
@@ -143,23 +160,17 @@ fn what_dies_or_does_not_end_is_refused() {
     ] {
         refuses(&before(loops), "f.glsl: ");
     }
-    // Calls that double, to be inlined.
-    let calls = joined(
-        24,
-        |n| {
-            format!(
-                "float f{}(float x) {{ return f{n}(x) + f{n}(x + 1.0); }}",
-                n + 1
-            )
-        },
-        "\n",
-    );
-    let first = "float f0(float x) { return sin(x); }\n";
-    refuses(
-        &format!("{first}{calls}\n{}", before("p.x += 1e-9 * f24(p.x);")),
-        "f.glsl: ",
-    );
+    refuses(&doubling_calls("1.0"), "f.glsl: ");
     refuses(&before("p.x = 0.0 / (p.x - p.x);"), "finite");
+    let stated = |statements: &str| {
+        format!("{BALL}vec3 fieldGradient(vec3 p) {{ {statements} return normalize(p); }}\n")
+    };
+    refuses(
+        &stated("int a = -2147483647 - 1; p.x += float(a % -1);"),
+        "SIGFPE",
+    );
+    let at_surface = "if (abs(length(p) - 1.0) < 0.001) for (int i = 0; i < 1000000000; ++i) p.x += sin(p.y + p.x) * 1e-12;";
+    refuses(&stated(at_surface), "f.glsl: ");
     refuses(
         &format!(
             "float f(float x) {{ return f(x); }}\n{}",
@@ -250,12 +261,12 @@ fn pictures_are_refused_as_frames_are() {
 /// A room with a user's field.
 fn scene(text: &str) -> Scene {
     let field = UserField::new("f.glsl", text.to_owned(), Vec3::splat(3.0), 1.0);
-    let room = Shape::Room {
+    let room = Node::Room(Room {
         size: Vec3::splat(9.0),
-    };
-    let node = Node::User {
+    });
+    let node = Node::User(User {
         field: Arc::new(field),
-    };
+    });
     Scene {
         name: "strange".into(),
         surfaces: vec![Surface::new(room), Surface::new(node)],
@@ -389,7 +400,9 @@ fn a_library_chooses_how_fields_are_tried() {
 #[cfg(feature = "demo")]
 mod window {
     use super::*;
+    use common::drop::drop_file;
     use common::window::Display;
+    use std::path::PathBuf;
 
     /// Protects whoever walks in a scene whose field changes into one that kills: the window
     /// tells it, and goes on with the last good scene.
@@ -420,5 +433,59 @@ mod window {
         demo.wait_frames();
         let (report, _, _) = demo.quit();
         assert_eq!(report["reread"].as_array().unwrap().len(), kills.len() + 1);
+    }
+
+    /// A scene with this field, in a folder of its own within `folder`.
+    fn scene_with(folder: &Path, name: &str, text: &str) -> PathBuf {
+        let folder = folder.join(name);
+        std::fs::create_dir(&folder).unwrap();
+        std::fs::write(folder.join("f.glsl"), text).unwrap();
+        let scene = folder.join("s.ron");
+        std::fs::write(&scene, SCENE).unwrap();
+        scene
+    }
+
+    /// Protects whoever walks about from waiting for the trial of a scene that they choose: the
+    /// window goes on with the last good scene, says so, and takes the new one once its field was
+    /// tried; or never, when that is refused or another one is chosen meanwhile.
+    #[test]
+    fn a_scene_that_is_chosen_is_tried_aside() {
+        let folder = tempfile::tempdir().unwrap();
+        let slow =
+            |name: &str, start: &str| scene_with(folder.path(), name, &doubling_calls(start));
+        let (first, second) = (slow("first", "1.0"), slow("second", "2.0"));
+        let good = scene_with(folder.path(), "good", BALL);
+        let display = Display::new();
+        let demo = display.demo(&["corner"]);
+        let window = demo.window();
+        let choose = |scene: &Path| {
+            drop_file(&display.name, &window, scene);
+            demo.wait_for(&format!("{} is being tried", scene.display()));
+        };
+        // The trial ends after seconds, the window draws many frames a second.
+        let wait_tried = |scene: &Path| {
+            let mut frames = 0;
+            demo.wait_until("frames during the trial", |frame| {
+                let is_tried = frame["trying"] == argument(scene);
+                assert!(!is_tried || frame["scene"] == "corner", "{frame}");
+                frames += u32::from(is_tried);
+                frames >= 3
+            });
+        };
+        choose(&first);
+        wait_tried(&first);
+        demo.wait_for("f.glsl: ");
+        let after = demo.wait_until("the end of the trial", |frame| frame["trying"].is_null());
+        assert_eq!(after["scene"], "corner");
+
+        // It comes last of those to choose from, and the first follows it.
+        choose(&second);
+        wait_tried(&second);
+        display.xdotool(&["key", "n"]);
+        demo.wait_for("scene corner");
+        choose(&good);
+        demo.wait_until("the good scene", |frame| frame["scene"] == argument(&good));
+        let (report, _, _) = demo.quit();
+        assert_eq!(report["reread"].as_array().unwrap().len(), 0);
     }
 }

@@ -127,8 +127,14 @@ fn outputs_never_replace_inputs() {
     for file in ["accuracy.json", "localise.md", "localise.svg"] {
         symlink("../scene.ron", folder.join("out").join(file)).unwrap();
     }
+    let small = "Scene(base: \"scene.ron\")";
+    std::fs::write(folder.join("small.ron"), small).unwrap();
     let few = ["--waves", "64", "--iterations", "1"];
     for (arguments, traces) in [
+        (vec!["shader", "small.ron", "-o", "scene.ron"], false),
+        (vec!["trace", "small.ron", "--dump-waves", "hard.csv"], true),
+        (vec!["slice", "small.ron", "-o", "soft.png"], false),
+        (vec!["demo", "small.ron", "--save", "scene.ron"], false),
         (vec!["shader", "scene.ron", "-o", "scene.ron"], false),
         (vec!["shader", "scene.ron", "-o", "./out/../h.png"], false),
         (vec!["trace", "scene.ron", "--dump-waves", "soft.csv"], true),

@@ -7,8 +7,9 @@ mod common;
 
 use common::tracer;
 use echomarch::reference::ExactScene;
+use echomarch::scene::shape::{Cuboid, Room};
 use echomarch::trace::Wave;
-use echomarch::{Listener, Scene, Settings, Shape, Source, Surface, Tracer};
+use echomarch::{Listener, Node, Scene, Settings, Source, Surface, Tracer};
 use glam::{DVec3, EulerRot, Quat, Vec3};
 
 /// Boxes as they stand before they are turned together: size and place in metres.
@@ -50,11 +51,11 @@ fn bricks() -> Blocks {
 fn room(blocks: Blocks, turn: Quat, away: f32) -> Scene {
     let size = Vec3::new(22.0 + 2.0 * away, 12.0, 18.0);
     let turned = |(size, place)| {
-        Surface::new(Shape::Box { size })
+        Surface::new(Node::Cuboid(Cuboid { size }))
             .at(turn * place)
             .turned(turn)
     };
-    let mut surfaces = vec![Surface::new(Shape::Room { size })];
+    let mut surfaces = vec![Surface::new(Node::Room(Room { size }))];
     surfaces.extend(blocks.into_iter().map(turned));
     Scene {
         name: "boxes".into(),
@@ -93,7 +94,7 @@ fn scenes() -> Vec<(String, Scene)> {
 /// What rounding may do to a place or a face, in metres: twenty times eight units in the last
 /// place of the largest number in the scene.
 fn slack(scene: &Scene) -> f64 {
-    let Shape::Room { size } = scene.surfaces[0].shape else {
+    let Node::Room(Room { size }) = scene.surfaces[0].shape.node else {
         panic!("the first surface is the room");
     };
     20.0 * 8.0 * f64::from(f32::EPSILON * size.max_element())
@@ -104,7 +105,7 @@ fn cores(scene: &Scene) -> ExactScene {
     let less = 2.0 * slack(scene) as f32;
     let mut cores = scene.clone();
     for surface in &mut cores.surfaces[1..] {
-        if let Shape::Box { size } = &mut surface.shape {
+        if let Node::Cuboid(Cuboid { size }) = &mut surface.shape.node {
             *size -= Vec3::splat(less);
         }
     }
@@ -135,9 +136,9 @@ fn check(scene: &Scene, cores: &ExactScene, before: &Wave, after: &Wave, what: &
 
 fn distance(surface: &Surface, point: DVec3) -> f64 {
     let local = surface.rotation.as_dquat().inverse() * (point - surface.position.as_dvec3());
-    match surface.shape {
-        Shape::Box { size } => (local.abs() - 0.5 * size.as_dvec3()).max_element(),
-        Shape::Room { size } => (0.5 * size.as_dvec3() - local.abs()).min_element(),
+    match surface.shape.node {
+        Node::Cuboid(Cuboid { size }) => (local.abs() - 0.5 * size.as_dvec3()).max_element(),
+        Node::Room(Room { size }) => (0.5 * size.as_dvec3() - local.abs()).min_element(),
         _ => panic!("there are only boxes"),
     }
 }

@@ -2,7 +2,8 @@
 void aheadInCells(vec3 p, vec3 d, float last, inout float nearest, inout float object, inout float second) {
     vec4 cell;
     float reach;
-    if (cellAhead(p, d, cell, reach)) {
+    float within;
+    if (cellAhead(p, d, cell, reach, within)) {
         for (int i = 0; i < int(cell.y); ++i) {
             vec4 entry = listed(cell, i);
             float candidate = distanceOfKind(entry.y, int(entry.z), p, d, last == entry.x);

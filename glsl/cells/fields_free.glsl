@@ -2,7 +2,8 @@
 void fieldsFreeInCells(vec3 p, vec3 d, float last, float slack, inout float way) {
     vec4 cell;
     float reach;
-    if (cellAhead(p, d, cell, reach)) {
+    float within;
+    if (cellAhead(p, d, cell, reach, within)) {
         for (int i = 0; i < int(cell.y); ++i) {
             vec4 entry = listed(cell, i);
             float candidate = fieldOfKind(entry.y, int(entry.z), p, last == entry.x);

@@ -12,7 +12,7 @@ void hitInCells(vec3 p, vec3 d, float last, inout float nearest, inout float obj
         vec4 cell = cellAt(place);
         for (int i = 0; i < int(cell.y); ++i) {
             vec4 entry = listed(cell, i);
-            float candidate = hitOfKind(entry.y, int(entry.z), p, d, last == entry.x);
+            float candidate = hitOfKind(entry.y, int(entry.z), p, d, last == entry.x, nearest);
             if (candidate < nearest) { nearest = candidate; object = entry.x; }
         }
         vec3 faces = nextFaces(p, inverse, place);

@@ -20,9 +20,10 @@ vec2 throughGrid(vec3 p, vec3 inverse) {
 // moves across the face has left it for sure, and half as far as what the lists are made for.
 const float BEYOND = 5e-4;
 
-// What lies ahead of p along d: its cell if it is in the grid, and how far that, or the way
-// to the grid, reaches.
-bool cellAhead(vec3 p, vec3 d, out vec4 cell, out float reach) {
+// What lies ahead of p along d: its cell if it is in the grid, how far that, or the way to the
+// grid, reaches, and how far a place along d is within it for sure. What was asked of two places
+// within goes together; beyond, another list is asked.
+bool cellAhead(vec3 p, vec3 d, out vec4 cell, out float reach, out float within) {
     vec3 inverse = safeInverse(d);
     vec3 over = BEYOND * uCellSize * abs(inverse);
     vec3 place;
@@ -32,11 +33,16 @@ bool cellAhead(vec3 p, vec3 d, out vec4 cell, out float reach) {
         // The face by which it enters is the one that it reaches last.
         vec3 enters = min((uCellOrigin - p) * inverse, (uCellOrigin + uCellCount * uCellSize - p) * inverse);
         float entered = span.x + (enters.x == span.x ? over.x : enters.y == span.x ? over.y : over.z);
-        reach = entered < span.y ? entered : 1e30;
+        bool isAhead = entered < span.y;
+        reach = isAhead ? entered : 1e30;
+        within = isAhead ? 2.0 * span.x - entered : 1e30;
         return false;
     }
-    vec3 faces = nextFaces(p, inverse, place) + over;
-    reach = min(faces.x, min(faces.y, faces.z));
+    vec3 faces = nextFaces(p, inverse, place);
+    vec3 beyond = faces + over;
+    vec3 before = faces - over;
+    reach = min(beyond.x, min(beyond.y, beyond.z));
+    within = min(before.x, min(before.y, before.z));
     cell = cellAt(place);
     return true;
 }

@@ -8,3 +8,23 @@ vec3 bend(vec3 p, float rate, float most, out float beyond) {
     float c = cos(rate * held.x);
     return vec3(c * held.x + s * held.y, c * held.y - s * held.x, p.z);
 }
+
+// The gradient in the outer axes, from that at the turned point q.
+vec4 unbend(vec4 g, vec3 p, vec3 q, float rate, float beyond, float lipschitz) {
+    float radius = length(p.xy);
+    float kept = beyond > 0.0 ? 1.0 - beyond / radius : 1.0;
+    float s = sin(rate * p.x * kept);
+    float c = cos(rate * p.x * kept);
+    float turning = rate * (q.y * g.x - q.x * g.y);
+    vec4 held = vec4(c * g.x - s * g.y + turning, s * g.x + c * g.y, g.z, g.w);
+    if (beyond > 0.0) {
+        // What is held changes around the axis and along it, not away from it.
+        vec2 outward = p.xy / radius;
+        float value = max(g.w, 0.0);
+        float far = beyondTurning(g.w, beyond, lipschitz);
+        held.xy = kept * (held.xy - dot(held.xy, outward) * outward);
+        vec3 way = lipschitz * lipschitz * beyond * vec3(outward, 0.0);
+        return vec4((value * held.xyz + way) / far, far);
+    }
+    return held;
+}

@@ -1,1 +1,3 @@
 float opMorph(float a, float b, float amount) { return mix(a, b, amount); }
+
+vec4 opMorph(vec4 a, vec4 b, float amount) { return mix(a, b, amount); }

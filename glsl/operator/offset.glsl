@@ -1,1 +1,3 @@
 float opOffset(float a, float by) { return a - by; }
+
+vec4 opOffset(vec4 a, float by) { return a - vec4(0.0, 0.0, 0.0, by); }

@@ -3,3 +3,29 @@ float opSmoothUnion(float a, float b, float radius) {
     float blend = max(radius - abs(a - b), 0.0);
     return min(a, b) - 0.25 * blend * blend / radius;
 }
+
+vec4 opSmoothUnion(vec4 a, vec4 b, float radius) {
+    float blend = max(radius - abs(a.w - b.w), 0.0);
+    float share = 0.5 * blend / radius;
+    vec3 gradient = a.w < b.w ? mix(a.xyz, b.xyz, share) : mix(b.xyz, a.xyz, share);
+    return vec4(gradient, min(a.w, b.w) - 0.25 * blend * blend / radius);
+}
+
+// Of the smooth union of two values: the blend's own second derivative is at least -(a' - b')^2
+// / (2 radius), and both grow by no more than a metre a metre as far as the bounds say so.
+vec4 blendAlong(vec4 a, vec4 b, float radius) {
+    float blend = max(radius - abs(a.x - b.x), 0.0);
+    float share = 0.5 * blend / radius;
+    float slope = a.x < b.x ? mix(a.y, b.y, share) : mix(b.y, a.y, share);
+    float steep = min((1.0 + a.y) / max(a.z, 1e-30), (1.0 + b.y) / max(b.z, 1e-30));
+    float reach = min(min(a.w, b.w), max(steep, 0.0));
+    return vec4(min(a.x, b.x) - 0.25 * blend * blend / radius, slope, max(a.z, b.z) + 2.0 / radius, reach);
+}
+
+// Of its complement, from those of the complements: a smooth maximum, which bends upwards.
+vec4 blendSolidAlong(vec4 a, vec4 b, float radius) {
+    float blend = max(radius - abs(a.x - b.x), 0.0);
+    float share = 0.5 * blend / radius;
+    float slope = a.x > b.x ? mix(a.y, b.y, share) : mix(b.y, a.y, share);
+    return vec4(max(a.x, b.x) + 0.25 * blend * blend / radius, slope, max(a.z, b.z), min(a.w, b.w));
+}

@@ -8,3 +8,23 @@ vec3 twist(vec3 p, float rate, float most, out float beyond) {
     float c = cos(rate * p.y);
     return vec3(c * held.x - s * held.y, p.y, s * held.x + c * held.y);
 }
+
+// The gradient in the outer axes, from that at the turned point q.
+vec4 untwist(vec4 g, vec3 p, vec3 q, float rate, float beyond, float lipschitz) {
+    float s = sin(rate * p.y);
+    float c = cos(rate * p.y);
+    float turning = rate * (q.x * g.z - q.z * g.x);
+    vec4 held = vec4(c * g.x + s * g.z, g.y + turning, c * g.z - s * g.x, g.w);
+    if (beyond > 0.0) {
+        // What is held changes around the axis and along it, not away from it.
+        float radius = length(p.xz);
+        vec2 outward = p.xz / radius;
+        float value = max(g.w, 0.0);
+        float far = beyondTurning(g.w, beyond, lipschitz);
+        float kept = 1.0 - beyond / radius;
+        held.xz = kept * (held.xz - dot(held.xz, outward) * outward);
+        vec3 way = lipschitz * lipschitz * beyond * vec3(outward.x, 0.0, outward.y);
+        return vec4((value * held.xyz + way) / far, far);
+    }
+    return held;
+}

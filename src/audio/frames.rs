@@ -25,7 +25,7 @@ impl FrameBlocks {
         if !is_usable(fps) {
             return Err(AudioError::BadFrameRate { fps });
         }
-        super::sound::check_rate(rate_hz)?;
+        super::rate::check_rate(rate_hz)?;
         Ok(Self { fps, rate_hz })
     }
 

@@ -48,6 +48,7 @@ pub mod live;
 mod mixer;
 mod noise;
 mod panning;
+mod rate;
 mod resample;
 mod sine;
 mod sound;
@@ -66,6 +67,8 @@ pub use sound::Sound;
 pub use spec::SoundSpec;
 pub use speech::SPEECH_PEAK;
 pub use wav_write::WavWriter;
+#[cfg(feature = "experiment")]
+pub(crate) use wav_write::wav_to_io;
 
 /// Samples a second on each channel of everything that is played or written, in hertz.
 pub const SAMPLE_RATE: u32 = 48_000;

@@ -2,9 +2,10 @@
 
 use super::clip::Clip;
 use super::noise::Noise;
+use super::rate::check_rate;
 use super::sine::Sine;
 use super::speech::Speech;
-use super::{AudioError, SAMPLE_RATES, SoundSpec, resample, wav_read};
+use super::{AudioError, SoundSpec, resample, wav_read};
 
 /// A mono sound that is read forwards, sample by sample; 1 is full scale.
 ///
@@ -44,7 +45,7 @@ impl Sound {
     /// overshoot full scale a little.
     ///
     /// # Errors
-    /// [`AudioError::BadSampleRate`] for a rate outside [`SAMPLE_RATES`];
+    /// [`AudioError::BadSampleRate`] for a rate outside [`SAMPLE_RATES`](super::SAMPLE_RATES);
     /// [`AudioError::BadSineFrequency`]; and for a WAV file [`AudioError::OpenWav`],
     /// [`NotWav`](AudioError::NotWav), [`UnsupportedWav`](AudioError::UnsupportedWav),
     /// [`DamagedWav`](AudioError::DamagedWav), [`EmptyWav`](AudioError::EmptyWav),
@@ -126,14 +127,5 @@ impl Sound {
             Kind::Clip(clip) => clip.is_finished(),
             Kind::Sine(_) | Kind::Noise(_) | Kind::Speech(_) => false,
         }
-    }
-}
-
-/// Refuses a sample rate that nothing is made for.
-pub(super) fn check_rate(sample_rate_hz: u32) -> Result<(), AudioError> {
-    if SAMPLE_RATES.contains(&sample_rate_hz) {
-        Ok(())
-    } else {
-        Err(AudioError::BadSampleRate { sample_rate_hz })
     }
 }

@@ -15,7 +15,7 @@
 
 use std::f64::consts::TAU;
 
-use super::noise::hash;
+use crate::rng::{hash, unit_interval};
 
 /// No sample of the voice is further from 0 than this, of full scale 1.
 pub const SPEECH_PEAK: f32 = 0.95;
@@ -196,7 +196,7 @@ impl Speech {
     /// A number from 0 to 1 that belongs to a slot.
     fn chance(&self, slot: u64, what: u64) -> f64 {
         let bits = hash(self.seed ^ hash(slot.wrapping_mul(8).wrapping_add(what)));
-        (bits >> 11) as f64 / (1u64 << 53) as f64
+        unit_interval(bits)
     }
 
     /// Whether a slot is spoken: a phrase has six to eight syllables, then a pause.

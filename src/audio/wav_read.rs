@@ -6,8 +6,8 @@ use std::path::Path;
 use hound::{SampleFormat, WavReader};
 
 use super::AudioError;
+use super::rate::check_rate;
 use super::resample::length_after;
-use super::sound::check_rate;
 use crate::input::{InputError, InputFile};
 
 /// Bytes of a WAV file at the most: [`MOST_SAMPLES`] in stereo, 32 bits each.

@@ -72,7 +72,7 @@ impl WavWriter {
     }
 
     fn start(target: PathBuf, rate_hz: u32, beside: Beside) -> Result<Self, AudioError> {
-        super::sound::check_rate(rate_hz)?;
+        super::rate::check_rate(rate_hz)?;
         let target = followed(&target);
         match start(&target, rate_hz, beside) {
             Ok((temporary, wav)) => Ok(Self {
@@ -109,7 +109,7 @@ impl WavWriter {
             self.wav
                 .0
                 .write_sample(sample)
-                .map_err(|error| write_error(&self.target, to_io(error)))?;
+                .map_err(|error| write_error(&self.target, wav_to_io(error)))?;
         }
         self.frames = frames;
         Ok(())
@@ -119,7 +119,7 @@ impl WavWriter {
     #[cfg(feature = "audio")]
     pub(super) fn flush(&mut self) -> Result<(), AudioError> {
         let flushed = self.wav.0.flush();
-        flushed.map_err(|error| write_error(&self.target, to_io(error)))
+        flushed.map_err(|error| write_error(&self.target, wav_to_io(error)))
     }
 
     /// Completes the file and gives it the target's name, replacing an older one.
@@ -135,7 +135,7 @@ impl WavWriter {
         } = self;
         wav.0
             .finalize()
-            .map_err(|error| write_error(&target, to_io(error)))?;
+            .map_err(|error| write_error(&target, wav_to_io(error)))?;
         temporary
             .persist(&target)
             .map_err(|error| write_error(&target, error))
@@ -155,11 +155,12 @@ fn start(
         bits_per_sample: 32,
         sample_format: SampleFormat::Float,
     };
-    let wav = hound::WavWriter::new(file, spec).map_err(to_io)?;
+    let wav = hound::WavWriter::new(file, spec).map_err(wav_to_io)?;
     Ok((temporary, wav))
 }
 
-fn to_io(error: hound::Error) -> io::Error {
+/// What `hound` says, as an error of the system.
+pub(crate) fn wav_to_io(error: hound::Error) -> io::Error {
     match error {
         hound::Error::IoError(error) => error,
         other => io::Error::other(other),

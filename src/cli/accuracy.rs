@@ -5,8 +5,8 @@ use super::options::{Common, check_range};
 use super::print;
 use super::report::Experiment;
 use crate::experiment::accuracy::{
-    self, AccuracyOptions, AccuracyReport, COMPARED_ITERATIONS, Quantiles, Recommendation, Row,
-    SceneReport, plot_svg, write_csv,
+    self, AccuracyOptions, AccuracyReport, COMPARED_ITERATIONS, DEFAULT_SCENES, Quantiles, ROOMS,
+    Recommendation, Row, SceneReport, SurfaceCounts, plot_svg, write_csv,
 };
 use crate::scene::{BUILTIN_NAMES, Scene};
 use clap::Args;
@@ -14,29 +14,27 @@ use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Examples:
-  echomarch accuracy                         the thesis' two rooms, and the targets
+  echomarch accuracy                         four scenes, and the targets
   echomarch accuracy -o out                  the same; CSV, JSON and the plot in out/
   echomarch accuracy my.ron --error 0.005    a scene of yours, without the targets
   echomarch accuracy --full -o out           every setting in every built-in scene: hours";
 
 const LEGEND: &str = "\
-ms: median time of a frame. M/s: millions of waves × iterations a second. eval: evaluations of the
-distance a wave and iteration. Waves one by one: the first 65,536 at most. status, sequence: share
-of waves that end otherwise than the exact ones, or meet other surfaces. end: metres from the
-exact wave's end (median, 99 %, largest); within: the same, 99 % and largest, of waves within the
-horizon of chaos. Hits: heard, less those of the exact waves, by order of reflection, without
-waves that thesis hears after they died. limit bias: the mean less the limit of many waves; twin
-bias: against the exact panning of the same waves; spread: over the seeds; rms: root of the mean
-square error from the limit, MSE = (mean − limit)² + spread²; efficiency: 1 / (MSE × seconds).";
-
-/// The scenes of the thesis' tables.
-const ROOMS: [&str; 2] = ["corner", "obstacles"];
+ms: median time of a frame. M/s: millions of waves × iterations a second. eval: evaluations a wave
+and iteration, of the distance and, in hybrid and march, of all fields that are marched; where
+surfaces lie in cells, of those in the cell. Waves one by one: the first 65,536 at most. status,
+sequence: share of waves that end otherwise than the exact ones, or meet other surfaces. end: metres
+from the exact wave's end (median, 99 %, largest); within: the same, 99 % and largest, of waves
+within the horizon of chaos. Hits: heard, less those of the exact waves, by order of reflection,
+without waves that thesis hears after they died. limit bias: the mean less the limit of many waves;
+twin bias: against the exact panning of the same waves; spread: over the seeds; rms: root of the
+mean square error from the limit, MSE = (mean − limit)² + spread²; efficiency: 1 / (MSE × seconds).";
 
 /// Arguments of `accuracy`.
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
-    /// Built-in scenes or scene files [default: corner obstacles; with --full all]
+    /// Built-in scenes or scene files [default: corner obstacles cave glasshouse; with --full all]
     #[arg(value_name = "SCENE")]
     scenes: Vec<String>,
     /// Every combination of settings, not one change at a time: takes hours
@@ -82,7 +80,7 @@ fn options(arguments: &Arguments, common: &Common) -> anyhow::Result<AccuracyOpt
     let names: Vec<&str> = match (arguments.scenes.is_empty(), arguments.full) {
         (false, _) => arguments.scenes.iter().map(String::as_str).collect(),
         (true, true) => with_a_truth(),
-        (true, false) => ROOMS.to_vec(),
+        (true, false) => DEFAULT_SCENES.to_vec(),
     };
     let scenes: Result<Vec<_>, _> = names.iter().map(|name| common.scene(name)).collect();
     let options = match arguments.full {
@@ -104,6 +102,7 @@ fn print_report(report: &AccuracyReport) -> anyhow::Result<()> {
     ))?;
     for scene in &report.scenes {
         print::line(&format!("\n## {}\n", scene.scene))?;
+        print::line(&surfaces(scene))?;
         print_limits(scene)?;
         print_chaos(scene)?;
         print::line(&format!("\n{}\n", waves_table(scene)))?;
@@ -113,6 +112,24 @@ fn print_report(report: &AccuracyReport) -> anyhow::Result<()> {
     }
     print::line(&format!("\n{LEGEND}"))?;
     print_targets(report)
+}
+
+/// How the surfaces of a scene are met.
+fn surfaces(scene: &SceneReport) -> String {
+    let SurfaceCounts {
+        all,
+        in_cells,
+        marched,
+    } = scene.surfaces;
+    let many = if all == 1 { "surface" } else { "surfaces" };
+    let mut told = format!("{all} {many}");
+    if in_cells > 0 {
+        told += &format!(", {in_cells} in cells");
+    }
+    if marched > 0 {
+        told += &format!(", {marched} marched by hybrid too");
+    }
+    told
 }
 
 fn print_limits(scene: &SceneReport) -> anyhow::Result<()> {

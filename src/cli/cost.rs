@@ -62,7 +62,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
         runs: arguments.runs,
     };
     let mut tracer = common.tracer()?;
-    let bar = print::progress(common, 0, "rows");
+    let bar = print::progress(common.quiet, 0, "rows");
     let report = cost::measure(
         &mut tracer,
         &scene,

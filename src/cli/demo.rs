@@ -22,7 +22,7 @@ Examples:
 
 Keys stand in the window: F1 shows them all. Scene files and WAV files can be dropped on it.
 Scenes: corner, obstacles, open-field, open-pillars, shoebox, whispering-gallery,
-parabolic-mirrors, colonnade, cave, morphing-room, menger.";
+parabolic-mirrors, colonnade, cave, morphing-room, menger, glasshouse.";
 
 /// Arguments of `demo`.
 #[derive(Args, Debug)]
@@ -198,7 +198,7 @@ fn options(arguments: &Arguments, common: &Common) -> anyhow::Result<DemoOptions
         // A report says how many there were.
         check_gl: common.json,
         is_asked_to_end: super::interrupt::is_asked,
-        log_frames: window.log_frames,
+        log_frames: window.log_frames.then_some(print::tell_record),
         announce: if common.json { to_errors } else { to_output },
     })
 }

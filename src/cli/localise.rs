@@ -1,5 +1,5 @@
 //! `echomarch localise`: where is the source? For an observer (`run`) and for people (`form`,
-//! `window`, `score`).
+//! `score`).
 
 use super::exit::BadInput;
 use super::numbers::{count, real};
@@ -8,12 +8,12 @@ use super::print;
 use super::report::Experiment;
 use crate::audio::{PanningLaw, SAMPLE_RATE, Sound, SoundSpec};
 use crate::error::Error;
-use crate::experiment::localise::form::{self, Form, FormOptions, MOST_TRIALS, WriteError};
+use crate::experiment::localise::form::{self, Form, FormOptions, WriteError};
 use crate::experiment::localise::score::{Group, ScoreReport, score};
 use crate::experiment::localise::statistics::{ErrorFigures, LEAST_DRAWN};
 use crate::experiment::localise::{
-    self, LocaliseOptions, LocaliseReport, MOST_WORK, OpenCase, ROOMS, SOUNDS, markdown, plot_svg,
-    write_csv, write_score_csv,
+    self, LocaliseOptions, LocaliseReport, MOST_TRIALS, MOST_WORK, OpenCase, ROOMS, SOUNDS,
+    markdown, plot_svg, write_csv, write_score_csv,
 };
 use crate::output::{check_file, prepare_folder, write_whole};
 use crate::scene::Scene;
@@ -26,7 +26,6 @@ const EXAMPLES: &str = "\
 Examples:
   echomarch localise run -o out              an observer that answers from the levels alone
   echomarch localise form -o form --seed 7   sounds and a page for people: open form.html
-  echomarch localise window -o anna.json     the same questions in a window, traced live
   echomarch localise score answers-*.json    what they answered";
 
 const RUN_EXAMPLES: &str = "\
@@ -40,7 +39,7 @@ const FORM_EXAMPLES: &str = "\
 Examples:
   echomarch localise form -o form            48 trials, about ten minutes
   echomarch localise form -o form --seed 7 --scenes corner --sounds sine:500 --waves 65536
-  echomarch localise form -o form --profiles hybrid,thesis --iterations 8";
+  echomarch localise form -o form --profiles hybrid,thesis --iterations 8 --order-seed 7";
 
 const SCORE_EXAMPLES: &str = "\
 Examples:
@@ -62,10 +61,7 @@ enum Command {
     Run(RunArguments),
     /// Write sounds and a page that takes the answers of people
     Form(FormArguments),
-    /// Ask people in a window, with live sound
-    #[cfg(feature = "demo")]
-    Window(super::sitting::Arguments),
-    /// Score the answers that the page or the window saved
+    /// Score the answers that the page saved
     Score(ScoreArguments),
 }
 
@@ -114,16 +110,6 @@ struct RunArguments {
 #[command(after_help = FORM_EXAMPLES)]
 struct FormArguments {
     #[command(flatten)]
-    trials: Trials,
-    /// A folder that is empty or not there yet
-    #[arg(short, long, value_name = "DIR")]
-    output: PathBuf,
-}
-
-/// The trials that people are given.
-#[derive(Args, Debug)]
-pub(super) struct Trials {
-    #[command(flatten)]
     stimuli: Stimuli,
     /// Profiles, separated by commas
     #[arg(long, visible_alias = "profile", value_delimiter = ',', value_name = "NAMES",
@@ -138,15 +124,21 @@ pub(super) struct Trials {
     /// Seed of the trials' numbers, and of the start directions of the waves
     #[arg(long, default_value_t = 1, value_name = "N", value_parser = count::<u32>)]
     seed: u32,
+    /// Seed of one order of the trials for every session [default: each session draws its own]
+    #[arg(long, value_name = "N", value_parser = count::<u32>)]
+    order_seed: Option<u32>,
     /// Length of each sound
     #[arg(long, default_value_t = 2.0, value_name = "SECONDS", value_parser = real::<f64>)]
-    pub(super) seconds: f64,
+    seconds: f64,
+    /// A folder that is empty or not there yet
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
 }
 
 #[derive(Args, Debug)]
 #[command(after_help = SCORE_EXAMPLES)]
 struct ScoreArguments {
-    /// Files that the page or the window saved; broken-off sessions too
+    /// Files that the page saved; broken-off sessions too
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
     /// Write score.csv and score.json into this folder
@@ -159,8 +151,6 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     match &arguments.command {
         Command::Run(arguments) => observe(arguments, common),
         Command::Form(arguments) => write_form(arguments, common),
-        #[cfg(feature = "demo")]
-        Command::Window(arguments) => super::sitting::run(arguments, common),
         Command::Score(arguments) => score_files(arguments, common),
     }
 }
@@ -276,16 +266,16 @@ fn check_settings(waves: &[u32], iterations: &[u32]) -> anyhow::Result<()> {
 }
 
 fn write_form(arguments: &FormArguments, common: &Common) -> anyhow::Result<()> {
-    let options = arguments.trials.options(common)?;
+    let options = arguments.options(common)?;
     form::prepare(&arguments.output).map_err(refused)?;
     let form = build(&options, common)?;
     form.write(&arguments.output).map_err(refused)?;
     tell_form(arguments, common, &form)
 }
 
-impl Trials {
+impl FormArguments {
     /// What the form shall hold.
-    pub(super) fn options(&self, common: &Common) -> anyhow::Result<FormOptions> {
+    fn options(&self, common: &Common) -> anyhow::Result<FormOptions> {
         check_range("--seconds", self.seconds, 0.1, 60.0)?;
         let (waves, iterations) = (distinct(&self.waves), distinct(&self.iterations));
         check_settings(&waves, &iterations)?;
@@ -297,6 +287,7 @@ impl Trials {
             waves,
             iterations,
             seed: self.seed,
+            order_seed: self.order_seed,
             seconds: self.seconds,
             law: self.stimuli.law,
         };
@@ -311,9 +302,9 @@ impl Trials {
 }
 
 /// Traces the trials and draws their plans.
-pub(super) fn build(options: &FormOptions, common: &Common) -> anyhow::Result<Form> {
+fn build(options: &FormOptions, common: &Common) -> anyhow::Result<Form> {
     let mut tracer = common.tracer()?;
-    let bar = print::progress(common, 0, "settings");
+    let bar = print::progress(common.quiet, 0, "settings");
     let form = form::build(&mut tracer, options, &mut |done, total| {
         bar.set_length(total);
         bar.set_position(done);
@@ -336,6 +327,7 @@ fn tell_form(arguments: &FormArguments, common: &Common, form: &Form) -> anyhow:
     if common.json {
         return print::json(&json!({
             "output": page, "experiment": form.experiment, "seed": form.seed,
+            "order_seed": form.order_seed,
             "embedded": form.embedded, "unheard": unheard, "trials": form.trials,
         }));
     }

@@ -40,8 +40,6 @@ mod print;
 mod render;
 mod report;
 mod shader;
-#[cfg(feature = "demo")]
-mod sitting;
 mod slice;
 mod trace;
 mod verify;
@@ -67,7 +65,7 @@ Examples:
   echomarch info                             the renderers there are
 
 Scenes: corner, obstacles, open-field, open-pillars, shoebox, whispering-gallery, parabolic-mirrors,
-colonnade, cave, morphing-room, menger, or a file (.ron).";
+colonnade, cave, morphing-room, menger, glasshouse, or a file (.ron).";
 
 /// Traces sound waves through signed distance functions on the GPU: Sjöberg's 2011
 /// thesis as OpenGL fragment shaders.

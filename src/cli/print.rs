@@ -1,6 +1,5 @@
 //! What subcommands print with: JSON, tables, progress.
 
-use super::options::Common;
 use crate::text;
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -20,6 +19,13 @@ pub fn line(text: &str) -> anyhow::Result<()> {
 pub fn tell(message: &str) {
     // No message is worth a failure when there is nowhere to write it.
     let _ = writeln!(std::io::stderr(), "{}", text::message(message));
+}
+
+/// Tells a record of JSON on standard error, for a program that drives this one.
+#[cfg(feature = "demo")]
+pub fn tell_record(json: &str) {
+    // Whoever it is for may have gone.
+    let _ = writeln!(std::io::stderr(), "{}", text::json_record(json));
 }
 
 /// Prints a value as indented JSON.
@@ -149,8 +155,8 @@ fn from_markdown(mut rows: Vec<Vec<String>>) -> Wide {
 }
 
 /// A progress bar on standard error: on a terminal only, and not with `--quiet`.
-pub fn progress(common: &Common, total: u64, unit: &str) -> ProgressBar {
-    let target = if common.quiet {
+pub fn progress(quiet: bool, total: u64, unit: &str) -> ProgressBar {
+    let target = if quiet {
         ProgressDrawTarget::hidden()
     } else {
         ProgressDrawTarget::stderr()

@@ -6,10 +6,10 @@ use super::options::{Common, LawOption, TraceOptions, Values, check_ending, chec
 use super::print;
 use crate::audio::{Mixer, SAMPLE_RATE, Sound, SoundSpec, WavWriter};
 use crate::error::Error;
-use crate::experiment::median;
 use crate::offline::{self, Block, Timing};
 use crate::output::check_file;
 use crate::scene::Scene;
+use crate::stats::median;
 use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -98,7 +98,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     warn_on_the_way(&scene, timing, common);
     let mut writer = WavWriter::create(&arguments.output).map_err(Error::from)?;
     let mut mixer = Mixer::new(law);
-    let bar = print::progress(common, timing.frames(), "frames");
+    let bar = print::progress(common.quiet, timing.frames(), "frames");
     let (mut lines, mut times) = (Vec::new(), Vec::new());
     let take = |block: Block| {
         writer.write(block.samples)?;

@@ -38,7 +38,7 @@ impl<R: Serialize> Experiment<R> {
             }
         }
         let mut tracer = common.tracer()?;
-        let bar = print::progress(common, 0, self.unit);
+        let bar = print::progress(common.quiet, 0, self.unit);
         let report = work(&mut tracer, &mut |done, total| {
             bar.set_length(total);
             bar.set_position(done);

@@ -181,13 +181,22 @@ fn trace(
 
 /// How many steps a march may take: fields have a limit of their own.
 fn step_limits(scene: &Scene, settings: &Settings) -> String {
-    let Budget {
-        steps, field_steps, ..
-    } = Budget::of(scene, settings);
-    match (steps, field_steps) {
-        (steps, 0) => format!("{steps} steps"),
-        (0, field_steps) => format!("{field_steps} steps"),
-        _ => format!("{steps} steps, or {field_steps} among fields"),
+    let budget = Budget::of(scene, settings);
+    let limits = [
+        (budget.steps, ""),
+        (budget.field_steps, " among fields"),
+        (budget.copy_steps, " past copies"),
+    ];
+    let counted = limits.into_iter().filter(|(steps, _)| *steps > 0);
+    let counted: Vec<(u32, &str)> = counted.collect();
+    match counted[..] {
+        [(steps, _)] => format!("{steps} steps"),
+        [(steps, among), ref more @ ..] => more
+            .iter()
+            .fold(format!("{steps} steps{among}"), |all, (steps, among)| {
+                format!("{all}, or {steps}{among}")
+            }),
+        [] => "0 steps".to_owned(),
     }
 }
 

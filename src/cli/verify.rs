@@ -31,7 +31,7 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     let cases = chosen(&arguments.cases)?;
     let mut tracer = common.tracer()?;
-    let bar = print::progress(common, cases.len() as u64, "cases");
+    let bar = print::progress(common.quiet, cases.len() as u64, "cases");
     let report = verify::run(&mut tracer, &cases, &mut |done, _| bar.set_position(done))?;
     bar.finish_and_clear();
     if common.json {
@@ -59,11 +59,7 @@ fn chosen(names: &[String]) -> Result<Vec<Case>, BadInput> {
     }
     for name in names {
         if !all.iter().any(|case| case.name.starts_with(name)) {
-            let known: Vec<&str> = all.iter().map(|case| case.name.as_str()).collect();
-            let known = known.join(", ");
-            return Err(BadInput(format!(
-                "there is no case {name:?}; there are: {known}"
-            )));
+            return Err(BadInput(no_such_case(name, &all)));
         }
     }
     let exact = |name: &String| all.iter().any(|case| case.name == *name);
@@ -74,6 +70,17 @@ fn chosen(names: &[String]) -> Result<Vec<Case>, BadInput> {
     };
     let chosen = all.iter().filter(|case| wanted(case)).cloned();
     Ok(chosen.collect())
+}
+
+/// Says which names are the nearest to one that no case has.
+fn no_such_case(name: &str, all: &[Case]) -> String {
+    /// Names that are told: a line of them.
+    const TOLD: usize = 5;
+    let mut known: Vec<&str> = all.iter().map(|case| case.name.as_str()).collect();
+    known.sort_by(|a, b| strsim::jaro_winkler(b, name).total_cmp(&strsim::jaro_winkler(a, name)));
+    let nearest = known[..TOLD.min(known.len())].join(", ");
+    let count = all.len();
+    format!("there is no case {name:?} among the {count}; the nearest are {nearest}")
 }
 
 fn print_table(report: &VerifyReport) -> anyhow::Result<()> {

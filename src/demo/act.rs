@@ -2,7 +2,7 @@
 
 use super::app::App;
 use super::keys::Action;
-use super::save::{self, free_file, with_values};
+use super::save::{free_file, save};
 use crate::audio::PanningLaw;
 use std::path::{Path, PathBuf};
 
@@ -109,13 +109,8 @@ impl App {
     }
 
     fn save(&mut self) {
-        let Some(text) = self.world.text.clone() else {
-            self.say("the scene's text is not to be had: not saved");
-            return;
-        };
-        let (world, path) = (&self.world, self.options.save.as_deref());
-        let saved = with_values(&text, &world.name, &world.values, &world.base)
-            .and_then(|text| save::save(&text, &world.name, &world.moved(), &world.now, path));
+        let path = self.options.save.as_deref();
+        let saved = save(&self.world, &self.choices.settings, path);
         match saved {
             Ok(path) => {
                 let name = path.display().to_string();

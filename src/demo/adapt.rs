@@ -3,6 +3,8 @@
 //! Pure functions of what was measured. Going down is quick and going up is slow, and
 //! there is a gap between the two, so that nothing swings.
 
+use crate::stats::median;
+
 /// Sides of the grid of waves that the control chooses from. The first is the floor: of fewer
 /// than 4,096 waves a few dozen are heard, and the pan of another few dozen is another one.
 const SIDES: [u32; 11] = [64, 96, 128, 192, 256, 384, 512, 768, 1024, 1448, 2048];
@@ -81,23 +83,8 @@ impl Control {
 
 /// The median of the last frames.
 fn recent(times: &[f64]) -> f64 {
-    median(&times[times.len().saturating_sub(FRAMES)..])
-}
-
-/// The median; 0 of nothing.
-pub fn median(values: &[f64]) -> f64 {
-    quantile(values, 0.5)
-}
-
-/// The value below which that share of the values lies; 0 of nothing.
-pub fn quantile(values: &[f64], share: f64) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    let index = (share * sorted.len() as f64) as usize;
-    sorted
-        .get(index.min(sorted.len().saturating_sub(1)))
-        .copied()
-        .unwrap_or_default()
+    let first = times.len().saturating_sub(FRAMES);
+    median(times[first..].iter().copied())
 }
 
 /// The counts of waves to choose from, those allowed alone.
@@ -183,13 +170,5 @@ mod tests {
         assert_eq!(step_of(&[1, 5, 9], 6), 1);
         assert_eq!(step_of(&[1, 5, 9], 0), 0);
         assert_eq!(step_of(&SCALES, 1.0), SCALES.len() - 1);
-    }
-
-    /// Protects reports: the middle, and nothing of nothing.
-    #[test]
-    fn quantiles() {
-        assert_eq!(median(&[3.0, 1.0, 2.0]), 2.0);
-        assert_eq!(quantile(&[1.0, 2.0, 3.0, 4.0], 1.0), 4.0);
-        assert_eq!(median(&[]), 0.0);
     }
 }

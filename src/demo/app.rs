@@ -2,15 +2,14 @@
 
 use super::adapt::{Control, SCALES, step_of};
 use super::display::Connection;
-use super::keys::{Action, Held, action};
+use super::files::Files;
+use super::follower::{Before, Coming, Follower};
+use super::keys::{Held, action};
 use super::latency::Latency;
 use super::mouse::Mouse;
-use super::overlay::{Asked, Paper, Plan};
+use super::overlay::Plan;
 use super::paths::Paths;
-use super::question::{self, Question};
-use super::reload::Follower;
 use super::report::{Recorder, Report};
-use super::scenes::{Before, Files};
 use super::sound::{SoundStatus, Speaker};
 use super::state::{Choices, World};
 use super::view::{Drawn, View};
@@ -52,6 +51,8 @@ pub(super) struct App {
     pub world: World,
     /// The scene before this one, until this one has been drawn.
     pub previous: Option<Before>,
+    /// The scene that was chosen last, until one can walk in it.
+    pub coming: Option<Coming>,
     /// The scene's file, if it is one.
     pub follower: Option<Follower>,
     /// Scene files that can be chosen.
@@ -64,11 +65,6 @@ pub(super) struct App {
     /// Where the mouse was pressed, until the panels have been laid out anew.
     pub presses: Vec<[f64; 2]>,
     pub plan: Plan,
-    /// The localisation experiment, if that is what the window is for.
-    pub question: Option<Question>,
-    pub paper: Paper,
-    /// What keys have asked for since the last frame while a question is put.
-    pub asked: Vec<Asked>,
     pub paths: Paths,
     pub heard: Option<Frame>,
     /// The settings of the frame of waves that was begun last.
@@ -121,6 +117,7 @@ impl App {
             choices: Choices::of(&options),
             world,
             previous: None,
+            coming: None,
             follower: None,
             files,
             held: Held::default(),
@@ -129,9 +126,6 @@ impl App {
             pointer: None,
             presses: Vec::new(),
             plan: Plan::default(),
-            question: None,
-            paper: Paper::default(),
-            asked: Vec::new(),
             paths: Paths::default(),
             heard: None,
             under_way: options.settings.clone(),
@@ -201,10 +195,10 @@ impl App {
         }
         self.renderer = context.renderer().to_owned();
         let mut tracer = Tracer::new(&context)?;
-        self.follow(&mut tracer)?;
+        self.follow_first(&mut tracer)?;
         self.stage = Some(Stage {
             view: View::new(&context)?,
-            path_tracer: tracer.beside()?,
+            path_tracer: tracer.with_shared_programs()?,
             tracer,
             window,
         });
@@ -251,10 +245,6 @@ impl App {
             return;
         }
         let asked = action(key, self.held.control());
-        if self.question.is_some() {
-            self.key_of_question(key, asked);
-            return;
-        }
         if asked.is_some() || !self.held.wish().is_rest() {
             self.latency.input(self.looked);
         }
@@ -263,20 +253,10 @@ impl App {
         }
     }
 
-    /// While a question is put nobody walks, and of what is heard only the volume changes.
-    fn key_of_question(&mut self, key: KeyCode, usual: Option<Action>) {
-        if let Some(usual) = usual.filter(question::is_harmless) {
-            self.act(usual);
-        } else if !self.held.control() {
-            self.asked.extend(question::asked(key));
-        }
-    }
-
     /// Lets the mouse look about, or gives it back.
     pub fn look_by_mouse(&mut self, wanted: bool) {
         if let Some(stage) = &self.stage
             && wanted != self.mouse_looks
-            && self.question.is_none()
         {
             self.mouse_looks = stage.window.capture_mouse(wanted);
         }
@@ -334,12 +314,6 @@ impl App {
             self.outcome = Err(DemoError::DisplayGone { report });
         } else if self.outcome.is_ok() {
             self.outcome = Ok(self.report());
-        }
-        if let Some(question) = &mut self.question
-            && let Err(error) = question.finish()
-            && self.outcome.is_ok()
-        {
-            self.outcome = Err(error.into());
         }
         self.end_recording();
         if let Some(mut stage) = stage {

@@ -25,9 +25,6 @@ pub enum DemoError {
     /// A scene, settings or a renderer that do not work.
     #[error("{}", sentence(.0))]
     Failed(#[from] crate::Error),
-    /// Answers of a sitting that could not be kept.
-    #[error(transparent)]
-    Sitting(#[from] crate::experiment::localise::sitting::SittingError),
     /// A recording that could not be ended whole.
     #[error("the recording is not whole: {reason}")]
     Recording {

@@ -1,16 +1,14 @@
 //! One frame, part by part: setup, waves, picture, panels, swap.
 
 use super::DemoError;
-use super::adapt::{MOST_WAVES, SCALES, median, scale_costs, step_of, wave_ladder};
+use super::adapt::{MOST_WAVES, SCALES, scale_costs, step_of, wave_ladder};
 use super::app::{App, Stage};
 use super::error::sentence;
 use super::overlay::{self, Facts};
-use super::question::Question;
 use super::report::FrameTimes;
 use super::view::Drawn;
-use super::walk::Wish;
-use crate::experiment::localise::form::unlit;
 use crate::picture::{RgbaImage, save_png};
+use crate::stats::{mean, median};
 use crate::trace::Settings;
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -58,11 +56,7 @@ impl App {
         self.last = began;
         self.reread(stage);
         self.try_new(stage)?;
-        let wish = match self.question {
-            None => self.held.wish(),
-            Some(_) => Wish::default(),
-        };
-        self.world.pass(&wish, passed);
+        self.world.pass(&self.held.wish(), passed);
         let size = stage.window.size();
         self.window = size;
         if size[0] == 0 || size[1] == 0 {
@@ -92,20 +86,23 @@ impl App {
         Ok(())
     }
 
-    /// A scene that has just come is checked before anyone walks in it: until then nothing
-    /// is known of where its users' fields are solid.
+    /// A scene that was chosen is walked in once its users' fields were tried: until then the one
+    /// before goes on. It is checked first: nothing is known before of where its fields are solid.
     fn try_new(&mut self, stage: &mut Stage) -> Result<(), DemoError> {
-        let Some(before) = &self.previous else {
-            return Ok(());
-        };
-        let checked = match before.other {
-            Some(_) => self.follow(&mut stage.tracer),
-            None => {
-                let (scene, settings) = (&self.world.base, &self.choices.settings);
-                stage.tracer.check(scene, settings)
+        if let Some(mut coming) = self.coming.take() {
+            match coming.poll() {
+                None => self.coming = Some(coming),
+                Some(Ok(())) => self.arrive(coming),
+                Some(Err(error)) => {
+                    self.tell(format!("{}: {}", coming.world.name, sentence(&error)));
+                }
             }
-        };
-        match checked {
+        }
+        if self.previous.is_none() {
+            return Ok(());
+        }
+        let (scene, settings) = (&self.world.base, &self.choices.settings);
+        match stage.tracer.check(scene, settings) {
             Ok(()) => Ok(()),
             Err(error) => self.fall_back(error.into()),
         }
@@ -126,17 +123,14 @@ impl App {
         };
         let drawing = Instant::now();
         let gl = &stage.window.gl;
-        self.drawn = match self.question {
-            None => stage.view.draw(gl, &self.world.now, size, scale)?,
-            Some(_) => stage.view.draw(gl, &unlit(&self.world.now), size, scale)?,
-        };
+        self.drawn = stage.view.draw(gl, &self.world.now, size, scale)?;
         // On a graphics card the call returns long before the picture is drawn.
         times.picture = if gl.context().is_software() {
             milliseconds(drawing)
         } else {
             self.drawn.milliseconds
         };
-        if self.choices.paths && self.choices.panels && self.question.is_none() {
+        if self.choices.paths && self.choices.panels {
             let following = Instant::now();
             self.follow_paths(stage)?;
             times.paths = milliseconds(following);
@@ -172,18 +166,16 @@ impl App {
     fn waves(&mut self, stage: &mut Stage, times: &mut FrameTimes) -> Result<(), DemoError> {
         let every = u64::from(self.choices.trace_every.max(1));
         let is_due = self.recorder.frames.is_multiple_of(every);
-        let in_parts = stage.tracer.is_frame_in_parts();
+        let is_marching = stage.tracer.frame_marching_for().is_some();
         let is_stale = self.begins_anew || self.under_way != self.choices.settings;
-        if !in_parts {
+        if !is_marching {
             self.collect(stage, is_due, times)?;
         }
         let tracing = Instant::now();
-        if is_due && !in_parts || in_parts && is_stale {
+        if is_due && !is_marching || is_marching && is_stale {
             self.latency.trace_begins(tracing);
             let settings = &self.choices.settings;
-            stage
-                .tracer
-                .frame_begin_in_parts(&self.world.now, settings)?;
+            stage.tracer.frame_begin(&self.world.now, settings)?;
             if self.begins_anew || self.under_way != *settings {
                 // Of these nothing is known yet.
                 self.on_waves = 0.0;
@@ -191,8 +183,8 @@ impl App {
             self.under_way = settings.clone();
             self.begins_anew = false;
         }
-        stage.tracer.frame_go_on(self.time_for_waves())?;
-        if let Some(spent) = stage.tracer.spent_in_parts() {
+        stage.tracer.frame_advance(self.time_for_waves())?;
+        if let Some(spent) = stage.tracer.frame_marching_for() {
             self.on_waves = self.on_waves.max(spent);
         }
         if stage.window.gl.context().is_software() {
@@ -213,7 +205,7 @@ impl App {
             .iter()
             .map(without_waves)
             .collect();
-        if median(&others) + self.on_waves <= target {
+        if median(others) + self.on_waves <= target {
             // Foreseen, not exactly known.
             return share.max(2.0 * self.on_waves);
         }
@@ -276,6 +268,7 @@ impl App {
         self.message.take_if(|(_, at)| at.elapsed() > MESSAGE);
         let renderer = stage.window.gl.context().renderer().to_owned();
         let refusal = self.refusal().map(str::to_owned);
+        let trying = self.trying();
         let facts = Facts {
             world: &self.world,
             files: self.files.all(),
@@ -289,25 +282,17 @@ impl App {
             sound: &self.sound,
             levels: self.speaker.levels(),
             gl_errors: self.gl_errors(),
-            message: self.message.as_ref().map(|(text, _)| text.as_str()),
+            message: self
+                .message
+                .as_ref()
+                .map(|(text, _)| text)
+                .or(trying.as_ref())
+                .map(String::as_str),
             refusal: refusal.as_deref(),
             mouse_looks: self.mouse_looks,
             renderer: &renderer,
         };
         let before = self.choices.settings.clone();
-        if let Some(question) = &self.question {
-            let paper = &mut self.paper;
-            let mut asked = Vec::new();
-            stage.window.draw_panels(|ui| {
-                asked.extend(overlay::draw_question(ui, &facts, question, paper));
-                overlay::draw_below_question(ui, &facts);
-            });
-            times.overlay = milliseconds(drawing);
-            // Clicks first: keys are pressed after what is seen of them.
-            asked.append(&mut self.asked);
-            asked.into_iter().for_each(|asked| self.ask(asked));
-            return Ok(());
-        }
         let (chosen, plan) = (&mut self.choices, &mut self.plan);
         let mut actions = Vec::new();
         stage
@@ -334,15 +319,7 @@ impl App {
     /// Tells the speakers what was chosen, and asks how they fare.
     fn hear(&mut self) {
         self.speaker.set_law(self.choices.law());
-        // Nor with the panning of the trial before.
-        let is_silent = |q: &Question| !q.is_playing() || self.heard.is_none();
-        let is_silent = self.question.as_ref().is_some_and(is_silent);
-        let loudness = if is_silent {
-            0.0
-        } else {
-            self.choices.loudness()
-        };
-        self.speaker.set_volume(loudness);
+        self.speaker.set_volume(self.choices.loudness());
         self.sound = self.speaker.status();
         self.latency
             .sound(self.sound.gains_to_buffer, self.sound.buffer_to_device);
@@ -372,16 +349,9 @@ impl App {
         let target = self.options.frame_milliseconds;
         let every = self.choices.trace_every.max(1) as usize;
         let last = self.recorder.last(every);
-        let mean = |of: fn(&FrameTimes) -> f64| {
-            last.iter().map(of).sum::<f64>() / last.len().max(1) as f64
-        };
-        let (work, others) = (mean(|t| t.work), mean(without_waves));
+        let mean_of = |of: fn(&FrameTimes) -> f64| mean(last.iter().map(of)).unwrap_or(0.0);
+        let (work, others) = (mean_of(|t| t.work), mean_of(without_waves));
         let on_waves = self.on_waves;
-        if self.question.is_some() {
-            // A trial says how many waves it is heard with.
-            self.adapt_picture(work, times.picture);
-            return;
-        }
         let is_late = on_waves > TOO_LONG * target && !self.choices.adapt_waves;
         self.late = if is_late { self.late + 1 } else { 0 };
         if self.late >= TOO_OFTEN && self.message.is_none() {

@@ -58,9 +58,9 @@ pub struct DemoOptions {
     pub check_gl: bool,
     /// Whether the window is to be closed, asked at every frame.
     pub is_asked_to_end: fn() -> bool,
-    /// Whether every frame is told as a line of JSON on standard error, for programs that drive
-    /// the window and have to know how far it is.
-    pub log_frames: bool,
+    /// Is told every frame as a line of JSON, for programs that drive the window and have to
+    /// know how far it is.
+    pub log_frames: Option<fn(&str)>,
     /// Is told every line that the user may want to keep, such as the `trace` call of a
     /// scene just saved.
     pub announce: fn(&str),
@@ -91,7 +91,7 @@ impl Default for DemoOptions {
             help: true,
             check_gl: false,
             is_asked_to_end: || false,
-            log_frames: false,
+            log_frames: None,
             announce: |_| {},
         }
     }

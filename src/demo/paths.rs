@@ -2,14 +2,14 @@
 
 use crate::error::Error;
 use crate::scene::Scene;
-use crate::trace::{Fate, Profile, Settings, Tracer, Wave};
-use glam::Vec3;
+use crate::trace::{Fate, HeardSearch, MostKept, Profile, Settings, Tracer, Wave};
 use std::time::{Duration, Instant};
 
-/// Paths of heard waves that are shown at the most: more cover each other.
-const HEARD: usize = 16;
-/// Paths of other waves.
-const OTHERS: usize = 48;
+/// Paths that are shown at the most: more cover each other.
+const SHOWN: MostKept = MostKept {
+    heard: 16,
+    others: 48,
+};
 /// Waves that are traced at a time to find heard ones: about a millisecond of them.
 const AT_A_TIME: u32 = 2048;
 /// The same in the profile `thesis`, whose waves take some dozen times as long.
@@ -25,9 +25,7 @@ pub struct Paths {
     states: Vec<Vec<Wave>>,
     /// What they were traced in, and how.
     of: Option<(Scene, Settings)>,
-    heard: Vec<Vec3>,
-    others: Vec<Vec3>,
-    searches: u32,
+    search: HeardSearch,
 }
 
 impl Paths {
@@ -78,51 +76,25 @@ impl Paths {
             .is_some_and(|(known, how)| *how == settings && sounds_alike(known, scene));
         if !same {
             self.of = Some((scene.clone(), settings.clone()));
-            self.heard.clear();
-            self.others.clear();
-            self.searches = 0;
+            self.search = HeardSearch::default();
         }
         if !self.is_searching() {
             return Ok(());
         }
         let began = Instant::now();
         while self.is_searching() {
-            self.search(tracer, scene, &settings)?;
+            self.search.search(tracer, scene, &settings, SHOWN)?;
             if began.elapsed() > AT_MOST {
                 break;
             }
         }
-        let directions = [self.heard.as_slice(), &self.others].concat();
+        let directions = [self.search.heard.as_slice(), &self.search.others].concat();
         self.states = tracer.trace_directions(scene, &settings, &directions)?;
         Ok(())
     }
 
     fn is_searching(&self) -> bool {
-        self.heard.len() < HEARD && self.searches < SEARCHES
-    }
-
-    fn search(
-        &mut self,
-        tracer: &mut Tracer,
-        scene: &Scene,
-        settings: &Settings,
-    ) -> Result<(), Error> {
-        let settings = Settings {
-            seed: settings.seed.wrapping_add(self.searches),
-            ..settings.clone()
-        };
-        self.searches += 1;
-        let (_, waves) = tracer.frame_with_waves(scene, &settings)?;
-        for wave in waves {
-            let (list, most) = match wave.fate() {
-                Fate::Listener => (&mut self.heard, HEARD),
-                Fate::Dead | Fate::Travelling => (&mut self.others, OTHERS),
-            };
-            if list.len() < most {
-                list.push(wave.start_direction);
-            }
-        }
-        Ok(())
+        self.search.heard.len() < SHOWN.heard && self.search.searches < SEARCHES
     }
 }
 

@@ -2,50 +2,42 @@
 
 use super::app::{App, Stage};
 use super::error::sentence;
+use super::follower::{Before, Follower, PROGRAMS};
 use super::report::Reread;
-use super::scenes::Before;
-use crate::scene::{BUILTIN_NAMES, Scene};
-use crate::trace::{Pass, Profile, Reload, Reloading, Settings, Tracer, shader_text};
+use crate::error::Error;
+use crate::scene::BUILTIN_NAMES;
+use crate::trace::{Opening, Reload, Tracer};
 use std::time::{Duration, Instant};
 
 /// From one look at the files to the next.
 const BETWEEN_LOOKS: Duration = Duration::from_millis(100);
 
-/// What a scene is drawn and heard by: the picture, and every profile that a key chooses.
-const PROGRAMS: [fn(&Scene) -> String; 4] = [
-    super::view::shader_text,
-    |scene| march_text(scene, Profile::Hybrid),
-    |scene| march_text(scene, Profile::March),
-    |scene| march_text(scene, Profile::Thesis),
-];
-
-fn march_text(scene: &Scene, profile: Profile) -> String {
-    shader_text(scene, &Settings::of(profile), Pass::March)
-}
-
-/// Follows the scene's file, and the files that it names.
-pub struct Follower {
-    reloading: Reloading,
-    looked: Instant,
-    /// Why the files as they are now cannot be taken.
-    pub refused: Option<String>,
-}
-
 impl App {
-    /// Checks a scene that has just come, and follows it if it is a file.
-    pub fn follow(&mut self, tracer: &mut Tracer) -> Result<(), crate::Error> {
+    /// Checks the scene that the window opens with, and follows it if it is a file. The trial of
+    /// its fields is waited for: there is no other scene to show.
+    pub fn follow_first(&mut self, tracer: &mut Tracer) -> Result<(), Error> {
         let (name, settings) = (&self.world.name, &self.choices.settings);
-        if self.question.is_some() || BUILTIN_NAMES.contains(&name.as_str()) {
-            return tracer.check(&self.world.base, settings);
+        if !BUILTIN_NAMES.contains(&name.as_str()) {
+            let mut opening = Opening::begin(name, settings, &PROGRAMS)?;
+            opening.wait()?;
+            self.world.change(opening.scene().clone());
+            self.follower = Some(Follower::of(opening.follow()));
         }
-        let reloading = Reloading::open(name, tracer, settings)?.trying_too(PROGRAMS)?;
-        self.world.change(reloading.scene().clone());
-        self.follower = Some(Follower {
-            reloading,
-            looked: Instant::now(),
-            refused: None,
-        });
-        Ok(())
+        tracer.check(&self.world.base, settings)
+    }
+
+    /// The name of a scene that was chosen, while its fields are tried.
+    pub fn tried_scene(&self) -> Option<&str> {
+        let coming = self.coming.as_ref().filter(|coming| coming.is_tried())?;
+        Some(&coming.world.name)
+    }
+
+    /// What stands in the window during that.
+    pub fn trying(&self) -> Option<String> {
+        let (name, before) = (self.tried_scene()?, &self.world.name);
+        Some(format!(
+            "{name} is being tried, {before} goes on until then"
+        ))
     }
 
     /// Takes what has changed in the files; what cannot be traced leaves the last good

@@ -1,8 +1,8 @@
 //! What a run of the window did, in numbers: for `--json`, for tests, for people.
 
-use super::adapt::{median, quantile};
 use super::latency::Parts;
 use super::sound::SoundStatus;
+use crate::stats::{median, quantiles};
 use crate::trace::{Counts, Frame, Profile};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -70,6 +70,8 @@ pub struct FrameLine<'a> {
     pub adapts_waves: bool,
     /// The name or file that the scene was loaded by.
     pub scene: &'a str,
+    /// The same of one that was chosen, while its users' fields are tried.
+    pub trying: Option<&'a str>,
     /// Its named values that were set, in the unit of its file.
     pub values: &'a [(String, f32)],
     /// Whether the mouse looks about.
@@ -259,10 +261,10 @@ impl Recorder {
         // What the first second compiles and warms up is no frame time.
         let warm = self.times.len().min(30).min(self.times.len() / 4);
         let times = &self.times[warm..];
-        let whole: Vec<f64> = times.iter().map(|t| t.whole).collect();
+        let whole = || times.iter().map(|t| t.whole);
         report.frame_ms_median = medians(times);
-        report.fps_median = 1000.0 / median(&whole).max(1e-3);
-        report.frame_ms_95 = quantile(&whole, 0.95);
+        report.fps_median = 1000.0 / median(whole()).max(1e-3);
+        [report.frame_ms_95] = quantiles(whole(), [0.95]);
         (report.frames, report.traced) = (self.frames, self.traced);
         report.memory_mib = Memory {
             at_end: resident_mib(),
@@ -275,7 +277,7 @@ impl Recorder {
 
 /// The median of each part.
 pub fn medians(times: &[FrameTimes]) -> FrameTimes {
-    let of = |part: fn(&FrameTimes) -> f64| median(&times.iter().map(part).collect::<Vec<_>>());
+    let of = |part: fn(&FrameTimes) -> f64| median(times.iter().map(part));
     FrameTimes {
         picture: of(|t| t.picture),
         waves: of(|t| t.waves),

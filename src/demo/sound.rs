@@ -236,6 +236,7 @@ mod tests {
             under_runs: 0,
             late_callbacks: 2,
             restarts: 0,
+            losses: 0,
             is_recording: false,
             dropped_frames: 0,
             has_sound: true,

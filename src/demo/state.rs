@@ -1,7 +1,6 @@
 //! What was chosen, and how the scene stands: all that keys and panels change.
 
 use super::DemoOptions;
-use super::save::{Moved, text_of};
 use super::values::{ValueSlider, value_sliders};
 use super::walk::{Walker, Wish, carried};
 use crate::audio::PanningLaw;
@@ -109,8 +108,6 @@ impl Choices {
 pub struct World {
     /// The name or file that it was loaded by.
     pub name: String,
-    /// Its text, if it is to be had.
-    pub text: Option<String>,
     /// As it was loaded, with the values below.
     pub base: Scene,
     /// Its named values, as its file has them.
@@ -137,18 +134,21 @@ impl World {
     /// # Errors
     /// As [`Scene::load`].
     pub fn load(name: &str) -> Result<World, SceneError> {
-        Ok(World {
+        Ok(World::named(name, Scene::load(name)?))
+    }
+
+    /// A scene that was loaded by that name.
+    pub fn named(name: &str, base: Scene) -> World {
+        World {
             name: name.to_owned(),
-            text: text_of(name).ok(),
-            ..World::of(Scene::load(name)?)
-        })
+            ..World::of(base)
+        }
     }
 
     /// A scene that is in no file.
     pub fn of(base: Scene) -> World {
         World {
             name: base.name.clone(),
-            text: None,
             sliders: value_sliders(&base),
             values: Vec::new(),
             now: base.clone(),
@@ -164,7 +164,6 @@ impl World {
     /// Another scene under the same name: time, walker, a source that was moved and values
     /// that were set stay; a value that the new scene does not take is the new file's.
     pub fn change(&mut self, base: Scene) {
-        self.text = text_of(&self.name).ok();
         self.sliders = value_sliders(&base);
         self.now = base.clone();
         self.base = base;
@@ -269,14 +268,6 @@ impl World {
         self.carrying = false;
         self.seconds = 0.0;
     }
-
-    /// What was moved by hand.
-    pub fn moved(&self) -> Moved {
-        Moved {
-            source: self.source,
-            listener: self.walker.map(|w| (w.position, w.yaw, w.pitch)),
-        }
-    }
 }
 
 #[cfg(test)]
@@ -329,7 +320,7 @@ mod tests {
         world.paused = true;
         world.pass(&Wish::default(), 1.0);
         assert!(world.now.source.position.x.abs() < 1e-4);
-        assert_eq!(world.moved(), Moved::default());
+        assert!(world.source.is_none() && world.walker.is_none());
         world.paused = false;
         world.pick_up_or_put_down();
         world.pass(&Wish::default(), 0.1);

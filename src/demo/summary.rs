@@ -5,15 +5,14 @@ use super::report::{FrameLine, Report, Standing};
 use super::save::trace_call;
 use super::state::World;
 use crate::scene::Scene;
-use std::io::Write;
 use std::time::SystemTime;
 
 impl App {
     /// Tells the frame just drawn, if that is asked for.
     pub fn log_frame(&self, began: SystemTime) {
-        if !self.options.log_frames {
+        let Some(log) = self.options.log_frames else {
             return;
-        }
+        };
         let since_1970 = began.duration_since(SystemTime::UNIX_EPOCH);
         let line = FrameLine {
             frame: self.recorder.frames,
@@ -24,6 +23,7 @@ impl App {
             waves: self.choices.settings.waves,
             adapts_waves: self.choices.adapt_waves,
             scene: &self.world.name,
+            trying: self.tried_scene(),
             values: &self.world.values,
             mouse_looks: self.mouse_looks,
             paths_heard: self.paths.heard(),
@@ -31,8 +31,7 @@ impl App {
             sound: self.sound.is_heard,
         };
         if let Ok(line) = serde_json::to_string(&line) {
-            // Whoever drove the window may have gone.
-            let _ = writeln!(std::io::stderr(), "{line}");
+            log(&line);
         }
     }
 

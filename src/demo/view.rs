@@ -6,7 +6,7 @@
 
 use crate::error::Error;
 use crate::gpu::{
-    Context, Marks, Picture, Program, ProgramCache, WindowContext, full_screen_pass_rows,
+    Context, GpuTimer, Picture, Program, ProgramCache, WindowContext, full_screen_pass_rows,
 };
 use crate::picture::SOURCE_SHARE;
 use crate::scene::cells::Lists;
@@ -51,7 +51,7 @@ pub struct View {
     context: Context,
     programs: ProgramCache<glsl::Structure>,
     data: SceneData,
-    marks: Marks,
+    timer: GpuTimer,
     coarse: Option<Picture>,
     fine: Option<Picture>,
     shown: Option<Shown>,
@@ -60,7 +60,7 @@ pub struct View {
     refined: u32,
     /// Rows of it that a millisecond draws.
     pace: f64,
-    /// What the marks stand around, until its time is taken.
+    /// What the timer's marks stand around, until its time is taken.
     marked: Option<Marked>,
     /// Milliseconds of the picture drawn last, as far as they are known.
     took: f64,
@@ -97,7 +97,7 @@ impl View {
             context: context.clone(),
             programs: ProgramCache::new(PROGRAMS_KEPT),
             data: SceneData::new(context)?,
-            marks: Marks::new(context),
+            timer: GpuTimer::new(context),
             coarse: None,
             fine: None,
             shown: None,
@@ -138,7 +138,7 @@ impl View {
             let program = self.program(scene)?;
             let picture = sized(&self.context, &mut self.coarse, size)?;
             aim(&program, scene, size);
-            self.marks.restart()?;
+            self.timer.restart()?;
             full_screen_pass_rows(
                 &self.context,
                 &program,
@@ -180,7 +180,7 @@ impl View {
         aim(&program, scene, full);
         let rows = ((REFINING * self.pace) as u32).max(LEAST_ROWS);
         let band = self.refined..self.refined + rows;
-        self.marks.restart()?;
+        self.timer.restart()?;
         full_screen_pass_rows(&self.context, &program, picture, full[0], full[1], band)?;
         self.mark_end(Marked::Rows(rows))?;
         self.refined += rows;
@@ -189,9 +189,9 @@ impl View {
 
     /// What was drawn since the first mark ends here.
     fn mark_end(&mut self, what: Marked) -> Result<(), Error> {
-        self.marks.mark()?;
+        self.timer.mark()?;
         self.marked = Some(what);
-        if self.marks.wait() {
+        if self.timer.waits() {
             self.take_time();
         }
         Ok(())
@@ -202,7 +202,7 @@ impl View {
         let Some(what) = self.marked.take() else {
             return;
         };
-        let took: f64 = self.marks.milliseconds().iter().sum();
+        let took: f64 = self.timer.milliseconds().iter().sum();
         match what {
             Marked::Coarse => self.took = took,
             Marked::Rows(rows) => self.pace = f64::from(rows) / took.max(0.05),
@@ -238,10 +238,11 @@ impl View {
 
 /// The fragment shader of the picture, `#version` apart.
 pub fn shader_text(scene: &Scene) -> String {
-    let mut sources = glsl::distance_sources(scene);
-    sources.push(glsl::source!("view/colour.glsl"));
-    sources.push(glsl::source!("view/walk.frag"));
-    glsl::join(&sources)
+    let roots = vec![
+        glsl::source!("view/colour.glsl"),
+        glsl::source!("view/walk.frag"),
+    ];
+    glsl::join(&glsl::link(roots, glsl::distance_parts(scene)))
 }
 
 /// Pixels that are foreseen to be drawn in so many seconds: only of users' fields is it known

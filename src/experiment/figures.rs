@@ -4,10 +4,10 @@
 //! the same textures, one profile after the other in turns; times are medians. All runs
 //! have one seed, so their counts are the same.
 
-use super::median;
 use super::thesis_tables::{THESIS_TABLES, ThesisRow, ThesisTable, WAVE_COUNTS};
 use crate::error::Error;
 use crate::scene::Scene;
+use crate::stats::median;
 use crate::trace::{Counts, Frame, Milliseconds, Settings, Tracer};
 use serde::Serialize;
 

@@ -155,6 +155,8 @@ impl AsyncRead {
             glow::ALREADY_SIGNALED | glow::CONDITION_SATISFIED => {
                 let floats = pending.floats;
                 self.cancel();
+                // All fences of a lost context are signalled.
+                self.context.check_not_lost()?;
                 Ok(ControlFlow::Break(floats))
             }
             // Slow or lost: the driver knows.
@@ -225,6 +227,68 @@ impl Drop for AsyncRead {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::gpu::backend::Backend;
+    use crate::gpu::osmesa::OsMesa;
+    use crate::gpu::{Api, Texture};
+    use std::cell::Cell;
+    use std::ffi::{CStr, c_void};
+
+    thread_local! {
+        /// What the driver of [`Resetting`] says of resets.
+        static RESET_STATUS: Cell<u32> = const { Cell::new(glow::NO_ERROR) };
+    }
+
+    extern "system" fn reset_status() -> u32 {
+        RESET_STATUS.get()
+    }
+
+    /// A driver that has lost its context when the test says so.
+    struct Resetting(OsMesa);
+
+    impl Backend for Resetting {
+        fn make_current(&self) -> Result<(), String> {
+            self.0.make_current()
+        }
+
+        fn is_current(&self) -> bool {
+            self.0.is_current()
+        }
+
+        fn release(&self) {
+            self.0.release();
+        }
+
+        fn proc_address(&self, name: &CStr) -> *const c_void {
+            match name.to_bytes().starts_with(b"glGetGraphicsResetStatus") {
+                true => reset_status as *const c_void,
+                false => self.0.proc_address(name),
+            }
+        }
+    }
+
+    /// Protects from results that a lost context leaves, and from waits without an end for those that it never
+    /// will: of a reset the next look tells, whether the fence says that the texels are there or not.
+    #[test]
+    fn a_reset_is_told() {
+        let driver = Box::new(Resetting(OsMesa::new().unwrap()));
+        let context = Context::from_backend(driver, Api::OsMesa).unwrap();
+        let texture = Texture::new(&context, 2, 2).unwrap();
+        let target = RenderTarget::new(&context, &[&texture]).unwrap();
+        let mut read = AsyncRead::new(&context).unwrap();
+        let mut texels = Vec::new();
+        read.begin(&target, 0, 2, 2).unwrap();
+        assert!(read.wait(&mut texels).unwrap());
+        read.begin(&target, 0, 2, 2).unwrap();
+        // What it is called by KHR_robustness.
+        const GUILTY_CONTEXT_RESET: u32 = 0x8253;
+        RESET_STATUS.set(GUILTY_CONTEXT_RESET);
+        let lost = |error| matches!(error, GpuError::ContextLost { .. });
+        assert!(read.wait(&mut texels).is_err_and(lost));
+        assert!(!read.is_pending());
+        assert!(target.read(0).is_err_and(lost));
+        assert!(Texture::new(&context, 2, 2).is_err_and(lost));
+        RESET_STATUS.set(glow::NO_ERROR);
+    }
 
     /// Protects frames that take minutes: no number of waits in vain is a loss, and a loss is told at once.
     #[test]

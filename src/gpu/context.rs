@@ -215,7 +215,8 @@ impl Context {
             last = next();
         }
         match first {
-            glow::NO_ERROR => Ok(()),
+            // After a reset calls do nothing, and most of them report no error.
+            glow::NO_ERROR => self.check_not_lost(),
             glow::OUT_OF_MEMORY => Err(GpuError::OutOfMemory { what: what.into() }),
             glow::CONTEXT_LOST => Err(GpuError::ContextLost {
                 reason: format!("GL_CONTEXT_LOST in {what}"),
@@ -236,7 +237,8 @@ impl Context {
         current::enter(&self.inner).map_err(|reason| GpuError::ContextLost { reason })
     }
 
-    /// Asks the driver whether it has lost the context, where it can tell.
+    /// Asks the driver whether it has lost the context, where it can tell: of contexts that were made to be told
+    /// (`egl::new_context`).
     ///
     /// # Errors
     /// [`GpuError::ContextLost`] if it has.

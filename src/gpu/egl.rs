@@ -2,11 +2,13 @@
 
 use std::ffi::{CStr, c_void};
 
+use glutin::api::egl::config::Config;
+use glutin::api::egl::context::NotCurrentContext;
 use glutin::api::egl::context::PossiblyCurrentContext;
 use glutin::api::egl::device::Device;
 use glutin::api::egl::display::Display;
 use glutin::config::{Api as ConfigApi, ConfigSurfaceTypes, ConfigTemplateBuilder};
-use glutin::context::{ContextApi, ContextAttributesBuilder, GlProfile, Version};
+use glutin::context::{ContextApi, ContextAttributesBuilder, GlProfile, Robustness, Version};
 use glutin::error::ErrorKind;
 use glutin::prelude::*;
 
@@ -74,19 +76,36 @@ fn create(device: &Device, api: Api) -> Result<Egl, glutin::error::Error> {
         .build();
     let attributes = ContextAttributesBuilder::new()
         .with_profile(GlProfile::Core)
-        .with_context_api(context_api)
-        .build(None);
+        .with_context_api(context_api);
     // SAFETY: no native display handle is given that would have to be valid.
     let display = unsafe { Display::with_device(device, None) }?;
     // SAFETY: the template names no native window or pixmap.
     let mut configs = unsafe { display.find_configs(template) }?;
     let config = configs.next().ok_or(ErrorKind::BadConfig)?;
     drop(configs);
-    // SAFETY: the attributes name no window and share no other context.
-    let context =
-        unsafe { display.create_context(&config, &attributes) }?.treat_as_possibly_current();
+    let context = new_context(&display, &config, attributes)?.treat_as_possibly_current();
     current::knows_egl(&display);
     Ok(Egl { context, display })
+}
+
+/// A context that is told when the graphics card was reset, where the driver offers that: otherwise a lost context
+/// looks like one that is slow.
+///
+/// # Errors
+/// What EGL answered to a context without.
+pub(super) fn new_context(
+    display: &Display,
+    config: &Config,
+    attributes: ContextAttributesBuilder,
+) -> Result<NotCurrentContext, glutin::error::Error> {
+    let told = attributes
+        .clone()
+        .with_robustness(Robustness::RobustLoseContextOnReset);
+    // SAFETY: the attributes name no window and share no other context.
+    unsafe { display.create_context(config, &told.build(None)) }.or_else(|_| {
+        // SAFETY: as above.
+        unsafe { display.create_context(config, &attributes.build(None)) }
+    })
 }
 
 impl Backend for Egl {

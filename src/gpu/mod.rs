@@ -1,5 +1,5 @@
 //! OpenGL without acoustics: contexts with no window, programs, textures of four floats a texel, full-screen
-//! passes, read-back and clocks.
+//! passes, read-back and timers.
 //!
 //! Computation is done by fragment shaders alone, as on hardware of OpenGL 3.3 core or OpenGL ES 3.0 with
 //! `EXT_color_buffer_float`: a pass reads textures, and draws one triangle over a [`RenderTarget`], whose texels
@@ -26,7 +26,6 @@ mod api;
 mod async_read;
 mod backend;
 mod bytes;
-mod clock;
 mod context;
 mod current;
 mod data_texture;
@@ -34,7 +33,6 @@ mod egl;
 mod error;
 mod list;
 mod log;
-mod marks;
 mod osmesa;
 mod pass;
 mod picture;
@@ -43,18 +41,17 @@ mod program;
 mod program_cache;
 mod render_target;
 mod texture;
+mod timer;
 #[cfg(feature = "demo")]
 mod window;
 
 pub use api::Api;
 pub use async_read::AsyncRead;
-pub use clock::Clock;
 pub use context::{Context, ContextOptions, Limits};
 pub use data_texture::DataTexture;
 pub use error::GpuError;
 pub use list::{GpuInfo, Renderer, list_gpus};
 pub use log::{LogError, log_errors};
-pub use marks::Marks;
 pub use pass::{Target, full_screen_pass, full_screen_pass_rows};
 pub use picture::Picture;
 pub use ping_pong::{PingPong, TexturePair};
@@ -62,5 +59,6 @@ pub use program::{Program, header};
 pub use program_cache::ProgramCache;
 pub use render_target::RenderTarget;
 pub use texture::Texture;
+pub use timer::GpuTimer;
 #[cfg(feature = "demo")]
 pub use window::{WindowContext, WindowDisplay};

@@ -24,6 +24,7 @@ use winit::raw_window_handle::{
 
 use super::backend::Backend;
 use super::context::load;
+use super::egl::new_context;
 use super::{Api, Context, GpuError, Picture, current};
 
 /// A display's way to OpenGL, and the kind of window that goes with it. The fields go in this order: the connection
@@ -115,18 +116,15 @@ impl WindowDisplay {
         }
         let attributes = ContextAttributesBuilder::new()
             .with_profile(GlProfile::Core)
-            .with_context_api(ContextApi::OpenGl(Some(Version::new(3, 3))))
-            .build(Some(handle));
+            .with_context_api(ContextApi::OpenGl(Some(Version::new(3, 3))));
         let (width, height) = (at_least_one(width), at_least_one(height));
         let surface = SurfaceAttributesBuilder::<WindowSurface>::new().build(handle, width, height);
         // SAFETY: the window's handle is good while the window is there, which is kept beside the surface and goes after
         // it; it is a number that the display server looks up, so that a window of another connection is an error of
-        // EGL's and no more. The context shares nothing with another one.
-        let (context, surface) = unsafe {
-            let context = self.display.create_context(&self.config, &attributes);
-            let surface = self.display.create_window_surface(&self.config, &surface);
-            (context.map_err(refused)?, surface.map_err(refused)?)
-        };
+        // EGL's and no more.
+        let surface = unsafe { self.display.create_window_surface(&self.config, &surface) };
+        let surface = surface.map_err(refused)?;
+        let context = new_context(&self.display, &self.config, attributes).map_err(refused)?;
         current::knows_egl(&self.display);
         let drawing = Rc::new(Drawing {
             surface,

@@ -1,7 +1,8 @@
 //! Which part of the world a slice shows, and where a point of it lies in the picture.
 
 use super::PictureError;
-use crate::scene::{Field, Scene, Shape, Surface};
+use crate::scene::shape::{Cuboid, Cylinder, Room, Sphere};
+use crate::scene::{Node, Scene, Surface};
 use glam::{DMat3, Vec2, Vec3};
 use std::f32::consts::TAU;
 
@@ -95,13 +96,12 @@ pub(super) fn flat(point: Vec3) -> Vec2 {
 
 /// What a cut at `height` meets of a surface; `None` for nothing, or for what has no end.
 fn extent(surface: &Surface, height: f32) -> Option<Bounds> {
-    match surface.shape {
-        Shape::Plane => None,
-        Shape::Field(ref field) => field_extent(surface, field, height),
-        Shape::Box { size } | Shape::Room { size } => {
+    match surface.shape.node {
+        Node::Plane(_) => None,
+        Node::Cuboid(Cuboid { size }) | Node::Room(Room { size }) => {
             let corners = corners(surface, size);
             let heights = corners.map(|corner| corner.y);
-            let is_room = matches!(surface.shape, Shape::Room { .. });
+            let is_room = matches!(surface.shape.node, Node::Room(_));
             let misses = heights.iter().all(|&y| y < height) || heights.iter().all(|&y| y > height);
             if misses && !is_room {
                 return None;
@@ -114,12 +114,12 @@ fn extent(surface: &Surface, height: f32) -> Option<Bounds> {
                     all
                 })
         }
-        Shape::Sphere { radius } => {
+        Node::Sphere(Sphere { radius }) => {
             let off = height - surface.position.y;
             let cut = radius * radius - off * off;
             (cut > 0.0).then(|| Bounds::around(surface.position, cut.sqrt()))
         }
-        Shape::Cylinder { radius } => {
+        Node::Cylinder(Cylinder { radius }) => {
             let axis = surface.rotation * Vec3::Y;
             // A cylinder that lies down is met along its endless side.
             if axis.y.abs() < 0.3 {
@@ -128,13 +128,14 @@ fn extent(surface: &Surface, height: f32) -> Option<Bounds> {
             let centre = surface.position + axis * ((height - surface.position.y) / axis.y);
             Some(Bounds::around(centre, radius / axis.y.abs()))
         }
+        _ => field_extent(surface, height),
     }
 }
 
 /// What ends of a field along x and z, if the cut meets its bounds.
-fn field_extent(surface: &Surface, field: &Field, height: f32) -> Option<Bounds> {
+fn field_extent(surface: &Surface, height: f32) -> Option<Bounds> {
     let rotation = DMat3::from_quat(surface.rotation.as_dquat());
-    let bounds = field.properties().bounds.turned(rotation);
+    let bounds = surface.shape.properties().bounds.turned(rotation);
     let world = bounds.moved(surface.position.as_dvec3());
     let meets = world.min.y <= f64::from(height) && f64::from(height) <= world.max.y;
     let ends = [world.min.x, world.max.x, world.min.z, world.max.z];
@@ -147,7 +148,7 @@ fn field_extent(surface: &Surface, field: &Field, height: f32) -> Option<Bounds>
 
 /// Whether a surface is a field that fills more than any bounds hold.
 fn is_endless_field(surface: &Surface) -> bool {
-    let Shape::Field(field) = &surface.shape else {
+    let Some(field) = surface.shape.field() else {
         return false;
     };
     let bounds = field.properties().bounds;
@@ -251,7 +252,7 @@ mod tests {
     #[test]
     fn a_turned_room_fits() {
         let size = Vec3::new(10.0, 4.0, 10.0);
-        let room = Surface::new(Shape::Room { size }).turned(Quat::from_rotation_y(FRAC_PI_4));
+        let room = Surface::new(Node::Room(Room { size })).turned(Quat::from_rotation_y(FRAC_PI_4));
         let bounds = Bounds::of(&scene(room), 0.0);
         assert!(
             bounds.max.x > 50f32.sqrt() && bounds.max.x < 9.0,
@@ -264,7 +265,7 @@ mod tests {
     #[test]
     fn what_the_cut_misses_does_not_count() {
         let size = Vec3::new(1000.0, 1.0, 1000.0);
-        let slab = Surface::new(Shape::Box { size }).at(Vec3::Y * -3.0);
+        let slab = Surface::new(Node::Cuboid(Cuboid { size })).at(Vec3::Y * -3.0);
         assert!(Bounds::of(&scene(slab), 0.0).max.x < 5.0);
     }
 

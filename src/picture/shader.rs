@@ -26,7 +26,7 @@ pub(super) fn program(
 ) -> Result<Shader, Error> {
     scene.check()?;
     check_surfaces(context, scene)?;
-    let label = format!("{} of {}", shader.0, scene.name);
+    let label = format!("{} of {}", shader.name, scene.name);
     let text = text(scene, shader);
     UserFields::default().check(context, scene, || text.clone())?;
     let program = Program::fragment(context, &label, &text)?;
@@ -43,10 +43,8 @@ pub(super) fn program(
 
 /// The fragment shader around the distance functions of `scene`, `#version` apart.
 fn text(scene: &Scene, shader: glsl::Source) -> String {
-    let mut sources = glsl::distance_sources(scene);
-    sources.push(glsl::source!("view/colour.glsl"));
-    sources.push(shader);
-    glsl::join(&sources)
+    let roots = vec![glsl::source!("view/colour.glsl"), shader];
+    glsl::join(&glsl::link(roots, glsl::distance_parts(scene)))
 }
 
 /// A kind of picture.

@@ -5,7 +5,8 @@
 //! in, and leaves it otherwise.
 
 use super::marched::MarchedField;
-use crate::scene::{Shape, Surface};
+use crate::scene::shape::{Cuboid, Cylinder, Room, Sphere};
+use crate::scene::{Node, Surface};
 use glam::{DMat3, DQuat, DVec2, DVec3};
 use std::sync::Arc;
 
@@ -57,22 +58,22 @@ pub(super) struct Meeting {
 
 impl Placed {
     pub fn new(surface: &Surface) -> Placed {
-        let form = match surface.shape {
-            Shape::Plane => Form::Plane,
-            Shape::Box { size } => Form::Box {
+        let form = match surface.shape.node {
+            Node::Plane(_) => Form::Plane,
+            Node::Cuboid(Cuboid { size }) => Form::Box {
                 half: size.as_dvec3() * 0.5,
                 sealed: [[false; 2]; 3],
             },
-            Shape::Room { size } => Form::Room {
+            Node::Room(Room { size }) => Form::Room {
                 half: size.as_dvec3() * 0.5,
             },
-            Shape::Sphere { radius } => Form::Sphere {
+            Node::Sphere(Sphere { radius }) => Form::Sphere {
                 radius: radius.into(),
             },
-            Shape::Cylinder { radius } => Form::Cylinder {
+            Node::Cylinder(Cylinder { radius }) => Form::Cylinder {
                 radius: radius.into(),
             },
-            Shape::Field(ref field) => Form::Field(Arc::new(MarchedField::new(field))),
+            _ => Form::Field(Arc::new(MarchedField::new(&surface.shape))),
         };
         let [x, y, z, w] = surface.rotation.to_array().map(f64::from);
         let rotation = DQuat::from_xyzw(x, y, z, w).normalize();
@@ -133,6 +134,11 @@ impl Placed {
         self.form = Form::Box { half, sealed };
     }
 
+    /// Whether a line is marched to it, and not solved for.
+    pub fn is_marched(&self) -> bool {
+        matches!(self.form, Form::Field(_))
+    }
+
     /// Whether only the six faces of a room can be met twice in a row.
     pub fn is_room(&self) -> bool {
         matches!(self.form, Form::Room { .. })
@@ -181,13 +187,15 @@ impl Placed {
 
     /// Where the world line meets the shape first, from the air.
     ///
-    /// `left` is the face of this very shape that the line starts on.
+    /// `left` is the face of this very shape that the line starts on. What a marched shape has
+    /// farther off than `until` metres may be left out: it takes long.
     pub fn meet(
         &self,
         origin: DVec3,
         direction: DVec3,
         left: Option<Face>,
         slack: f64,
+        until: f64,
     ) -> Option<Meeting> {
         let o = self.local(origin - self.position);
         let d = self.local(direction);
@@ -198,7 +206,7 @@ impl Placed {
             Form::Room { half } => meet_room(half, o, d, left),
             Form::Sphere { radius } => meet_sphere(radius, o, d).map(smooth),
             Form::Cylinder { radius } => meet_cylinder(radius, o, d).map(smooth),
-            Form::Field(ref field) => field.meet(o, d).map(smooth),
+            Form::Field(ref field) => field.meet(o, d, until).map(smooth),
         };
         meeting.filter(|meeting| meeting.t.is_finite())
     }
@@ -346,14 +354,15 @@ fn box_distance(p: DVec3, half: DVec3) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::shape::Plane;
     use glam::{Quat, Vec3};
 
     const SLACK: f64 = 1e-12;
 
-    fn meet(shape: Shape, origin: DVec3, towards: DVec3) -> Option<(f64, DVec3, DVec3)> {
+    fn meet(shape: Node, origin: DVec3, towards: DVec3) -> Option<(f64, DVec3, DVec3)> {
         let placed = Placed::new(&Surface::new(shape));
         let direction = towards.normalize();
-        let meeting = placed.meet(origin, direction, None, SLACK)?;
+        let meeting = placed.meet(origin, direction, None, SLACK, f64::INFINITY)?;
         let (point, normal) = placed.land(origin, direction, meeting);
         Some((meeting.t, point, normal))
     }
@@ -363,24 +372,36 @@ mod tests {
     fn lines_meet_shapes_where_they_should() {
         let size = Vec3::new(2.0, 4.0, 6.0);
         let cases = [
-            (Shape::Plane, DVec3::Y * 2.0, DVec3::NEG_Y, 2.0, DVec3::Y),
             (
-                Shape::Box { size },
+                Node::Plane(Plane),
+                DVec3::Y * 2.0,
+                DVec3::NEG_Y,
+                2.0,
+                DVec3::Y,
+            ),
+            (
+                Node::Cuboid(Cuboid { size }),
                 DVec3::X * 5.0,
                 DVec3::NEG_X,
                 4.0,
                 DVec3::X,
             ),
-            (Shape::Room { size }, DVec3::Z, DVec3::Z, 2.0, DVec3::NEG_Z),
             (
-                Shape::Sphere { radius: 2.0 },
+                Node::Room(Room { size }),
+                DVec3::Z,
+                DVec3::Z,
+                2.0,
+                DVec3::NEG_Z,
+            ),
+            (
+                Node::Sphere(Sphere { radius: 2.0 }),
                 DVec3::X * -5.0,
                 DVec3::X,
                 3.0,
                 DVec3::NEG_X,
             ),
             (
-                Shape::Cylinder { radius: 0.5 },
+                Node::Cylinder(Cylinder { radius: 0.5 }),
                 DVec3::new(0.0, 9.0, 2.0),
                 DVec3::NEG_Z,
                 1.5,
@@ -397,12 +418,12 @@ mod tests {
     #[test]
     fn lines_pass_shapes_that_are_behind_or_beside() {
         let shapes = [
-            Shape::Plane,
-            Shape::Box {
+            Node::Plane(Plane),
+            Node::Cuboid(Cuboid {
                 size: Vec3::splat(2.0),
-            },
-            Shape::Sphere { radius: 1.0 },
-            Shape::Cylinder { radius: 1.0 },
+            }),
+            Node::Sphere(Sphere { radius: 1.0 }),
+            Node::Cylinder(Cylinder { radius: 1.0 }),
         ];
         let origin = DVec3::new(3.0, 3.0, 3.0);
         for shape in shapes {
@@ -418,7 +439,11 @@ mod tests {
                 "{shape:?} beside"
             );
         }
-        let along_the_axis = meet(Shape::Cylinder { radius: 1.0 }, origin, DVec3::NEG_Y);
+        let along_the_axis = meet(
+            Node::Cylinder(Cylinder { radius: 1.0 }),
+            origin,
+            DVec3::NEG_Y,
+        );
         assert_eq!(along_the_axis, None);
     }
 
@@ -428,12 +453,20 @@ mod tests {
     fn a_start_just_inside_a_box_counts_as_its_surface() {
         let size = Vec3::splat(2.0);
         let origin = DVec3::new(1.0 - 1e-15, 0.2, 0.0);
-        let inwards = meet(Shape::Box { size }, origin, DVec3::new(-1.0, 0.5, 0.0));
+        let inwards = meet(
+            Node::Cuboid(Cuboid { size }),
+            origin,
+            DVec3::new(-1.0, 0.5, 0.0),
+        );
         assert_eq!(
             inwards.map(|(t, _, normal)| (t, normal)),
             Some((0.0, DVec3::X))
         );
-        let outwards = meet(Shape::Box { size }, origin, DVec3::new(1.0, 0.5, 0.0));
+        let outwards = meet(
+            Node::Cuboid(Cuboid { size }),
+            origin,
+            DVec3::new(1.0, 0.5, 0.0),
+        );
         assert_eq!(outwards, None);
     }
 
@@ -441,12 +474,12 @@ mod tests {
     #[test]
     fn a_turned_shape_keeps_its_size() {
         let turn = Quat::from_xyzw(0.1, 0.2, 0.3, 0.9273618) * 1.00005;
-        let room = Shape::Room {
+        let room = Node::Room(Room {
             size: Vec3::splat(2.0),
-        };
+        });
         let placed = Placed::new(&Surface::new(room).turned(turn));
         let (to_world, _) = placed.turn.expect("turned");
-        let meeting = placed.meet(DVec3::ZERO, to_world.x_axis, None, SLACK);
+        let meeting = placed.meet(DVec3::ZERO, to_world.x_axis, None, SLACK, f64::INFINITY);
         assert!((meeting.expect("met").t - 1.0).abs() < 1e-15);
     }
 }

@@ -38,6 +38,9 @@ const WAVES_WORTH_A_THREAD: usize = 4096;
 #[derive(Clone, Debug)]
 pub struct ExactScene {
     surfaces: Vec<Placed>,
+    /// Indices of the surfaces, those with a closed form first: what is marched need not be
+    /// followed beyond what these have.
+    order: Vec<usize>,
     ear: Ear,
     /// What counts as rounding, in metres.
     slack: f64,
@@ -67,7 +70,7 @@ pub struct Hit {
 /// A wave after its last iteration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ExactWave {
-    /// 0 = heard, −1 = met nothing, n = mirrored last at the n-th surface from 1.
+    /// 0 = heard, −1 = dead, n = mirrored last at the n-th surface from 1.
     pub status: i32,
     /// Reflections so far; for a wave that is heard, its order.
     pub order: u32,
@@ -76,7 +79,7 @@ pub struct ExactWave {
     /// World position in metres where it met something last, else its start.
     pub point: DVec3,
     /// Unit vector in world axes in which it would fly on: mirrored at a surface,
-    /// unchanged at the listener and for a wave that met nothing.
+    /// unchanged at the listener and for a dead wave.
     pub direction: DVec3,
     /// Unit vector in world axes in which it came to `point`.
     pub incoming_direction: DVec3,
@@ -141,8 +144,11 @@ impl ExactScene {
         for surface in &mut surfaces {
             surface.seal(&walls, slack);
         }
+        let mut order: Vec<usize> = (0..surfaces.len()).collect();
+        order.sort_by_key(|&index| surfaces[index].is_marched());
         Ok(ExactScene {
             surfaces,
+            order,
             ear,
             slack,
         })
@@ -275,16 +281,20 @@ impl ExactScene {
         let heard = self.ear.meet(origin, direction);
         let mut nearest = heard.unwrap_or(f64::INFINITY);
         let mut met: Option<(usize, Meeting)> = None;
-        for (index, surface) in self.surfaces.iter().enumerate() {
+        for &index in &self.order {
+            let surface = &self.surfaces[index];
             let left_face = match left {
                 Some((last, face)) if last == index && surface.is_room() => face,
                 Some((last, _)) if last == index && surface.is_convex() => continue,
                 _ => None,
             };
-            let Some(meeting) = surface.meet(origin, direction, left_face, self.slack) else {
+            let Some(meeting) = surface.meet(origin, direction, left_face, self.slack, nearest)
+            else {
                 continue;
             };
-            if meeting.t < nearest {
+            // Of two at the same distance the first in the scene is met.
+            let is_before = met.is_some_and(|(other, _)| index < other);
+            if meeting.t < nearest || (meeting.t == nearest && is_before) {
                 nearest = meeting.t;
                 met = Some((index, meeting));
             }
@@ -354,7 +364,8 @@ fn mirror(direction: DVec3, normal: DVec3) -> DVec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Listener, Shape, Source, Surface};
+    use crate::scene::shape::{Cylinder, Plane};
+    use crate::scene::{Listener, Node, Source, Surface};
 
     fn scene(surfaces: Vec<Surface>) -> ExactScene {
         let scene = Scene {
@@ -367,7 +378,7 @@ mod tests {
     }
 
     fn floor() -> Surface {
-        Surface::new(Shape::Plane).at(Vec3::NEG_Y)
+        Surface::new(Node::Plane(Plane)).at(Vec3::NEG_Y)
     }
 
     /// Protects the statuses and what goes with each of them.
@@ -411,7 +422,7 @@ mod tests {
     /// Protects the count of reflections that multiply errors.
     #[test]
     fn curved_reflections_are_counted() {
-        let pillar = Surface::new(Shape::Cylinder { radius: 1.0 }).at(Vec3::X * -4.0);
+        let pillar = Surface::new(Node::Cylinder(Cylinder { radius: 1.0 })).at(Vec3::X * -4.0);
         let exact = scene(vec![floor(), pillar]);
         let wave = exact.trace(DVec3::ZERO, DVec3::new(-1.0, -0.5, 0.0), 8);
         assert_eq!((wave.status, wave.order, wave.curved_hits), (-1, 2, 1));

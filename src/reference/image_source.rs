@@ -8,7 +8,8 @@
 //!
 //! Cost: one step for each copy that the line crosses, of order + 1.
 
-use crate::scene::{Scene, Shape};
+use crate::scene::shape::Room;
+use crate::scene::{Node, Scene};
 use glam::{DQuat, DVec3, Vec3};
 
 /// A source, a listener, and the room around both, in the room's own axes.
@@ -33,13 +34,13 @@ pub struct Arrival {
 
 impl ShoeboxImages {
     /// The images of `scene`, as it stands; `None` unless it is valid, its only
-    /// surface is one [`Shape::Room`], and the source is in it.
+    /// surface is one [`Node::Room`], and the source is in it.
     pub fn new(scene: &Scene) -> Option<ShoeboxImages> {
         scene.validate().ok()?;
         let [surface] = &scene.surfaces[..] else {
             return None;
         };
-        let Shape::Room { size } = surface.shape else {
+        let Node::Room(Room { size }) = surface.shape.node else {
             return None;
         };
         let turn = surface.rotation;
@@ -149,14 +150,15 @@ impl ShoeboxImages {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::shape::Plane;
     use crate::scene::{Listener, Source, Surface};
 
     fn scene(listener: Vec3) -> Scene {
         Scene {
             name: "test".into(),
-            surfaces: vec![Surface::new(Shape::Room {
+            surfaces: vec![Surface::new(Node::Room(Room {
                 size: Vec3::new(10.0, 6.0, 8.0),
-            })],
+            }))],
             source: Source::at(Vec3::X),
             listener: Listener::at(listener, 0.5),
         }
@@ -192,7 +194,7 @@ mod tests {
         other.source.position.x = 5.5;
         assert!(ShoeboxImages::new(&other).is_none());
         other.source.position.x = 1.0;
-        other.surfaces.push(Surface::new(Shape::Plane));
+        other.surfaces.push(Surface::new(Node::Plane(Plane)));
         assert!(ShoeboxImages::new(&other).is_none());
         other.surfaces.remove(0);
         assert!(ShoeboxImages::new(&other).is_none());

@@ -9,6 +9,7 @@
 //! carries its [`margin`](MarchedWave::margin), the closest that any of its
 //! decisions came to falling the other way.
 
+use super::distance32;
 use crate::scene::{Nearest, Scene};
 use crate::trace::{STATUS_DEAD, STATUS_LISTENER, STATUS_STARTED, Settings};
 use glam::{UVec3, Vec3};
@@ -96,12 +97,12 @@ struct March {
 fn march_once(scene: &Scene, settings: &Settings, start: Vec3, direction: Vec3) -> March {
     let mut t = 0.0;
     let mut margin = f32::INFINITY;
-    for _ in 0..settings.step_bound() {
+    for _ in 0..settings.step_limit() {
         if !f32::lt(&t, &settings.max_distance) {
             break;
         }
         let point = start + t * direction;
-        let Nearest { distance, object } = scene.distance(point);
+        let Nearest { distance, object } = distance32::distance(scene, point);
         margin = margin.min((distance - settings.min_distance).abs());
         if distance < settings.min_distance {
             return March {
@@ -122,7 +123,10 @@ fn march_once(scene: &Scene, settings: &Settings, start: Vec3, direction: Vec3) 
 /// Difference between the two least distances at a point: how clearly it belongs to
 /// the object it belongs to.
 fn tie_margin(scene: &Scene, point: Vec3) -> f32 {
-    let mut distances: Vec<f32> = scene.surfaces.iter().map(|s| s.distance(point)).collect();
+    let mut distances: Vec<f32> = {
+        let surfaces = scene.surfaces.iter();
+        surfaces.map(|s| distance32::of_surface(s, point)).collect()
+    };
     distances.push(scene.listener.distance(point));
     distances.sort_by(f32::total_cmp);
     distances[1] - distances[0]
@@ -130,8 +134,8 @@ fn tie_margin(scene: &Scene, point: Vec3) -> f32 {
 
 fn difference_normal(scene: &Scene, point: Vec3, step: f32) -> Vec3 {
     let slope = |axis: Vec3| {
-        let ahead = scene.distance(point + axis * step).distance;
-        let behind = scene.distance(point - axis * step).distance;
+        let ahead = distance32::distance(scene, point + axis * step).distance;
+        let behind = distance32::distance(scene, point - axis * step).distance;
         ahead - behind
     };
     Vec3::new(slope(Vec3::X), slope(Vec3::Y), slope(Vec3::Z)).normalize()

@@ -6,7 +6,7 @@
 //! counts as a hit only if the line goes into the solid there; a line that leaves the
 //! surface is led away from it by steps of at least [`LEAST_STEP`].
 
-use crate::scene::Field;
+use crate::scene::Shape;
 use glam::DVec3;
 
 /// A value that counts as the surface, as a share of the extent.
@@ -16,9 +16,9 @@ const TOUCH: f64 = 1e-12;
 /// coordinates are a thousand extents.
 const LEAST_STEP: f64 = 1e-12;
 
-/// Half the step of difference quotients, as a share of the extent: their error is then
-/// about 1e-10, of rounding and curvature alike.
-const DIFFERENCE: f64 = 1e-5;
+/// Half the step of difference quotients, as a share of the extent: their error is then below
+/// 1e-9, of rounding and curvature alike.
+const DIFFERENCE: f64 = 1e-6;
 
 /// How far ahead a line is looked at to tell whether it goes in, as a share of the extent: so
 /// near that no crease lies between, and a slope of 1e-8 is still told.
@@ -33,14 +33,14 @@ const FAR: f64 = 1e6;
 /// A field with what its march needs.
 #[derive(Clone, Debug)]
 pub(super) struct MarchedField {
-    field: Field,
+    field: Shape,
     inverse_lipschitz: f64,
     extent: f64,
     convex: bool,
 }
 
 impl MarchedField {
-    pub fn new(field: &Field) -> MarchedField {
+    pub fn new(field: &Shape) -> MarchedField {
         let properties = field.properties();
         // Of a plane every length is as good.
         let extent = Some(field.extent()).filter(|e| *e > 0.0).unwrap_or(1.0);
@@ -67,8 +67,10 @@ impl MarchedField {
         self.field.value(p) * self.inverse_lipschitz
     }
 
-    /// Metres along the unit vector `d` from `o`, which is in the air or on the surface.
-    pub fn meet(&self, o: DVec3, d: DVec3) -> Option<f64> {
+    /// Metres along the unit vector `d` from `o`, which is in the air or on the surface; nothing
+    /// for what lies farther off than `until` metres.
+    pub fn meet(&self, o: DVec3, d: DVec3, until: f64) -> Option<f64> {
+        let until = until.min(FAR * self.extent);
         let touch = TOUCH * self.extent.max(o.abs().max_element());
         let least = LEAST_STEP * self.extent.max(o.abs().max_element());
         let mut t = 0.0;
@@ -83,7 +85,7 @@ impl MarchedField {
             } else {
                 t += distance;
             }
-            if t > FAR * self.extent {
+            if t > until {
                 return None;
             }
         }
@@ -94,8 +96,15 @@ impl MarchedField {
         self.distance(p + AHEAD * self.extent * d) < self.distance(p)
     }
 
+    /// The gradient. Values may bend at the very surface (that of a quadric goes with F |F|), and
+    /// central differences are then off by as much as their step; so those of two steps are taken
+    /// to where a step of 0 would be (Richardson).
     fn gradient(&self, p: DVec3) -> DVec3 {
         let step = DIFFERENCE * self.extent;
+        2.0 * self.differences(p, 0.5 * step) - self.differences(p, step)
+    }
+
+    fn differences(&self, p: DVec3, step: f64) -> DVec3 {
         let along = |axis: DVec3| {
             let growth = self.distance(p + axis * step) - self.distance(p - axis * step);
             growth / (2.0 * step)

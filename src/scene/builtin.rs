@@ -2,7 +2,7 @@
 //! `examples/scenes/`.
 
 use super::{Scene, SceneError};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 macro_rules! built_in {
     ($($name:literal),* $(,)?) => {
@@ -26,6 +26,7 @@ const BUILTIN: &[(&str, &str)] = built_in![
     "cave",
     "morphing-room",
     "menger",
+    "glasshouse",
 ];
 
 /// The GLSL fields that they name.
@@ -83,16 +84,36 @@ impl Scene {
     /// # Errors
     /// [`SceneError`]: unknown, unreadable, malformed, or no scene to be heard.
     pub fn load(name_or_file: &str) -> Result<Scene, SceneError> {
-        if BUILTIN_NAMES.contains(&name_or_file) {
-            return Scene::builtin(name_or_file);
+        match named(name_or_file, Some(Path::new(""))) {
+            Named::BuiltIn(scene) => scene,
+            Named::File(path) => Scene::from_file(&path),
+            Named::Unknown(error) => Err(error),
         }
-        let path = Path::new(name_or_file);
-        let looks_like_a_file = path.extension().is_some() || path.components().count() > 1;
-        if looks_like_a_file || path.exists() {
-            return Scene::from_file(path);
-        }
-        Err(unknown(name_or_file))
     }
+}
+
+/// What a scene's name leads to.
+pub(super) enum Named {
+    BuiltIn(Result<Scene, SceneError>),
+    File(PathBuf),
+    Unknown(SceneError),
+}
+
+/// Looks up the name of a built-in scene, or else of a file in a folder; without a folder there
+/// are no files.
+pub(super) fn named(name: &str, folder: Option<&Path>) -> Named {
+    if BUILTIN_NAMES.contains(&name) {
+        return Named::BuiltIn(Scene::builtin(name));
+    }
+    let Some(folder) = folder else {
+        return Named::Unknown(unknown(name));
+    };
+    let (path, place) = (Path::new(name), folder.join(name));
+    let looks_like_a_file = path.extension().is_some() || path.components().count() > 1;
+    if looks_like_a_file || place.exists() {
+        return Named::File(place);
+    }
+    Named::Unknown(unknown(name))
 }
 
 fn unknown(name: &str) -> SceneError {

@@ -20,7 +20,7 @@ pub use groups::Group;
 
 use super::layout::Layout;
 use super::{Bounds3, Exactness, Scene, Surface};
-use glam::{BVec3, DVec3, UVec3, Vec3};
+use glam::{BVec3, DVec3, UVec3};
 use std::num::NonZeroUsize;
 
 /// Cells for each surface, about: as many again, so that most hold one surface or none.
@@ -319,10 +319,7 @@ impl Cells {
 
 impl Member {
     fn new(index: u32, surface: &Surface) -> Member {
-        let exact = match surface.shape.field() {
-            None => true,
-            Some(field) => field.properties().in_air == Exactness::Exact,
-        };
+        let exact = surface.shape.properties().in_air == Exactness::Exact;
         Member {
             index,
             surface: surface.clone(),
@@ -337,7 +334,7 @@ impl Member {
         let column = (0..3).find(|&axis| columns[axis]);
         column.is_none_or(|axis| {
             columns.iter().filter(|c| **c).count() == 1
-                && matches!(self.surface.shape, super::Shape::Cylinder { .. })
+                && matches!(self.surface.shape.node, super::Node::Cylinder(_))
                 && self.bounds.min[axis].is_infinite()
         })
     }
@@ -519,25 +516,4 @@ fn on_all_cores<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> R + Sync) ->
         });
         joined.flatten().collect()
     })
-}
-
-impl super::Shape {
-    /// What holds the solid in the shape's own axes, in metres.
-    pub fn bounds(&self) -> Bounds3 {
-        let endless = f64::INFINITY;
-        match self {
-            super::Shape::Plane => Bounds3 {
-                max: DVec3::new(endless, 0.0, endless),
-                ..Bounds3::EVERYWHERE
-            },
-            super::Shape::Box { size } => Bounds3::centred(0.5 * size.as_dvec3()),
-            super::Shape::Room { .. } => Bounds3::EVERYWHERE,
-            super::Shape::Sphere { radius } => Bounds3::centred(Vec3::splat(*radius).as_dvec3()),
-            super::Shape::Cylinder { radius } => {
-                let radius = f64::from(*radius);
-                Bounds3::centred(DVec3::new(radius, endless, radius))
-            }
-            super::Shape::Field(field) => field.properties().bounds,
-        }
-    }
 }

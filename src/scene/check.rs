@@ -1,7 +1,8 @@
 //! Scenes that cannot be traced, and scenes that can but hardly mean to.
 
 use super::layout::{Layout, MOST_UNROLLED};
-use super::{Field, Motion, Scene, SceneError, Shape, Surface};
+use super::{Motion, Node, Scene, SceneError, Surface};
+use crate::scene::shape::{Cuboid, Cylinder, Room, Sphere};
 use glam::Vec3;
 use std::fmt;
 
@@ -94,7 +95,7 @@ impl fmt::Display for Warning {
 }
 
 impl Scene {
-    /// [`Scene::validate_moving`], and every field as [`Field::check`] does: some
+    /// [`Scene::validate_moving`], and every field as [`Shape::check`](super::Shape::check) does: some
     /// milliseconds for each that states how fast it grows. Scene files are checked like
     /// this when they are read, and a tracer does so with every new structure. The text of
     /// users' fields is compiled later, by the tracer.
@@ -104,10 +105,8 @@ impl Scene {
     pub fn check(&self) -> Result<(), SceneError> {
         self.validate_moving()?;
         for (index, surface) in self.surfaces.iter().enumerate() {
-            if let Some(field) = surface.shape.field() {
-                let checked = field.check();
-                checked.map_err(|why| self.bad_field(&surface.label(index), why))?;
-            }
+            let checked = surface.shape.check();
+            checked.map_err(|why| self.bad_field(&surface.label(index), why))?;
         }
         self.check_unrolled()?;
         self.at_checked_times(Scene::check_growth)
@@ -116,10 +115,7 @@ impl Scene {
     /// Constants that are stated, at one of `times` times; what they are tried at gets less
     /// where there are many.
     fn check_growth(&self, label: &str, surface: &Surface, times: usize) -> Result<(), SceneError> {
-        let Some(field) = surface.shape.field() else {
-            return Ok(());
-        };
-        let checked = field.check_growth_at_one_of(times);
+        let checked = surface.shape.check_growth_at_one_of(times);
         checked.map_err(|why| self.bad_field(label, why))
     }
 
@@ -231,7 +227,7 @@ impl Scene {
             warnings.push(Warning::ListenerInsideSurface { surface, depth });
         }
         for (index, surface) in self.surfaces.iter().enumerate() {
-            let nodes = surface.shape.field().map(Field::nodes).unwrap_or_default();
+            let nodes = surface.shape.nodes();
             for user in nodes.iter().filter_map(|node| node.node.user()) {
                 let Some(samples) = user.samples() else {
                     continue;
@@ -271,10 +267,8 @@ impl Scene {
             let what = format!("{label}: rotation");
             return Err(self.bad_number(&what, "a unit quaternion", rotation));
         }
-        match surface.shape {
-            Shape::Field(ref field) => field.validate().map_err(|why| self.bad_field(label, why)),
-            Shape::Plane => Ok(()),
-            Shape::Box { size } | Shape::Room { size } => {
+        match surface.shape.node {
+            Node::Cuboid(Cuboid { size }) | Node::Room(Room { size }) => {
                 let what = format!("{label}: size in metres");
                 if size.min_element() > 0.0 && size.max_element() <= LARGEST {
                     return Ok(());
@@ -282,8 +276,12 @@ impl Scene {
                 let must = "greater than 0 and at most 1e9 in all three axes";
                 Err(self.bad_number(&what, must, size))
             }
-            Shape::Sphere { radius } | Shape::Cylinder { radius } => {
+            Node::Sphere(Sphere { radius }) | Node::Cylinder(Cylinder { radius }) => {
                 self.positive(&format!("{label}: radius in metres"), radius)
+            }
+            _ => {
+                let checked = surface.shape.validate();
+                checked.map_err(|why| self.bad_field(label, why))
             }
         }
     }
@@ -355,9 +353,9 @@ impl Scene {
 }
 
 impl Surface {
-    /// Nodes of its field; a basic shape is one.
+    /// Nodes of its tree.
     fn nodes(&self) -> usize {
-        self.shape.field().map_or(1, |field| field.nodes().len())
+        self.shape.nodes().len()
     }
 
     /// What a sentence calls the surface with this index (from 0).
@@ -378,9 +376,9 @@ mod tests {
     fn room() -> Scene {
         Scene {
             name: "test".into(),
-            surfaces: vec![Surface::new(Shape::Room {
+            surfaces: vec![Surface::new(Node::Room(Room {
                 size: Vec3::splat(10.0),
-            })],
+            }))],
             source: Source::at(Vec3::X * 3.0),
             listener: Listener::at(Vec3::ZERO, 1.0),
         }
@@ -393,11 +391,10 @@ mod tests {
         let spoil: [fn(&mut Scene); 7] = [
             |s| s.surfaces.clear(),
             |s| {
-                s.surfaces[0].shape = Shape::Box {
-                    size: Vec3::new(1.0, 0.0, 1.0),
-                }
+                let size = Vec3::new(1.0, 0.0, 1.0);
+                s.surfaces[0].shape = Node::Cuboid(Cuboid { size }).into();
             },
-            |s| s.surfaces[0].shape = Shape::Sphere { radius: f32::NAN },
+            |s| s.surfaces[0].shape = Node::Sphere(Sphere { radius: f32::NAN }).into(),
             |s| s.surfaces[0].position.x = f32::INFINITY,
             |s| s.source.position.y = f32::NAN,
             |s| s.listener.radius = 0.0,

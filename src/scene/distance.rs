@@ -1,12 +1,10 @@
-//! The signed distance functions on the CPU, in `f32`.
+//! The signed distance of a scene on the CPU.
 //!
-//! Written apart from `glsl/distance/`, so that the two can disagree; a test
-//! walks both over the same points. In the air every value is the Euclidean
-//! distance to the surface (Hart 1996, appendix A); it is negative in the solid,
-//! and exact there too but for the room, where it is a bound.
+//! Computed in `f64` and written apart from the shaders, so that the two can disagree; a test
+//! walks both over the same points. It is negative in the solid.
 
 use super::{Listener, Scene, Shape, Surface};
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
 /// What a distance function answers at one point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,34 +66,18 @@ impl Listener {
 }
 
 impl Shape {
-    /// Signed distance from a point in the shape's own axes, in metres; of a field, what it
-    /// knows of it: its value, divided by its Lipschitz constant.
+    /// What the value at a point of the tree's own axes (metres) says of the signed distance,
+    /// in metres: the value, divided by its Lipschitz constant.
     pub fn distance(&self, p: Vec3) -> f32 {
-        match *self {
-            Shape::Plane => p.y,
-            Shape::Box { size } => box_distance(p, size * 0.5),
-            Shape::Room { size } => (size * 0.5 - p.abs()).min_element(),
-            Shape::Sphere { radius } => p.length() - radius,
-            Shape::Cylinder { radius } => Vec2::new(p.x, p.z).length() - radius,
-            Shape::Field(ref field) => {
-                (field.value(p.as_dvec3()) / field.properties().lipschitz) as f32
-            }
-        }
+        (self.value(p.as_dvec3()) / self.properties().lipschitz) as f32
     }
-}
-
-/// Exact on both sides: to the nearest face inside, to the nearest point outside.
-fn box_distance(p: Vec3, half_size: Vec3) -> f32 {
-    let beyond = p.abs() - half_size;
-    let outside = beyond.max(Vec3::ZERO).length();
-    let inside = beyond.max_element().min(0.0);
-    outside + inside
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Source;
+    use crate::scene::shape::{Cuboid, Cylinder, Plane, Room, Sphere};
+    use crate::scene::{Node, Source};
     use glam::Quat;
     use std::f32::consts::FRAC_PI_2;
 
@@ -108,16 +90,19 @@ mod tests {
     fn shapes_have_their_distance() {
         let size = Vec3::new(2.0, 4.0, 6.0);
         let corner_gap = Vec3::new(3.0, 4.0, 12.0);
-        assert_close(Shape::Plane.distance(Vec3::new(5.0, -2.0, 1.0)), -2.0);
-        let solid = Shape::Box { size };
+        assert_close(
+            Shape::from(Node::Plane(Plane)).distance(Vec3::new(5.0, -2.0, 1.0)),
+            -2.0,
+        );
+        let solid = Shape::from(Node::Cuboid(Cuboid { size }));
         assert_close(solid.distance(Vec3::ZERO), -1.0);
         assert_close(solid.distance(size * 0.5 + corner_gap), 13.0);
-        let room = Shape::Room { size };
+        let room = Shape::from(Node::Room(Room { size }));
         assert_close(room.distance(Vec3::new(0.5, 0.0, 0.0)), 0.5);
         assert_close(room.distance(size * 0.5 + corner_gap), -12.0);
-        let sphere = Shape::Sphere { radius: 2.0 };
+        let sphere = Shape::from(Node::Sphere(Sphere { radius: 2.0 }));
         assert_close(sphere.distance(Vec3::new(0.0, 3.0, 4.0)), 3.0);
-        let cylinder = Shape::Cylinder { radius: 2.0 };
+        let cylinder = Shape::from(Node::Cylinder(Cylinder { radius: 2.0 }));
         assert_close(cylinder.distance(Vec3::new(3.0, 100.0, 4.0)), 3.0);
     }
 
@@ -125,7 +110,7 @@ mod tests {
     #[test]
     fn a_turned_plane_faces_where_its_normal_was_turned() {
         // A quarter turn about z takes the plane's normal from +y to −x.
-        let wall = Surface::new(Shape::Plane)
+        let wall = Surface::new(Node::Plane(Plane))
             .at(Vec3::new(3.0, 0.0, 0.0))
             .turned(Quat::from_rotation_z(FRAC_PI_2));
         assert_close(wall.distance(Vec3::ZERO), 3.0);
@@ -138,8 +123,8 @@ mod tests {
         let scene = Scene {
             name: "two balls".into(),
             surfaces: vec![
-                Surface::new(Shape::Sphere { radius: 1.0 }).at(Vec3::X * 5.0),
-                Surface::new(Shape::Sphere { radius: 1.0 }).at(Vec3::X * -5.0),
+                Surface::new(Node::Sphere(Sphere { radius: 1.0 })).at(Vec3::X * 5.0),
+                Surface::new(Node::Sphere(Sphere { radius: 1.0 })).at(Vec3::X * -5.0),
             ],
             source: Source::at(Vec3::Y * 9.0),
             listener: Listener::at(Vec3::ZERO, 1.0),

@@ -39,6 +39,14 @@ pub enum SceneError {
         /// What is wrong there.
         message: String,
     },
+    /// A scene file has no path that a file in that folder could name as its base.
+    #[error("{} has no path that a scene file in the folder {} can name", base.display(), folder.display())]
+    NoBase {
+        /// Where the other file is to lie.
+        folder: PathBuf,
+        /// The scene file.
+        base: PathBuf,
+    },
     /// A file that the scene names cannot be used.
     #[error("{origin}: {why}")]
     Attached {

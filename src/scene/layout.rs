@@ -101,7 +101,7 @@ fn endless_axes(surface: &Surface) -> [bool; 3] {
 impl Surface {
     /// What holds its solid, in world metres.
     pub fn bounds(&self) -> Bounds3 {
-        let own = self.shape.bounds();
+        let own = self.shape.properties().bounds;
         let turned = if self.has_rotation() {
             own.turned(DMat3::from_quat(self.rotation.as_dquat()))
         } else {

@@ -13,7 +13,6 @@ pub mod cells;
 mod check;
 mod distance;
 mod error;
-mod field;
 mod file;
 pub mod glsl;
 pub mod layout;
@@ -21,6 +20,7 @@ mod motion;
 mod named;
 mod path;
 mod seal;
+pub mod shape;
 mod surface;
 mod watch;
 
@@ -28,16 +28,19 @@ pub use builtin::BUILTIN_NAMES;
 pub use check::Warning;
 pub use distance::Nearest;
 pub use error::SceneError;
-pub(crate) use field::halton;
-pub use field::{
-    Bounds3, Copies, Exactness, Field, HeightImage, Node, Properties, UserField, UserSamples,
-};
+#[cfg(feature = "demo")]
+pub(crate) use file::BasedScene;
 pub use motion::{Driver, Motion};
 pub use named::{NamedValue, Quantity};
 pub use path::{Key, Path};
-pub use surface::{Shape, Surface};
+pub(crate) use shape::halton;
+pub use shape::{
+    Bounds3, Copies, Exactness, HeightImage, Node, Properties, Shape, UserField, UserSamples,
+};
+pub use surface::Surface;
 pub use watch::SceneWatch;
 
+use crate::scene::shape::{HeightField, User};
 use glam::Vec3;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -121,16 +124,16 @@ impl Scene {
     /// The files beside its own that the scene was made from: users' fields and images.
     pub fn files(&self) -> Vec<PathBuf> {
         let file = |node: &Node| match node {
-            Node::User { field } => Some(field.file.clone()),
-            Node::HeightField { image, .. } => Some(PathBuf::from(image.name())),
+            Node::User(User { field }) => Some(field.file.clone()),
+            Node::HeightField(HeightField { image, .. }) => Some(PathBuf::from(image.name())),
             _ => None,
         };
         self.field_nodes().filter_map(file).collect()
     }
 
     fn field_nodes(&self) -> impl Iterator<Item = &Node> {
-        let fields = self.surfaces.iter().filter_map(|s| s.shape.field());
-        fields.flat_map(|field| field.nodes().into_iter().map(|f| &f.node))
+        let trees = self.surfaces.iter().map(|surface| &surface.shape);
+        trees.flat_map(|tree| tree.nodes().into_iter().map(|f| &f.node))
     }
 }
 

@@ -4,9 +4,10 @@
 //! beside them and says which one it sets, and from what. What is driven is a uniform in
 //! the shader, so that setting it compiles nothing.
 
-use super::{Field, Scene, SceneError, Shape, Surface};
+use super::shape::{Numbers, Parameter};
+use super::{Quantity, Scene, SceneError, Shape, Surface};
 use glam::{EulerRot, Quat, Vec3};
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// Frames a second at which a surface is looked at between its keys: as many as a rendering
 /// has unless it is told otherwise, so that what can be loaded can be rendered.
@@ -60,21 +61,13 @@ impl Motion {
 
 impl Surface {
     /// Every number that may be driven, by name: `position.x` …, the shape's own
-    /// (`radius`, `size.x` …), and those of the fields below it ([`Field::parameters_mut`]).
+    /// (`radius`, `size.x` …), and those of the fields below it ([`Shape::parameters_mut`]).
     /// The rotation's, `rotation.x` … in radians, go by [`Surface::angles`].
-    pub fn parameters_mut(&mut self) -> Vec<(String, &mut f32)> {
-        let Vec3 { x, y, z } = &mut self.position;
-        let mut all = vec![
-            ("position.x".to_owned(), x),
-            ("position.y".to_owned(), y),
-            ("position.z".to_owned(), z),
-        ];
-        let Vec3 { x, y, z } = &mut self.angles;
-        all.extend([
-            ("rotation.x".to_owned(), x),
-            ("rotation.y".to_owned(), y),
-            ("rotation.z".to_owned(), z),
-        ]);
+    pub fn parameters_mut(&mut self) -> Vec<Parameter<'_>> {
+        let mut all = Vec::new();
+        self.position
+            .add_to("position", Quantity::Position, &mut all);
+        self.angles.add_to("rotation", Quantity::Angle, &mut all);
         all.extend(self.shape.parameters_mut());
         all
     }
@@ -97,9 +90,9 @@ impl Surface {
             }
         }
         if !values.is_empty() {
-            for (name, number) in self.parameters_mut() {
-                if let Some(value) = values.get(name.as_str()) {
-                    *number = *value;
+            for parameter in self.parameters_mut() {
+                if let Some(value) = values.get(parameter.name.as_str()) {
+                    *parameter.number = *value;
                 }
             }
         }
@@ -126,7 +119,7 @@ impl Surface {
             ..*self
         };
         let parameters = bare.parameters_mut().into_iter();
-        parameters.map(|(name, _)| name).collect()
+        parameters.map(|parameter| parameter.name).collect()
     }
 
     /// Times at which the surface is looked at before it is drawn, in seconds: all keys, in order,
@@ -151,9 +144,9 @@ impl Surface {
         times
     }
 
-    /// For each node of the surface's field, in the order of [`Field::nodes`]: whether a
+    /// For each node of the surface's field, in the order of [`Shape::nodes`]: whether a
     /// driver moves one of its numbers.
-    pub(crate) fn moving_nodes(&self, field: &Field) -> Vec<bool> {
+    pub(crate) fn moving_nodes(&self, field: &Shape) -> Vec<bool> {
         let mut moving = vec![false; field.nodes().len()];
         for driver in &self.drivers {
             if driver.parameter.starts_with("position.")
@@ -169,14 +162,14 @@ impl Surface {
 
 /// Marks the node that a parameter's name leads to, and whatever its change changes: the
 /// numbers of a twist or a bend follow from the bounds of what is below.
-fn mark(field: &Field, parameter: &str, moving: &mut [bool]) {
+fn mark(field: &Shape, parameter: &str, moving: &mut [bool]) {
     let mut node = field;
     let mut place = 0;
     let mut rest = parameter;
     loop {
         if matches!(
             node.node,
-            super::Node::Twist { .. } | super::Node::Bend { .. } | super::Node::Repeat { .. }
+            super::Node::Twist(_) | super::Node::Bend(_) | super::Node::Repeat(_)
         ) {
             moving[place] = true;
         }
@@ -184,36 +177,15 @@ fn mark(field: &Field, parameter: &str, moving: &mut [bool]) {
             let index: usize = first.parse().ok()?;
             Some((index, after))
         });
-        let Some((index, after)) = step.filter(|(index, _)| *index < node.of.len()) else {
+        let Some((index, after)) = step.filter(|(index, _)| *index < node.children.len()) else {
             break;
         };
-        let before = node.of[..index].iter().map(|f| f.nodes().len());
+        let before = node.children[..index].iter().map(|f| f.nodes().len());
         place += 1 + before.sum::<usize>();
-        node = &node.of[index];
+        node = &node.children[index];
         rest = after;
     }
     moving[place] = true;
-}
-
-impl Shape {
-    /// The shape's numbers by name; see [`Surface::parameters_mut`].
-    pub fn parameters_mut(&mut self) -> Vec<(String, &mut f32)> {
-        match self {
-            Shape::Plane => Vec::new(),
-            Shape::Box { size } | Shape::Room { size } => {
-                let Vec3 { x, y, z } = size;
-                vec![
-                    ("size.x".to_owned(), x),
-                    ("size.y".to_owned(), y),
-                    ("size.z".to_owned(), z),
-                ]
-            }
-            Shape::Sphere { radius } | Shape::Cylinder { radius } => {
-                vec![("radius".to_owned(), radius)]
-            }
-            Shape::Field(field) => field.parameters_mut(),
-        }
-    }
 }
 
 impl Scene {
@@ -221,9 +193,10 @@ impl Scene {
     /// degrees for an angle, degrees a metre for the rate of a twist or a bend.
     ///
     /// ```
-    /// use echomarch::{Listener, Scene, Shape, Source, Surface, scene::Motion};
+    /// use echomarch::scene::{Motion, shape::Sphere};
+    /// use echomarch::{Listener, Scene, Source, Surface};
     /// use glam::Vec3;
-    /// let door = Surface::new(Shape::Sphere { radius: 1.0 })
+    /// let door = Surface::new(Sphere { radius: 1.0 })
     ///     .driven("position.x", Motion::Named("door".into()));
     /// let mut scene = Scene {
     ///     name: "hall".into(),
@@ -240,11 +213,19 @@ impl Scene {
     /// # Errors
     /// [`SceneError::UnknownValue`] when nothing in the scene has that name.
     pub fn set_value(&mut self, name: &str, value: f32) -> Result<(), SceneError> {
+        self.set_values(&BTreeMap::from([(name.to_owned(), value)]))
+    }
+
+    /// Sets several named values as [`Scene::set_value`] does, all in one pass.
+    pub(super) fn set_values(&mut self, values: &BTreeMap<String, f32>) -> Result<(), SceneError> {
         let names = self.value_names();
-        if !names.iter().any(|known| known == name) {
+        let unknown = values
+            .keys()
+            .find(|name| names.binary_search(name).is_err());
+        if let Some(name) = unknown {
             return Err(SceneError::UnknownValue {
                 scene: self.name.clone(),
-                name: name.to_owned(),
+                name: name.clone(),
                 known: match names.len() {
                     0 => "none".to_owned(),
                     _ => names.join(", "),
@@ -252,10 +233,11 @@ impl Scene {
             });
         }
         let named = |surface: &Surface, driver: &Driver| match &driver.motion {
-            Motion::Named(driven) if driven == name => {
+            Motion::Named(name) => {
+                let value = *values.get(name)?;
                 Some(surface.quantity(&driver.parameter).in_code(value))
             }
-            _ => None,
+            Motion::Keys(_) => None,
         };
         for surface in &mut self.surfaces {
             surface.drive(named);

@@ -1,6 +1,6 @@
 //! What the named values of a scene measure.
 
-use super::{Field, Motion, Node, Scene, Surface};
+use super::{Motion, Scene, Surface};
 
 /// What a number of a surface measures, and so its unit in a scene file and how far it may go.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,10 +41,9 @@ impl Scene {
                 let Motion::Named(name) = &driver.motion else {
                     continue;
                 };
-                let Some(value) = surface.parameter(&driver.parameter) else {
+                let Some((value, quantity)) = surface.parameter(&driver.parameter) else {
                     continue;
                 };
-                let quantity = surface.quantity(&driver.parameter);
                 let value = NamedValue {
                     name: name.clone(),
                     value: quantity.in_file(value),
@@ -65,62 +64,30 @@ impl Scene {
 impl Surface {
     /// What a number of the surface measures, by its name (see [`Surface::parameters_mut`]).
     pub fn quantity(&self, parameter: &str) -> Quantity {
-        if parameter.starts_with("position.") {
-            return Quantity::Position;
-        }
-        if parameter.starts_with("rotation.") {
-            return Quantity::Angle;
-        }
-        match self.shape.field() {
-            Some(field) => field.quantity(parameter),
-            // Sizes and radii.
-            None => Quantity::Length,
-        }
+        let found = self.parameter(parameter);
+        found.map_or(Quantity::Plain, |(_, quantity)| quantity)
     }
 
-    fn parameter(&self, parameter: &str) -> Option<f32> {
+    /// Where a number stands, and what it measures.
+    fn parameter(&self, parameter: &str) -> Option<(f32, Quantity)> {
         let mut copy = self.clone();
         let mut all = copy.parameters_mut().into_iter();
-        all.find(|(name, _)| name == parameter)
-            .map(|(_, number)| *number)
-    }
-}
-
-impl Field {
-    /// What a number of the tree measures, by its name (see [`Field::parameters_mut`]).
-    fn quantity(&self, parameter: &str) -> Quantity {
-        let below = parameter.split_once('.').and_then(|(first, rest)| {
-            let index: usize = first.parse().ok()?;
-            Some((self.of.get(index)?, rest))
-        });
-        match below {
-            Some((field, rest)) => field.quantity(rest),
-            None => self.node.quantity(parameter),
-        }
-    }
-}
-
-impl Node {
-    /// What one of the node's own numbers measures.
-    fn quantity(&self, parameter: &str) -> Quantity {
-        match self {
-            Node::HalfSpace { .. } if parameter == "offset" => Quantity::Position,
-            Node::HalfSpace { .. } | Node::Quadric { .. } => Quantity::Plain,
-            Node::Prism { .. } if parameter != "depth" => Quantity::Position,
-            Node::Offset { .. }
-            | Node::Translate { .. }
-            | Node::Elongate { .. }
-            | Node::Repeat { .. } => Quantity::Position,
-            Node::Rotate { .. } => Quantity::Angle,
-            Node::Scale { .. } => Quantity::Factor,
-            Node::Twist { .. } | Node::Bend { .. } => Quantity::Rate,
-            Node::Morph { .. } => Quantity::Share,
-            _ => Quantity::Length,
-        }
+        let found = all.find(|known| known.name == parameter)?;
+        Some((*found.number, found.quantity))
     }
 }
 
 impl Quantity {
+    /// What stands behind a number in a sentence about the code's own units.
+    pub(super) fn unit(self) -> &'static str {
+        match self {
+            Quantity::Position | Quantity::Length => " metres",
+            Quantity::Angle => " radians",
+            Quantity::Rate => " radians a metre",
+            Quantity::Factor | Quantity::Share | Quantity::Plain => "",
+        }
+    }
+
     /// A number of the code in the unit of the file.
     pub fn in_file(self, value: f32) -> f32 {
         match self {

@@ -15,7 +15,8 @@
 //! its cover: waves that hit the cover there would be told to have hit the box. So a long
 //! push has to end deep inside of its cover; any other is only as long as rounding asks for.
 
-use super::{Bounds3, Shape, Surface};
+use super::{Bounds3, Node, Shape, Surface};
+use crate::scene::shape::{Cuboid, Room};
 use glam::{DVec3, Vec3};
 
 /// A face of a box: its axis, and −1 or 1 for the lower and the upper one.
@@ -24,7 +25,7 @@ type Face = (usize, f32);
 /// The same surfaces, with the covered faces of boxes pushed into what covers them.
 /// `slacks` says for each surface, in metres, how far off rounding may put it.
 pub(super) fn sealed(surfaces: &[Surface], slacks: &[f32]) -> Vec<Surface> {
-    let is_half_space = |shape: &Shape| matches!(shape, Shape::Plane | Shape::Room { .. });
+    let is_half_space = |shape: &Shape| matches!(shape.node, Node::Plane(_) | Node::Room(_));
     let against_walls = round(surfaces, slacks, is_half_space);
     let is_solid = |shape: &Shape| shape.is_convex() && !is_half_space(shape);
     round(&against_walls, slacks, is_solid)
@@ -35,7 +36,7 @@ fn round(surfaces: &[Surface], slacks: &[f32], wanted: impl Fn(&Shape) -> bool) 
     let mut grown = surfaces.to_vec();
     let near = Neighbours::new(surfaces, slacks, wanted);
     for (index, surface) in surfaces.iter().enumerate() {
-        if !matches!(surface.shape, Shape::Box { .. }) {
+        if !matches!(surface.shape.node, Node::Cuboid(_)) {
             continue;
         }
         let covers = near.touching(index);
@@ -113,7 +114,7 @@ fn push(surface: &Surface, face: Face, cover: &Surface, slack: f32) -> f32 {
     /// Length of a short push in slacks: the face is then well out of the reach of a wave
     /// that rounding put to the wrong side of the seam.
     const SHORT: f32 = 4.0;
-    let Shape::Box { size } = surface.shape else {
+    let Node::Cuboid(Cuboid { size }) = surface.shape.node else {
         return 0.0;
     };
     let near = corners(surface, size, face, 0.0);
@@ -136,7 +137,7 @@ fn push(surface: &Surface, face: Face, cover: &Surface, slack: f32) -> f32 {
 
 /// The box with one face pushed outwards.
 fn pushed(surface: &Surface, (axis, side): Face, by: f32) -> Surface {
-    let Shape::Box { size } = surface.shape else {
+    let Node::Cuboid(Cuboid { size }) = surface.shape.node else {
         return surface.clone();
     };
     let mut bigger = size;
@@ -144,7 +145,7 @@ fn pushed(surface: &Surface, (axis, side): Face, by: f32) -> Surface {
     let mut shift = Vec3::ZERO;
     shift[axis] = 0.5 * side * by;
     Surface {
-        shape: Shape::Box { size: bigger },
+        shape: Node::Cuboid(Cuboid { size: bigger }).into(),
         position: surface.position + surface.rotation * shift,
         ..surface.clone()
     }
@@ -169,7 +170,7 @@ fn holds_all(solid: &Surface, near: &[Vec3], far: &[Vec3], slack: f32, most: f32
         near.iter().all(|&point| distance(point) <= slack)
             && far.iter().all(|&point| distance(point) <= most)
     };
-    let Shape::Room { size } = solid.shape else {
+    let Node::Room(Room { size }) = solid.shape.node else {
         return held_by(&|point| solid.distance(point));
     };
     let inverse = solid.rotation.conjugate();
@@ -203,7 +204,7 @@ mod tests {
         let corner = Scene::builtin("corner").unwrap();
         let sealed = sealed_by(&corner.surfaces, 1e-5);
         assert_eq!(sealed[0], corner.surfaces[0]);
-        let Shape::Box { size } = sealed[1].shape else {
+        let Node::Cuboid(Cuboid { size }) = sealed[1].shape.node else {
             panic!("the block is a box");
         };
         let low = sealed[1].position - 0.5 * size;
@@ -236,12 +237,12 @@ mod tests {
                 .map(|&(x, y, z, width, height, depth)| {
                     let size = Vec3::new(width as f32, height as f32, depth as f32);
                     let low = Vec3::new(x as f32, y as f32, z as f32);
-                    Surface::new(Shape::Box { size }).at(low + 0.5 * size)
+                    Surface::new(Node::Cuboid(Cuboid { size })).at(low + 0.5 * size)
                 })
                 .collect();
             if in_a_room {
                 let size = Vec3::splat(4.0);
-                surfaces.push(Surface::new(Shape::Room { size }).at(Vec3::splat(2.0)));
+                surfaces.push(Surface::new(Node::Room(Room { size })).at(Vec3::splat(2.0)));
             }
             let sealed = sealed_by(&surfaces, 1e-6);
             for index in 0..11 * 11 * 11 {

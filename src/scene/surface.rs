@@ -1,6 +1,6 @@
 //! A surface: a shape, and where it stands.
 
-use super::{Driver, Field, Node};
+use super::{Driver, Shape};
 use glam::{Quat, Vec3};
 
 /// A shape placed in the world.
@@ -24,47 +24,6 @@ pub struct Surface {
     pub angles: Vec3,
     /// What moves its numbers; empty when nothing does.
     pub drivers: Vec<Driver>,
-}
-
-/// The forms a surface can have. Air is where the distance is positive.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Shape {
-    /// The plane y = 0 of its own axes; air above, solid below.
-    Plane,
-    /// A solid box.
-    Box {
-        /// Full width, height and depth in metres.
-        size: Vec3,
-    },
-    /// The inside of a box: air within, solid without.
-    Room {
-        /// Full width, height and depth of the air in metres.
-        size: Vec3,
-    },
-    /// A solid ball.
-    Sphere {
-        /// Radius in metres.
-        radius: f32,
-    },
-    /// A solid endless cylinder about its own y axis.
-    Cylinder {
-        /// Radius in metres.
-        radius: f32,
-    },
-    /// Any other shape, or operators on shapes.
-    Field(Field),
-}
-
-impl From<Node> for Shape {
-    fn from(node: Node) -> Shape {
-        Shape::Field(Field::from(node))
-    }
-}
-
-impl From<Field> for Shape {
-    fn from(field: Field) -> Shape {
-        Shape::Field(field)
-    }
 }
 
 impl Surface {
@@ -102,36 +61,5 @@ impl Surface {
     /// Whether its rotation stands in the shader text at all.
     pub fn has_rotation(&self) -> bool {
         self.turns || self.rotation != Quat::IDENTITY
-    }
-}
-
-impl Shape {
-    /// Whether the solid is convex: a wave that was mirrored at it cannot meet it next.
-    pub fn is_convex(&self) -> bool {
-        match self {
-            Shape::Room { .. } => false,
-            Shape::Field(field) => field.properties().convex,
-            _ => true,
-        }
-    }
-
-    /// The name that scene files and reports use.
-    pub fn name(&self) -> &'static str {
-        match self {
-            Shape::Plane => "Plane",
-            Shape::Box { .. } => "Box",
-            Shape::Room { .. } => "Room",
-            Shape::Sphere { .. } => "Sphere",
-            Shape::Cylinder { .. } => "Cylinder",
-            Shape::Field(field) => field.node.name(),
-        }
-    }
-
-    /// The field, if it is no basic shape.
-    pub fn field(&self) -> Option<&Field> {
-        match self {
-            Shape::Field(field) => Some(field),
-            _ => None,
-        }
     }
 }

@@ -1,5 +1,6 @@
 //! A scene file that is read again when it, or a file that it names, has changed.
 
+use super::file::bases_of;
 use super::{BUILTIN_NAMES, Scene, SceneError};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
@@ -7,7 +8,7 @@ use std::time::SystemTime;
 /// When a file was last written and how many bytes it has; none while there is no file.
 type Stamp = Option<(SystemTime, u64)>;
 
-/// A scene file, and the files that it names, watched for changes.
+/// A scene file, its bases, and the files that they name, watched for changes.
 ///
 /// Knows nothing of OpenGL: see [`trace::Reloading`](crate::trace::Reloading) for scenes that
 /// are also checked by the renderer. Asking for changes takes a few microseconds a file.
@@ -98,13 +99,14 @@ impl SceneWatch {
         }
     }
 
-    /// Watches the scene's own file and these; what was read of them stays.
+    /// Watches the scene's own file, its bases and these; what was read of them stays.
     fn keep(&mut self, files: Vec<PathBuf>) {
         let Some(own) = self.own.clone() else {
             return;
         };
         let before = std::mem::take(&mut self.read);
-        for path in std::iter::once(own).chain(files) {
+        let bases = bases_of(&own);
+        for path in std::iter::once(own).chain(bases).chain(files) {
             if self.read.iter().any(|(known, _)| *known == path) {
                 continue;
             }

@@ -5,9 +5,9 @@
 //! take at the most are counted here, and nowhere else: over the iterations of a pass, the steps
 //! of a march, the lists of cells and the copies of repetitions. From that follow the
 //! iterations of a pass and, where a single march could take more, its steps: what is given up
-//! at a step bound is counted and reported.
+//! at the step limit is counted and reported.
 
-use super::{MAX_FIELD_STEPS, MAX_STEPS, Profile, Settings};
+use super::{MAX_COPY_STEPS, MAX_FIELD_STEPS, MAX_STEPS, Profile, Settings};
 use crate::scene::Scene;
 use crate::scene::cells::{Cells, Lists};
 use crate::scene::glsl::{self, Loops};
@@ -33,6 +33,8 @@ pub struct Budget {
     pub steps: u32,
     /// Steps of one march of the fields.
     pub field_steps: u32,
+    /// Turns of all walks past long rows of copies in one flight.
+    pub copy_steps: u32,
     /// Evaluations of a surface that a wave may take in an iteration.
     pub(super) evaluations: u64,
 }
@@ -75,12 +77,12 @@ const DIFFERENCES: u64 = 6;
 
 fn thesis(settings: &Settings, loops: &Loops) -> Budget {
     // The thesis' steps are as many as its distances ask for.
-    let steps = u64::from(settings.step_bound());
+    let steps = u64::from(settings.step_limit());
     let work = Work {
         turns: steps * (1 + loops.distance) + DIFFERENCES * loops.distance,
         evaluations: (steps + DIFFERENCES) * (1 + loops.unrolled + loops.distance),
     };
-    work.budget(settings, steps, 0)
+    work.budget(settings, [steps, 0, 0])
 }
 
 fn march(settings: &Settings, loops: &Loops, marches_fields: bool) -> Budget {
@@ -90,10 +92,12 @@ fn march(settings: &Settings, loops: &Loops, marches_fields: bool) -> Budget {
     };
     let rest = 1 + loops.landing + differences;
     let field_turns = if marches_fields { loops.all_fields } else { 0 };
-    // The fields may use half of what there is.
+    let left = MOST_TURNS.saturating_sub(rest);
+    // Where there are fields the basic shapes may use half of what there is; the fields have what
+    // these leave.
     let share = if marches_fields { 2 } else { 1 };
-    let left = MOST_TURNS.saturating_sub(rest) / share;
-    let steps = held(MAX_STEPS, left, 1 + loops.ahead);
+    let steps = held(MAX_STEPS, left / share, 1 + loops.ahead);
+    let left = left.saturating_sub(steps * (1 + loops.ahead));
     let field_steps = match marches_fields {
         true => held(MAX_FIELD_STEPS, left, FIELD_TURNS + field_turns),
         false => 0,
@@ -103,22 +107,28 @@ fn march(settings: &Settings, loops: &Loops, marches_fields: bool) -> Budget {
         turns: rest - 1 + steps * (1 + loops.ahead) + field_steps * (FIELD_TURNS + field_turns),
         evaluations: steps * (objects + loops.ahead) + field_steps * (objects + field_turns),
     };
-    work.budget(settings, steps, field_steps)
+    work.budget(settings, [steps, field_steps, 0])
 }
 
 fn hybrid(settings: &Settings, loops: &Loops, marches_fields: bool) -> Budget {
     let rest = 1 + loops.line + loops.landing;
     let left = MOST_TURNS.saturating_sub(rest);
+    let copy_steps = match loops.copy_step {
+        0 => 0,
+        turns => held(MAX_COPY_STEPS, left, turns),
+    };
+    let walks = copy_steps * loops.copy_step;
+    let left = left.saturating_sub(walks);
     let field_steps = match marches_fields {
         true => held(MAX_FIELD_STEPS, left, FIELD_TURNS + loops.other_fields),
         false => 0,
     };
     let objects = 1 + loops.unrolled;
     let work = Work {
-        turns: rest - 1 + field_steps * (FIELD_TURNS + loops.other_fields),
-        evaluations: objects + loops.line + field_steps * (objects + loops.other_fields),
+        turns: rest - 1 + walks + field_steps * (FIELD_TURNS + loops.other_fields),
+        evaluations: objects + loops.line + walks + field_steps * (objects + loops.other_fields),
     };
-    work.budget(settings, 0, field_steps)
+    work.budget(settings, [0, field_steps, copy_steps])
 }
 
 /// Steps of so many turns each that fit what is left.
@@ -134,14 +144,17 @@ struct Work {
 }
 
 impl Work {
-    fn budget(&self, settings: &Settings, steps: u64, field_steps: u64) -> Budget {
+    /// The budget with these steps: of a march, of the fields, past copies.
+    fn budget(&self, settings: &Settings, steps: [u64; 3]) -> Budget {
+        let [steps, field_steps, copy_steps] = steps.map(|steps| steps as u32);
         // The iteration itself is a turn.
         let fit = (MOST_TURNS / (1 + self.turns)).max(1);
         let asked = u64::from(settings.iterations_per_pass);
         Budget {
             iterations_per_pass: asked.min(fit) as u32,
-            steps: steps as u32,
-            field_steps: field_steps as u32,
+            steps,
+            field_steps,
+            copy_steps,
             evaluations: self.evaluations,
         }
     }
@@ -150,7 +163,8 @@ impl Work {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Shape, Surface};
+    use crate::scene::shape::Sphere;
+    use crate::scene::{Node, Shape, Surface};
     use glam::Vec3;
 
     /// Every profile, with as many iterations in a pass as may be asked for.
@@ -164,7 +178,7 @@ mod tests {
     fn balls(count: usize) -> Scene {
         let mut scene = Scene::builtin("corner").unwrap();
         let place = |i: usize| Vec3::new((i % 7) as f32, (i / 7 % 7) as f32, (i / 49) as f32);
-        let ball = |i| Surface::new(Shape::Sphere { radius: 0.3 }).at(1.5 * place(i));
+        let ball = |i| Surface::new(Node::Sphere(Sphere { radius: 0.3 })).at(1.5 * place(i));
         scene.surfaces = (0..count).map(ball).collect();
         scene
     }
@@ -182,6 +196,43 @@ mod tests {
         assert_eq!((march.steps, march.field_steps), (MAX_STEPS, 0));
         let closed = Budget::of(&corner, &asked(Profile::Hybrid));
         assert_eq!(closed.iterations_per_pass, super::super::MAX_ITERATIONS);
+    }
+
+    /// Protects slow fields from being given up early in `march`: what the few steps of the basic
+    /// shapes leave is theirs, and all loops together still keep to the limit.
+    #[test]
+    fn fields_have_what_the_basic_shapes_leave() {
+        let menger = Scene::builtin("menger").unwrap();
+        let march = Budget::of(&menger, &Settings::march());
+        let hybrid = Budget::of(&menger, &Settings::hybrid());
+        assert_eq!(march.steps, MAX_STEPS);
+        let share = f64::from(march.field_steps) / f64::from(hybrid.field_steps);
+        assert!(share > 0.9 && share < 1.0, "{march:?}, {hybrid:?}");
+        let loops = glsl::loops(&menger, None, Lists::Touching);
+        let turns = u64::from(march.steps) * (1 + loops.ahead)
+            + u64::from(march.field_steps) * (FIELD_TURNS + loops.all_fields);
+        assert!(turns + loops.landing < MOST_TURNS, "{turns} turns");
+    }
+
+    /// Protects walks past copies without end from more turns than a driver takes, whatever is
+    /// repeated, and two flights of them in a pass.
+    #[test]
+    fn walks_without_end_fit_a_pass() {
+        let ball = Shape::from(Sphere { radius: 0.1 });
+        let endless = ball.clone().repeat(Vec3::splat(1.0), [0; 3]);
+        let few = ball.repeat(Vec3::splat(0.3), [3; 3]);
+        let nested = few.repeat(Vec3::splat(2.0), [0; 3]);
+        for (field, steps, passes) in [(endless, MAX_COPY_STEPS, 2), (nested, 6_553, 1)] {
+            let mut scene = Scene::builtin("corner").unwrap();
+            scene.surfaces = vec![Surface::new(field)];
+            let budget = Budget::of(&scene, &asked(Profile::Hybrid));
+            assert_eq!(
+                (budget.copy_steps, budget.iterations_per_pass),
+                (steps, passes)
+            );
+            assert_eq!((budget.steps, budget.field_steps), (0, 0));
+            assert_eq!(Budget::of(&scene, &asked(Profile::March)).copy_steps, 0);
+        }
     }
 
     /// Protects the lists of cells from being left out of the count.

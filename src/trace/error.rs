@@ -88,6 +88,21 @@ pub enum TraceError {
         /// The growth stated.
         stated: f32,
     },
+    /// A user's field whose stated gradient is not that of its value.
+    #[error(
+        "{file}: fieldGradient is ({:.4}, {:.4}, {:.4}) at ({:.3}, {:.3}, {:.3}), where the value grows by ({:.4}, {:.4}, {:.4}) a metre along x, y and z",
+        stated.x, stated.y, stated.z, place.x, place.y, place.z, found.x, found.y, found.z
+    )]
+    FieldGradientOff {
+        /// The field's file.
+        file: String,
+        /// Where, in metres, in the field's own axes.
+        place: Vec3,
+        /// The gradient stated, in units of the value a metre.
+        stated: Vec3,
+        /// The gradient that differences of the value tell.
+        found: Vec3,
+    },
     /// A user's field that is evaluated too slowly.
     #[error(
         "{file}: an evaluation takes {:.1} µs on this renderer, more than {:.0} µs: a frame would take minutes",

@@ -15,6 +15,7 @@ mod budget;
 mod directions;
 mod error;
 mod frame;
+mod heard;
 mod limits;
 mod panning;
 mod programs;
@@ -30,20 +31,24 @@ mod waves;
 pub use budget::Budget;
 pub use error::TraceError;
 pub use frame::{Frame, Milliseconds};
-#[cfg(feature = "experiment")]
+#[cfg(feature = "demo")]
+pub(crate) use heard::{HeardSearch, MostKept};
+#[cfg(feature = "picture")]
 pub(crate) use limits::check_surfaces;
 pub use panning::{Counts, Panning};
 pub use programs::{Pass, shader_text};
+#[cfg(feature = "demo")]
+pub(crate) use reload::Opening;
 pub use reload::{Reload, Reloading};
-#[cfg(feature = "experiment")]
+#[cfg(feature = "picture")]
 pub(crate) use scene_data::SceneData;
 pub use settings::{
-    Directions, MARCHES_PER_PASS, MAX_FIELD_STEPS, MAX_ITERATIONS, MAX_STEPS, MAX_WAVES, Profile,
-    Settings,
+    Directions, MARCHES_PER_PASS, MAX_COPY_STEPS, MAX_FIELD_STEPS, MAX_ITERATIONS, MAX_STEPS,
+    MAX_WAVES, Profile, Settings,
 };
 pub use tracer::{HeardPaths, Tracer};
 pub use trial::{FieldTrial, TrialCommand, answer_field_trial};
-#[cfg(feature = "experiment")]
+#[cfg(feature = "picture")]
 pub(crate) use user_fields::UserFields;
 pub(crate) use waves::STATUS_STARTED;
 pub use waves::{Fate, Grid, STATUS_DEAD, STATUS_LISTENER, Wave};

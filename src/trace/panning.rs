@@ -30,7 +30,7 @@ impl Panning {
 pub struct Counts {
     /// Waves that reached the listener.
     pub listener_hits: u64,
-    /// Waves that met nothing, or whose march reached the step limit.
+    /// Dead waves: they met nothing within the maximum distance, or their march reached the step limit.
     pub dead: u64,
     /// Waves that are neither heard nor dead after the last iteration.
     pub travelling: u64,

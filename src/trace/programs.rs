@@ -5,7 +5,6 @@ use crate::error::Error;
 use crate::gpu::{Context, Program, ProgramCache};
 use crate::scene::Scene;
 use crate::scene::glsl::{self, Source, Structure, source};
-use std::borrow::Cow;
 use std::num::NonZeroUsize;
 use std::rc::Rc;
 
@@ -152,7 +151,7 @@ fn initialise_sources(of: Directions) -> Vec<Source> {
     sources.extend(match of {
         Directions::Random => vec![source!("direction/random.glsl")],
         Directions::Fibonacci => vec![
-            source!("distance/turn.glsl"),
+            source!("common/turn.glsl"),
             source!("direction/fibonacci.glsl"),
         ],
     });
@@ -166,37 +165,31 @@ fn pan_sources() -> Vec<Source> {
 
 /// The fragment shader of a march pass, `#version` apart.
 fn march_sources(scene: &Scene, options: Options) -> Vec<Source> {
-    let mut sources = vec![source!("wave.glsl")];
-    sources.push(if options.count_evaluations {
-        source!("counters_evaluations.glsl")
-    } else {
-        source!("counters.glsl")
-    });
-    match options.profile {
+    let counters = match options.count_evaluations {
+        true => source!("counters_evaluations.glsl"),
+        false => source!("counters.glsl"),
+    };
+    let mut roots = vec![source!("wave.glsl"), counters];
+    let parts = match options.profile {
         Profile::Thesis => {
-            sources.extend(glsl::distance_sources(scene));
-            sources.push(source!("iterate_thesis.glsl"));
+            roots.push(source!("iterate_thesis.glsl"));
+            glsl::distance_parts(scene)
         }
         Profile::March => {
-            sources.push((
-                Cow::Borrowed("options"),
-                Cow::Owned(defines(options, scene)),
-            ));
-            sources.extend(glsl::ahead_sources(scene, !options.exact_normals));
-            sources.push(source!("mirror.glsl"));
-            sources.push(source!("iterate_march.glsl"));
+            roots.push(Source::new("options", defines(options, scene)));
+            roots.push(source!("iterate_march.glsl"));
+            glsl::ahead_parts(scene, !options.exact_normals)
         }
         Profile::Hybrid => {
             let marches = u8::from(glsl::marches_fields(scene, false));
             let options = format!("#define MARCHES_FIELDS {marches}\n");
-            sources.push((Cow::Borrowed("options"), Cow::Owned(options)));
-            sources.extend(glsl::closed_form_sources(scene));
-            sources.push(source!("mirror.glsl"));
-            sources.push(source!("iterate_hybrid.glsl"));
+            roots.push(Source::new("options", options));
+            roots.push(source!("iterate_hybrid.glsl"));
+            glsl::closed_form_parts(scene)
         }
-    }
-    sources.push(source!("iterate.frag"));
-    sources
+    };
+    roots.push(source!("iterate.frag"));
+    glsl::link(roots, parts)
 }
 
 fn defines(options: Options, scene: &Scene) -> String {

@@ -1,7 +1,5 @@
 //! A scene that follows its files while it is traced.
 
-#[cfg(feature = "demo")]
-use super::trial;
 use super::trial::Trial;
 use super::{Pass, Settings, Tracer, shader_text};
 use crate::error::Error;
@@ -16,8 +14,11 @@ pub struct Reloading {
     /// A new scene, while its fields are tried.
     trying: Option<(Scene, Trial)>,
     /// Programs that are drawn of it beside the tracer's.
-    others: Vec<fn(&Scene) -> String>,
+    others: Vec<ProgramOf>,
 }
+
+/// The text of a fragment shader of a scene.
+type ProgramOf = fn(&Scene) -> String;
 
 /// What a look at the files has brought.
 #[derive(Debug)]
@@ -74,24 +75,6 @@ impl Reloading {
         })
     }
 
-    /// Has these programs tried as well, together with the tracer's, now and when users'
-    /// fields are new.
-    ///
-    /// # Errors
-    /// [`Error::Trace`] for a field that cannot be used in them.
-    #[cfg(feature = "demo")]
-    pub(crate) fn trying_too(
-        mut self,
-        programs: impl IntoIterator<Item = fn(&Scene) -> String>,
-    ) -> Result<Reloading, Error> {
-        self.others.extend(programs);
-        let texts = self.others.iter().map(|program| program(&self.scene));
-        let texts: Vec<String> = texts.collect();
-        let texts: Vec<&str> = texts.iter().map(String::as_str).collect();
-        trial::ensure(&self.scene, &texts)?;
-        Ok(self)
-    }
-
     /// Looks at the files; to be called between frames, as often as one likes. A new scene
     /// is checked and its programs are compiled here, so that the next frame does not wait;
     /// while its fields are tried in a [child](super::FieldTrial), nothing waits either, and
@@ -116,11 +99,7 @@ impl Reloading {
             // What was tried until now is old.
             self.trying = None;
             let scene = read?;
-            scene.check()?;
-            let mut programs = vec![shader_text(&scene, settings, Pass::March)];
-            programs.extend(self.others.iter().map(|program| program(&scene)));
-            let programs: Vec<&str> = programs.iter().map(String::as_str).collect();
-            let Some(trial) = Trial::begin(&scene, &programs)? else {
+            let Some(trial) = begin_trial(&scene, settings, &self.others)? else {
                 return Ok(Some(scene));
             };
             self.trying = Some((scene, trial));
@@ -145,5 +124,83 @@ impl Reloading {
     /// The files that are followed; none of a built-in scene.
     pub fn files(&self) -> impl Iterator<Item = &std::path::Path> {
         self.watch.files()
+    }
+}
+
+/// Begins to try a scene's fields, together with the tracer's program and others.
+fn begin_trial(
+    scene: &Scene,
+    settings: &Settings,
+    others: &[ProgramOf],
+) -> Result<Option<Trial>, Error> {
+    scene.check()?;
+    let mut programs = vec![shader_text(scene, settings, Pass::March)];
+    programs.extend(others.iter().map(|program| program(scene)));
+    let programs: Vec<&str> = programs.iter().map(String::as_str).collect();
+    Trial::begin(scene, &programs)
+}
+
+/// A scene that is opened while another one goes on: nothing waits for the trial of its fields.
+#[cfg(feature = "demo")]
+pub(crate) struct Opening {
+    reloading: Reloading,
+    trial: Option<Trial>,
+}
+
+#[cfg(feature = "demo")]
+impl Opening {
+    /// Reads a scene and begins to try its fields, in the tracer's program and in `others`.
+    ///
+    /// # Errors
+    /// As [`Scene::load`], and [`Error::Trace`] for a field that is refused at once.
+    pub fn begin(
+        name_or_file: &str,
+        settings: &Settings,
+        others: &[ProgramOf],
+    ) -> Result<Opening, Error> {
+        let (watch, scene) = SceneWatch::open(name_or_file)?;
+        Ok(Opening {
+            trial: begin_trial(&scene, settings, others)?,
+            reloading: Reloading {
+                watch,
+                scene,
+                trying: None,
+                others: others.to_vec(),
+            },
+        })
+    }
+
+    /// The scene as it was read.
+    pub fn scene(&self) -> &Scene {
+        self.reloading.scene()
+    }
+
+    /// Whether its fields are being tried.
+    pub fn is_tried(&self) -> bool {
+        self.trial.is_some()
+    }
+
+    /// Whether its fields can be used, once that is known; at once where there is nothing to
+    /// try.
+    pub fn poll(&mut self) -> Option<Result<(), Error>> {
+        let Some(trial) = &mut self.trial else {
+            return Some(Ok(()));
+        };
+        let ended = trial.poll()?;
+        self.trial = None;
+        Some(ended)
+    }
+
+    /// Waits until that is known.
+    ///
+    /// # Errors
+    /// [`Error::Trace`] for a field that cannot be used.
+    pub fn wait(&mut self) -> Result<(), Error> {
+        self.trial.take().map_or(Ok(()), Trial::wait)
+    }
+
+    /// Follows the scene's files from now on. The tracer has not checked it yet.
+    pub fn follow(self) -> Reloading {
+        self.reloading
     }
 }

@@ -66,14 +66,6 @@ impl Sum {
         Ok(())
     }
 
-    /// Reads the last texel back.
-    pub fn read(&self, grid: Grid, are_evaluations: bool) -> Result<(Panning, Counts), Error> {
-        let last = self.last();
-        let heard = last.read(0)?;
-        let passes = last.read(1)?;
-        Ok(totals(&heard, &passes, grid, are_evaluations))
-    }
-
     /// The target of one texel that holds the sum: what was heard, and the passes.
     pub fn last(&self) -> &RenderTarget {
         &self.levels[self.levels.len() - 1].target

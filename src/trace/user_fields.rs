@@ -5,13 +5,17 @@
 //! solid is; and it is tried, there and at 16,384 points in between, whether it is a number
 //! everywhere and grows as it promises. Only what is measured between two points counts as
 //! growth: that proves it. (The length of a gradient by differences does not, at a ridge.)
-//! What is narrower than a step between points can still pass unseen.
+//! What is narrower than a step between points can still pass unseen. A gradient that the text
+//! states is held against differences (`gradient.rs`).
 //!
 //! # Cost
 //! Once for each context and field: one short program, and some 400,000 evaluations in four
 //! passes, and what takes too long in the first of them is refused. With Mesa's llvmpipe on two cores that is a tenth of a second for a Menger
-//! sponge of five levels, on a graphics card a few milliseconds. A frame whose fields are
+//! sponge of five levels, on a graphics card a few milliseconds; a stated gradient takes another
+//! 100,000. A frame whose fields are
 //! known compares pointers.
+
+mod gradient;
 
 use super::{TraceError, trial};
 use crate::error::Error;
@@ -122,6 +126,8 @@ impl UserFields {
                         field.set_evaluation_seconds(seconds);
                     }
                 }
+                // What has come from a child: the field's own program is not used again.
+                None if field.samples().is_some() && trial::has_passed(field) => (),
                 None => check(context, field)?,
             }
             self.checked.push(Arc::clone(field));
@@ -169,8 +175,10 @@ pub(super) fn check(context: &Context, field: &UserField) -> Result<(), Error> {
     };
     let anywhere = probe.time_anywhere()?;
     let samples = probe.samples()?;
-    let at_surface = probe.time_at_surface(&samples.values)?;
+    let surface = probe.surface_points(&samples.values)?;
+    let at_surface = probe.time_at_surface(&surface)?;
     probe.check_growth()?;
+    probe.check_gradient(&surface)?;
     field.set_evaluation_seconds(anywhere.max(at_surface));
     field.set_samples(Arc::new(samples));
     Ok(())
@@ -290,13 +298,22 @@ impl Probe<'_> {
 
     /// Seconds that an evaluation takes at the surface, where waves take most of their steps; 0
     /// where there is none.
-    fn time_at_surface(&self, values: &[f32]) -> Result<f64, Error> {
+    fn time_at_surface(&self, surface: &[Vec3]) -> Result<f64, Error> {
+        if surface.is_empty() {
+            return Ok(0.0);
+        }
+        let points: Vec<Vec3> = surface.iter().copied().cycle().take(TIMED).collect();
+        self.time_at(&points)
+    }
+
+    /// Points on the surface, or next to it, that are spread over it: [`TIMED`] at the most.
+    fn surface_points(&self, values: &[f32]) -> Result<Vec<Vec3>, Error> {
         let crosses = |&(from, to): &(usize, usize)| (values[from] > 0.0) != (values[to] > 0.0);
         let mut ends: Vec<_> = neighbours().filter(crosses).collect();
         let every = ends.len().div_ceil(TIMED).max(1);
         ends = ends.into_iter().step_by(every).collect();
         if ends.is_empty() {
-            return Ok(0.0);
+            return Ok(Vec::new());
         }
         let mut ways: Vec<[(Vec3, f32); 2]> = ends
             .iter()
@@ -314,8 +331,7 @@ impl Probe<'_> {
             }
             points = ways.iter().map(crossing).collect();
         }
-        let points: Vec<Vec3> = points.iter().copied().cycle().take(TIMED).collect();
-        self.time_at(&points)
+        Ok(points)
     }
 
     /// Seconds that an evaluation takes at these points, side by side.
@@ -349,6 +365,21 @@ impl Probe<'_> {
 
     /// The values at some points, all of them finite.
     fn values(&self, points: &[Vec3]) -> Result<Vec<f32>, Error> {
+        let texels = self.texels(points)?;
+        let values: Vec<f32> = texels.chunks(4).take(points.len()).map(|t| t[0]).collect();
+        match values.iter().position(|value| !value.is_finite()) {
+            None => Ok(values),
+            Some(index) => Err(TraceError::FieldNotFinite {
+                file: self.field.file.display().to_string(),
+                place: points[index],
+                value: values[index],
+            }
+            .into()),
+        }
+    }
+
+    /// Value and stated gradient at each of some points, and whatever fills the last row.
+    fn texels(&self, points: &[Vec3]) -> Result<Vec<f32>, Error> {
         let width = points.len().min(ROW) as u32;
         let rows = points.len().div_ceil(ROW) as u32;
         let vectors: Vec<Vec4> = points.iter().map(|p| p.extend(0.0)).collect();
@@ -361,17 +392,7 @@ impl Probe<'_> {
             let band = start..start + ROWS_PER_DRAW;
             full_screen_pass_rows(self.context, &self.program, &target, width, rows, band)?;
         }
-        let texels = target.read(0)?;
-        let values: Vec<f32> = texels.chunks(4).take(points.len()).map(|t| t[0]).collect();
-        match values.iter().position(|value| !value.is_finite()) {
-            None => Ok(values),
-            Some(index) => Err(TraceError::FieldNotFinite {
-                file: self.field.file.display().to_string(),
-                place: points[index],
-                value: values[index],
-            }
-            .into()),
-        }
+        Ok(target.read(0)?)
     }
 }
 

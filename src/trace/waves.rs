@@ -12,7 +12,7 @@ pub const STATUS_LISTENER: f32 = 0.0;
 pub(crate) const STATUS_STARTED: f32 = 0.5;
 
 /// Marches that reached the step limit count in multiples of this in a wave's counters (`glsl/wave.glsl`).
-const GUARD_HIT: u32 = 4096;
+const LIMIT_REACHED: u32 = 4096;
 
 /// The texture that holds a number of waves: rows of `width`, wave by wave.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,7 +40,7 @@ impl Grid {
 /// What became of a wave.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fate {
-    /// It met nothing, or its march reached the step limit.
+    /// It met nothing within the maximum distance, or its march reached the step limit.
     Dead,
     /// It reached the listener.
     Listener,
@@ -113,7 +113,7 @@ fn xyz(texel: [f32; 4]) -> Vec3 {
 /// Zero-length passes and marches that reached the step limit out of a texel's counters.
 pub(super) fn unpack_counters(counters: f32) -> (u32, u32) {
     let counters = counters as u32;
-    (counters % GUARD_HIT, counters / GUARD_HIT)
+    (counters % LIMIT_REACHED, counters / LIMIT_REACHED)
 }
 
 #[cfg(test)]

@@ -1,6 +1,8 @@
 //! What the integration tests share. A machine without GL fails them: nothing is skipped.
 #![allow(dead_code)] // Every test file uses its own part of this.
 
+pub mod flights;
+
 use echomarch::gpu::{Api, Context, ContextOptions};
 use echomarch::{Scene, Settings, Tracer};
 use glam::{DVec3, Vec3};
@@ -77,9 +79,9 @@ impl Random {
     }
 }
 
-#[cfg(feature = "demo")]
+#[cfg(all(feature = "cli", feature = "demo"))]
 pub mod drop;
-#[cfg(feature = "demo")]
+#[cfg(all(feature = "cli", feature = "demo"))]
 pub mod window;
 
 /// The program as a person starts it.

@@ -1,125 +1,136 @@
 //! What cannot be a field is refused, with a sentence that names the node.
 
 use crate::table::{cuboid, sphere};
-use echomarch::scene::{Field, HeightImage, Node, UserField};
+use echomarch::scene::shape::{
+    Bend, CappedCylinder, Capsule, Complement, Cone, Cuboid, Cylinder, Difference, Ellipsoid,
+    GeneralQuadric, HalfSpace, HeightField, Hyperboloid, Morph, Paraboloid, Plane, Prism, Room,
+    RoundedBox, Sphere, Torus, Twist, User,
+};
+use echomarch::scene::{HeightImage, Node, Shape, UserField};
 use glam::{UVec2, Vec2, Vec3};
 use std::sync::Arc;
 
-fn refusals() -> Vec<(Field, &'static str)> {
-    let f = Field::from;
+fn refusals() -> Vec<(Shape, &'static str)> {
+    let f = Shape::from;
     let v = Vec3::new;
     let mut list = vec![
         (
-            f(Node::HalfSpace {
+            f(Node::HalfSpace(HalfSpace {
                 normal: Vec3::ZERO,
                 offset: 0.0,
-            }),
+            })),
             "normal must have a length",
         ),
         (
-            f(Node::HalfSpace {
+            f(Node::HalfSpace(HalfSpace {
                 normal: Vec3::X,
                 offset: f32::NAN,
-            }),
+            })),
             "offset",
         ),
         (
-            f(Node::Box {
+            f(Node::Cuboid(Cuboid {
                 size: v(1.0, 0.0, 1.0),
-            }),
+            })),
             "size",
         ),
         (
-            f(Node::Room {
+            f(Node::Room(Room {
                 size: v(1.0, 1.0, -1.0),
-            }),
+            })),
             "size",
         ),
         (
-            f(Node::RoundedBox {
+            f(Node::RoundedBox(RoundedBox {
                 size: v(1.0, 2.0, 3.0),
                 rounding: 0.6,
-            }),
+            })),
             "at most half",
         ),
         (
-            f(Node::Sphere {
+            f(Node::Sphere(Sphere {
                 radius: f32::INFINITY,
-            }),
+            })),
             "radius",
         ),
-        (f(Node::Cylinder { radius: -1.0 }), "radius"),
+        (f(Node::Cylinder(Cylinder { radius: -1.0 })), "radius"),
         (
-            f(Node::CappedCylinder {
+            f(Node::CappedCylinder(CappedCylinder {
                 radius: 1.0,
                 height: 0.0,
-            }),
+            })),
             "height",
         ),
         (
-            f(Node::Capsule {
+            f(Node::Capsule(Capsule {
                 radius: 0.0,
                 height: 1.0,
-            }),
+            })),
             "radius",
         ),
         (
-            f(Node::Torus {
+            f(Node::Torus(Torus {
                 ring: 1.0,
                 tube: -0.1,
-            }),
-            "tube radius",
+            })),
+            "tube",
         ),
         (
-            f(Node::Cone {
+            f(Node::Cone(Cone {
                 radius: 1.0,
                 height: f32::NAN,
-            }),
+            })),
             "height",
         ),
         (
-            f(Node::Prism {
+            f(Node::Prism(Prism {
                 corners: [Vec2::ZERO, Vec2::X, Vec2::X * 2.0],
                 depth: 1.0,
-            }),
+            })),
             "one line",
         ),
         (
-            f(Node::Ellipsoid {
+            f(Node::Ellipsoid(Ellipsoid {
                 radii: v(1.0, 1.0, 0.0),
-            }),
+            })),
             "radii",
         ),
-        (f(Node::Paraboloid { focal_length: 0.0 }), "focal length"),
         (
-            f(Node::Hyperboloid {
+            f(Node::Paraboloid(Paraboloid { focal_length: 0.0 })),
+            "focal length",
+        ),
+        (
+            f(Node::Hyperboloid(Hyperboloid {
                 waist: 1.0,
                 rise: 0.0,
                 two_sheets: true,
-            }),
+            })),
             "rise",
         ),
         (
-            f(Node::Quadric {
+            f(Node::GeneralQuadric(GeneralQuadric {
                 coefficients: [0.0; 10],
-            }),
+            })),
             "first six",
         ),
         (
-            f(Node::Quadric {
+            f(Node::GeneralQuadric(GeneralQuadric {
                 coefficients: [f32::NAN; 10],
-            }),
-            "coefficient 1",
+            })),
+            "coefficients.0",
         ),
         (sphere(1.0).shell(0.0), "thickness"),
         (
-            Field::smooth_union(0.0, [sphere(1.0), sphere(2.0)]),
+            Shape::smooth_union(0.0, [sphere(1.0), sphere(2.0)]),
             "radius",
         ),
-        (sphere(1.0).offset(f32::NAN), "length"),
-        (sphere(1.0).scale(-1.0), "factor"),
-        (sphere(1.0).translate(v(0.0, f32::INFINITY, 0.0)), "length"),
-        (sphere(1.0).rotate(v(f32::NAN, 0.0, 0.0)), "angle"),
+        (sphere(1.0).offset(f32::NAN), "its by"),
+        (sphere(1.0).scale(-1.0), "its by"),
+        (
+            sphere(1.0).translate(v(0.0, f32::INFINITY, 0.0)),
+            "its by.y",
+        ),
+        (sphere(1.0).rotate(v(f32::NAN, 0.0, 0.0)), "its by.x"),
         (sphere(1.0).repeat(Vec3::ZERO, [1; 3]), "period"),
         (sphere(1.0).repeat(v(1.0, -1.0, 0.0), [1; 3]), "period"),
         (
@@ -130,67 +141,76 @@ fn refusals() -> Vec<(Field, &'static str)> {
         (sphere(1.0).morph(sphere(2.0), 1.5), "amount"),
         (cuboid(1.0, 1.0, 1.0).twist(f32::NAN), "rate"),
         // Repetitions and turnings of what has no end.
-        (f(Node::Plane).repeat(v(1.0, 0.0, 0.0), [0; 3]), "no end"),
+        (
+            f(Node::Plane(Plane)).repeat(v(1.0, 0.0, 0.0), [0; 3]),
+            "no end",
+        ),
         (
             sphere(1.0).complement().repeat(v(9.0, 0.0, 0.0), [0; 3]),
             "no end",
         ),
         (sphere(5.0).repeat(v(0.5, 0.5, 0.5), [0; 3]), "more than 64"),
-        (f(Node::Plane).twist(1.0), "no end"),
-        (f(Node::Cylinder { radius: 1.0 }).bend(1.0), "no end"),
+        (f(Node::Plane(Plane)).twist(1.0), "no end"),
         (
-            Field::over(
-                Node::Twist {
+            f(Node::Cylinder(Cylinder { radius: 1.0 })).bend(1.0),
+            "no end",
+        ),
+        (
+            Shape::over(
+                Node::Twist(Twist {
                     rate: 3.0,
                     lipschitz: 1.1,
-                },
+                }),
                 [cuboid(3.0, 1.0, 3.0)],
             ),
             "lipschitz",
         ),
         (
-            Field::over(
-                Node::Bend {
+            Shape::over(
+                Node::Bend(Bend {
                     rate: 2.0,
                     lipschitz: 1.05,
-                },
+                }),
                 [cuboid(3.0, 1.0, 1.0)],
             ),
             "lipschitz",
         ),
         (
-            Field::over(
-                Node::Twist {
+            Shape::over(
+                Node::Twist(Twist {
                     rate: 1.0,
                     lipschitz: 0.5,
-                },
+                }),
                 [cuboid(1.0, 1.0, 1.0)],
             ),
             "lipschitz",
         ),
         // Operands.
-        (Field::union([]), "at least 1"),
-        (Field::over(Node::Difference, [sphere(1.0)]), "at least 2"),
+        (Shape::union([]), "at least 1"),
         (
-            Field::over(Node::Morph { amount: 0.5 }, [sphere(1.0)]),
+            Shape::over(Node::Difference(Difference), [sphere(1.0)]),
+            "at least 2",
+        ),
+        (
+            Shape::over(Node::Morph(Morph { amount: 0.5 }), [sphere(1.0)]),
             "takes 2",
         ),
         (
-            Field::over(Node::Complement, [sphere(1.0), sphere(2.0)]),
+            Shape::over(Node::Complement(Complement), [sphere(1.0), sphere(2.0)]),
             "takes 1",
         ),
         (
-            Field::over(Node::Sphere { radius: 1.0 }, [sphere(1.0)]),
+            Shape::over(Node::Sphere(Sphere { radius: 1.0 }), [sphere(1.0)]),
             "takes no fields",
         ),
     ];
     let image = HeightImage::new("flat", UVec2::splat(2), vec![0.5; 4]).unwrap();
     let (image, size) = (Arc::new(image), v(1.0, 0.0, 1.0));
-    list.push((f(Node::HeightField { image, size }), "size"));
+    list.push((f(Node::HeightField(HeightField { image, size })), "size"));
     let user = |size, lipschitz| {
         let text = "float field(vec3 p) { return 1.0; }".to_owned();
         let field = Arc::new(UserField::new("own.glsl", text, size, lipschitz));
-        f(Node::User { field })
+        f(Node::User(User { field }))
     };
     list.push((user(Vec3::ZERO, 1.0), "size"));
     list.push((user(Vec3::ONE, 0.0), "lipschitz"));
@@ -203,7 +223,7 @@ fn refusals() -> Vec<(Field, &'static str)> {
 fn bad_fields_are_refused_by_name() {
     for (field, says) in refusals() {
         let name = field.node.name();
-        let within = Field::union([sphere(1.0), field.clone()]).complement();
+        let within = Shape::union([sphere(1.0), field.clone()]).complement();
         for tree in [field, within] {
             let why = tree.check().expect_err(name);
             assert!(why.starts_with(name), "{why}: {name}");
@@ -215,7 +235,7 @@ fn bad_fields_are_refused_by_name() {
 /// Protects trees that would compile for minutes.
 #[test]
 fn a_field_has_an_end() {
-    let many = Field::union((0..5000).map(|_| sphere(1.0)));
+    let many = Shape::union((0..5000).map(|_| sphere(1.0)));
     assert!(many.validate().is_err_and(|why| why.contains("too large")));
 }
 

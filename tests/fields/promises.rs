@@ -2,7 +2,7 @@
 
 use crate::common::Random;
 use crate::table::{Entry, on_cpu, operators, shapes};
-use echomarch::scene::{Exactness, Field};
+use echomarch::scene::{Exactness, Shape};
 use glam::{DVec3, Vec3};
 use proptest::prelude::*;
 
@@ -102,7 +102,7 @@ fn values_are_the_distances_that_they_are_said_to_be() {
 }
 
 /// Whether the value grows faster than it may between two points.
-fn grows_too_fast(field: &Field, reach: f64, seed: u64) -> Option<String> {
+fn grows_too_fast(field: &Shape, reach: f64, seed: u64) -> Option<String> {
     let lipschitz = field.properties().lipschitz;
     let mut random = Random(seed);
     for index in 0..400 {
@@ -119,7 +119,7 @@ fn grows_too_fast(field: &Field, reach: f64, seed: u64) -> Option<String> {
 }
 
 /// Whether the solid is where the bounds say, convex and symmetric as promised.
-fn breaks_its_form(field: &Field, reach: f64, seed: u64) -> Option<String> {
+fn breaks_its_form(field: &Shape, reach: f64, seed: u64) -> Option<String> {
     let properties = field.properties();
     let mut random = Random(seed);
     let mut solid: Vec<DVec3> = Vec::new();
@@ -173,7 +173,7 @@ fn solids_have_the_form_that_is_promised() {
 }
 
 /// Random trees of what the table has.
-pub fn trees() -> impl Strategy<Value = Field> {
+pub fn trees() -> impl Strategy<Value = Shape> {
     let mut leaves = shapes();
     leaves.extend(operators());
     let leaf = prop::sample::select(leaves);
@@ -184,9 +184,9 @@ pub fn trees() -> impl Strategy<Value = Field> {
         let one = (inner, place.clone(), amount.clone());
         prop_oneof![
             (several, 0..4, amount.clone()).prop_map(|(of, which, by)| match which {
-                0 => Field::union(of),
-                1 => Field::intersection(of),
-                2 => Field::smooth_union(by, of),
+                0 => Shape::union(of),
+                1 => Shape::intersection(of),
+                2 => Shape::smooth_union(by, of),
                 _ => {
                     let mut of = of.into_iter();
                     let first = of.next().unwrap_or_else(|| shapes().remove(0));

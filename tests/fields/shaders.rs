@@ -5,6 +5,7 @@ use crate::promises::trees;
 use crate::table::{Entry, entries, scene_of, surfaces, to_local, to_world};
 use echomarch::gpu::{Api, Context, DataTexture, Program, RenderTarget, Texture, full_screen_pass};
 use echomarch::reference::ExactScene;
+use echomarch::scene::shape::Ellipsoid;
 use echomarch::scene::{Exactness, Motion, Node, glsl};
 use echomarch::{Scene, Surface};
 use glam::{DVec3, Vec3};
@@ -22,7 +23,7 @@ pub struct Asked {
 }
 
 impl Asked {
-    fn new(context: &Context, scene: &Scene, mut sources: Vec<glsl::Source>, ask: String) -> Asked {
+    fn new(context: &Context, scene: &Scene, parts: Vec<glsl::Part>, ask: String) -> Asked {
         let main = "
 uniform highp sampler2D uPoints;
 uniform highp sampler2D uDirections;
@@ -33,15 +34,12 @@ void main() {
     outAnswer = answer(uWhich, texelFetch(uPoints, at, 0).xyz, texelFetch(uDirections, at, 0).xyz);
 }
 ";
-        sources.insert(
-            0,
-            (
-                "counters".into(),
-                "#define COUNT_EVALUATIONS(n)\nconst float STATUS_LISTENER = 0.0;\n".into(),
-            ),
-        );
-        sources.push(("ask".into(), (ask + main).into()));
-        let text = glsl::join(&sources);
+        let counters = "#define COUNT_EVALUATIONS(n)\nconst float STATUS_LISTENER = 0.0;\n";
+        let roots = vec![
+            glsl::Source::new("counters", counters),
+            glsl::Source::new("ask", ask + main),
+        ];
+        let text = glsl::join(&glsl::link(roots, parts));
         let program = Program::fragment(context, "ask", &text)
             .unwrap_or_else(|error| panic!("{error}\n{:#?}", scene.surfaces));
         let mut data = DataTexture::new(context, glsl::DATA_WIDTH).unwrap();
@@ -50,6 +48,7 @@ void main() {
         program.set_vec4_array("uSurfaces", &values);
         let listener = scene.listener.position.extend(scene.listener.radius);
         program.set_vec4("uListener", listener);
+        program.set_i32("uCopySteps", echomarch::trace::MAX_COPY_STEPS as i32);
         Asked {
             context: context.clone(),
             program,
@@ -92,9 +91,11 @@ fn unit(entry: &Entry, surface: &Surface, p: Vec3) -> f64 {
 /// radius.
 fn awkwardness(entry: &Entry) -> f64 {
     let of_node = |node: &Node| match node {
-        Node::Ellipsoid { radii } => f64::from(radii.max_element() / radii.min_element()).powi(2),
-        Node::Paraboloid { .. } | Node::Hyperboloid { .. } | Node::Quadric { .. } => 4.0,
-        Node::Twist { .. } | Node::Bend { .. } => 8.0,
+        Node::Ellipsoid(Ellipsoid { radii }) => {
+            f64::from(radii.max_element() / radii.min_element()).powi(2)
+        }
+        Node::Paraboloid(_) | Node::Hyperboloid(_) | Node::GeneralQuadric(_) => 4.0,
+        Node::Twist(_) | Node::Bend(_) => 8.0,
         _ => 1.0,
     };
     let nodes = entry.field.nodes();
@@ -170,8 +171,8 @@ fn asked(context: &Context, scene: &Scene) -> Asked {
         first += glsl::uniform_count(&scene_of(vec![surface.clone()]));
     }
     ask += &field_calls(scene.surfaces.len());
-    let sources = glsl::ahead_sources(scene, false);
-    Asked::new(context, scene, sources, ask)
+    let parts = glsl::ahead_parts(scene, false);
+    Asked::new(context, scene, parts, ask)
 }
 
 #[derive(Default)]
@@ -253,7 +254,7 @@ fn driven(surface: Surface) -> Surface {
     let mut named = surface.clone();
     let numbers = named.parameters_mut().into_iter();
     let own = numbers
-        .map(|(name, _)| name)
+        .map(|parameter| parameter.name)
         .filter(|name| !name.starts_with("position") && !name.starts_with("rotation"));
     own.fold(surface, |surface, name| {
         surface.driven(&name, Motion::Named("value".to_owned()))
@@ -337,9 +338,9 @@ fn closed_forms_meet_what_a_march_meets() {
         }
         let exact = ExactScene::new(&scene).unwrap();
         let mut ask = String::from("vec4 answer(int which, vec3 p, vec3 d) {\n");
-        ask += "    float object;\n    float t = nearestHit(p, d, -1.0, object);\n";
+        ask += "    float object;\n    float t = nearestHit(p, d, -1.0, NO_HIT, object);\n";
         ask += "    return vec4(t, object, 0.0, 0.0);\n}\n";
-        let asked = Asked::new(&context, &scene, glsl::closed_form_sources(&scene), ask);
+        let asked = Asked::new(&context, &scene, glsl::closed_form_parts(&scene), ask);
         let mut random = Random(23);
         let mut lines: Vec<(Vec3, Vec3)> = Vec::new();
         for _ in 0..400 {

@@ -1,6 +1,11 @@
 //! Every shape and every operator, and combinations of them: what the tests walk.
 
-use echomarch::scene::{Field, HeightImage, Node, UserField};
+use echomarch::scene::shape::{
+    CappedCylinder, Capsule, Complement, Cone, Cuboid, Cylinder, Difference, Ellipsoid,
+    GeneralQuadric, HalfSpace, HeightField, Hyperboloid, Intersection, Paraboloid, Plane, Prism,
+    Room, RoundedBox, Sphere, Torus, Union, User,
+};
+use echomarch::scene::{HeightImage, Node, Shape, UserField};
 use echomarch::{Listener, Scene, Source, Surface};
 use glam::{DVec3, EulerRot, Quat, UVec2, Vec2, Vec3};
 use std::sync::Arc;
@@ -9,7 +14,7 @@ use std::sync::Arc;
 #[derive(Clone, Debug)]
 pub struct Entry {
     pub name: String,
-    pub field: Field,
+    pub field: Shape,
     /// The value that a user's text has; the CPU only knows samples of it.
     pub truth: Option<fn(DVec3) -> f64>,
 }
@@ -40,154 +45,154 @@ const KINDS: usize = 34;
 /// [`KINDS`], and add it to [`shapes`] or [`operators`].
 fn kind(node: &Node) -> usize {
     match node {
-        Node::Plane => 0,
-        Node::HalfSpace { .. } => 1,
-        Node::Box { .. } => 2,
-        Node::Room { .. } => 3,
-        Node::RoundedBox { .. } => 4,
-        Node::Sphere { .. } => 5,
-        Node::Cylinder { .. } => 6,
-        Node::CappedCylinder { .. } => 7,
-        Node::Capsule { .. } => 8,
-        Node::Torus { .. } => 9,
-        Node::Cone { .. } => 10,
-        Node::Prism { .. } => 11,
-        Node::Ellipsoid { .. } => 12,
-        Node::Paraboloid { .. } => 13,
-        Node::Hyperboloid { .. } => 14,
-        Node::Quadric { .. } => 15,
-        Node::HeightField { .. } => 16,
-        Node::User { .. } => 17,
-        Node::Union => 18,
-        Node::Intersection => 19,
-        Node::Difference => 20,
-        Node::Complement => 21,
-        Node::Shell { .. } => 22,
-        Node::SmoothUnion { .. } => 23,
-        Node::Offset { .. } => 24,
-        Node::Translate { .. } => 25,
-        Node::Rotate { .. } => 26,
-        Node::Scale { .. } => 27,
-        Node::Mirror { .. } => 28,
-        Node::Repeat { .. } => 29,
-        Node::Elongate { .. } => 30,
-        Node::Twist { .. } => 31,
-        Node::Bend { .. } => 32,
-        Node::Morph { .. } => 33,
+        Node::Plane(Plane) => 0,
+        Node::HalfSpace(_) => 1,
+        Node::Cuboid(_) => 2,
+        Node::Room(_) => 3,
+        Node::RoundedBox(_) => 4,
+        Node::Sphere(_) => 5,
+        Node::Cylinder(_) => 6,
+        Node::CappedCylinder(_) => 7,
+        Node::Capsule(_) => 8,
+        Node::Torus(_) => 9,
+        Node::Cone(_) => 10,
+        Node::Prism(_) => 11,
+        Node::Ellipsoid(_) => 12,
+        Node::Paraboloid(_) => 13,
+        Node::Hyperboloid(_) => 14,
+        Node::GeneralQuadric(_) => 15,
+        Node::HeightField(_) => 16,
+        Node::User(_) => 17,
+        Node::Union(Union) => 18,
+        Node::Intersection(Intersection) => 19,
+        Node::Difference(Difference) => 20,
+        Node::Complement(Complement) => 21,
+        Node::Shell(_) => 22,
+        Node::SmoothUnion(_) => 23,
+        Node::Offset(_) => 24,
+        Node::Translate(_) => 25,
+        Node::Rotate(_) => 26,
+        Node::Scale(_) => 27,
+        Node::Mirror(_) => 28,
+        Node::Repeat(_) => 29,
+        Node::Elongate(_) => 30,
+        Node::Twist(_) => 31,
+        Node::Bend(_) => 32,
+        Node::Morph(_) => 33,
     }
 }
 
-pub fn sphere(radius: f32) -> Field {
-    Node::Sphere { radius }.into()
+pub fn sphere(radius: f32) -> Shape {
+    Node::Sphere(Sphere { radius }).into()
 }
 
-pub fn cuboid(x: f32, y: f32, z: f32) -> Field {
+pub fn cuboid(x: f32, y: f32, z: f32) -> Shape {
     let size = Vec3::new(x, y, z);
-    Node::Box { size }.into()
+    Node::Cuboid(Cuboid { size }).into()
 }
 
-fn ellipsoid(x: f32, y: f32, z: f32) -> Field {
+fn ellipsoid(x: f32, y: f32, z: f32) -> Shape {
     let radii = Vec3::new(x, y, z);
-    Node::Ellipsoid { radii }.into()
+    Node::Ellipsoid(Ellipsoid { radii }).into()
 }
 
-fn prism() -> Field {
+fn prism() -> Shape {
     let corners = [
         Vec2::new(-0.5, -0.4),
         Vec2::new(1.2, -0.3),
         Vec2::new(0.1, 0.9),
     ];
-    Node::Prism {
+    Node::Prism(Prism {
         corners,
         depth: 1.4,
-    }
+    })
     .into()
 }
 
-fn cone() -> Field {
-    Node::Cone {
+fn cone() -> Shape {
+    Node::Cone(Cone {
         radius: 0.8,
         height: 1.5,
-    }
+    })
     .into()
 }
 
-fn hills() -> Field {
+fn hills() -> Shape {
     let heights = (0..30).map(|i| ((i * 7) % 11) as f32 / 10.0).collect();
     let image = HeightImage::new("hills", UVec2::new(6, 5), heights).unwrap();
-    Node::HeightField {
+    Node::HeightField(HeightField {
         image: Arc::new(image),
         size: Vec3::new(4.0, 0.7, 3.0),
-    }
+    })
     .into()
 }
 
 /// Shapes in several sizes, users' texts apart.
-pub fn shapes() -> Vec<Field> {
-    let node = Field::from;
-    let quadric = |coefficients| Field::from(Node::Quadric { coefficients });
+pub fn shapes() -> Vec<Shape> {
+    let node = Shape::from;
+    let quadric = |coefficients| Shape::from(Node::GeneralQuadric(GeneralQuadric { coefficients }));
     let hyperboloid = |waist, rise, two_sheets| {
-        Field::from(Node::Hyperboloid {
+        Shape::from(Node::Hyperboloid(Hyperboloid {
             waist,
             rise,
             two_sheets,
-        })
+        }))
     };
     vec![
-        node(Node::Plane),
-        node(Node::HalfSpace {
+        node(Node::Plane(Plane)),
+        node(Node::HalfSpace(HalfSpace {
             normal: Vec3::new(1.0, -2.0, 0.5),
             offset: -0.7,
-        }),
+        })),
         cuboid(0.02, 0.03, 0.01),
         cuboid(4.0, 1.0, 2.0),
-        node(Node::Room {
+        node(Node::Room(Room {
             size: Vec3::new(6.0, 4.0, 5.0),
-        }),
-        node(Node::RoundedBox {
+        })),
+        node(Node::RoundedBox(RoundedBox {
             size: Vec3::new(2.0, 1.0, 3.0),
             rounding: 0.2,
-        }),
-        node(Node::RoundedBox {
+        })),
+        node(Node::RoundedBox(RoundedBox {
             size: Vec3::new(2.0, 1.0, 3.0),
             rounding: 0.5,
-        }),
+        })),
         sphere(0.01),
         sphere(3.0),
-        node(Node::Cylinder { radius: 0.6 }),
-        node(Node::CappedCylinder {
+        node(Node::Cylinder(Cylinder { radius: 0.6 })),
+        node(Node::CappedCylinder(CappedCylinder {
             radius: 1.1,
             height: 0.6,
-        }),
-        node(Node::CappedCylinder {
+        })),
+        node(Node::CappedCylinder(CappedCylinder {
             radius: 0.2,
             height: 5.0,
-        }),
-        node(Node::Capsule {
+        })),
+        node(Node::Capsule(Capsule {
             radius: 0.5,
             height: 1.5,
-        }),
-        node(Node::Torus {
+        })),
+        node(Node::Torus(Torus {
             ring: 1.5,
             tube: 0.4,
-        }),
-        node(Node::Torus {
+        })),
+        node(Node::Torus(Torus {
             ring: 0.4,
             tube: 0.6,
-        }),
+        })),
         cone(),
-        node(Node::Cone {
+        node(Node::Cone(Cone {
             radius: 2.0,
             height: 0.5,
-        }),
+        })),
         prism(),
-        node(Node::Prism {
+        node(Node::Prism(Prism {
             corners: [Vec2::new(0.0, 2.0), Vec2::new(3.0, 0.0), Vec2::ZERO],
             depth: 0.2,
-        }),
+        })),
         ellipsoid(1.0, 1.0, 1.0),
         ellipsoid(2.0, 0.5, 1.0),
-        node(Node::Paraboloid { focal_length: 0.4 }),
+        node(Node::Paraboloid(Paraboloid { focal_length: 0.4 })),
         hyperboloid(0.7, 1.0, false),
         hyperboloid(0.7, 1.0, true),
         quadric([1.0, 0.5, -0.6, 0.3, -0.4, 0.2, 0.1, -0.3, 0.2, -0.8]),
@@ -210,7 +215,7 @@ pub fn users() -> Vec<Entry> {
         let field = Arc::new(user);
         Entry {
             name: name.into(),
-            field: Node::User { field }.into(),
+            field: Node::User(User { field }).into(),
             truth: Some(truth),
         }
     };
@@ -233,38 +238,38 @@ pub fn users() -> Vec<Entry> {
 }
 
 /// Operators, one at a time and nested.
-pub fn operators() -> Vec<Field> {
+pub fn operators() -> Vec<Shape> {
     let v = Vec3::new;
     let bar = || cuboid(2.0, 0.4, 0.3);
     let aside = || sphere(0.5).translate(v(0.3, 0.1, 0.0));
     let wedge = || prism().translate(v(0.2, 0.0, 0.1));
     vec![
-        Field::union([sphere(0.8), bar(), cone().translate(v(0.0, 1.0, 0.5))]),
-        Field::union([
+        Shape::union([sphere(0.8), bar(), cone().translate(v(0.0, 1.0, 0.5))]),
+        Shape::union([
             cuboid(1.0, 1.0, 1.0),
             cuboid(1.0, 1.0, 1.0).translate(Vec3::X),
         ]),
-        Field::intersection([sphere(1.0), cuboid(1.5, 1.5, 1.5), aside()]),
+        Shape::intersection([sphere(1.0), cuboid(1.5, 1.5, 1.5), aside()]),
         cuboid(2.0, 2.0, 2.0).minus([sphere(1.2), bar()]),
         sphere(1.0).complement(),
         cuboid(3.0, 2.0, 4.0).complement(),
         ellipsoid(2.0, 1.5, 1.0)
             .rotate(v(0.3, 0.2, 0.1))
             .complement(),
-        Field::from(Node::Room {
+        Shape::from(Node::Room(Room {
             size: Vec3::splat(3.0),
-        })
+        }))
         .complement(),
         sphere(1.0).shell(0.2),
         sphere(1.0).complement().shell(0.3),
         ellipsoid(2.0, 0.5, 1.0).shell(0.4),
-        Field::smooth_union(0.6, [sphere(0.7), bar(), aside()]),
-        Field::smooth_union(1.0, [ellipsoid(2.0, 0.4, 0.6), ellipsoid(0.4, 1.0, 0.5)]),
+        Shape::smooth_union(0.6, [sphere(0.7), bar(), aside()]),
+        Shape::smooth_union(1.0, [ellipsoid(2.0, 0.4, 0.6), ellipsoid(0.4, 1.0, 0.5)]),
         cuboid(1.0, 2.0, 1.5).offset(0.3),
         cuboid(1.0, 2.0, 1.5).offset(-0.2),
         ellipsoid(2.0, 0.5, 1.0).offset(0.3),
         ellipsoid(2.0, 0.5, 1.0).offset(-0.2),
-        Field::intersection([sphere(1.0), aside()]).offset(0.2),
+        Shape::intersection([sphere(1.0), aside()]).offset(0.2),
         wedge().rotate(v(0.5, -1.0, 2.0)),
         cone().scale(2.5),
         cuboid(40.0, 20.0, 30.0).scale(0.05),
@@ -303,35 +308,35 @@ pub fn operators() -> Vec<Field> {
         sphere(0.8).morph(cuboid(2.0, 0.8, 1.2), 0.4),
         sphere(0.8).morph(cone(), 1.0),
         // Three and four deep.
-        Field::union([
+        Shape::union([
             bar().twist(1.0).translate(v(0.0, 0.8, 0.0)),
-            Field::smooth_union(0.3, [aside(), cone()]).shell(0.1),
+            Shape::smooth_union(0.3, [aside(), cone()]).shell(0.1),
             sphere(0.3).repeat(v(1.0, 0.0, 0.0), [3, 0, 0]).offset(0.05),
         ]),
-        Field::intersection([
+        Shape::intersection([
             cuboid(4.0, 2.0, 4.0),
             sphere(0.6).repeat(v(1.5, 1.5, 1.5), [0; 3]).complement(),
-            Field::union([aside(), wedge()]).complement(),
+            Shape::union([aside(), wedge()]).complement(),
         ]),
-        Field::union([
+        Shape::union([
             cone().rotate(v(0.4, 0.0, 0.9)).scale(0.7),
-            Field::union([cuboid(1.0, 0.2, 1.0), aside().translate(v(0.0, 1.0, 0.0))])
+            Shape::union([cuboid(1.0, 0.2, 1.0), aside().translate(v(0.0, 1.0, 0.0))])
                 .rotate(v(0.0, 0.3, 0.0))
                 .translate(v(-0.5, -0.5, 0.2)),
             ellipsoid(0.4, 0.8, 0.3).translate(v(1.2, 0.0, 0.0)),
-            Field::from(Node::Capsule {
+            Shape::from(Node::Capsule(Capsule {
                 radius: 0.3,
                 height: 1.0,
-            })
+            }))
             .translate(v(0.0, 0.0, 1.5)),
         ]),
-        Field::intersection([bar(), aside()])
+        Shape::intersection([bar(), aside()])
             .elongate(v(0.3, 0.2, 0.0))
             .mirror([false, true, true]),
         cuboid(2.0, 1.0, 1.0)
             .minus([wedge().offset(0.1)])
             .morph(aside().shell(0.2), 0.3),
-        Field::smooth_union(0.4, [bar().bend(0.6), sphere(0.5).shell(0.1)]),
+        Shape::smooth_union(0.4, [bar().bend(0.6), sphere(0.5).shell(0.1)]),
     ]
 }
 
@@ -356,9 +361,14 @@ pub fn on_cpu() -> Vec<Entry> {
     all.filter(|entry| entry.truth.is_none()).collect()
 }
 
-/// As it is, and placed.
+/// As it is, and placed. A basic shape alone has no functions of its own in a shader: it
+/// stands in a union of one.
 pub fn surfaces(entry: &Entry) -> [Surface; 2] {
-    let plain = Surface::new(entry.field.clone());
+    let field = entry.field.clone();
+    let plain = Surface::new(match field.is_basic() {
+        true => Shape::union([field]),
+        false => field,
+    });
     let turn = Quat::from_euler(EulerRot::XYZEx, 0.4, -1.1, 2.3);
     [
         plain.clone(),

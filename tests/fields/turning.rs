@@ -1,12 +1,13 @@
 //! The sense in which fields are turned: right-handed, as all angles of a scene are.
 
-use echomarch::scene::{Field, Node};
+use echomarch::scene::shape::Cuboid;
+use echomarch::scene::{Node, Shape};
 use glam::{DVec3, Vec3};
 
 /// A bar along x, thin along the other two axes.
-fn bar() -> Field {
+fn bar() -> Shape {
     let size = Vec3::new(4.0, 0.1, 0.1);
-    Node::Box { size }.into()
+    Node::Cuboid(Cuboid { size }).into()
 }
 
 /// Protects the document: by a positive rate a twist turns what is above from z towards x, and a

@@ -4,8 +4,9 @@ use crate::common::{Random, context};
 use crate::table::{Entry, on_cpu, scene_of, surfaces, to_world};
 use echomarch::gpu::Api;
 use echomarch::reference::{ExactScene, ExactWave};
+use echomarch::scene::shape::Room;
 use echomarch::trace::{Fate, Wave};
-use echomarch::{Listener, Scene, Settings, Shape, Source, Surface, Tracer};
+use echomarch::{Listener, Node, Scene, Settings, Source, Surface, Tracer};
 use glam::{DVec3, Vec3};
 
 const WAVES: u32 = 200;
@@ -26,9 +27,9 @@ const HAIR: f64 = 1e-4;
 fn scene(entry: &Entry) -> Option<Scene> {
     let [_, surface] = surfaces(entry);
     let room = (6.0 * entry.reach() as f32).clamp(2.0, 20.0);
-    let shell = Surface::new(Shape::Room {
+    let shell = Surface::new(Node::Room(Room {
         size: Vec3::splat(room),
-    })
+    }))
     .at(surface.position);
     let mut scene = scene_of(vec![shell, surface.clone()]);
     let mut random = Random(3);

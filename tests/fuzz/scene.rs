@@ -42,6 +42,12 @@ const TOKENS: &[&str] = &[
     "HeightField",
     "Field",
     "name",
+    "base",
+    "values",
+    "base.ron",
+    "small.ron",
+    "scene.ron",
+    "corner",
     "surfaces",
     "source",
     "listener",
@@ -88,6 +94,20 @@ const SHAPES: &[&str] = &[
     "Morph(from: Sphere(radius: 1), to: Box(size: (1, 1, 1)), amount: Keys([(0, 0), (1, 1)]))",
 ];
 
+/// A base that lies beside what is read.
+const BASE: &str = "Scene(surfaces: [Surface(shape: Sphere(radius: Value(\"size\", 1)), rotation: \
+                    (0, Value(\"turn\", 30), 0))], source: Source(position: (9, 9, 9)), listener: \
+                    Listener(position: (-9, 9, 9), radius: 1))";
+
+/// Files with a base: one beside them, a built-in one, themselves.
+const SMALL: [&str; 3] = [
+    "Scene(base: \"base.ron\", name: \"small\", source: Source(position: (1, 2, 3)), listener: \
+     Listener(position: (4, 5, 6), yaw: 30, pitch: 5, radius: 2), values: [Value(\"size\", 2), \
+     Value(\"turn\", 60)])",
+    "Scene(base: \"corner\", listener: Listener(path: [Key(time: 0, position: (9, 9, 9))]))",
+    "Scene(base: \"scene.ron\", values: [])",
+];
+
 fn corpus() -> Vec<Vec<u8>> {
     let built_in = BUILTIN_NAMES
         .iter()
@@ -103,6 +123,7 @@ fn corpus() -> Vec<Vec<u8>> {
     built_in
         .map(str::to_owned)
         .chain(made)
+        .chain(SMALL.map(str::to_owned))
         .map(String::into_bytes)
         .collect()
 }
@@ -117,9 +138,17 @@ pub fn target() -> Target {
     }
 }
 
-/// Reads a scene file; what it holds is moved, asked for its distances and warnings.
+/// Reads a scene file, and one that is based on it; what it holds is moved, asked for its
+/// distances and warnings.
 pub fn one(data: &[u8]) {
+    with_file("base.ron", BASE.as_bytes(), |_| ());
+    let small = b"Scene(base: \"scene.ron\", source: Source(position: (1, 2, 3)))";
+    with_file("small.ron", small, |_| ());
     with_file("scene.ron", data, |path| {
+        let small = Scene::from_file(&path.with_file_name("small.ron"));
+        if let Err(error) = small {
+            drop(error.to_string());
+        }
         let mut scene = match Scene::from_file(path) {
             Ok(scene) => scene,
             Err(error) => return drop(error.to_string()),

@@ -119,13 +119,17 @@ fn play_and_close() {
     for restarts in 0..CLOSINGS {
         wait_for("the device", || {
             let status = live.status();
-            status.device.is_some() && status.restarts == restarts
+            // A busy machine may have lost it in between.
+            status.device.is_some() && status.restarts - status.losses == restarts
         });
         wait_for_sound(&live);
         pause(0.4 + 0.0133 * restarts as f64);
         live.set_device(None);
     }
-    wait_for("the last device", || live.status().restarts == CLOSINGS);
+    wait_for("the last device", || {
+        let status = live.status();
+        status.device.is_some() && status.restarts - status.losses == CLOSINGS
+    });
     wait_for_sound(&live);
     pause(0.4);
     println!("late callbacks {}", live.status().late_callbacks);
@@ -146,9 +150,10 @@ fn play_on() {
     while !is_over.load(Relaxed) {
         let status = live.status();
         let line = format!(
-            "state: device {:?}, restarts {}, heard {}, error {:?}",
+            "state: device {:?}, restarts {}, losses {}, heard {}, error {:?}",
             status.device,
             status.restarts,
+            status.losses,
             live.levels() != [0.0, 0.0],
             status.last_error,
         );
@@ -327,12 +332,28 @@ impl Player {
 
     /// Waits for a line that holds all of these.
     pub fn wait_for(&self, parts: &[&str]) -> String {
+        self.wait_until(&format!("{parts:?}"), |line| {
+            parts.iter().all(|part| line.contains(part))
+        })
+    }
+
+    /// Waits until the sound is heard after so many losses of the device or more (a busy machine
+    /// may lose it by itself): it was opened again once for each, and no more often.
+    pub fn wait_for_sound_after(&self, losses: u64) -> String {
+        self.wait_until(&format!("sound after {losses} losses"), |line| {
+            let [restarts, lost] = ["restarts", "losses"].map(|name| number_after(line, name));
+            let is_heard = line.contains("device Some") && line.contains("heard true");
+            is_heard && restarts == lost && lost >= Some(losses)
+        })
+    }
+
+    fn wait_until(&self, what: &str, is_so: impl Fn(&str) -> bool) -> String {
         let end = Instant::now() + PATIENCE;
         loop {
             let left = end.saturating_duration_since(Instant::now());
             let line = self.lines.recv_timeout(left);
-            let line = line.unwrap_or_else(|_| panic!("the player did not say {parts:?}"));
-            if parts.iter().all(|part| line.contains(part)) {
+            let line = line.unwrap_or_else(|_| panic!("the player did not say {what}"));
+            if is_so(&line) {
                 return line;
             }
         }
@@ -349,4 +370,10 @@ impl Player {
         self.input = None;
         assert!(self.process.0.wait().unwrap().success());
     }
+}
+
+/// The number that stands after a word of the player's line.
+fn number_after(line: &str, word: &str) -> Option<u64> {
+    let (_, rest) = line.split_once(&format!("{word} "))?;
+    rest.split(',').next()?.parse().ok()
 }

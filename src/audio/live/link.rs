@@ -8,9 +8,9 @@ use std::time::{Duration, Instant};
 use cpal::{ErrorKind, FromSample, OutputCallbackInfo, Sample};
 use crossbeam_utils::atomic::AtomicCell;
 
+use super::command::Command;
 use super::renderer::Renderer;
 use super::shared::Shared;
-use super::supervisor::Order;
 
 /// Where the renderer is while nobody plays: it outlives streams. Taking it and putting it back
 /// swap one pointer.
@@ -23,7 +23,7 @@ pub(super) struct Link {
     /// A renderer that another was made in place of: the supervisor frees it.
     pub(super) grave: Arc<Slot>,
     pub(super) shared: Arc<Shared>,
-    pub(super) orders: Sender<Order>,
+    pub(super) commands: Sender<Command>,
     /// The stream's number.
     pub(super) generation: u64,
 }
@@ -121,7 +121,7 @@ impl Link {
             _ => {
                 is_told = true;
                 // If the supervisor is gone, so is the stream soon.
-                let _ = link.orders.send(Order::Lost {
+                let _ = link.commands.send(Command::Lost {
                     generation: link.generation,
                     reason: error.to_string(),
                 });
@@ -147,12 +147,12 @@ mod tests {
     #[test]
     fn the_newer_renderer_stays_and_the_older_is_buried() {
         for (there, back) in [(2, 1), (1, 2)] {
-            let (orders, _receiver) = std::sync::mpsc::channel();
+            let (commands, _receiver) = std::sync::mpsc::channel();
             let link = Link {
                 slot: Arc::new(Slot::new(Some(numbered(there)))),
                 grave: Arc::new(Slot::new(None)),
                 shared: Arc::new(Shared::new(PanningLaw::Linear)),
-                orders,
+                commands,
                 generation: 0,
             };
             link.put_back(numbered(back));

@@ -18,6 +18,7 @@
 //! # Ok::<(), echomarch::audio::AudioError>(())
 //! ```
 
+mod command;
 mod device;
 mod error;
 mod glide;
@@ -42,9 +43,10 @@ use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::sync::{Arc, Mutex, mpsc};
 use std::thread::{self, JoinHandle};
 
+use self::command::Command;
 use self::recording::Recording;
 use self::shared::Shared;
-use self::supervisor::{Common, Order, State, Supervisor, lock};
+use self::supervisor::{Common, State, Supervisor, lock};
 use super::{PanningLaw, SoundSpec};
 use crate::trace::Panning;
 
@@ -93,6 +95,8 @@ pub struct LiveStatus {
     pub late_callbacks: u64,
     /// Times that a device was opened after the first one.
     pub restarts: u64,
+    /// Times that a device was lost while it was open: it went away, or took no more sound.
+    pub losses: u64,
     /// Whether what is heard is being recorded.
     pub is_recording: bool,
     /// Frames that the recording, or else the last one, lost because the disk was too slow.
@@ -123,12 +127,12 @@ impl Live {
     /// the sound stands still, and [`status`](Self::status) says why; the device is tried again
     /// from time to time. The same goes for a sound that cannot be loaded.
     pub fn start(sound: SoundSpec, options: LiveOptions) -> Self {
-        let (orders, receiver) = mpsc::channel();
+        let (commands, receiver) = mpsc::channel();
         let common = Common {
             shared: Arc::new(Shared::new(options.law)),
             state: Arc::new(Mutex::new(State::new())),
             is_stopping: Arc::new(AtomicBool::new(false)),
-            orders,
+            commands,
         };
         let LiveOptions {
             device,
@@ -169,13 +173,13 @@ impl Live {
     ///
     /// If it cannot be loaded, the old one plays on and [`status`](Self::status) says why.
     pub fn set_sound(&self, sound: SoundSpec) {
-        self.order(Order::Sound(sound));
+        self.send(Command::Sound(sound));
     }
 
     /// Plays on the device of this name or id, or on the system's default. The sound fades out and
     /// goes on there.
     pub fn set_device(&self, device: Option<String>) {
-        self.order(Order::Device(device));
+        self.send(Command::Device(device));
     }
 
     /// How it stands.
@@ -192,6 +196,7 @@ impl Live {
             under_runs: shared.under_runs.load(Relaxed),
             late_callbacks: shared.late_callbacks.load(Relaxed),
             restarts: state.restarts,
+            losses: state.losses,
             is_recording: recording.is_some_and(|recording| !recording.is_over()),
             dropped_frames: recording.map_or(state.dropped, Recording::dropped),
             has_sound: state.has_sound,
@@ -238,7 +243,7 @@ impl Live {
         state.recording = Some(Recording::new(path, state.rate_hz)?);
         state.notice = None;
         drop(state);
-        self.order(Order::Record);
+        self.send(Command::Record);
         Ok(())
     }
 
@@ -256,9 +261,9 @@ impl Live {
         recording.finish()
     }
 
-    fn order(&self, order: Order) {
+    fn send(&self, command: Command) {
         // Without a supervisor all is silent already, and the status says so.
-        let _ = self.common.orders.send(order);
+        let _ = self.common.commands.send(command);
     }
 }
 
@@ -266,7 +271,7 @@ impl Drop for Live {
     /// Fades out, closes the device, and completes a recording.
     fn drop(&mut self) {
         self.common.is_stopping.store(true, Relaxed);
-        self.order(Order::Stop);
+        self.send(Command::Stop);
         if let Some(supervisor) = self.supervisor.take() {
             // If it panicked there is nothing left to close.
             let _ = supervisor.join();

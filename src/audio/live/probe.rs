@@ -18,12 +18,12 @@ pub fn player<T: Sample + FromSample<f32>>(
     channels: usize,
 ) -> impl FnMut(&mut [T]) + use<T> {
     let rate_hz = renderer.rate_hz();
-    let (orders, _) = mpsc::channel();
+    let (commands, _) = mpsc::channel();
     let link = Link {
         slot: Arc::new(Slot::new(Some(Box::new(renderer)))),
         grave: Arc::new(Slot::new(None)),
         shared: Arc::clone(&remote.shared),
-        orders,
+        commands,
         generation: 0,
     };
     let mut play = link.player::<T>(channels, rate_hz);
@@ -44,8 +44,8 @@ impl Recorder {
     /// As [`Live::start_recording`](super::Live::start_recording).
     pub fn start(remote: &mut Remote, path: &Path, rate_hz: u32) -> Result<Self, LiveError> {
         let mut recording = Recording::new(path, rate_hz)?;
-        let (orders, _) = mpsc::channel();
-        if let Some(tap) = recording.begin(&orders)
+        let (commands, _) = mpsc::channel();
+        if let Some(tap) = recording.begin(&commands)
             && remote.send(Message::Tap(tap)).is_err()
         {
             recording.end();

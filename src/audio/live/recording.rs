@@ -10,8 +10,8 @@ use std::time::{Duration, Instant};
 use rtrb::{Consumer, RingBuffer};
 
 use super::LiveError;
+use super::command::Command;
 use super::renderer::Tap;
-use super::supervisor::Order;
 use crate::audio::{AudioError, WavWriter};
 
 /// What the ring holds, in seconds: longer than a disk commonly stalls.
@@ -51,18 +51,18 @@ impl Recording {
 
     /// Starts the thread that writes; the tap is for the callback. None if it was started before.
     /// What goes wrong is told to the supervisor.
-    pub(super) fn begin(&mut self, orders: &Sender<Order>) -> Option<Tap> {
+    pub(super) fn begin(&mut self, commands: &Sender<Command>) -> Option<Tap> {
         let file = self.waiting.take()?;
         let (ring, from_ring) = RingBuffer::new(2 * RING_S * self.rate_hz as usize);
         let is_over = Arc::clone(&self.is_over);
-        let there = orders.clone();
+        let there = commands.clone();
         let writer = thread::Builder::new()
             .name("echomarch-record".to_owned())
             .spawn(move || write_or_tell(file, from_ring, &is_over, &there))
             .map_err(|source| LiveError::Thread { source });
         if let Err(error) = &writer {
             self.end();
-            tell(orders, error);
+            tell(commands, error);
         }
         let tap = writer.is_ok().then(|| Tap {
             ring,
@@ -130,9 +130,9 @@ impl Recording {
     }
 }
 
-fn tell(orders: &Sender<Order>, error: &dyn std::error::Error) {
+fn tell(commands: &Sender<Command>, error: &dyn std::error::Error) {
     // Without a supervisor nobody plays, and whoever stops the recording gets its error.
-    let _ = orders.send(Order::Notice(error.to_string()));
+    let _ = commands.send(Command::Notice(error.to_string()));
 }
 
 /// As [`write`]; what ended the recording before it was stopped is told when it happens.
@@ -140,12 +140,12 @@ fn write_or_tell(
     file: WavWriter,
     ring: Consumer<f32>,
     is_over: &AtomicBool,
-    orders: &Sender<Order>,
+    commands: &Sender<Command>,
 ) -> Result<u64, AudioError> {
-    let written = write(file, ring, is_over, |error| tell(orders, error));
+    let written = write(file, ring, is_over, |error| tell(commands, error));
     is_over.store(true, Relaxed);
     if let Err(error) = &written {
-        tell(orders, error);
+        tell(commands, error);
     }
     written
 }

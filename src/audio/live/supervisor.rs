@@ -8,6 +8,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use super::LiveError;
+use super::command::Command;
 use super::device::{self, Found};
 use super::link::{Link, Slot};
 use super::patience::{ANSWER_LIMIT, drop_elsewhere, within};
@@ -34,29 +35,13 @@ const FADE_OUT_LIMIT: Duration = Duration::from_millis(100);
 /// How often is looked whether the callback has faded.
 const FADE_OUT_GLANCE: Duration = Duration::from_millis(2);
 
-/// What the thread is asked for.
-#[derive(Debug)]
-pub(super) enum Order {
-    /// Fade to another sound.
-    Sound(SoundSpec),
-    /// Play on another device.
-    Device(Option<String>),
-    /// A recording waits in the state.
-    Record,
-    /// Something that is to be told: it happened on another thread.
-    Notice(String),
-    /// A stream broke off.
-    Lost { generation: u64, reason: String },
-    /// End the thread.
-    Stop,
-}
-
 /// What it tells of itself; never locked by the callback.
 #[derive(Debug)]
 pub(super) struct State {
     pub(super) device: Option<String>,
     pub(super) rate_hz: u32,
     pub(super) restarts: u64,
+    pub(super) losses: u64,
     /// Whether the renderer has a sound.
     pub(super) has_sound: bool,
     pub(super) last_error: Option<String>,
@@ -73,6 +58,7 @@ impl State {
             device: None,
             rate_hz: SAMPLE_RATE,
             restarts: 0,
+            losses: 0,
             has_sound: false,
             last_error: None,
             notice: None,
@@ -93,12 +79,12 @@ pub(super) struct Common {
     pub(super) shared: Arc<Shared>,
     pub(super) state: Arc<Mutex<State>>,
     pub(super) is_stopping: Arc<AtomicBool>,
-    pub(super) orders: Sender<Order>,
+    pub(super) commands: Sender<Command>,
 }
 
 pub(super) struct Supervisor {
     common: Common,
-    orders: Receiver<Order>,
+    commands: Receiver<Command>,
     slot: Arc<Slot>,
     grave: Arc<Slot>,
     remote: Remote,
@@ -132,7 +118,7 @@ struct OpenStream {
 impl Supervisor {
     pub(super) fn new(
         common: Common,
-        orders: Receiver<Order>,
+        commands: Receiver<Command>,
         spec: SoundSpec,
         device: Option<String>,
         buffer_frames: u32,
@@ -141,7 +127,7 @@ impl Supervisor {
         let (renderer, remote) = Renderer::with_shared(shared, None, SAMPLE_RATE);
         Self {
             common,
-            orders,
+            commands,
             slot: Arc::new(Slot::new(Some(Box::new(renderer)))),
             grave: Arc::new(Slot::new(None)),
             remote,
@@ -167,9 +153,9 @@ impl Supervisor {
             if self.stream.is_none() && Instant::now() >= self.next_try {
                 self.try_to_open();
             }
-            match self.orders.recv_timeout(TICK) {
-                Ok(Order::Stop) | Err(RecvTimeoutError::Disconnected) => break,
-                Ok(order) => self.obey(order),
+            match self.commands.recv_timeout(TICK) {
+                Ok(Command::Stop) | Err(RecvTimeoutError::Disconnected) => break,
+                Ok(command) => self.handle(command),
                 Err(RecvTimeoutError::Timeout) => {}
             }
             self.deliver();
@@ -179,22 +165,22 @@ impl Supervisor {
         self.close();
     }
 
-    fn obey(&mut self, order: Order) {
-        match order {
-            Order::Sound(spec) => self.change_sound(spec),
-            Order::Device(device) => {
+    fn handle(&mut self, command: Command) {
+        match command {
+            Command::Sound(spec) => self.change_sound(spec),
+            Command::Device(device) => {
                 self.device = device;
                 self.fade_out();
                 self.close();
                 self.delay = RETRY.0;
                 self.next_try = Instant::now();
             }
-            Order::Notice(text) => self.note(text),
-            Order::Lost { generation, reason } if generation == self.generation => {
+            Command::Notice(text) => self.note(text),
+            Command::Lost { generation, reason } if generation == self.generation => {
                 self.lose(reason);
             }
             // Of a stream that is closed already, or seen to in the next moment.
-            Order::Lost { .. } | Order::Record | Order::Stop => {}
+            Command::Lost { .. } | Command::Record | Command::Stop => {}
         }
     }
 
@@ -234,7 +220,7 @@ impl Supervisor {
             let recording = &mut lock(&self.common.state).recording;
             self.tap = recording
                 .as_mut()
-                .and_then(|recording| recording.begin(&self.common.orders));
+                .and_then(|recording| recording.begin(&self.common.commands));
         }
         if let Some(tap) = self.tap.take()
             && !tap.is_over.load(Relaxed)
@@ -284,6 +270,7 @@ impl Supervisor {
         }
         let device = stream.name.clone();
         self.tell(&LiveError::Lost { device, reason });
+        lock(&self.common.state).losses += 1;
         self.close();
         self.retry_later();
     }
@@ -367,7 +354,7 @@ impl Supervisor {
             slot: Arc::clone(&self.slot),
             grave: Arc::clone(&self.grave),
             shared: Arc::clone(shared),
-            orders: self.common.orders.clone(),
+            commands: self.common.commands.clone(),
             generation: self.generation,
         };
         let (name, frames) = (found.name.clone(), self.buffer_frames);

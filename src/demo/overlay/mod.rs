@@ -4,14 +4,12 @@ mod choices;
 mod help;
 mod meters;
 mod plan;
-mod question;
 mod style;
 #[cfg(test)]
 mod tests;
 mod times;
 
 pub use plan::Plan;
-pub use question::{Asked, Paper, draw as draw_question};
 pub use style::set_style;
 
 use super::keys::{Action, HINT};
@@ -187,18 +185,6 @@ fn lower(ui: &Ui, facts: &Facts, room: Room, chosen: &Choices) {
     style::panel(ui, "lower", Align2::RIGHT_BOTTOM, offset, |ui| {
         times::draw(ui, facts, chosen);
     });
-}
-
-/// What stands below the question: how the sound fares, and the last message.
-pub fn draw_below_question(ui: &Ui, facts: &Facts) {
-    let width = facts.window[0] as f32 / ui.ctx().pixels_per_point();
-    let most = (width - 5.0 * MARGIN, 2);
-    let text = RichText::new(&facts.sound.text).color(style::FAINT);
-    line(ui, "hint", MARGIN, most, text);
-    if let Some(message) = facts.message {
-        let text = RichText::new(message).color(style::BRIGHT);
-        line(ui, "message", MARGIN + ABOVE, most, text);
-    }
 }
 
 /// The line that is always there, the last message above it, and why the scene's file as it

@@ -16,7 +16,7 @@
 
 use super::report::{Chaos, ChaosStep};
 use crate::reference::{ExactScene, PathVertex};
-use crate::scene::{Scene, Shape};
+use crate::scene::{Node, Scene};
 use glam::{DVec3, Vec3};
 use std::f64::consts::TAU;
 
@@ -97,10 +97,7 @@ fn is_curved(scene: &Scene, object: u32) -> bool {
     let index = object.checked_sub(1).map(|index| index as usize);
     index.is_some_and(|index| {
         let shape = &scene.surfaces[index].shape;
-        matches!(
-            shape,
-            Shape::Sphere { .. } | Shape::Cylinder { .. } | Shape::Field(_)
-        )
+        !matches!(shape.node, Node::Plane(_) | Node::Cuboid(_) | Node::Room(_)) || !shape.is_basic()
     })
 }
 

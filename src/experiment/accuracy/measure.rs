@@ -16,14 +16,14 @@ use glam::Vec3;
 /// Those of [`Tracer::frame`].
 pub fn wave_errors(
     tracer: &mut Tracer,
-    truth: &Truth,
+    truth: &mut Truth,
     chaos: &Chaos,
     settings: &Settings,
 ) -> Result<WaveErrors, Error> {
     let (_, ends) = tracer.frame_with_waves(truth.scene, settings)?;
     let met = objects_met(&tracer.paths(truth.scene, settings)?);
     let starts: Vec<Vec3> = ends.iter().map(|wave| wave.start_direction).collect();
-    let exact = truth.waves(&starts, settings.iterations);
+    let exact = truth.twins(settings, &starts);
     Ok(compare(&ends, &met, &exact, chaos, settings.iterations))
 }
 
@@ -116,23 +116,9 @@ fn compare(
     errors.status_differs = share(status_differs);
     errors.sequence_differs = share(sequence_differs);
     errors.beyond_horizon = share(beyond);
-    errors.end = quantiles(all);
-    errors.end_within_horizon = quantiles(within);
+    errors.end = Quantiles::of(all);
+    errors.end_within_horizon = Quantiles::of(within);
     errors
-}
-
-/// The quantiles of some distances: the smallest value that so many are not above.
-pub fn quantiles(mut values: Vec<f64>) -> Quantiles {
-    values.sort_by(f64::total_cmp);
-    let at = |share: f64| {
-        let rank = (share * values.len() as f64).ceil() as usize;
-        values.get(rank.saturating_sub(1)).copied().unwrap_or(0.0)
-    };
-    Quantiles {
-        median: at(0.5),
-        p99: at(0.99),
-        max: at(1.0),
-    }
 }
 
 #[cfg(test)]
@@ -150,14 +136,12 @@ mod tests {
         }
     }
 
-    /// Protects the ranks of the quantiles, and the distribution of nothing.
+    /// Protects the shares by their names, and the distribution of nothing.
     #[test]
-    fn quantiles_are_by_rank() {
-        let values = (1..=200).rev().map(f64::from).collect();
-        let of = quantiles(values);
+    fn quantiles_have_their_shares() {
+        let of = Quantiles::of((0..=200).rev().map(f64::from).collect());
         assert_eq!((of.median, of.p99, of.max), (100.0, 198.0, 200.0));
-        assert_eq!(quantiles(vec![7.0]).p99, 7.0);
-        assert_eq!(quantiles(Vec::new()), Quantiles::default());
+        assert_eq!(Quantiles::of(Vec::new()), Quantiles::default());
     }
 
     /// Protects surface sequences from what a wave does after its end: the thesis' dead

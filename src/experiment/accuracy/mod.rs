@@ -28,23 +28,26 @@ mod csv;
 mod directions;
 mod measure;
 mod panning;
+mod plan;
 mod plot;
 mod recommend;
 mod report;
+mod surface_counts;
 mod sweep;
 mod targets;
 mod truth;
 
 pub use csv::{COLUMNS, write_csv};
 pub use directions::{lattice, slope};
-pub use measure::quantiles;
+pub use plan::{DEFAULT_SCENES, Plan, ROOMS};
 pub use plot::plot_svg;
 pub use recommend::{ITERATIONS as COMPARED_ITERATIONS, pareto_front};
 pub use report::{
     AccuracyReport, CaseReport, Chaos, ChaosStep, Limit, PanningError, Quantiles, Recommendation,
     Row, SceneReport, Slope, SlopePoint, Speed, Target, WaveErrors,
 };
-pub use sweep::{Case, ITERATIONS, MIN_DISTANCES, full, quick};
+pub use surface_counts::SurfaceCounts;
+pub use sweep::{Case, ITERATIONS, MIN_DISTANCES, full, quick, short};
 
 use crate::error::Error;
 use crate::scene::Scene;
@@ -61,18 +64,12 @@ const CHAOS_PAIRS: u64 = 16_384;
 /// What to run.
 #[derive(Clone, Debug)]
 pub struct AccuracyOptions {
-    /// Where.
-    pub scenes: Vec<Scene>,
-    /// With which settings.
-    pub cases: Vec<Case>,
-    /// Whether `cases` is the whole product.
+    /// What to run where.
+    pub plans: Vec<Plan>,
+    /// Whether it is the whole product.
     pub full: bool,
     /// Frames of each case, a seed each: at least 2, 16 for figures to rely on.
     pub seeds: u32,
-    /// Directions for the limit of many waves.
-    pub limit_directions: u64,
-    /// Numbers of waves for the slope of the panning error.
-    pub slope_waves: Vec<u32>,
     /// The panning error that the recommendation stays below.
     pub stated_error: f64,
     /// Whether to measure the project's own targets too.
@@ -80,15 +77,12 @@ pub struct AccuracyOptions {
 }
 
 impl AccuracyOptions {
-    /// One thing at a time: within five minutes for the thesis' two rooms on two cores.
+    /// One thing at a time: some five minutes for the default scenes on two cores.
     pub fn quick(scenes: Vec<Scene>) -> AccuracyOptions {
         AccuracyOptions {
-            scenes,
-            cases: quick(),
+            plans: scenes.into_iter().map(Plan::quick).collect(),
             full: false,
             seeds: 16,
-            limit_directions: 4_000_000,
-            slope_waves: (10..=18).step_by(2).map(|power| 1 << power).collect(),
             stated_error: 0.02,
             targets: false,
         }
@@ -97,18 +91,17 @@ impl AccuracyOptions {
     /// The whole product: hours.
     pub fn full(scenes: Vec<Scene>) -> AccuracyOptions {
         AccuracyOptions {
-            cases: full(),
+            plans: scenes.into_iter().map(Plan::full).collect(),
             full: true,
-            limit_directions: 16_000_000,
-            ..AccuracyOptions::quick(scenes)
+            ..AccuracyOptions::quick(Vec::new())
         }
     }
 
     /// Calls of [`Progress::step`] in a scene.
-    fn steps(&self) -> u64 {
-        let groups = by_waves(&self.cases).len() as u64;
-        let slopes = 2 * self.slope_waves.len() as u64;
-        2 + self.cases.len() as u64 + groups * (u64::from(self.seeds) + 1) + slopes
+    fn steps(&self, plan: &Plan) -> u64 {
+        let groups = by_waves(&plan.cases).len() as u64;
+        let slopes = 2 * plan.slope_waves.len() as u64;
+        2 + plan.cases.len() as u64 + groups * (u64::from(self.seeds) + 1) + slopes
     }
 }
 
@@ -136,14 +129,15 @@ pub fn run(
     progress: &mut dyn FnMut(u64, u64),
 ) -> Result<AccuracyReport, Error> {
     let began = Instant::now();
+    let steps = options.plans.iter().map(|plan| options.steps(plan));
     let mut progress = Progress {
         done: 0,
-        total: options.scenes.len() as u64 * options.steps() + u64::from(options.targets),
+        total: steps.sum::<u64>() + u64::from(options.targets),
         report: progress,
     };
     let mut scenes = Vec::new();
-    for scene in &options.scenes {
-        scenes.push(run_scene(tracer, scene, options, &mut progress)?);
+    for plan in &options.plans {
+        scenes.push(run_scene(tracer, plan, options, &mut progress)?);
     }
     let mut targets = Vec::new();
     if options.targets {
@@ -164,33 +158,35 @@ pub fn run(
 
 fn run_scene(
     tracer: &mut Tracer,
-    scene: &Scene,
+    plan: &Plan,
     options: &AccuracyOptions,
     progress: &mut Progress,
 ) -> Result<SceneReport, Error> {
-    let mut truth = Truth::new(scene, options.limit_directions)?;
-    let iterations = options.cases.iter().map(|case| case.settings.iterations);
+    let scene = &plan.scene;
+    let mut truth = Truth::new(scene, plan.limit_directions)?;
+    let iterations = plan.cases.iter().map(|case| case.settings.iterations);
     let most = iterations.clone().max().unwrap_or(1);
     truth.find_limits(most.max(COMPARED_ITERATIONS));
     progress.step();
     let pairs = lattice(CHAOS_PAIRS, false);
     let chaos = chaos::measure(scene, &truth.exact, &pairs, most);
     progress.step();
-    let mut rows = vec![None; options.cases.len()];
-    for group in by_waves(&options.cases) {
-        let cases: Vec<Case> = group.iter().map(|&i| options.cases[i].clone()).collect();
+    let mut rows = vec![None; plan.cases.len()];
+    for group in by_waves(&plan.cases) {
+        let cases: Vec<Case> = group.iter().map(|&i| plan.cases[i].clone()).collect();
         let measured = run_group(tracer, &mut truth, &chaos, &cases, options.seeds, progress)?;
         for (index, row) in group.into_iter().zip(measured) {
             rows[index] = Some(row);
         }
     }
     let rows: Vec<Row> = rows.into_iter().flatten().collect();
-    let slopes = run_slopes(tracer, &mut truth, options, progress)?;
+    let slopes = run_slopes(tracer, &mut truth, plan, options.seeds, progress)?;
     let mut limits: Vec<u32> = iterations.collect();
     limits.sort_unstable();
     limits.dedup();
     Ok(SceneReport {
         scene: scene.name.clone(),
+        surfaces: SurfaceCounts::of(scene),
         limits: limits.iter().map(|&i| truth.limit(i)).collect(),
         chaos,
         recommendation: recommend::fastest(&rows, options.stated_error),
@@ -259,7 +255,8 @@ fn run_group(
 fn run_slopes(
     tracer: &mut Tracer,
     truth: &mut Truth,
-    options: &AccuracyOptions,
+    plan: &Plan,
+    seeds: u32,
     progress: &mut Progress,
 ) -> Result<Vec<Slope>, Error> {
     let base = Settings::hybrid().with_iterations(COMPARED_ITERATIONS);
@@ -267,7 +264,7 @@ fn run_slopes(
     let mut slopes = Vec::new();
     for directions in [Directions::Random, Directions::Fibonacci] {
         let mut points = Vec::new();
-        for &waves in &options.slope_waves {
+        for &waves in &plan.slope_waves {
             let mut settings = base.clone().with_waves(waves);
             settings.directions = directions;
             settings.sum_on_gpu = true;
@@ -275,7 +272,7 @@ fn run_slopes(
                 label: String::new(),
                 settings,
             };
-            let frames = panning::run_in_turns(tracer, truth, &[case], options.seeds, &mut || ())?;
+            let frames = panning::run_in_turns(tracer, truth, &[case], seeds, &mut || ())?;
             points.push((waves, frames[0].mean_square(limit.pan).sqrt()));
             progress.step();
         }

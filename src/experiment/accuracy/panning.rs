@@ -15,7 +15,7 @@ use super::report::{PanningError, Speed};
 use super::sweep::Case;
 use super::truth::Truth;
 use crate::error::Error;
-use crate::experiment::median;
+use crate::stats::{mean, median};
 use crate::trace::{Frame, Settings, Tracer};
 
 /// Frames of one case, a seed each.
@@ -100,16 +100,16 @@ impl Frames {
     /// The panning over the seeds against its limit.
     pub fn panning(&self, limit: f64) -> PanningError {
         let frames = self.pans.len().max(1) as f64;
-        let mean_of = |values: &mut dyn Iterator<Item = f64>| values.sum::<f64>() / frames;
-        let mean = mean_of(&mut self.pans.iter().copied());
+        let mean_pan = mean(self.pans.iter().copied()).unwrap_or(0.0);
         let pairs = self.pans.iter().zip(&self.exact_pans);
-        let variance = mean_of(&mut self.pans.iter().map(|pan| (pan - mean).powi(2)));
+        let twin_bias = mean(pairs.map(|(pan, exact)| pan - exact));
+        let variance = self.mean_square(mean_pan);
         let mean_square = self.mean_square(limit);
         let seconds = 1e-3 * median(self.total_ms.iter().copied());
         PanningError {
-            mean,
-            limit_bias: mean - limit,
-            twin_bias: mean_of(&mut pairs.map(|(pan, exact)| pan - exact)),
+            mean: mean_pan,
+            limit_bias: mean_pan - limit,
+            twin_bias: twin_bias.unwrap_or(0.0),
             spread: (variance * frames / (frames - 1.0).max(1.0)).sqrt(),
             rms: mean_square.sqrt(),
             efficiency: efficiency(mean_square, seconds),
@@ -119,8 +119,7 @@ impl Frames {
 
     /// Mean square error of the panning.
     pub fn mean_square(&self, limit: f64) -> f64 {
-        let squares: f64 = self.pans.iter().map(|pan| (pan - limit).powi(2)).sum();
-        squares / self.pans.len().max(1) as f64
+        mean(self.pans.iter().map(|pan| (pan - limit).powi(2))).unwrap_or(0.0)
     }
 }
 

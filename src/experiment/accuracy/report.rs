@@ -1,5 +1,7 @@
 //! What the experiment returns: plain data, written as CSV, JSON, SVG and tables.
 
+use super::surface_counts::SurfaceCounts;
+use crate::stats::quantiles;
 use serde::Serialize;
 
 /// All that was measured.
@@ -28,6 +30,8 @@ pub struct AccuracyReport {
 pub struct SceneReport {
     /// The scene's name.
     pub scene: String,
+    /// How its surfaces are met.
+    pub surfaces: SurfaceCounts,
     /// The panning in the limit of many waves, by iterations.
     pub limits: Vec<Limit>,
     /// How errors grow at curved surfaces.
@@ -183,6 +187,14 @@ pub struct Quantiles {
     pub p99: f64,
     /// The largest.
     pub max: f64,
+}
+
+impl Quantiles {
+    /// Of these distances; 0 for none.
+    pub fn of(distances: Vec<f64>) -> Quantiles {
+        let [median, p99, max] = quantiles(distances, [0.5, 0.99, 1.0]);
+        Quantiles { median, p99, max }
+    }
 }
 
 /// The panning over the seeds.

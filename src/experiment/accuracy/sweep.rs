@@ -2,7 +2,8 @@
 //!
 //! The quick sweep changes one thing at a time from each profile's defaults. The full one
 //! is the product of everything that changes what is computed, and beside it, at the
-//! defaults' waves and iterations, the product of what should change the speed alone.
+//! defaults' waves and iterations, the product of what should change the speed alone. The short
+//! one is what is left of the quick one where the truth takes long to find.
 //! A setting that a profile does not have (a distance in closed form, normals but in
 //! `march`) is never varied.
 
@@ -12,6 +13,9 @@ use crate::trace::{Budget, Directions, MAX_ITERATIONS, Profile, Settings};
 
 /// Minimum distances in metres.
 pub const MIN_DISTANCES: [f32; 6] = [1e-4, 1e-3, 1e-2, 0.03, 0.1, 0.3];
+
+/// Minimum distance in metres that the thesis' algorithm gets most waves right with.
+pub const CAREFUL: f32 = 1e-3;
 
 /// Iterations, the default in the middle.
 pub const ITERATIONS: [u32; 3] = [4, 8, 16];
@@ -109,6 +113,30 @@ pub fn quick() -> Vec<Case> {
     named(cases)
 }
 
+/// One thing at a time, but only what a scene of marched fields or of cells has an answer of its
+/// own to.
+pub fn short() -> Vec<Case> {
+    let mut cases = Vec::new();
+    for profile in Profile::ALL {
+        let default = Case::new("default", Settings::of(profile).with_waves(BASE_WAVES));
+        let iterations = default.settings.iterations;
+        cases.push(default.clone());
+        let base = resized(&default, QUICK_WAVES, iterations);
+        match profile {
+            Profile::Hybrid => {
+                cases.extend([4, 8].map(|many| resized(&base, QUICK_WAVES, many)));
+                cases.push(other_passes(&base));
+                let lattice = turned(&base, Directions::Fibonacci);
+                let waves = [1024, 4096, 16_384];
+                cases.extend(waves.map(|waves| resized(&lattice, waves, iterations)));
+            }
+            Profile::March => cases.extend([base.clone(), other_passes(&base)]),
+            Profile::Thesis => cases.extend([base.clone(), at_distance(&base, CAREFUL)]),
+        }
+    }
+    named(cases)
+}
+
 /// The product, and options beside it.
 pub fn full() -> Vec<Case> {
     let mut cases = quick();
@@ -155,8 +183,12 @@ fn named(cases: Vec<Case>) -> Vec<Case> {
 }
 
 fn min_distances(base: &Case) -> Vec<Case> {
-    let distance = |&metres: &f32| base.but(&format!("{metres} m"), |s| s.min_distance = metres);
+    let distance = |&metres: &f32| at_distance(base, metres);
     MIN_DISTANCES.iter().map(distance).collect()
+}
+
+fn at_distance(base: &Case, metres: f32) -> Case {
+    base.but(&format!("{metres} m"), |s| s.min_distance = metres)
 }
 
 fn resized(case: &Case, waves: u32, iterations: u32) -> Case {
@@ -239,12 +271,13 @@ fn every(base: &Case) -> Case {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Node, Shape, Surface};
+    use crate::scene::shape::Torus;
+    use crate::scene::{Node, Surface};
 
     /// Protects the sweep from settings that cannot be traced, and from doing work twice.
     #[test]
     fn every_case_is_valid_and_there_once() {
-        for cases in [quick(), full()] {
+        for cases in [short(), quick(), full()] {
             for (index, case) in cases.iter().enumerate() {
                 assert!(case.settings.validate().is_ok(), "{}", case.label);
                 let later = &cases[index + 1..];
@@ -257,7 +290,10 @@ mod tests {
             }
         }
         let full = full();
-        assert!(quick().iter().all(|case| full.contains(case)));
+        let quick = quick();
+        assert!(quick.iter().all(|case| full.contains(case)));
+        let short = short();
+        assert!(short.iter().all(|case| quick.contains(case)) && short.len() < quick.len() / 2);
     }
 
     /// Protects "fused" from settings that the tracer does not follow: what fits a pass is told
@@ -277,12 +313,12 @@ mod tests {
         }
         assert!(fused(&corner, Profile::Hybrid, 16, MAX_ITERATIONS));
         assert!(!fused(&corner, Profile::Hybrid, 16, 8));
-        let torus = Node::Torus {
+        let torus = Node::Torus(Torus {
             ring: 2.0,
             tube: 0.5,
-        };
+        });
         let mut marched = corner;
-        marched.surfaces.push(Surface::new(Shape::from(torus)));
+        marched.surfaces.push(Surface::new(torus));
         assert!(fused(&marched, Profile::Hybrid, 8, MAX_ITERATIONS));
         assert!(!fused(&marched, Profile::Hybrid, 64, MAX_ITERATIONS));
     }

@@ -1,14 +1,15 @@
 //! The figures that the project sets itself, measured and held against their bounds.
 
 use super::measure::wave_errors;
+use super::plan::ROOMS;
 use super::recommend::{ITERATIONS, comparable};
 use super::report::{Chaos, Row, SceneReport, Target, WaveErrors};
-use super::sweep::BASE_WAVES;
+use super::sweep::{BASE_WAVES, CAREFUL};
 use super::truth::Truth;
 use crate::error::Error;
-use crate::experiment::median;
 use crate::reference::ShoeboxImages;
 use crate::scene::Scene;
+use crate::stats::median;
 use crate::trace::{Profile, Settings, Tracer};
 use glam::Vec3;
 
@@ -21,10 +22,8 @@ const MANY_WAVES: u32 = 1 << 20;
 /// Timed frames of each profile.
 const FRAMES: usize = 5;
 
-/// Minimum distance in metres that the thesis' algorithm gets most waves right with.
-const CAREFUL: f32 = 1e-3;
-
-/// Measures all of them; those on efficiency are of the default rows of `scenes`.
+/// Measures all of them, in the thesis' rooms and the shoebox; those on efficiency are of the
+/// default rows of `scenes`.
 ///
 /// # Errors
 /// Those of [`Tracer::frame`].
@@ -33,12 +32,14 @@ pub fn measure(tracer: &mut Tracer, scenes: &[SceneReport]) -> Result<Vec<Target
     let corner = Scene::builtin("corner")?;
     targets.extend(single_waves(tracer, &corner)?);
     targets.extend(speeds(tracer, &corner)?);
-    for name in ["corner", "obstacles"] {
-        let scene = scenes.iter().find(|scene| scene.scene == name);
-        targets.extend(scene.and_then(efficiencies));
-    }
-    let best = scenes.iter().filter_map(against_the_best_thesis);
-    targets.extend(best);
+    let room = |name: &&str| scenes.iter().find(|scene| scene.scene == *name);
+    let rooms: Vec<&SceneReport> = ROOMS.iter().filter_map(room).collect();
+    targets.extend(rooms.iter().filter_map(|room| efficiencies(room)));
+    targets.extend(
+        rooms
+            .iter()
+            .filter_map(|room| against_the_best_thesis(room)),
+    );
     Ok(targets)
 }
 
@@ -89,10 +90,10 @@ fn hits_by_order(tracer: &mut Tracer, waves: u32) -> Result<Target, Error> {
 }
 
 fn single_waves(tracer: &mut Tracer, corner: &Scene) -> Result<Vec<Target>, Error> {
-    let truth = Truth::new(corner, WAVES.into())?;
+    let mut truth = Truth::new(corner, WAVES.into())?;
     let mut errors_of = |settings: Settings| -> Result<WaveErrors, Error> {
         let settings = settings.with_waves(WAVES).with_iterations(ITERATIONS);
-        wave_errors(tracer, &truth, &Chaos::default(), &settings)
+        wave_errors(tracer, &mut truth, &Chaos::default(), &settings)
     };
     let hybrid = errors_of(Settings::hybrid())?;
     let march = errors_of(Settings::march())?;

@@ -8,22 +8,29 @@ use crate::scene::Scene;
 use crate::trace::{Directions, Settings, Tracer};
 use glam::Vec3;
 use std::collections::HashMap;
+use std::rc::Rc;
 
 /// Directions traced at a time: as many as fit in memory with ease.
 const PART: usize = 1 << 20;
+
+/// What start directions depend on: their set, the number of waves, the seed. They are the same
+/// for every profile.
+type Start = (Directions, u32, u32);
 
 /// A scene with all that is known of it.
 pub struct Truth<'a> {
     /// The scene.
     pub scene: &'a Scene,
-    /// The same in closed form.
+    /// The same in `f64`.
     pub exact: ExactScene,
     /// Directions that the limits are taken over.
     limit_directions: u64,
     /// By iterations, from 0: as far as they were asked for.
     limits: Vec<Limit>,
-    /// By set of directions, number of waves and seed: the panning by iterations.
-    twins: HashMap<(Directions, u32, u32), Vec<f64>>,
+    /// The panning by iterations.
+    twins: HashMap<Start, Vec<f64>>,
+    /// By start and iterations: the waves themselves.
+    followed: HashMap<(Start, u32), Rc<[ExactWave]>>,
 }
 
 /// Sides of arrivals, summed by the order that they arrived in.
@@ -45,6 +52,7 @@ impl<'a> Truth<'a> {
             limit_directions,
             limits: Vec::new(),
             twins: HashMap::new(),
+            followed: HashMap::new(),
         })
     }
 
@@ -52,6 +60,18 @@ impl<'a> Truth<'a> {
     pub fn waves(&self, directions: &[Vec3], iterations: u32) -> Vec<ExactWave> {
         let start = self.scene.source.position.as_dvec3();
         self.exact.trace_all(start, directions, iterations)
+    }
+
+    /// The exact waves of the start directions of these settings, which are `starts`: followed
+    /// once, whatever else the settings say.
+    pub fn twins(&mut self, settings: &Settings, starts: &[Vec3]) -> Rc<[ExactWave]> {
+        let key = (start(settings), settings.iterations);
+        if let Some(known) = self.followed.get(&key) {
+            return known.clone();
+        }
+        let waves: Rc<[ExactWave]> = self.waves(starts, settings.iterations).into();
+        self.followed.insert(key, waves.clone());
+        waves
     }
 
     /// Finds the panning of many waves for each number of iterations up to `most`, as
@@ -94,7 +114,7 @@ impl<'a> Truth<'a> {
         settings: &Settings,
         most: u32,
     ) -> Result<f64, Error> {
-        let key = (settings.directions, settings.waves, settings.seed);
+        let key = start(settings);
         let iterations = settings.iterations as usize;
         if self
             .twins
@@ -140,6 +160,10 @@ impl Arrivals {
             heard => side / heard as f64,
         }
     }
+}
+
+fn start(settings: &Settings) -> Start {
+    (settings.directions, settings.waves, settings.seed)
 }
 
 /// Where the waves of these settings start: the same for every profile.

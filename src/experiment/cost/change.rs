@@ -1,5 +1,6 @@
 //! What a change does to what is heard, beside what another seed does to it.
 
+use crate::stats::mean;
 use crate::trace::{Frame, Panning};
 use serde::Serialize;
 
@@ -43,11 +44,10 @@ pub struct Noise {
 
 impl Size {
     fn of(values: &[f64]) -> Size {
-        let count = values.len().max(1) as f64;
-        let squares: f64 = values.iter().map(|v| v * v).sum();
+        let square = mean(values.iter().map(|v| v * v));
         Size {
-            mean: values.iter().sum::<f64>() / count,
-            rms: (squares / count).sqrt(),
+            mean: mean(values.iter().copied()).unwrap_or(0.0),
+            rms: square.unwrap_or(0.0).sqrt(),
         }
     }
 }
@@ -59,12 +59,9 @@ impl Change {
             frames.iter().map(|f| heard(f) / f64::from(waves)).collect()
         };
         let before = shares(base);
-        let mean = before.iter().sum::<f64>() / before.len().max(1) as f64;
-        if mean <= 0.0 {
-            return None;
-        }
+        let heard_before = mean(before.iter().copied()).filter(|mean| *mean > 0.0)?;
         let pairs = before.iter().zip(shares(changed));
-        let heard: Vec<f64> = pairs.map(|(b, c)| 100.0 * (c - b) / mean).collect();
+        let heard: Vec<f64> = pairs.map(|(b, c)| 100.0 * (c - b) / heard_before).collect();
         let pairs = || base.0.iter().zip(changed.0);
         let pan: Vec<f64> = pairs()
             .map(|(b, c)| c.panning.pan() - b.panning.pan())
@@ -94,10 +91,9 @@ impl Change {
 impl Noise {
     /// Of frames of one scene that differ in nothing but the seed.
     pub(super) fn of(frames: &[Frame], waves: u32) -> Noise {
-        let count = frames.len().max(1) as f64;
-        let mean = frames.iter().map(heard).sum::<f64>() / count;
-        let percent = match mean > 0.0 {
-            true => 100.0 / mean,
+        let mean_heard = mean(frames.iter().map(heard)).unwrap_or(0.0);
+        let percent = match mean_heard > 0.0 {
+            true => 100.0 / mean_heard,
             false => 0.0,
         };
         let ear = |of: fn(&Panning) -> f64| -> Option<f64> {
@@ -111,7 +107,7 @@ impl Noise {
         let levels = ear(|p| p.left).zip(ear(|p| p.right));
         Noise {
             seeds: frames.len() as u32,
-            heard: mean,
+            heard: mean_heard,
             heard_percent: percent * of_two(frames.iter().map(heard)),
             pan: of_two(frames.iter().map(|f| f.panning.pan())),
             level_db: levels.map(|(left, right)| left.max(right)),
@@ -145,8 +141,8 @@ fn of_two(values: impl Iterator<Item = f64> + Clone) -> f64 {
     if count < 2.0 {
         return 0.0;
     }
-    let mean = values.clone().sum::<f64>() / count;
-    let squares: f64 = values.map(|v| (v - mean) * (v - mean)).sum();
+    let middle = mean(values.clone()).unwrap_or(0.0);
+    let squares: f64 = values.map(|v| (v - middle) * (v - middle)).sum();
     (2.0 * squares / (count - 1.0)).sqrt()
 }
 

@@ -1,8 +1,8 @@
 //! Two frames beside each other, again and again, and the difference of their times.
 
 use crate::error::Error;
-use crate::experiment::median;
 use crate::scene::Scene;
+use crate::stats::{median, quantiles};
 use crate::trace::{Frame, Milliseconds, Settings, Tracer};
 use serde::Serialize;
 
@@ -117,18 +117,9 @@ impl Timing {
     }
 }
 
-fn half_between_quartiles(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    let at = |share: f64| {
-        let place = share * values.len().saturating_sub(1) as f64;
-        let low = place.floor() as usize;
-        let high = (low + 1).min(values.len().saturating_sub(1));
-        match (values.get(low), values.get(high)) {
-            (Some(a), Some(b)) => a + (b - a) * (place - low as f64),
-            _ => 0.0,
-        }
-    };
-    0.5 * (at(0.75) - at(0.25))
+fn half_between_quartiles(values: Vec<f64>) -> f64 {
+    let [low, high] = quantiles(values, [0.25, 0.75]);
+    0.5 * (high - low)
 }
 
 #[cfg(test)]

@@ -2,7 +2,8 @@
 
 mod reduce;
 
-use crate::scene::{Scene, Shape, Surface};
+use crate::scene::shape::Plane;
+use crate::scene::{Node, Scene, Surface};
 use crate::trace::{Pass, Settings, shader_text};
 use reduce::reduced;
 use serde::Serialize;
@@ -44,8 +45,8 @@ const PREFIXES: [&str; 6] = ["sd", "gd", "hit", "land", "gradient", "op"];
 const SUFFIXES: [&str; 2] = ["Ahead", "Cap"];
 
 /// What such functions are called after without being a shape or an operator.
-const HELPERS: [&str; 7] = [
-    "Ball", "Chord", "Corner", "Edge", "InCells", "Listener", "OfKind",
+const HELPERS: [&str; 9] = [
+    "Ball", "Chord", "Corner", "Edge", "InCells", "Kind", "Listener", "OfKind", "OnKind",
 ];
 
 /// Functions that are called otherwise.
@@ -70,7 +71,7 @@ impl ShaderReport {
     pub fn of(scene: &Scene, settings: &Settings) -> ShaderReport {
         let text = reduced(&shader_text(scene, settings, Pass::March));
         let mut least = scene.clone();
-        least.surfaces = vec![Surface::new(Shape::Plane)];
+        least.surfaces = vec![Surface::new(Node::Plane(Plane))];
         let least = reduced(&shader_text(&least, settings, Pass::March));
         let functions = defined(&text);
         ShaderReport {
@@ -112,10 +113,7 @@ fn features(scene: &Scene, functions: &[String]) -> Vec<Feature> {
 fn names_in(scene: &Scene) -> Vec<&'static str> {
     let mut names = Vec::new();
     for surface in &scene.surfaces {
-        match surface.shape.field() {
-            Some(field) => names.extend(field.nodes().iter().map(|f| f.node.name())),
-            None => names.push(surface.shape.name()),
-        }
+        names.extend(surface.shape.nodes().iter().map(|f| f.node.name()));
     }
     names
 }

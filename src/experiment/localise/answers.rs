@@ -3,13 +3,15 @@
 //! Nothing is taken silently: a file is read in full or refused with what is wrong in it, and
 //! a trial without an answer counts as such.
 
-use super::form::MOST_TRIALS;
 use super::observer::Side;
-use crate::input::{InputError, read_own_text, read_text};
+use crate::input::{InputError, read_text};
 use crate::text::{check_name, in_a_line};
 use crate::trace::Settings;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
+
+/// Trials in a form at the most.
+pub const MOST_TRIALS: usize = 999;
 
 /// What a file of answers says that it is.
 pub const FORMAT: &str = "echomarch-localise-answers";
@@ -41,6 +43,9 @@ pub struct Session {
     pub started: String,
     /// When the file was saved, in ISO 8601.
     pub saved: String,
+    /// What the page made the order from; none in files from before it was saved.
+    #[serde(default)]
+    pub order_seed: Option<u32>,
     /// The numbers of the trials in the order that they were heard in.
     pub order: Vec<u32>,
     /// Every trial of the form, by number.
@@ -182,16 +187,7 @@ impl Session {
     /// # Errors
     /// [`AnswersError`] with the file's name.
     pub fn read(path: &Path) -> Result<Session, AnswersError> {
-        Session::parse(path, read_text(path, LARGEST_FILE))
-    }
-
-    /// As [`Session::read`], of a file that this program keeps and replaces itself.
-    pub(super) fn read_own(path: &Path) -> Result<Session, AnswersError> {
-        Session::parse(path, read_own_text(path, LARGEST_FILE))
-    }
-
-    fn parse(path: &Path, read: Result<String, InputError>) -> Result<Session, AnswersError> {
-        let text = read.map_err(|source| AnswersError::Read {
+        let text = read_text(path, LARGEST_FILE).map_err(|source| AnswersError::Read {
             path: path.to_owned(),
             source,
         })?;

@@ -32,16 +32,16 @@ pub mod observer;
 mod open;
 mod plateaus;
 mod plot;
-mod random;
 mod report;
 pub mod score;
 mod shown;
-pub mod sitting;
 pub mod statistics;
 mod sweep;
 
+pub use crate::rng::Random;
 pub use answers::{
-    Answer, AnswersError, FORMAT, MOST_CONFIDENT, Session, StimulusInfo, TrialAnswer, VERSION,
+    Answer, AnswersError, FORMAT, MOST_CONFIDENT, MOST_TRIALS, Session, StimulusInfo, TrialAnswer,
+    VERSION,
 };
 pub use csv::{columns, score_columns, write_csv, write_score_csv};
 pub use listen::{
@@ -52,7 +52,6 @@ pub use markdown::markdown;
 pub use observer::{CENTRE_DEG, Levels, Observer, Side};
 pub use plateaus::AUDIBLE_DEG;
 pub use plot::plot_svg;
-pub use random::Random;
 pub use report::{
     Cell, FacingReport, LimitReport, LocaliseReport, OpenDirection, OpenReport, Plateau,
     SceneReport,

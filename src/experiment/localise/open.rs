@@ -3,11 +3,12 @@
 use super::listen::{source_towards, without_ground};
 use super::observer::{Observer, lateral_deg};
 use super::report::{OpenDirection, OpenReport};
-use super::statistics::{Pair, figures, mean};
+use super::statistics::{Pair, figures};
 use super::sweep::Run;
 use super::{OPEN_DISTANCE_M, OpenCase};
 use crate::error::Error;
 use crate::scene::Scene;
+use crate::stats::mean;
 use crate::trace::Settings;
 
 /// Azimuth and elevation of three sources with one lateral angle, 30°, in degrees: ahead,

@@ -9,7 +9,8 @@
 
 use super::answers::{Answer, AnswersError, Session, StimulusInfo, TrialAnswer};
 use super::observer::{Side, folded_deg};
-use super::statistics::{ErrorFigures, Pair, figures_of_people, mean};
+use super::statistics::{ErrorFigures, Pair, figures_of_people};
+use crate::stats::mean;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 

@@ -17,8 +17,8 @@
 //! than five an interval is not called one of 95 %, but marked as rough; of fewer persons there
 //! is none.
 
-use super::random::Random;
-use crate::experiment::median;
+use crate::rng::Random;
+use crate::stats::{mean, median, quantiles};
 use serde::Serialize;
 
 /// Drawings of a bootstrap.
@@ -155,11 +155,9 @@ fn together(answers: usize, found: &Point, drawings: &[Point]) -> ErrorFigures {
 }
 
 /// The middle 95 % of some values; none for none.
-fn interval(mut values: Vec<f64>) -> Option<[f64; 2]> {
-    values.sort_by(f64::total_cmp);
-    let tail = (0.5 * (1.0 - CONFIDENCE) * values.len() as f64) as usize;
-    let last = values.len().checked_sub(1 + tail)?;
-    Some([values[tail], values[last]])
+fn interval(values: Vec<f64>) -> Option<[f64; 2]> {
+    let tail = 0.5 * (1.0 - CONFIDENCE);
+    (!values.is_empty()).then(|| quantiles(values, [tail, 1.0 - tail]))
 }
 
 /// The answers to each truth together.
@@ -193,18 +191,11 @@ fn point(strata: &[Vec<Pair>]) -> Point {
 /// more.
 fn spread(strata: &[Vec<Pair>]) -> Option<f64> {
     let variances = strata.iter().filter(|of| of.len() > 1).map(|of| {
-        let sum: f64 = of.iter().map(|pair| pair.answer_deg).sum();
-        let middle = sum / of.len() as f64;
+        let middle = mean(of.iter().map(|pair| pair.answer_deg)).unwrap_or(0.0);
         let squares = of.iter().map(|pair| (pair.answer_deg - middle).powi(2));
         squares.sum::<f64>() / (of.len() - 1) as f64
     });
     mean(variances).map(f64::sqrt)
-}
-
-/// None for none.
-pub fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
-    let (sum, count) = values.fold((0.0, 0u32), |(sum, count), value| (sum + value, count + 1));
-    (count > 0).then(|| sum / f64::from(count))
 }
 
 /// A share of trials, with its interval (Wilson 1927, 95 %), which holds for few trials and

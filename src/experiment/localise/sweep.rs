@@ -3,10 +3,11 @@
 use super::listen::{LoadedSound, converge, facings, listen};
 use super::observer::{Levels, Observer, Side, azimuth_deg, direct_distance, lateral_deg};
 use super::report::{Cell, FacingReport, LimitReport, LocaliseReport, SceneReport};
-use super::statistics::{CONFIDENCE, LEAST_DRAWN, Pair, RESAMPLES, Share, figures, mean};
+use super::statistics::{CONFIDENCE, LEAST_DRAWN, Pair, RESAMPLES, Share, figures};
 use super::{LocaliseOptions, plateaus};
 use crate::error::Error;
 use crate::scene::Scene;
+use crate::stats::mean;
 use crate::trace::{Settings, Tracer};
 use std::time::Instant;
 

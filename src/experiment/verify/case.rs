@@ -24,6 +24,9 @@ pub enum Check {
     Waves {
         /// Where.
         scene: Scene,
+        /// The same world for the judge, where a tree of the library's states in `f64` what
+        /// a user's text in `scene` states, surface by surface.
+        truth: Option<Box<Scene>>,
         /// In which directions the waves leave the source (world axes).
         directions: Vec<Vec3>,
         /// Flights of each wave.
@@ -82,6 +85,7 @@ impl Case {
             exact: exact.into(),
             check: Check::Waves {
                 scene,
+                truth: None,
                 directions,
                 iterations,
                 bound: Bound::Spread { exceptions: 0.0 },
@@ -105,6 +109,14 @@ impl Case {
     pub(super) fn but_for(mut self, share: f64) -> Case {
         if let Check::Waves { bound, .. } = &mut self.check {
             *bound = Bound::Spread { exceptions: share };
+        }
+        self
+    }
+
+    /// The same, judged by another statement of the same world.
+    pub(super) fn judged_by(mut self, other: Scene) -> Case {
+        if let Check::Waves { truth, .. } = &mut self.check {
+            *truth = Some(Box::new(other));
         }
         self
     }

@@ -1,10 +1,10 @@
 //! Waves as they were traced, against all the answers that are right.
 
 use super::case::{Bound, Planted};
-use super::report::ProfileResult;
-use crate::experiment::median;
+use super::report::{LENGTH_ROUNDING, ProfileResult};
 use crate::reference::{ExactScene, sequence_hash};
-use crate::scene::{Scene, Shape};
+use crate::scene::Scene;
+use crate::stats::median;
 use crate::trace::{Fate, Profile, Wave};
 use glam::{DVec3, Vec3};
 
@@ -15,9 +15,6 @@ pub const START_ROUNDING: f64 = 8.0 * f32::EPSILON as f64;
 
 /// What an end point may be off besides, as a share of the scene's extent.
 pub const END_ROUNDING: f64 = 16.0 * f32::EPSILON as f64;
-
-/// What a direction's length may be off: normalising in `f32` leaves a unit or two.
-pub const LENGTH_ROUNDING: f64 = 4.0 * f32::EPSILON as f64;
 
 /// A scene with what its judgements are measured by.
 pub(super) struct Judge {
@@ -56,13 +53,8 @@ impl Judge {
     pub fn new(scene: &Scene, iterations: u32) -> Result<Judge, crate::Error> {
         let ear = scene.listener.position.as_dvec3();
         let reach = |surface: &crate::Surface| {
-            let size = match surface.shape {
-                Shape::Plane => 0.0,
-                Shape::Field(ref field) => field.extent() as f32,
-                Shape::Box { size } | Shape::Room { size } => size.max_element() * 0.5,
-                Shape::Sphere { radius } | Shape::Cylinder { radius } => radius,
-            };
-            (surface.position.as_dvec3() - ear).abs().max_element() + f64::from(size)
+            let away = (surface.position.as_dvec3() - ear).abs().max_element();
+            away + surface.shape.extent()
         };
         let start = scene.source.position.as_dvec3();
         let extent = scene

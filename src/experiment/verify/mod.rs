@@ -4,7 +4,9 @@
 //! A [`Case`] is a scene and the directions in which waves leave its source: few of them,
 //! aimed at what is hard, or a lattice of thousands. The GPU follows them by every profile
 //! and every state of every wave is read back. The judge is [`ExactScene`](crate::reference::ExactScene), which solves
-//! each flight in closed form in `f64` and shares no code with the shaders. Some answers are
+//! each flight in `f64`, in closed form where there is one, and shares no code with the shaders.
+//! A user's text it cannot read: there it goes by a second scene, in which a tree of the
+//! library's own states the same surface. Some answers are
 //! *planted* besides (head-on and grazing flights, edges and vertices of a room, sources in
 //! a solid and in the listener): written down by hand, and the judge itself is held against
 //! them.
@@ -27,7 +29,7 @@
 //! bound.
 //!
 //! # Cost
-//! 64 cases by three profiles, mostly the compiling of shaders: seconds on llvmpipe.
+//! Some hundred cases by three profiles, mostly the compiling of shaders: a minute on llvmpipe.
 
 mod case;
 mod cases;
@@ -37,6 +39,6 @@ mod run;
 
 pub use case::{Bound, Case, Check, Planted};
 pub use cases::all;
-pub use judge::{END_ROUNDING, LENGTH_ROUNDING, START_ROUNDING};
-pub use report::{CaseReport, ProfileResult, VerifyReport};
+pub use judge::{END_ROUNDING, START_ROUNDING};
+pub use report::{CaseReport, LENGTH_ROUNDING, ProfileResult, VerifyReport};
 pub use run::{run, run_case};

@@ -3,6 +3,9 @@
 use crate::trace::Profile;
 use serde::Serialize;
 
+/// What a direction's length may be off: normalising in `f32` leaves a unit or two.
+pub const LENGTH_ROUNDING: f64 = 4.0 * f32::EPSILON as f64;
+
 /// All cases that were run.
 #[derive(Clone, Debug, Serialize)]
 pub struct VerifyReport {
@@ -106,7 +109,7 @@ impl ProfileResult {
                 self.step_limit_reached
             ));
         }
-        if self.length_error > super::judge::LENGTH_ROUNDING {
+        if self.length_error > LENGTH_ROUNDING {
             add(format!("length off by {}", short(self.length_error)));
         }
         if !self.note.is_empty() {

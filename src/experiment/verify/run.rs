@@ -41,12 +41,13 @@ pub fn run_case(tracer: &mut Tracer, case: &Case) -> Result<CaseReport, Error> {
         Check::Refused(inputs) => Profile::ALL.map(|p| refusals(tracer, p, inputs)).into(),
         Check::Waves {
             scene,
+            truth,
             directions,
             iterations,
             bound,
             overestimate,
         } => {
-            let judge = Judge::new(scene, *iterations)?;
+            let judge = Judge::new(truth.as_deref().unwrap_or(scene), *iterations)?;
             let job = Job {
                 scene,
                 directions,

@@ -13,7 +13,7 @@ use std::sync::Arc;
 const LARGEST_FIELD: u64 = 1 << 20;
 
 /// Where the files of one scene lie; each is read once.
-pub(super) struct Attached {
+pub(crate) struct Attached {
     /// What errors call the scene's text.
     origin: String,
     place: Place,
@@ -51,6 +51,14 @@ impl Attached {
     /// What errors call the scene's text.
     pub fn origin(&self) -> &str {
         &self.origin
+    }
+
+    /// Where the files lie; none within the program.
+    pub fn folder(&self) -> Option<&Path> {
+        match &self.place {
+            Place::Folder(folder) => Some(folder),
+            Place::Embedded(_) => None,
+        }
     }
 
     /// A height image by the name that the scene has for it.

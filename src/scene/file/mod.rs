@@ -5,17 +5,36 @@
 //! an error points at its line and column. See `docs/scene-format.md`.
 
 mod attached;
-mod build;
+mod base;
 mod numbers;
-mod shapes;
+mod reader;
+mod surface;
+mod variant;
+mod words;
+#[cfg(feature = "demo")]
+mod write;
 
 use super::{Key, Listener, Path, Scene, SceneError, Source};
 use crate::input::read_text;
 use crate::text::in_a_line;
 use attached::Attached;
-use numbers::{Angle, Degrees, Finite, FixedRadius, Metres, Name, Point, Vector};
+use base::{BasedFile, Chain};
+use glam::Vec3;
+pub(crate) use numbers::{
+    Angle, Factor, Length, Lipschitz, Metres, Number, Plain, Radius, Share, Side, Size, Unit,
+    Vector,
+};
+use numbers::{Degrees, Finite, FixedRadius, Name, Point};
+pub(crate) use reader::{FromFile, Operands, ReadNumbers, Reader};
 use serde::Deserialize;
-use shapes::ShapeFile;
+use std::path;
+use surface::SurfaceFile;
+pub(crate) use variant::Variant;
+pub(crate) use words::{Axis, Corners, MirrorAxes, Sheets};
+
+pub(super) use base::bases_of;
+#[cfg(feature = "demo")]
+pub(crate) use write::BasedScene;
 
 /// Bytes of a scene file at the most: 100,000 key frames are 2 MB, and what a text of this size
 /// can say (a shape in six bytes) fits into a gigabyte of memory.
@@ -26,35 +45,16 @@ const LARGEST_FILE: u64 = 4 << 20;
 const DEEPEST: usize = 512;
 
 impl Scene {
-    /// Reads a scene file, and the files that it names from the same folder.
+    /// Reads a scene file, its base, and the files that each names from its own folder.
     ///
     /// # Errors
     /// [`SceneError::Unreadable`], [`SceneError::Malformed`] with line and column,
     /// [`SceneError::Attached`] for the files that it names, or what
     /// [`Scene::check`] refuses.
-    pub fn from_file(path: &std::path::Path) -> Result<Scene, SceneError> {
-        let text = Scene::text_of_file(path)?;
-        let folder = path.parent().unwrap_or(std::path::Path::new(""));
-        let files = Attached::in_folder(&path.display().to_string(), folder);
-        let mut scene = parse(&text, &files)?;
-        if scene.name.is_empty()
-            && let Some(stem) = path.file_stem()
-        {
-            scene.name = in_a_line(&stem.to_string_lossy()).into_owned();
-        }
+    pub fn from_file(path: &path::Path) -> Result<Scene, SceneError> {
+        let scene = scene_of_file(path, &text_of(path)?, &Chain::at(path))?;
         scene.check()?;
         Ok(scene)
-    }
-
-    /// The text of a scene file, as it stands.
-    ///
-    /// # Errors
-    /// [`SceneError::Unreadable`], also for a file of more than 4 MiB.
-    pub fn text_of_file(path: &std::path::Path) -> Result<String, SceneError> {
-        read_text(path, LARGEST_FILE).map_err(|source| SceneError::Unreadable {
-            path: path.to_owned(),
-            source,
-        })
     }
 
     /// Reads a scene from RON text; `origin` is what errors call it. Files that it names
@@ -74,19 +74,16 @@ impl Scene {
     /// # Errors
     /// As of [`Scene::from_file`].
     pub fn from_ron(text: &str, origin: &str) -> Result<Scene, SceneError> {
-        Scene::from_ron_in(text, origin, std::path::Path::new(""))
+        Scene::from_ron_in(text, origin, path::Path::new(""))
     }
 
     /// As [`Scene::from_ron`]; the files that it names are in `folder`.
     ///
     /// # Errors
     /// As of [`Scene::from_file`].
-    pub fn from_ron_in(
-        text: &str,
-        origin: &str,
-        folder: &std::path::Path,
-    ) -> Result<Scene, SceneError> {
-        let scene = parse(text, &Attached::in_folder(origin, folder))?;
+    pub fn from_ron_in(text: &str, origin: &str, folder: &path::Path) -> Result<Scene, SceneError> {
+        let files = Attached::in_folder(origin, folder);
+        let scene = parse(text, &files, &Chain::default())?;
         scene.check()?;
         Ok(scene)
     }
@@ -97,33 +94,79 @@ impl Scene {
         origin: &str,
         files: &'static [(&'static str, &'static str)],
     ) -> Result<Scene, SceneError> {
-        let scene = parse(text, &Attached::embedded(origin, files))?;
+        let files = Attached::embedded(origin, files);
+        let scene = parse(text, &files, &Chain::default())?;
         scene.check()?;
         Ok(scene)
     }
 }
 
-/// The scene that the text says, not yet checked as a whole.
-fn parse(text: &str, files: &Attached) -> Result<Scene, SceneError> {
-    let options = ron::Options::default()
+/// The text of a scene file, as it stands but for a byte-order mark, which some editors put
+/// before it.
+fn text_of(path: &path::Path) -> Result<String, SceneError> {
+    read_text(path, LARGEST_FILE).map_err(|source| SceneError::Unreadable {
+        path: path.to_owned(),
+        source,
+    })
+}
+
+/// The folder that a file lies in; the current one for a name alone.
+fn folder_of(path: &path::Path) -> &path::Path {
+    path.parent().unwrap_or(path::Path::new(""))
+}
+
+/// The scene of a file with this text, not yet checked as a whole.
+fn scene_of_file(path: &path::Path, text: &str, chain: &Chain) -> Result<Scene, SceneError> {
+    let files = Attached::in_folder(&path.display().to_string(), folder_of(path));
+    let mut scene = parse(text, &files, chain)?;
+    if scene.name.is_empty()
+        && let Some(stem) = path.file_stem()
+    {
+        scene.name = in_a_line(&stem.to_string_lossy()).into_owned();
+    }
+    Ok(scene)
+}
+
+fn options() -> ron::Options {
+    ron::Options::default()
         .with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME)
-        .with_recursion_limit(DEEPEST);
+        .with_recursion_limit(DEEPEST)
+}
+
+/// The scene that the text says, not yet checked as a whole.
+fn parse(text: &str, files: &Attached, chain: &Chain) -> Result<Scene, SceneError> {
     // Some editors put a byte-order mark before the text.
     let text = text.trim_start_matches('\u{feff}');
-    let file: SceneFile = options.from_str(text).map_err(|error| {
-        let start = error.span.start;
-        let message = match error.code {
-            ron::Error::ExceededRecursionLimit => "shapes are nested too deeply here".to_owned(),
-            code => in_a_line(&code.to_string()).into_owned(),
-        };
-        SceneError::Malformed {
-            origin: files.origin().to_owned(),
-            line: start.line,
-            column: start.col,
-            message,
-        }
-    })?;
-    file.scene(files)
+    let error = match options().from_str::<SceneFile>(text) {
+        Ok(file) => return file.scene(files),
+        Err(error) => error,
+    };
+    if !base::has_base(text, &error.code) {
+        return Err(from_ron(files, &error));
+    }
+    let file: BasedFile = options()
+        .from_str(text)
+        .map_err(|error| from_ron(files, &error))?;
+    file.scene(text, files, chain)
+}
+
+fn from_ron(files: &Attached, error: &ron::error::SpannedError) -> SceneError {
+    let start = error.span.start;
+    let message = match &error.code {
+        ron::Error::ExceededRecursionLimit => "shapes are nested too deeply here".to_owned(),
+        code => code.to_string(),
+    };
+    malformed(files, start.line, start.col, &message)
+}
+
+/// An error at a line and a column, each counted from 1.
+fn malformed(files: &Attached, line: usize, column: usize, message: &str) -> SceneError {
+    SceneError::Malformed {
+        origin: files.origin().to_owned(),
+        line,
+        column,
+        message: in_a_line(message).into_owned(),
+    }
 }
 
 #[derive(Deserialize)]
@@ -133,22 +176,7 @@ struct SceneFile {
     name: Name,
     surfaces: Vec<SurfaceFile>,
     source: SourceFile,
-    listener: ListenerFile,
-}
-
-#[derive(Deserialize)]
-#[serde(rename = "Surface", deny_unknown_fields)]
-struct SurfaceFile {
-    #[serde(default)]
-    name: Option<Name>,
-    shape: ShapeFile,
-    #[serde(default)]
-    position: Vector<Metres>,
-    /// Right-handed turns about x, then y, then z, of the world's axes.
-    #[serde(default)]
-    rotation: Vector<Angle>,
-    #[serde(default)]
-    turns: bool,
+    listener: ListenerFile<FixedRadius>,
 }
 
 #[derive(Deserialize)]
@@ -157,21 +185,26 @@ struct SourceFile {
     #[serde(default)]
     position: Option<Point>,
     #[serde(default)]
-    path: PathFile,
+    path: Option<PathFile>,
 }
 
+/// A listener, whose radius is `R`: it may be left out where a base has one.
 #[derive(Deserialize)]
-#[serde(rename = "Listener", deny_unknown_fields)]
-struct ListenerFile {
+#[serde(
+    rename = "Listener",
+    deny_unknown_fields,
+    bound = "R: Deserialize<'de>"
+)]
+struct ListenerFile<R> {
     #[serde(default)]
     position: Option<Point>,
     #[serde(default)]
-    yaw: Degrees,
+    yaw: Option<Degrees>,
     #[serde(default)]
-    pitch: Degrees,
-    radius: FixedRadius,
+    pitch: Option<Degrees>,
+    radius: R,
     #[serde(default)]
-    path: PathFile,
+    path: Option<PathFile>,
 }
 
 #[derive(Deserialize)]
@@ -189,6 +222,12 @@ struct KeyFile {
 #[derive(Default, Deserialize)]
 #[serde(try_from = "Vec<KeyFile>")]
 struct PathFile(Path);
+
+impl PathFile {
+    fn path(&self) -> Path {
+        self.0.clone()
+    }
+}
 
 impl TryFrom<Vec<KeyFile>> for PathFile {
     type Error = String;
@@ -216,44 +255,56 @@ impl SceneFile {
     /// The scene, with the files that it names.
     fn scene(self, files: &Attached) -> Result<Scene, SceneError> {
         let surfaces = self.surfaces.into_iter();
-        let surfaces: Result<_, _> = surfaces.map(|s| build::surface(s, files)).collect();
+        let surfaces: Result<_, _> = surfaces.map(|s| s.read(files)).collect();
+        let mut source = Source::at(Vec3::ZERO);
+        self.source.change(&mut source);
+        let mut listener = Listener::at(Vec3::ZERO, self.listener.radius.0);
+        self.listener.change(&mut listener);
         Ok(Scene {
             name: self.name.0,
             surfaces: surfaces?,
-            source: Source::from(self.source),
-            listener: Listener::from(self.listener),
+            source,
+            listener,
         })
     }
 }
 
-impl From<SourceFile> for Source {
-    fn from(file: SourceFile) -> Source {
-        let start = file.path.0.at(0.0).map(|key| key.position);
-        Source {
-            position: file.position.map(|p| p.0).or(start).unwrap_or_default(),
-            path: file.path.0,
+impl SourceFile {
+    /// Puts a source where the file says: without a position it is where its path begins.
+    /// A source that is put somewhere has no path but the one said with it.
+    fn change(&self, source: &mut Source) {
+        if self.position.is_none() && self.path.is_none() {
+            return;
         }
+        source.path = self.path.as_ref().map(PathFile::path).unwrap_or_default();
+        let start = source.path.at(0.0).map(|key| key.position);
+        let position = self.position.map(|point| point.0).or(start);
+        source.position = position.unwrap_or(source.position);
     }
 }
 
-impl From<ListenerFile> for Listener {
-    fn from(file: ListenerFile) -> Listener {
-        let start = file.path.0.at(0.0);
-        let standing = Listener {
-            position: file.position.unwrap_or_default().0,
-            yaw: file.yaw.0,
-            pitch: file.pitch.0,
-            radius: file.radius.0,
-            path: file.path.0,
-        };
-        match start {
-            Some(key) if file.position.is_none() => Listener {
-                position: key.position,
-                yaw: key.yaw,
-                pitch: key.pitch,
-                ..standing
-            },
-            _ => standing,
+impl<R: Copy + Into<Option<FixedRadius>>> ListenerFile<R> {
+    /// Puts a listener where the file says: without a position it stands and looks as its path
+    /// begins. A listener that is put somewhere has no path but the one said with it.
+    fn change(&self, listener: &mut Listener) {
+        if let Some(radius) = self.radius.into() {
+            listener.radius = radius.0;
+        }
+        let [yaw, pitch] = [self.yaw, self.pitch];
+        if self.position.is_none() && self.path.is_none() && yaw.is_none() && pitch.is_none() {
+            return;
+        }
+        listener.path = self.path.as_ref().map(PathFile::path).unwrap_or_default();
+        match (self.position, listener.path.at(0.0)) {
+            (None, Some(key)) => {
+                listener.position = key.position;
+                (listener.yaw, listener.pitch) = (key.yaw, key.pitch);
+            }
+            (position, _) => {
+                listener.position = position.map_or(listener.position, |point| point.0);
+                listener.yaw = yaw.map_or(listener.yaw, |angle| angle.0);
+                listener.pitch = pitch.map_or(listener.pitch, |angle| angle.0);
+            }
         }
     }
 }

@@ -8,14 +8,17 @@
 //! radius: Value("door", 1.5)
 //! ```
 
-use crate::scene::Motion;
+use crate::scene::{Motion, Quantity};
 use crate::text;
 use glam::Vec3;
 use serde::Deserialize;
 use std::marker::PhantomData;
 
 /// What a number measures: how it is checked, and turned into the unit of the code.
-pub(super) trait Unit {
+pub(crate) trait Unit {
+    /// What the code calls it.
+    const QUANTITY: Quantity;
+
     /// The value in the unit of the code.
     ///
     /// # Errors
@@ -40,11 +43,13 @@ fn finite(what: &str, value: f32) -> Result<f32, String> {
 }
 
 macro_rules! units {
-    ($($(#[$doc:meta])* $unit:ident = $check:ident($what:literal);)*) => {$(
+    ($($(#[$doc:meta])* $unit:ident = $quantity:ident, $check:ident($what:literal);)*) => {$(
         $(#[$doc])*
-        pub(super) struct $unit;
+        pub(crate) struct $unit;
 
         impl Unit for $unit {
+            const QUANTITY: Quantity = Quantity::$quantity;
+
             fn read(value: f32) -> Result<f32, String> {
                 $check($what, value)
             }
@@ -54,32 +59,36 @@ macro_rules! units {
 
 units! {
     /// A radius in metres, greater than 0.
-    Radius = positive("a radius in metres");
+    Radius = Length, positive("a radius in metres");
     /// A length in metres, greater than 0.
-    Length = positive("a length in metres");
+    Length = Length, positive("a length in metres");
     /// One side of a full size in metres, greater than 0.
-    Side = positive("a size in metres");
+    Side = Length, positive("a size in metres");
     /// A factor, greater than 0.
-    Factor = positive("a factor");
+    Factor = Factor, positive("a factor");
     /// A coordinate or a difference of such, in metres.
-    Metres = finite("a position in metres");
+    Metres = Position, finite("a position in metres");
     /// Any number.
-    Plain = finite("a number");
+    Plain = Plain, finite("a number");
 }
 
 /// An angle: degrees in the file, radians in the code.
-pub(super) struct Angle;
+pub(crate) struct Angle;
 
 impl Unit for Angle {
+    const QUANTITY: Quantity = Quantity::Angle;
+
     fn read(value: f32) -> Result<f32, String> {
         finite("an angle in degrees", value).map(f32::to_radians)
     }
 }
 
 /// From 0 to 1.
-pub(super) struct Share;
+pub(crate) struct Share;
 
 impl Unit for Share {
+    const QUANTITY: Quantity = Quantity::Share;
+
     fn read(value: f32) -> Result<f32, String> {
         if (0.0..=1.0).contains(&value) {
             return Ok(value);
@@ -91,7 +100,7 @@ impl Unit for Share {
 /// A number of a surface, in the unit of the code.
 #[derive(Deserialize)]
 #[serde(try_from = "Said", bound = "U: Unit")]
-pub(super) struct Number<U> {
+pub(crate) struct Number<U> {
     /// Where it stands at time 0.
     pub start: f32,
     /// What moves it.
@@ -105,12 +114,12 @@ pub(super) struct Number<U> {
     from = "(Number<U>, Number<U>, Number<U>)",
     bound(deserialize = "U: Unit")
 )]
-pub(super) struct Vector<U>(pub [Number<U>; 3]);
+pub(crate) struct Vector<U>(pub [Number<U>; 3]);
 
 /// Two numbers, x and y.
 #[derive(Deserialize)]
 #[serde(from = "(Number<U>, Number<U>)", bound(deserialize = "U: Unit"))]
-pub(super) struct Pair<U>(pub [Number<U>; 2]);
+pub(crate) struct Pair<U>(pub [Number<U>; 2]);
 
 /// A number as the file says it.
 #[derive(Deserialize)]
@@ -133,7 +142,7 @@ enum Driven {
 /// What something is called: up to 200 characters, all of them to be seen.
 #[derive(Default, Deserialize)]
 #[serde(try_from = "String")]
-pub(super) struct Name(pub String);
+pub(crate) struct Name(pub String);
 
 impl TryFrom<String> for Name {
     type Error = String;
@@ -223,32 +232,32 @@ impl<U> Default for Number<U> {
 /// Any finite number that does not move.
 #[derive(Clone, Copy, Default, Deserialize)]
 #[serde(try_from = "f64")]
-pub(super) struct Finite(pub f64);
+pub(crate) struct Finite(pub f64);
 
 /// An angle in degrees that does not move, kept in radians.
 #[derive(Clone, Copy, Default, Deserialize)]
 #[serde(try_from = "f32")]
-pub(super) struct Degrees(pub f32);
+pub(crate) struct Degrees(pub f32);
 
 /// A radius in metres that does not move, finite and greater than 0.
 #[derive(Clone, Copy, Deserialize)]
 #[serde(try_from = "f32")]
-pub(super) struct FixedRadius(pub f32);
+pub(crate) struct FixedRadius(pub f32);
 
 /// A position in metres that does not move.
 #[derive(Clone, Copy, Default, Deserialize)]
 #[serde(try_from = "(f32, f32, f32)")]
-pub(super) struct Point(pub Vec3);
+pub(crate) struct Point(pub Vec3);
 
 /// Full width, height and depth in metres that do not move, each finite and greater than 0.
 #[derive(Clone, Copy, Deserialize)]
 #[serde(try_from = "(f32, f32, f32)")]
-pub(super) struct Size(pub Vec3);
+pub(crate) struct Size(pub Vec3);
 
 /// How fast a value may grow, in metres a metre: the Lipschitz constant that is stated.
 #[derive(Clone, Copy, Deserialize)]
 #[serde(try_from = "f32")]
-pub(super) struct Lipschitz(pub f32);
+pub(crate) struct Lipschitz(pub f32);
 
 impl TryFrom<f64> for Finite {
     type Error = String;

@@ -1,78 +1,35 @@
 //! The distance to what can be met ahead, and its gradient: for a march that is right.
 
-use super::cells::{of_kind, walk_files};
-use super::distance::surface_distance_sources;
-use super::field::{field_files, gradient_text, normal_text, value_text};
+use super::cells::of_kind;
+use super::distance::surface_distances;
+use super::field::{gradient_text, normal_text, value_text};
 use super::fields_ahead::{Marched, fields_ahead};
-use super::land::{land_files, land_text};
-use super::source::without_uncalled_bounds;
-use super::{Named, Source, Text, add_once, distance_file, source};
-use crate::scene::{Scene, Shape};
-use std::borrow::Cow;
+use super::land::land_text;
+use super::{Named, Part, Text};
+use crate::scene::{Node, Scene};
 use std::fmt::Write;
 
 /// `distanceAhead(p, d, last, object, second)`, `gradientAhead(p, d, object, slack)`,
 /// `land(object, d, p, normal)` of a scene, `surfaceDistance(p, object)` where normals are
-/// taken from differences of it, and `marchFields(p, d, last, limit, object, guardHit)` where
+/// taken from differences of it, and `marchFields(p, d, last, limit, object, limitReached)` where
 /// there are fields.
-pub fn ahead_sources(scene: &Scene, difference_normals: bool) -> Vec<Source> {
+pub fn ahead_parts(scene: &Scene, difference_normals: bool) -> Vec<Part> {
     let text = Text::new(scene);
-    let mut sources = vec![source!("rounding.glsl")];
+    let mut parts = text.parts();
+    text.add_fields(&mut parts, |_| true, value_text);
+    text.add_fields(&mut parts, |_| true, gradient_text);
+    text.add_fields(&mut parts, |_| true, normal_text);
     if difference_normals {
-        sources.extend(text.shape_files(distance_file));
+        text.add(&mut parts, "the scene's distance", surface_distances(&text));
     }
-    sources.extend(land_files(&text));
-    sources.extend(text.shape_files(gradient_file));
-    sources.extend(text.shape_files(ahead_file));
-    add_once(&mut sources, text.data_file());
-    let fields = field_files(text.fields(), true, &text.assets);
-    add_once(&mut sources, fields);
-    sources.extend(text.turn_file());
-    sources.push(source!("distance/listener.glsl"));
-    sources.push(source!("ahead/listener.glsl"));
-    let mut functions = text.uniforms();
-    functions += &text.of_fields(|_| true, value_text);
-    functions += &text.of_fields(|_| true, gradient_text);
-    functions += &text.of_fields(|_| true, normal_text);
-    sources.push((Cow::Borrowed("the surfaces"), Cow::Owned(functions)));
-    if difference_normals {
-        add_once(&mut sources, surface_distance_sources(&text));
-    }
-    add_once(&mut sources, ahead_in_cells(&text));
-    let functions = distance_ahead(&text) + &gradient_ahead(&text) + &land_text(&text);
-    sources.push((Cow::Borrowed("the scene"), Cow::Owned(functions)));
-    add_once(&mut sources, fields_ahead(&text, Marched::All));
-    without_uncalled_bounds(sources)
-}
-
-fn gradient_file(shape: &Shape) -> Option<Source> {
-    Some(match shape {
-        Shape::Plane => source!("gradient/plane.glsl"),
-        Shape::Box { .. } => source!("gradient/box.glsl"),
-        Shape::Room { .. } => source!("gradient/room.glsl"),
-        Shape::Sphere { .. } => source!("gradient/sphere.glsl"),
-        Shape::Cylinder { .. } => source!("gradient/cylinder.glsl"),
-        Shape::Field(_) => return None,
-    })
-}
-
-/// The file of the distance to a basic shape that can still be met; a room's stands with its
-/// gradient.
-fn ahead_file(shape: &Shape) -> Option<Source> {
-    Some(match shape {
-        Shape::Plane => source!("ahead/plane.glsl"),
-        Shape::Box { .. } => source!("ahead/box.glsl"),
-        Shape::Sphere { .. } => source!("ahead/sphere.glsl"),
-        Shape::Cylinder { .. } => source!("ahead/cylinder.glsl"),
-        Shape::Room { .. } | Shape::Field(_) => return None,
-    })
+    let functions = of_kinds(&text) + &distance_ahead(&text) + &gradient_ahead(&text);
+    text.add(&mut parts, "the scene", functions + &land_text(&text));
+    parts.extend(fields_ahead(&text, Marched::All));
+    parts
 }
 
 /// What the functions below call for the surfaces in cells.
-fn ahead_in_cells(text: &Text) -> Vec<Source> {
-    if text.kinds.is_empty() {
-        return Vec::new();
-    }
+fn of_kinds(text: &Text) -> String {
     let basic = |named: &Named| named.field().is_none();
     let distance = of_kind(
         text,
@@ -94,11 +51,7 @@ fn ahead_in_cells(text: &Text) -> Vec<Source> {
         gradient_statement,
         "    return vec3(0.0);\n",
     );
-    let mut sources = walk_files();
-    let kinds = distance + &gradient;
-    sources.push((Cow::Borrowed("the kinds"), Cow::Owned(kinds)));
-    sources.push(source!("cells/ahead.glsl"));
-    sources
+    distance + &gradient
 }
 
 fn distance_ahead(text: &Text) -> String {
@@ -152,9 +105,9 @@ fn gradient_ahead(text: &Text) -> String {
 
 fn gradient_statement(named: &Named) -> String {
     let (shape, point, size) = (named.shape(), named.point("p"), named.size());
-    let gradient = match named.surface.shape {
-        Shape::Room { .. } => format!("gradientRoomAhead({point}, {}{size})", named.vector("d")),
-        Shape::Box { .. } => format!("gradientBox({point}{size})"),
+    let gradient = match named.surface.shape.node {
+        Node::Room(_) => format!("gradientRoomAhead({point}, {}{size})", named.vector("d")),
+        Node::Cuboid(_) => format!("gradientBox({point}{size})"),
         _ => format!("gradient{shape}({point})"),
     };
     format!(

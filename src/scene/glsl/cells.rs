@@ -1,21 +1,7 @@
 //! Text about the surfaces that lie in cells: one function over all kinds.
 
-use super::{Named, Source, Text, source};
+use super::{Named, Text};
 use std::fmt::Write;
-
-/// What every text with cells needs.
-pub(super) fn grid_files() -> Vec<Source> {
-    vec![source!("cells/grid.glsl")]
-}
-
-/// What a line through cells needs beside that.
-pub(super) fn walk_files() -> Vec<Source> {
-    vec![
-        source!("cells/grid.glsl"),
-        source!("hit/safe_inverse.glsl"),
-        source!("cells/walk.glsl"),
-    ]
-}
 
 /// A function over the kinds that are wanted: `head` up to its brace, a statement a kind,
 /// and what is returned for none of them.

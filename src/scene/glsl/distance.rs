@@ -1,55 +1,36 @@
 //! The signed distance to everything: what the thesis' march evaluates.
 
-use super::cells::{grid_files, of_kind};
-use super::field::{field_files, value_text};
-use super::{Source, Text, add_once, distance_file, source};
+use super::cells::of_kind;
+use super::field::value_text;
+use super::{Part, Text};
 use crate::scene::Scene;
-use std::borrow::Cow;
 use std::fmt::Write;
 
 /// The distance functions of `scene`: `surfaceDistance(p, object)` over the surfaces
 /// and `distanceFunction(p, object)` over surfaces and listener, in world metres.
-pub fn distance_sources(scene: &Scene) -> Vec<Source> {
+pub fn distance_parts(scene: &Scene) -> Vec<Part> {
     let text = Text::new(scene);
-    let mut sources = text.shape_files(distance_file);
-    add_once(&mut sources, text.data_file());
-    let fields = field_files(text.fields(), false, &text.assets);
-    add_once(&mut sources, fields);
-    sources.extend(text.turn_file());
-    sources.push(source!("distance/listener.glsl"));
-    let values = text.uniforms() + &text.of_fields(|_| true, value_text);
-    sources.push((Cow::Borrowed("the surfaces"), Cow::Owned(values)));
-    sources.extend(surface_distance_sources(&text));
-    let function = Cow::Borrowed(DISTANCE_FUNCTION);
-    sources.push((Cow::Borrowed("the scene and the listener"), function));
-    sources
+    let mut parts = text.parts();
+    text.add_fields(&mut parts, |_| true, value_text);
+    text.add(&mut parts, "the scene's distance", surface_distances(&text));
+    text.add(&mut parts, "the scene and the listener", DISTANCE_FUNCTION);
+    parts
 }
 
-/// `surfaceDistance(p, object)`, after the functions of the fields.
-pub(super) fn surface_distance_sources(text: &Text) -> Vec<Source> {
-    let mut sources = distance_in_cells(text);
-    let function = surface_distance(text);
-    sources.push((Cow::Borrowed("the scene's distance"), Cow::Owned(function)));
-    sources
+/// `surfaceDistance(p, object)`, and what it calls for the surfaces in cells.
+pub(super) fn surface_distances(text: &Text) -> String {
+    distance_of_kind(text) + &surface_distance(text)
 }
 
-/// What `surfaceDistance` calls for the surfaces in cells.
-fn distance_in_cells(text: &Text) -> Vec<Source> {
-    if text.kinds.is_empty() {
-        return Vec::new();
-    }
-    let kinds = of_kind(
+fn distance_of_kind(text: &Text) -> String {
+    of_kind(
         text,
         "// Signed distance to a surface in cells, by its kind and the place of its values.\n\
          float surfaceOfKind(float kind, int data, vec3 p) {\n",
         |_| true,
         |named| format!("return {};", named.distance("p")),
         "    return 1e30;\n",
-    );
-    let mut sources = grid_files();
-    sources.push((Cow::Borrowed("the distances of kinds"), Cow::Owned(kinds)));
-    sources.push(source!("cells/distance.glsl"));
-    sources
+    )
 }
 
 fn surface_distance(text: &Text) -> String {

@@ -1,9 +1,9 @@
 //! The fields that are marched: their least value, and the gradient of one of them.
 
 use super::cells::of_kind;
-use super::field::{files_of_bounds, free_text, is_bounded};
-use super::{Named, Source, Text, add_once, source};
-use std::borrow::Cow;
+use super::field::{free_text, is_bounded};
+use super::link::parts;
+use super::{Named, Part, Text, source};
 use std::fmt::Write;
 
 /// Which fields of a scene a march has to take.
@@ -21,56 +21,35 @@ impl Marched {
     }
 }
 
-/// `fieldsAhead(p, d, last, object, reach)`, `fieldsFree(p, d, last, slack)`,
+/// `fieldsAhead(p, d, last, object, reach, within)`, `fieldsFree(p, d, last, slack)`,
 /// `fieldGradient(p, object, slack)` and the march that calls them; nothing where nothing is
-/// marched. With cells, what walks them must stand before.
-pub(super) fn fields_ahead(text: &Text, marched: Marched) -> Vec<Source> {
+/// marched.
+pub(super) fn fields_ahead(text: &Text, marched: Marched) -> Vec<Part> {
     if !text.all().any(|named| marched.takes(named)) {
         return Vec::new();
     }
     let in_cells = text.kinds.iter().any(|named| marched.takes(named));
-    let bounded = any_is_bounded(text, marched);
-    let mut sources = Vec::new();
-    if bounded {
-        sources = bounds(text, marched);
+    let mut all = Vec::new();
+    if any_is_bounded(text, marched) {
+        text.add_fields(&mut all, |named| marched.takes(named), free_text);
+        text.add(&mut all, "the bounds of kinds", free_of_kind(text, marched));
     }
     if in_cells {
         let kinds = field_of_kind(text, marched) + &gradient_of_kind(text, marched);
-        sources.push((Cow::Borrowed("the kinds of fields"), Cow::Owned(kinds)));
-        sources.push(source!("cells/fields.glsl"));
-    }
-    if in_cells && bounded {
-        let kinds = free_of_kind(text, marched);
-        sources.push((Cow::Borrowed("their bounds"), Cow::Owned(kinds)));
-        sources.push(source!("cells/fields_free.glsl"));
+        text.add(&mut all, "the kinds of fields", kinds);
     }
     let functions = value(text, marched, in_cells)
         + &free(text, marched, in_cells)
         + &gradient(text, marched, in_cells);
-    sources.push((Cow::Borrowed("the fields"), Cow::Owned(functions)));
-    sources.push(source!("march_fields.glsl"));
-    sources
+    text.add(&mut all, "the fields", functions);
+    all.extend(parts(source!("common/march_fields.glsl")));
+    all
 }
 
 /// Whether anything is known of one of the fields but its value.
 fn any_is_bounded(text: &Text, marched: Marched) -> bool {
     text.all()
         .any(|named| marched.takes(named) && named.field().is_some_and(is_bounded))
-}
-
-/// The bounds of the fields along a line, and the files that they call.
-fn bounds(text: &Text, marched: Marched) -> Vec<Source> {
-    let mut sources = Vec::new();
-    for named in text.all().filter(|named| marched.takes(named)) {
-        let files = named.field().map(files_of_bounds);
-        add_once(&mut sources, files.into_iter().flatten());
-    }
-    let functions = text.of_fields(|named| marched.takes(named), free_text);
-    sources.push((
-        Cow::Borrowed("the fields along a line"),
-        Cow::Owned(functions),
-    ));
-    sources
 }
 
 fn field_of_kind(text: &Text, marched: Marched) -> String {
@@ -122,9 +101,10 @@ fn gradient_statement(named: &Named) -> String {
 fn value(text: &Text, marched: Marched, in_cells: bool) -> String {
     let mut out = String::from(
         "// The least value of the fields that a wave at p along d can meet, and whose it is. It\n\
-         // holds as far as reach along d. A convex one that the wave leaves is out of its way.\n\
-         float fieldsAhead(vec3 p, vec3 d, float last, out float object, out float reach) {\n    \
-         float nearest = 1e30;\n    reach = 1e30;\n    object = -1.0;\n    float candidate;\n",
+         // holds as far as reach along d; as far as within the same fields are asked. A convex one\n\
+         // that the wave leaves is out of its way.\n\
+         float fieldsAhead(vec3 p, vec3 d, float last, out float object, out float reach, out float within) {\n    \
+         float nearest = 1e30;\n    reach = 1e30;\n    within = 1e30;\n    object = -1.0;\n    float candidate;\n",
     );
     for named in text.loose.iter().filter(|named| marched.takes(named)) {
         let value = named.unless_left(&named.left(), "1e30", &named.distance("p"));
@@ -136,7 +116,7 @@ fn value(text: &Text, marched: Marched, in_cells: bool) -> String {
         );
     }
     if in_cells {
-        out.push_str("    fieldsInCells(p, d, last, nearest, object, reach);\n");
+        out.push_str("    fieldsInCells(p, d, last, nearest, object, reach, within);\n");
     }
     out + "    return nearest;\n}\n\n"
 }

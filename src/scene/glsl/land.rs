@@ -1,23 +1,9 @@
 //! The landing: the point met, put onto the surface met, and the normal there.
 
 use super::cells::of_kind;
-use super::{Named, Source, Text, source};
-use crate::scene::Shape;
+use super::{Named, Text};
+use crate::scene::Node;
 use std::fmt::Write;
-
-/// The files that [`land_text`] calls.
-pub(super) fn land_files(text: &Text) -> Vec<Source> {
-    text.shape_files(|shape| {
-        Some(match shape {
-            Shape::Plane => source!("land/plane.glsl"),
-            Shape::Box { .. } => source!("land/box.glsl"),
-            Shape::Room { .. } => source!("land/room.glsl"),
-            Shape::Sphere { .. } => source!("land/sphere.glsl"),
-            Shape::Cylinder { .. } => source!("land/cylinder.glsl"),
-            Shape::Field(_) => source!("land/field.glsl"),
-        })
-    })
-}
 
 /// `land(object, d, p, normal)` over all surfaces.
 pub(super) fn land_text(text: &Text) -> String {
@@ -59,20 +45,22 @@ pub(super) fn land_text(text: &Text) -> String {
 fn statements(named: &Named) -> Vec<String> {
     let mut statements = vec![format!("q = {};", named.point("p"))];
     let vector = named.vector("d");
-    match named.surface.shape {
-        Shape::Field(_) => {
+    match named.surface.shape.node {
+        Node::Cuboid(_) | Node::Room(_) => statements.push(format!(
+            "land{}(q, {vector}{}, normal);",
+            named.shape(),
+            named.size()
+        )),
+        _ if named.field().is_none() => {
+            statements.push(format!("land{}(q{}, normal);", named.shape(), named.size()))
+        }
+        _ => {
             // A Newton step onto the field's surface, and the gradient there.
             let gradient = named.field_gradient("q");
             statements.push(format!("q = ontoField(q, {gradient});"));
             let normal = named.field_normal("q");
             statements.push(format!("normal = facing({normal}.xyz, {vector});"));
         }
-        Shape::Box { .. } | Shape::Room { .. } => statements.push(format!(
-            "land{}(q, {vector}{}, normal);",
-            named.shape(),
-            named.size()
-        )),
-        _ => statements.push(format!("land{}(q{}, normal);", named.shape(), named.size())),
     }
     let (q, normal) = (named.outward("q"), named.outward("normal"));
     statements.push(format!("p = {q} + {}.xyz;", named.value(0)));

@@ -8,9 +8,9 @@
 //! text depends on the [`Structure`] alone, and moving things never compiles a shader
 //! again. Three texts can be had, by what a wave needs to know:
 //!
-//! - [`distance_sources`]: the signed distance to everything (the thesis' march, pictures);
-//! - [`ahead_sources`]: the distance to what can be met ahead, and its gradient;
-//! - [`closed_form_sources`]: where a line meets each surface, without a march.
+//! - [`distance_parts`]: the signed distance to everything (the thesis' march, pictures);
+//! - [`ahead_parts`]: the distance to what can be met ahead, and its gradient;
+//! - [`closed_form_parts`]: where a line meets each surface, without a march.
 //!
 //! Of many surfaces only their kinds are in the text (`scene::layout`): they lie in cells,
 //! whose lists, like the surfaces' values, are in the scene's data (`data.rs`).
@@ -23,16 +23,19 @@ mod distance;
 mod field;
 mod fields_ahead;
 mod land;
+mod library;
+mod link;
 mod loops;
 mod named;
 mod placement;
 mod source;
 mod user;
 
-pub use ahead::ahead_sources;
-pub use closed_form::closed_form_sources;
+pub use ahead::ahead_parts;
+pub use closed_form::closed_form_parts;
 pub use data::{CellData, DATA_WIDTH, scene_data};
-pub use distance::distance_sources;
+pub use distance::distance_parts;
+pub use link::{Part, link};
 pub use loops::{Loops, loops};
 pub use placement::{Placed, Placement, uniform_count};
 pub(crate) use source::source;
@@ -40,8 +43,10 @@ pub use source::{Source, join};
 pub(crate) use user::{USER_FILE, user_sources};
 
 use super::layout::Layout;
-use super::{Field, Scene, Shape, Surface};
+use super::{Scene, Shape, Surface};
+use library::library;
 use named::Named;
+use std::borrow::Cow;
 
 /// What the shader text of a scene depends on: each surface's shape, whether it has a
 /// rotation, and of a field what does not move; of surfaces in cells only which kinds there
@@ -67,7 +72,7 @@ pub(in crate::scene) struct SurfaceStructure {
 
 impl SurfaceStructure {
     fn unrolled(surface: &Surface) -> SurfaceStructure {
-        let moving = |field: &Field| surface.moving_nodes(field);
+        let moving = |field: &Shape| surface.moving_nodes(field);
         SurfaceStructure::new(surface, moving)
     }
 
@@ -76,7 +81,7 @@ impl SurfaceStructure {
         SurfaceStructure::new(surface, |field| vec![true; field.nodes().len()])
     }
 
-    fn new(surface: &Surface, moving: impl Fn(&Field) -> Vec<bool>) -> SurfaceStructure {
+    fn new(surface: &Surface, moving: impl Fn(&Shape) -> Vec<bool>) -> SurfaceStructure {
         let field = surface.shape.field();
         SurfaceStructure {
             name: surface.shape.name(),
@@ -103,6 +108,12 @@ pub fn structure(scene: &Scene) -> Structure {
 pub fn marches_fields(scene: &Scene, all: bool) -> bool {
     let mut fields = scene.surfaces.iter().filter_map(|s| s.shape.field());
     fields.any(|field| all || !field::has_closed_form(field))
+}
+
+/// Whether every profile has to march to a surface: a field without a closed form.
+pub fn is_marched(surface: &Surface) -> bool {
+    let field = surface.shape.field();
+    field.is_some_and(|field| !field::has_closed_form(field))
 }
 
 /// Whether surfaces of the scene lie in cells.
@@ -144,37 +155,31 @@ impl<'a> Text<'a> {
         self.loose.iter().chain(&self.kinds)
     }
 
-    fn fields(&self) -> impl Iterator<Item = &'a Field> {
-        self.all().filter_map(|named| named.field())
+    /// What every text may call: the library, the users' fields, the values of the surfaces.
+    fn parts(&self) -> Vec<Part> {
+        let mut parts = library();
+        parts.extend(field::user_parts(&self.assets));
+        self.add(&mut parts, "the values of the surfaces", self.uniforms());
+        parts
     }
 
-    /// The functions of the fields that are wanted.
-    fn of_fields(&self, wanted: impl Fn(&Named) -> bool, write: field::Write) -> String {
+    /// Adds functions written for the scene.
+    fn add(&self, parts: &mut Vec<Part>, name: &'static str, text: impl Into<Cow<'static, str>>) {
+        parts.extend(link::parts(Source::new(name, text)));
+    }
+
+    /// Adds a function of each field that is wanted.
+    fn add_fields(
+        &self,
+        parts: &mut Vec<Part>,
+        wanted: impl Fn(&Named) -> bool,
+        write: field::Write,
+    ) {
         let wanted = self.all().filter(|named| wanted(named));
-        wanted
+        let text: String = wanted
             .map(|named| named.field_functions(write, &self.assets))
-            .collect()
-    }
-
-    /// The file of each basic shape that occurs, once.
-    fn shape_files(&self, file_of: fn(&Shape) -> Option<Source>) -> Vec<Source> {
-        let mut files: Vec<Source> = Vec::new();
-        for named in self.all() {
-            add_once(&mut files, file_of(&named.surface.shape));
-        }
-        files
-    }
-
-    /// The rotation's function, where a surface has one.
-    fn turn_file(&self) -> Option<Source> {
-        let turns = self.all().any(|named| named.surface.has_rotation());
-        turns.then_some(source!("distance/turn.glsl"))
-    }
-
-    /// The scene's data, where something reads them.
-    fn data_file(&self) -> Option<Source> {
-        let reads = !self.kinds.is_empty() || !self.assets.images.is_empty();
-        reads.then_some(source!("scene_data.glsl"))
+            .collect();
+        self.add(parts, "the surfaces", text);
     }
 
     /// The declaration of `uSurfaces`.
@@ -187,45 +192,40 @@ impl<'a> Text<'a> {
     }
 }
 
-/// Adds the sources that are not yet there.
-fn add_once(files: &mut Vec<Source>, more: impl IntoIterator<Item = Source>) {
-    for source in more {
-        if !files.contains(&source) {
-            files.push(source);
-        }
-    }
-}
-
-/// The file of a basic shape's distance.
-fn distance_file(shape: &Shape) -> Option<Source> {
-    Some(match shape {
-        Shape::Plane => source!("distance/plane.glsl"),
-        Shape::Box { .. } => source!("distance/box.glsl"),
-        Shape::Room { .. } => source!("distance/room.glsl"),
-        Shape::Sphere { .. } => source!("distance/sphere.glsl"),
-        Shape::Cylinder { .. } => source!("distance/cylinder.glsl"),
-        Shape::Field(_) => return None,
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::Node;
+    use crate::scene::shape::Cuboid;
     use glam::{Quat, Vec3};
 
-    const TEXTS: [fn(&Scene) -> Vec<Source>; 4] = [
-        distance_sources,
-        |scene| ahead_sources(scene, false),
-        |scene| ahead_sources(scene, true),
-        closed_form_sources,
+    type Parts = fn(&Scene) -> Vec<Part>;
+
+    /// What a pass calls, and where from.
+    const CALLS: [(&str, Parts); 4] = [
+        ("distanceFunction()", distance_parts),
+        ("distanceAhead() gradientAhead() land()", |scene| {
+            ahead_parts(scene, false)
+        }),
+        ("distanceAhead() surfaceDistance() land()", |scene| {
+            ahead_parts(scene, true)
+        }),
+        ("nearestHit() land()", closed_form_parts),
     ];
+
+    /// Every text of a scene, each with the functions that a pass calls.
+    fn texts(scene: &Scene) -> Vec<String> {
+        let linked = |(calls, parts): (&'static str, Parts)| {
+            join(&link(vec![Source::new("a pass", calls)], parts(scene)))
+        };
+        CALLS.map(linked).to_vec()
+    }
 
     /// Protects specialisation: a scene's shader names no shape that is not in it.
     #[test]
     fn only_the_shapes_of_the_scene_are_in_its_text() {
         let corner = Scene::builtin("corner").unwrap();
-        for text in TEXTS {
-            let text = join(&text(&corner));
+        for text in texts(&corner) {
             for present in ["Room", "Box"] {
                 assert!(text.contains(present), "{present}");
             }
@@ -246,13 +246,10 @@ mod tests {
             surface.position.z -= 1.0;
         }
         moved.surfaces[1].rotation = Quat::from_rotation_x(0.3);
-        moved.surfaces[1].shape = Shape::Box {
-            size: Vec3::splat(3.0),
-        };
+        let size = Vec3::splat(3.0);
+        moved.surfaces[1].shape = Node::Cuboid(Cuboid { size }).into();
         assert_eq!(structure(&scene), structure(&moved));
-        for text in TEXTS {
-            assert_eq!(join(&text(&scene)), join(&text(&moved)));
-        }
+        assert_eq!(texts(&scene), texts(&moved));
         let values = |scene| Placement::world().apply(scene).uniform_values();
         assert_ne!(values(&scene), values(&moved));
     }

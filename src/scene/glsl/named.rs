@@ -1,9 +1,8 @@
 //! One surface, or one kind of surfaces, as the generated text names it.
 
-use super::field::{self, files_of_hits, has_closed_form};
+use super::field::{self, has_closed_form};
 use super::placement::value_count;
-use super::{Source, source};
-use crate::scene::{Field, Scene, Shape, Surface};
+use crate::scene::{Node, Scene, Shape, Surface};
 
 /// A surface that is unrolled, or a kind of surfaces that are data.
 pub(super) struct Named<'a> {
@@ -53,13 +52,18 @@ impl<'a> Named<'a> {
         }
     }
 
-    pub fn field(&self) -> Option<&'a Field> {
+    pub fn field(&self) -> Option<&'a Shape> {
         self.surface.shape.field()
     }
 
     /// Whether a line meets it in closed form.
     pub fn has_closed_form(&self) -> bool {
         self.field().is_none_or(has_closed_form)
+    }
+
+    /// Whether finding that has a step limit.
+    pub fn has_step_limit(&self) -> bool {
+        self.has_closed_form() && self.field().is_some_and(field::has_step_limit)
     }
 
     /// Vectors of values that it takes.
@@ -110,8 +114,8 @@ impl<'a> Named<'a> {
     }
 
     fn rotation(&self) -> Option<String> {
-        let place = match self.surface.shape {
-            Shape::Box { .. } | Shape::Room { .. } => 2,
+        let place = match self.surface.shape.node {
+            Node::Cuboid(_) | Node::Room(_) => 2,
             _ => 1,
         };
         self.surface.has_rotation().then(|| self.value(place))
@@ -123,7 +127,7 @@ impl<'a> Named<'a> {
     }
 
     /// Which nodes of its field have numbers that move: all of them where they are data.
-    pub fn moving_nodes(&self, field: &Field) -> Vec<bool> {
+    pub fn moving_nodes(&self, field: &Shape) -> Vec<bool> {
         match self.values {
             Values::Uniforms(_) => self.surface.moving_nodes(field),
             Values::Data => vec![true; field.nodes().len()],
@@ -132,21 +136,21 @@ impl<'a> Named<'a> {
 
     /// The size that the shape's functions take last, with a comma before it.
     pub fn size(&self) -> String {
-        match self.surface.shape {
-            Shape::Plane | Shape::Field(_) => String::new(),
-            Shape::Box { .. } | Shape::Room { .. } => format!(", {}.xyz", self.value(1)),
-            Shape::Sphere { .. } | Shape::Cylinder { .. } => format!(", {}.w", self.value(0)),
+        match self.surface.shape.node {
+            Node::Cuboid(_) | Node::Room(_) => format!(", {}.xyz", self.value(1)),
+            Node::Sphere(_) | Node::Cylinder(_) => format!(", {}.w", self.value(0)),
+            _ => String::new(),
         }
     }
 
     /// What rounding may do to the distance to it, in metres.
     pub fn slack(&self) -> String {
-        match self.surface.shape {
-            Shape::Plane | Shape::Field(_) => format!("{}.w", self.value(0)),
-            Shape::Box { .. } | Shape::Room { .. } => format!("{}.w", self.value(1)),
-            Shape::Sphere { .. } | Shape::Cylinder { .. } => {
+        match self.surface.shape.node {
+            Node::Cuboid(_) | Node::Room(_) => format!("{}.w", self.value(1)),
+            Node::Sphere(_) | Node::Cylinder(_) => {
                 format!("roundSlack({})", self.value(0))
             }
+            _ => format!("{}.w", self.value(0)),
         }
     }
 
@@ -157,18 +161,18 @@ impl<'a> Named<'a> {
     /// The signed distance at a world point; of a field, its value.
     pub fn distance(&self, p: &str) -> String {
         let point = self.point(p);
-        match self.surface.shape {
-            Shape::Field(_) => format!("field{}({point}{})", self.tag, self.data_argument()),
-            _ => format!("sd{}({point}{})", self.shape(), self.size()),
+        match self.field() {
+            Some(_) => format!("field{}({point}{})", self.tag, self.data_argument()),
+            None => format!("sd{}({point}{})", self.shape(), self.size()),
         }
     }
 
     /// The distance to a basic shape that a wave at `p` along `d` can still meet.
     pub fn distance_ahead(&self, p: &str, d: &str) -> String {
         let (shape, point, vector) = (self.shape(), self.point(p), self.vector(d));
-        let size = match self.surface.shape {
+        let size = match self.surface.shape.node {
             // With the slack within which rounding decides on the side of a face.
-            Shape::Box { .. } => format!(", {}", self.value(1)),
+            Node::Cuboid(_) => format!(", {}", self.value(1)),
             _ => self.size(),
         };
         format!("sd{shape}Ahead({point}, {vector}{size})")
@@ -181,23 +185,26 @@ impl<'a> Named<'a> {
 
     /// The same for its direction, which is the normal's.
     pub fn field_normal(&self, q: &str) -> String {
-        match self.field().is_some_and(field::has_user) {
+        match self.field().is_some_and(field::has_differences) {
             true => format!("normal{}({q}{})", self.tag, self.data_argument()),
             false => self.field_gradient(q),
         }
     }
 
-    /// Where the line of a wave meets it, for what has a closed form.
-    pub fn hit(&self, p: &str, d: &str) -> String {
+    /// Where the line of a wave meets it, for what has a closed form. What lies beyond `limit`
+    /// need not be found.
+    pub fn hit(&self, p: &str, d: &str, limit: &str) -> String {
         let (point, vector) = (self.point(p), self.vector(d));
-        match self.surface.shape {
-            Shape::Field(_) => format!(
-                "hit{}({point}, {vector}, {}{})",
-                self.tag,
-                self.slack(),
-                self.data_argument()
-            ),
-            Shape::Box { .. } => format!("hitBox({point}, {vector}, {})", self.value(1)),
+        if let Some(field) = self.field() {
+            let limit = match field::takes_limit(field) {
+                true => format!(", {limit}"),
+                false => String::new(),
+            };
+            let (tag, slack, data) = (&self.tag, self.slack(), self.data_argument());
+            return format!("hit{tag}({point}, {vector}, {slack}{limit}{data})");
+        }
+        match self.surface.shape.node {
+            Node::Cuboid(_) => format!("hitBox({point}, {vector}, {})", self.value(1)),
             _ => format!("hit{}({point}, {vector}{})", self.shape(), self.size()),
         }
     }
@@ -224,19 +231,6 @@ impl<'a> Named<'a> {
     /// The condition that a wave leaves this very surface.
     pub fn left(&self) -> String {
         format!("last == {}.0", self.tag)
-    }
-
-    /// The files of its hit.
-    pub fn hit_files(&self) -> Vec<Source> {
-        match &self.surface.shape {
-            Shape::Plane => vec![source!("hit/plane.glsl")],
-            Shape::Box { .. } => vec![source!("hit/safe_inverse.glsl"), source!("hit/box.glsl")],
-            Shape::Room { .. } => vec![source!("hit/safe_inverse.glsl"), source!("hit/room.glsl")],
-            Shape::Sphere { .. } => vec![source!("hit/sphere.glsl")],
-            Shape::Cylinder { .. } => vec![source!("hit/cylinder.glsl")],
-            Shape::Field(field) if has_closed_form(field) => files_of_hits(field),
-            Shape::Field(_) => Vec::new(),
-        }
     }
 
     /// The text of its field's functions; nothing for a basic shape.

@@ -8,7 +8,8 @@
 use super::field::moving_values;
 use crate::scene::layout::Layout;
 use crate::scene::seal::sealed;
-use crate::scene::{Scene, Shape, Surface};
+use crate::scene::shape::{Cuboid, Cylinder, Room, Sphere};
+use crate::scene::{Node, Scene, Shape, Surface};
 use glam::{Quat, Vec3, Vec4};
 
 /// How world coordinates become a shader's.
@@ -51,9 +52,24 @@ impl Placement {
         (point.as_dvec3() - self.anchor.as_dvec3()).as_vec3()
     }
 
+    /// The place of a surface in the shader's coordinates. What repeats without end is moved by
+    /// whole periods, so that places near the listener are near the surface's origin, too, and
+    /// lose no bits to how far that is; but not where world coordinates stay as they are.
+    fn place_surface(&self, surface: &Surface) -> Vec3 {
+        let field = surface.shape.field().filter(|_| self.seals);
+        let periods = field.map(Shape::periods).unwrap_or_default();
+        let rotation = surface.rotation.as_dquat().normalize();
+        let far = surface.position.as_dvec3() - self.anchor.as_dvec3();
+        let near = periods.into_iter().fold(far, |place, period| {
+            let period = rotation * period;
+            place - period * (place.dot(period) / period.length_squared()).round()
+        });
+        near.as_vec3()
+    }
+
     /// The surfaces in the shader's coordinates.
     pub fn apply(&self, scene: &Scene) -> Placed {
-        let place = |surface: &Surface| surface.clone().at(self.place(surface.position));
+        let place = |surface: &Surface| surface.clone().at(self.place_surface(surface));
         let surfaces: Vec<Surface> = scene.surfaces.iter().map(place).collect();
         // Of the surfaces before sealing: a seal adds size where no wave comes.
         let slacks: Vec<f32> = surfaces.iter().map(slack).collect();
@@ -109,7 +125,7 @@ pub(super) fn value_count(surface: &Surface, is_data: bool) -> usize {
 
 /// Eight units in the last place, as a share of the largest number that goes into a
 /// distance: sums of three squares, a root and a product lose about half of that. The
-/// same as in `glsl/rounding.glsl`.
+/// same as in `glsl/common/rounding.glsl`.
 const ROUNDING: f32 = 8.0 * f32::EPSILON;
 
 /// What rounding may do to a distance that is computed with a place, in metres.
@@ -122,32 +138,34 @@ pub(super) fn rounding_of(place: Vec3) -> f32 {
 fn slack(surface: &Surface) -> f32 {
     const SHARE_OF_THICKNESS: f32 = 0.25;
     let place = surface.position.abs().max_element();
-    match surface.shape {
-        Shape::Plane => ROUNDING * place,
-        Shape::Field(ref field) => ROUNDING * (place + field.extent() as f32),
-        Shape::Box { size } | Shape::Room { size } => (ROUNDING
+    match surface.shape.node {
+        Node::Plane(_) => ROUNDING * place,
+        Node::Cuboid(Cuboid { size }) | Node::Room(Room { size }) => (ROUNDING
             * (place + 0.5 * size.max_element()))
         .min(SHARE_OF_THICKNESS * size.min_element()),
-        Shape::Sphere { radius } | Shape::Cylinder { radius } => {
+        Node::Sphere(Sphere { radius }) | Node::Cylinder(Cylinder { radius }) => {
             (ROUNDING * (place + radius)).min(SHARE_OF_THICKNESS * radius)
         }
+        _ => ROUNDING * (place + surface.shape.extent() as f32),
     }
 }
 
 /// The values of one surface; of a field that is data all numbers move.
 fn push_values(surface: &Surface, slack: f32, is_data: bool, values: &mut Vec<Vec4>) {
     let place = |w: f32| surface.position.extend(w);
-    match surface.shape {
-        Shape::Plane | Shape::Field(_) => values.push(place(slack)),
-        Shape::Box { size } | Shape::Room { size } => {
+    match surface.shape.node {
+        Node::Cuboid(Cuboid { size }) | Node::Room(Room { size }) => {
             values.extend([place(0.0), (size * 0.5).extend(slack)]);
         }
-        Shape::Sphere { radius } | Shape::Cylinder { radius } => values.push(place(radius)),
+        Node::Sphere(Sphere { radius }) | Node::Cylinder(Cylinder { radius }) => {
+            values.push(place(radius))
+        }
+        _ => values.push(place(slack)),
     }
     if surface.has_rotation() {
         values.push(inverse(surface.rotation));
     }
-    if let Shape::Field(field) = &surface.shape {
+    if let Some(field) = surface.shape.field() {
         let moving = match is_data {
             true => vec![true; field.nodes().len()],
             false => surface.moving_nodes(field),
@@ -172,7 +190,10 @@ mod tests {
     /// Protects the one idea of rounding that Rust and GLSL share.
     #[test]
     fn rounding_is_the_same_in_the_shader() {
-        let text = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/glsl/rounding.glsl"));
+        let text = include_str!(concat!(
+            env!("CARGO_MANIFEST_DIR"),
+            "/glsl/common/rounding.glsl"
+        ));
         let line = text
             .lines()
             .find(|line| line.starts_with("const float ROUNDING"));

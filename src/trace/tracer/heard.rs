@@ -3,8 +3,8 @@
 use super::Tracer;
 use crate::error::Error;
 use crate::scene::Scene;
+use crate::trace::heard::{HeardSearch, MostKept};
 use crate::trace::{Fate, Settings, Wave};
-use glam::Vec3;
 
 /// Waves that are traced at a time: what is read back of them is some 10 MB.
 const AT_A_TIME: u32 = 1 << 18;
@@ -49,31 +49,29 @@ impl Tracer {
         wanted: usize,
         most: u64,
     ) -> Result<HeardPaths, Error> {
-        let mut found = HeardPaths::default();
-        let mut settings = settings.clone();
-        settings.waves = settings.waves.min(AT_A_TIME);
+        let (mut found, mut search) = (HeardPaths::default(), HeardSearch::default());
+        let at_a_time = settings.waves.min(AT_A_TIME);
+        let settings = settings.clone().with_waves(at_a_time);
         while found.count() < wanted && found.traced < most {
-            let (_, waves) = self.frame_with_waves(scene, &settings)?;
+            let most = MostKept {
+                heard: wanted - found.count(),
+                others: 0,
+            };
+            search.search(self, scene, &settings, most)?;
             found.traced += u64::from(settings.waves);
-            let missing = wanted - found.count();
-            let heard = waves.iter().filter(|wave| wave.fate() == Fate::Listener);
-            let starts: Vec<Vec3> = heard
-                .map(|wave| wave.start_direction)
-                .take(missing)
-                .collect();
+            let starts = std::mem::take(&mut search.heard);
             if !starts.is_empty() {
                 let states = self.trace_directions(scene, &settings, &starts)?;
                 // Made a unit vector once more a direction may differ by a rounding.
                 let heard = (0..starts.len()).filter(|&wave| reaches_listener(&states, wave));
                 heard.for_each(|wave| found.add(&states, wave));
             }
-            settings.seed = settings.seed.wrapping_add(1);
         }
         Ok(found)
     }
 }
 
-/// Whether a wave of [`Tracer::paths`] reached the listener before it met nothing.
+/// Whether a wave of [`Tracer::paths`] reached the listener before it died.
 fn reaches_listener(states: &[Vec<Wave>], wave: usize) -> bool {
     let fates = states.iter().map(|waves| waves[wave].fate());
     fates

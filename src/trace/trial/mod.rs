@@ -14,7 +14,7 @@ mod parent;
 mod protocol;
 
 pub use child::answer_field_trial;
-pub(crate) use parent::Trial;
+pub(crate) use parent::{Trial, has_passed};
 
 use crate::error::Error;
 use crate::scene::Scene;

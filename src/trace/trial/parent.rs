@@ -56,6 +56,12 @@ fn key_of_field(field: &UserField) -> u64 {
     key_of((&field.file, &field.text, numbers.map(f32::to_bits)))
 }
 
+/// Whether a child process has compiled and tried a field by itself, so that this one need not.
+pub(crate) fn has_passed(field: &UserField) -> bool {
+    let is_in_child = matches!(FieldTrial::chosen(), FieldTrial::InChild(_));
+    is_in_child && known().passed.contains(&key_of_field(field))
+}
+
 impl Trial {
     /// Begins to try what of a scene's fields, and of the programs that they are part of, was
     /// not tried yet; nothing if there is nothing to try, or fields are trusted.

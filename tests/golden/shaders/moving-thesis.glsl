@@ -1,18 +1,17 @@
 // glsl/wave.glsl
 // glsl/counters.glsl
-// glsl/operator/offset.glsl
-// glsl/distance/torus.glsl
-// glsl/distance/listener.glsl
-// the surfaces
+// glsl/shape/torus.glsl
+// the values of the surfaces
 uniform vec4 uSurfaces[2];
 
+// glsl/operator/offset.glsl
+// the surfaces
 // surface 1 (Offset)
 float field1(vec3 p) {
     float d1 = sdTorus(p, uSurfaces[1].x, uSurfaces[1].y);
     float d2 = opOffset(d1, 0.1);
     return d2;
 }
-
 
 // the scene's distance
 // Signed distance to the nearest surface, and its number from 1.
@@ -23,7 +22,7 @@ float surfaceDistance(vec3 p, out float object) {
     return nearest;
 }
 
-
+// glsl/common/listener.glsl
 // the scene and the listener
 // Signed distance to the nearest surface or to the listener, whose number is 0.
 float distanceFunction(vec3 p, out float object) {

@@ -3,23 +3,21 @@
 // options
 #define MARCHES_FIELDS 0
 
-// glsl/rounding.glsl
-// glsl/hit/none.glsl
-// glsl/hit/ball.glsl
-// glsl/hit/sphere.glsl
-// glsl/land/sphere.glsl
-// glsl/distance/listener.glsl
-// glsl/hit/listener.glsl
-// the surfaces
+// glsl/common/listener.glsl
+// glsl/common/no_hit.glsl
+// glsl/common/ball.glsl
+// glsl/common/listener.glsl
+// glsl/shape/sphere.glsl
+// the values of the surfaces
 uniform vec4 uSurfaces[1];
-
 
 // the scene
 // How far from p along d the next object is, and its number. A convex surface is
-// not met by the wave that leaves it (last). Where nothing is met the distance is
-// NO_HIT and the number means nothing.
-float nearestHit(vec3 p, vec3 d, float last, out float object) {
-    float nearest = hitListener(p, d);
+// not met by the wave that leaves it (last). Where nothing is met before limit the
+// distance is limit and the number means nothing; it is GIVEN_UP where a step limit
+// left open what comes first.
+float nearestHit(vec3 p, vec3 d, float last, float limit, out float object) {
+    float nearest = min(hitListener(p, d), limit);
     object = 0.0;
     float candidate;
     // surface 1 (Sphere)
@@ -28,6 +26,8 @@ float nearestHit(vec3 p, vec3 d, float last, out float object) {
     return nearest;
 }
 
+// glsl/shape/sphere.glsl
+// the scene
 // Puts p, met along d, onto the object met; the normal there.
 void land(float object, vec3 d, inout vec3 p, out vec3 normal) {
     vec3 q;
@@ -41,7 +41,6 @@ void land(float object, vec3 d, inout vec3 p, out vec3 normal) {
     }
 }
 
-
-// glsl/mirror.glsl
+// glsl/common/mirror.glsl
 // glsl/iterate_hybrid.glsl
 // glsl/iterate.frag

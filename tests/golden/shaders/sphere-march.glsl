@@ -5,15 +5,10 @@
 #define LANDING 1
 #define MARCHES_FIELDS 0
 
-// glsl/rounding.glsl
-// glsl/land/sphere.glsl
-// glsl/gradient/sphere.glsl
-// glsl/ahead/sphere.glsl
-// glsl/distance/listener.glsl
-// glsl/ahead/listener.glsl
-// the surfaces
+// glsl/common/listener.glsl
+// glsl/shape/sphere.glsl
+// the values of the surfaces
 uniform vec4 uSurfaces[1];
-
 
 // the scene
 // Distance to the nearest object that a wave at p along d can meet, its number, and
@@ -32,6 +27,9 @@ float distanceAhead(vec3 p, vec3 d, float last, out float object, out float seco
     return nearest;
 }
 
+// glsl/common/rounding.glsl
+// glsl/shape/sphere.glsl
+// the scene
 // The gradient of the distance to one object, and what rounding may do to it.
 vec3 gradientAhead(vec3 p, vec3 d, float object, out float slack) {
     if (object == 1.0) { slack = roundSlack(uSurfaces[0]); return gradientSphere(p - uSurfaces[0].xyz); } // surface 1 (Sphere)
@@ -39,6 +37,9 @@ vec3 gradientAhead(vec3 p, vec3 d, float object, out float slack) {
     return normalize(p - uListener.xyz);
 }
 
+// glsl/common/rounding.glsl
+// glsl/shape/sphere.glsl
+// the scene
 // Puts p, met along d, onto the object met; the normal there.
 void land(float object, vec3 d, inout vec3 p, out vec3 normal) {
     vec3 q;
@@ -52,7 +53,6 @@ void land(float object, vec3 d, inout vec3 p, out vec3 normal) {
     }
 }
 
-
-// glsl/mirror.glsl
+// glsl/common/mirror.glsl
 // glsl/iterate_march.glsl
 // glsl/iterate.frag

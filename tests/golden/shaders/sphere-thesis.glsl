@@ -1,10 +1,8 @@
 // glsl/wave.glsl
 // glsl/counters.glsl
-// glsl/distance/sphere.glsl
-// glsl/distance/listener.glsl
-// the surfaces
+// glsl/shape/sphere.glsl
+// the values of the surfaces
 uniform vec4 uSurfaces[1];
-
 
 // the scene's distance
 // Signed distance to the nearest surface, and its number from 1.
@@ -15,7 +13,7 @@ float surfaceDistance(vec3 p, out float object) {
     return nearest;
 }
 
-
+// glsl/common/listener.glsl
 // the scene and the listener
 // Signed distance to the nearest surface or to the listener, whose number is 0.
 float distanceFunction(vec3 p, out float object) {

@@ -3,41 +3,92 @@
 // options
 #define MARCHES_FIELDS 1
 
-// glsl/rounding.glsl
-// glsl/hit/none.glsl
-// glsl/hit/ball.glsl
-// glsl/distance/torus.glsl
-// glsl/dual/torus.glsl
-// glsl/land/field.glsl
-// glsl/distance/listener.glsl
-// glsl/hit/listener.glsl
-// the surfaces
-uniform vec4 uSurfaces[1];
+// glsl/common/listener.glsl
+// glsl/common/no_hit.glsl
+// glsl/common/ball.glsl
+// glsl/common/listener.glsl
+// the scene
+// How far from p along d the next object is, and its number. A convex surface is
+// not met by the wave that leaves it (last). Where nothing is met before limit the
+// distance is limit and the number means nothing; it is GIVEN_UP where a step limit
+// left open what comes first.
+float nearestHit(vec3 p, vec3 d, float last, float limit, out float object) {
+    float nearest = min(hitListener(p, d), limit);
+    object = 0.0;
+    return nearest;
+}
 
+// glsl/common/march_fields.glsl
+// glsl/shape/torus.glsl
+// the surfaces
 // surface 1 (Torus)
 float field1(vec3 p) {
     float d1 = sdTorus(p, 2.0, 0.5);
     return d1;
 }
 
+// the values of the surfaces
+uniform vec4 uSurfaces[1];
+
+// the fields
+// The least value of the fields that a wave at p along d can meet, and whose it is. It
+// holds as far as reach along d; as far as within the same fields are asked. A convex one
+// that the wave leaves is out of its way.
+float fieldsAhead(vec3 p, vec3 d, float last, out float object, out float reach, out float within) {
+    float nearest = 1e30;
+    reach = 1e30;
+    within = 1e30;
+    object = -1.0;
+    float candidate;
+    // surface 1 (Torus)
+    candidate = field1(p - uSurfaces[0].xyz);
+    if (candidate < nearest) { nearest = candidate; object = 1.0; }
+    return nearest;
+}
+
+// glsl/common/rounding.glsl
+// glsl/common/march_fields.glsl
+// glsl/shape/torus.glsl
+// the surfaces
 // surface 1 (Torus)
 vec4 gradient1(vec3 p) {
     vec4 g1 = gdTorus(p, 2.0, 0.5);
     return g1;
 }
 
-// surface 1 (Torus)
-
-// the scene
-// How far from p along d the next object is, and its number. A convex surface is
-// not met by the wave that leaves it (last). Where nothing is met the distance is
-// NO_HIT and the number means nothing.
-float nearestHit(vec3 p, vec3 d, float last, out float object) {
-    float nearest = hitListener(p, d);
-    object = 0.0;
-    return nearest;
+// the fields
+// The gradient of one of them, and what rounding may do to its value.
+vec3 fieldGradient(vec3 p, float object, out float slack) {
+    slack = 0.0;
+    if (object == 1.0) { slack = uSurfaces[0].w; return gradient1(p - uSurfaces[0].xyz).xyz; } // surface 1 (Torus)
+    return vec3(0.0);
 }
 
+// glsl/common/bound.glsl
+// glsl/shape/torus.glsl
+// the surfaces
+// surface 1 (Torus)
+float free1(vec3 p, vec3 d, float slack) {
+    vec4 b1 = gdTorus(p, 2.0, 0.5);
+    vec4 b2 = orPlain(alongTorus(b1, p, d, 2.0, 0.5), slack);
+    return freeAlong(b2, slack);
+}
+
+// the fields
+// How far along d from p no field is met for sure, where slack is what rounding may do
+// to their values.
+float fieldsFree(vec3 p, vec3 d, float last, float slack) {
+    float way = NO_END;
+    float candidate;
+    // surface 1 (Torus)
+    candidate = field1(p - uSurfaces[0].xyz);
+    if (candidate < way) { way = min(way, max(candidate, free1(p - uSurfaces[0].xyz, d, max(slack, uSurfaces[0].w)))); }
+    return way;
+}
+
+// glsl/common/march_fields.glsl
+// glsl/common/onto_field.glsl
+// the scene
 // Puts p, met along d, onto the object met; the normal there.
 void land(float object, vec3 d, inout vec3 p, out vec3 normal) {
     vec3 q;
@@ -52,52 +103,6 @@ void land(float object, vec3 d, inout vec3 p, out vec3 normal) {
     }
 }
 
-
-// glsl/along/bound.glsl
-// glsl/along/torus.glsl
-// the fields along a line
-// surface 1 (Torus)
-float free1(vec3 p, vec3 d, float slack) {
-    vec4 b1 = gdTorus(p, 2.0, 0.5);
-    vec4 b2 = orPlain(alongTorus(b1, p, d, 2.0, 0.5), slack);
-    return freeAlong(b2, slack);
-}
-
-
-// the fields
-// The least value of the fields that a wave at p along d can meet, and whose it is. It
-// holds as far as reach along d. A convex one that the wave leaves is out of its way.
-float fieldsAhead(vec3 p, vec3 d, float last, out float object, out float reach) {
-    float nearest = 1e30;
-    reach = 1e30;
-    object = -1.0;
-    float candidate;
-    // surface 1 (Torus)
-    candidate = field1(p - uSurfaces[0].xyz);
-    if (candidate < nearest) { nearest = candidate; object = 1.0; }
-    return nearest;
-}
-
-// How far along d from p no field is met for sure, where slack is what rounding may do
-// to their values.
-float fieldsFree(vec3 p, vec3 d, float last, float slack) {
-    float way = NO_END;
-    float candidate;
-    // surface 1 (Torus)
-    candidate = field1(p - uSurfaces[0].xyz);
-    if (candidate < way) { way = min(way, max(candidate, free1(p - uSurfaces[0].xyz, d, max(slack, uSurfaces[0].w)))); }
-    return way;
-}
-
-// The gradient of one of them, and what rounding may do to its value.
-vec3 fieldGradient(vec3 p, float object, out float slack) {
-    slack = 0.0;
-    if (object == 1.0) { slack = uSurfaces[0].w; return gradient1(p - uSurfaces[0].xyz).xyz; } // surface 1 (Torus)
-    return vec3(0.0);
-}
-
-
-// glsl/march_fields.glsl
-// glsl/mirror.glsl
+// glsl/common/mirror.glsl
 // glsl/iterate_hybrid.glsl
 // glsl/iterate.frag

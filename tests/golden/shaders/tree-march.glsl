@@ -5,40 +5,7 @@
 #define LANDING 1
 #define MARCHES_FIELDS 1
 
-// glsl/rounding.glsl
-// glsl/land/field.glsl
-// glsl/operator/smooth_union.glsl
-// glsl/dual/op_smooth_union.glsl
-// glsl/distance/box.glsl
-// glsl/gradient/box.glsl
-// glsl/dual/box.glsl
-// glsl/distance/sphere.glsl
-// glsl/dual/sphere.glsl
-// glsl/distance/listener.glsl
-// glsl/ahead/listener.glsl
-// the surfaces
-uniform vec4 uSurfaces[1];
-
-// surface 1 (SmoothUnion)
-float field1(vec3 p) {
-    float d1 = sdBox(p, vec3(0.75, 0.75, 0.75));
-    vec3 p2 = p - vec3(1.0, 0.0, 0.0);
-    float d3 = sdSphere(p2, 1.0);
-    float d4 = opSmoothUnion(d1, d3, 0.25);
-    return d4;
-}
-
-// surface 1 (SmoothUnion)
-vec4 gradient1(vec3 p) {
-    vec4 g1 = gdBox(p, vec3(0.75, 0.75, 0.75));
-    vec3 p2 = p - vec3(1.0, 0.0, 0.0);
-    vec4 g3 = gdSphere(p2, 1.0);
-    vec4 g4 = opSmoothUnion(g1, g3, 0.25);
-    return g4;
-}
-
-// surface 1 (SmoothUnion)
-
+// glsl/common/listener.glsl
 // the scene
 // Distance to the nearest object that a wave at p along d can meet, its number, and
 // the distance to the second nearest. What the wave leaves (last) is out of its way
@@ -52,12 +19,98 @@ float distanceAhead(vec3 p, vec3 d, float last, out float object, out float seco
     return nearest;
 }
 
+// glsl/common/rounding.glsl
+// the scene
 // The gradient of the distance to one object, and what rounding may do to it.
 vec3 gradientAhead(vec3 p, vec3 d, float object, out float slack) {
     slack = roundSlack(uListener);
     return normalize(p - uListener.xyz);
 }
 
+// glsl/common/rounding.glsl
+// glsl/common/march_fields.glsl
+// glsl/shape/cuboid.glsl
+// glsl/shape/sphere.glsl
+// glsl/operator/smooth_union.glsl
+// the surfaces
+// surface 1 (SmoothUnion)
+float field1(vec3 p) {
+    float d1 = sdBox(p, vec3(0.75, 0.75, 0.75));
+    vec3 p2 = p - vec3(1.0, 0.0, 0.0);
+    float d3 = sdSphere(p2, 1.0);
+    float d4 = opSmoothUnion(d1, d3, 0.25);
+    return d4;
+}
+
+// the values of the surfaces
+uniform vec4 uSurfaces[1];
+
+// the fields
+// The least value of the fields that a wave at p along d can meet, and whose it is. It
+// holds as far as reach along d; as far as within the same fields are asked. A convex one
+// that the wave leaves is out of its way.
+float fieldsAhead(vec3 p, vec3 d, float last, out float object, out float reach, out float within) {
+    float nearest = 1e30;
+    reach = 1e30;
+    within = 1e30;
+    object = -1.0;
+    float candidate;
+    // surface 1 (SmoothUnion)
+    candidate = field1(p - uSurfaces[0].xyz);
+    if (candidate < nearest) { nearest = candidate; object = 1.0; }
+    return nearest;
+}
+
+// glsl/common/march_fields.glsl
+// glsl/shape/cuboid.glsl
+// glsl/shape/sphere.glsl
+// the surfaces
+// surface 1 (SmoothUnion)
+vec4 gradient1(vec3 p) {
+    vec4 g1 = gdBox(p, vec3(0.75, 0.75, 0.75));
+    vec3 p2 = p - vec3(1.0, 0.0, 0.0);
+    vec4 g3 = gdSphere(p2, 1.0);
+    vec4 g4 = opSmoothUnion(g1, g3, 0.25);
+    return g4;
+}
+
+// the fields
+// The gradient of one of them, and what rounding may do to its value.
+vec3 fieldGradient(vec3 p, float object, out float slack) {
+    slack = 0.0;
+    if (object == 1.0) { slack = uSurfaces[0].w; return gradient1(p - uSurfaces[0].xyz).xyz; } // surface 1 (SmoothUnion)
+    return vec3(0.0);
+}
+
+// glsl/common/bound.glsl
+// glsl/operator/smooth_union.glsl
+// the surfaces
+// surface 1 (SmoothUnion)
+float free1(vec3 p, vec3 d, float slack) {
+    vec4 b1 = gdBox(p, vec3(0.75, 0.75, 0.75));
+    vec4 b2 = orPlain(vec4(1.0 * b1.w, 1.0 * dot(b1.xyz, d), 0.0, NO_END), slack);
+    vec3 p3 = p - vec3(1.0, 0.0, 0.0);
+    vec4 b4 = gdSphere(p3, 1.0);
+    vec4 b5 = orPlain(vec4(1.0 * b4.w, 1.0 * dot(b4.xyz, d), 0.0, NO_END), slack);
+    vec4 b6 = orPlain(blendAlong(b2, b5, 0.25), slack);
+    return freeAlong(b6, slack);
+}
+
+// the fields
+// How far along d from p no field is met for sure, where slack is what rounding may do
+// to their values.
+float fieldsFree(vec3 p, vec3 d, float last, float slack) {
+    float way = NO_END;
+    float candidate;
+    // surface 1 (SmoothUnion)
+    candidate = field1(p - uSurfaces[0].xyz);
+    if (candidate < way) { way = min(way, max(candidate, free1(p - uSurfaces[0].xyz, d, max(slack, uSurfaces[0].w)))); }
+    return way;
+}
+
+// glsl/common/march_fields.glsl
+// glsl/common/onto_field.glsl
+// the scene
 // Puts p, met along d, onto the object met; the normal there.
 void land(float object, vec3 d, inout vec3 p, out vec3 normal) {
     vec3 q;
@@ -72,56 +125,6 @@ void land(float object, vec3 d, inout vec3 p, out vec3 normal) {
     }
 }
 
-
-// glsl/along/bound.glsl
-// glsl/along/blend.glsl
-// the fields along a line
-// surface 1 (SmoothUnion)
-float free1(vec3 p, vec3 d, float slack) {
-    vec4 b1 = gdBox(p, vec3(0.75, 0.75, 0.75));
-    vec4 b2 = orPlain(vec4(1.0 * b1.w, 1.0 * dot(b1.xyz, d), 0.0, NO_END), slack);
-    vec3 p3 = p - vec3(1.0, 0.0, 0.0);
-    vec4 b4 = gdSphere(p3, 1.0);
-    vec4 b5 = orPlain(vec4(1.0 * b4.w, 1.0 * dot(b4.xyz, d), 0.0, NO_END), slack);
-    vec4 b6 = orPlain(blendAlong(b2, b5, 0.25), slack);
-    return freeAlong(b6, slack);
-}
-
-
-// the fields
-// The least value of the fields that a wave at p along d can meet, and whose it is. It
-// holds as far as reach along d. A convex one that the wave leaves is out of its way.
-float fieldsAhead(vec3 p, vec3 d, float last, out float object, out float reach) {
-    float nearest = 1e30;
-    reach = 1e30;
-    object = -1.0;
-    float candidate;
-    // surface 1 (SmoothUnion)
-    candidate = field1(p - uSurfaces[0].xyz);
-    if (candidate < nearest) { nearest = candidate; object = 1.0; }
-    return nearest;
-}
-
-// How far along d from p no field is met for sure, where slack is what rounding may do
-// to their values.
-float fieldsFree(vec3 p, vec3 d, float last, float slack) {
-    float way = NO_END;
-    float candidate;
-    // surface 1 (SmoothUnion)
-    candidate = field1(p - uSurfaces[0].xyz);
-    if (candidate < way) { way = min(way, max(candidate, free1(p - uSurfaces[0].xyz, d, max(slack, uSurfaces[0].w)))); }
-    return way;
-}
-
-// The gradient of one of them, and what rounding may do to its value.
-vec3 fieldGradient(vec3 p, float object, out float slack) {
-    slack = 0.0;
-    if (object == 1.0) { slack = uSurfaces[0].w; return gradient1(p - uSurfaces[0].xyz).xyz; } // surface 1 (SmoothUnion)
-    return vec3(0.0);
-}
-
-
-// glsl/march_fields.glsl
-// glsl/mirror.glsl
+// glsl/common/mirror.glsl
 // glsl/iterate_march.glsl
 // glsl/iterate.frag

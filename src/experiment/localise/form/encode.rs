@@ -1,51 +1,39 @@
 //! Bytes that a page can hold: 16-bit WAV, base64, data addresses; and a form's fingerprint.
 
 use super::Trial;
-use crate::audio::SAMPLE_RATE;
+use crate::audio::{SAMPLE_RATE, wav_to_io};
+use base64::prelude::{BASE64_STANDARD, Engine};
+use hound::{SampleFormat, WavSpec, WavWriter};
+use std::io::{self, Cursor};
 
 /// A stereo WAV of 16 bits from interleaved samples; what is beyond full scale is clipped.
-pub fn wav_16(interleaved: &[f32]) -> Vec<u8> {
-    let data = 2 * interleaved.len() as u32;
-    let (channels, bytes_a_frame) = (2u16, 4u16);
-    let mut wav = Vec::with_capacity(44 + data as usize);
-    wav.extend(b"RIFF");
-    wav.extend((36 + data).to_le_bytes());
-    wav.extend(b"WAVEfmt ");
-    wav.extend(16u32.to_le_bytes());
-    wav.extend(1u16.to_le_bytes());
-    wav.extend(channels.to_le_bytes());
-    wav.extend(SAMPLE_RATE.to_le_bytes());
-    wav.extend((SAMPLE_RATE * u32::from(bytes_a_frame)).to_le_bytes());
-    wav.extend(bytes_a_frame.to_le_bytes());
-    wav.extend(16u16.to_le_bytes());
-    wav.extend(b"data");
-    wav.extend(data.to_le_bytes());
+///
+/// # Errors
+/// A left sample without its right one.
+pub fn wav_16(interleaved: &[f32]) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    write_wav_16(&mut bytes, interleaved).map_err(wav_to_io)?;
+    Ok(bytes)
+}
+
+fn write_wav_16(bytes: &mut Vec<u8>, interleaved: &[f32]) -> hound::Result<()> {
+    let spec = WavSpec {
+        channels: 2,
+        sample_rate: SAMPLE_RATE,
+        bits_per_sample: 16,
+        sample_format: SampleFormat::Int,
+    };
+    let mut wav = WavWriter::new(Cursor::new(bytes), spec)?;
     for sample in interleaved {
         let scaled = (sample.clamp(-1.0, 1.0) * f32::from(i16::MAX)).round();
-        wav.extend((scaled as i16).to_le_bytes());
+        wav.write_sample(scaled as i16)?;
     }
-    wav
+    wav.finalize()
 }
 
-/// A data address of these bytes.
+/// A data address of these bytes: base64 with padding (RFC 4648, section 4).
 pub fn data_url(kind: &str, bytes: &[u8]) -> String {
-    format!("data:{kind};base64,{}", base64(bytes))
-}
-
-/// Base64 with padding (RFC 4648, section 4).
-fn base64(bytes: &[u8]) -> String {
-    const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
-    for group in bytes.chunks(3) {
-        let byte = |index: usize| u32::from(group.get(index).copied().unwrap_or(0));
-        let bits = byte(0) << 16 | byte(1) << 8 | byte(2);
-        for place in 0..4 {
-            let digit = DIGITS[(bits >> (18 - 6 * place)) as usize & 63];
-            let is_padding = place > group.len();
-            text.push(if is_padding { '=' } else { char::from(digit) });
-        }
-    }
-    text
+    format!("data:{kind};base64,{}", BASE64_STANDARD.encode(bytes))
 }
 
 /// 16 hexadecimal digits that differ for forms that differ in any trial or in their order
@@ -70,17 +58,29 @@ mod tests {
             "", "Zg==", "Zm8=", "Zm9v", "Zm9vYg==", "Zm9vYmE=", "Zm9vYmFy",
         ];
         for (length, expected) in examples.iter().enumerate() {
-            assert_eq!(base64(&b"foobar"[..length]), *expected);
+            let url = data_url("text/plain", &b"foobar"[..length]);
+            assert_eq!(url, format!("data:text/plain;base64,{expected}"));
         }
     }
 
     /// Protects the page's sounds: another reader finds the samples again.
     #[test]
     fn a_16_bit_wav_is_read_again() {
-        let wav = wav_16(&[0.5, -0.5, 1.0, -2.0]);
+        let wav = wav_16(&[0.5, -0.5, 1.0, -2.0]).unwrap();
         let reader = hound::WavReader::new(wav.as_slice()).unwrap();
         assert_eq!(reader.spec().sample_rate, SAMPLE_RATE);
         let samples: Result<Vec<i16>, _> = reader.into_samples().collect();
         assert_eq!(samples.unwrap(), [16_384, -16_384, 32_767, -32_767]);
+    }
+
+    /// Protects forms that were handed out: the same sounds are the same bytes.
+    #[test]
+    fn a_wav_has_the_shortest_header() {
+        let mut expected = b"RIFF\x2c\0\0\0WAVEfmt \x10\0\0\0\x01\0\x02\0".to_vec();
+        expected.extend(SAMPLE_RATE.to_le_bytes());
+        expected.extend((4 * SAMPLE_RATE).to_le_bytes());
+        expected.extend(b"\x04\0\x10\0data\x08\0\0\0\0\x40\0\xc0\xff\x7f\x01\x80");
+        assert_eq!(wav_16(&[0.5, -0.5, 1.0, -2.0]).unwrap(), expected);
+        assert!(wav_16(&[0.5]).is_err());
     }
 }

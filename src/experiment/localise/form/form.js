@@ -6,7 +6,7 @@
   const byId = (id) => document.getElementById(id);
   const SVG = "http://www.w3.org/2000/svg";
 
-  // { session, participant, started, order: [number], answers: { number: answer },
+  // { session, participant, started, order_seed, order: [number], answers: { number: answer },
   //   drafts: { number: draft }, saved: answers in the last file }
   let session = null;
   let place = 0; // of the trial shown, in the session's order
@@ -22,9 +22,13 @@
     byId("warning").hidden = text === "";
   };
 
+  // Before order seeds were saved, the session's name gave the order.
+  const seedOf = ({ order_seed: seed }) => (seed === undefined ? null : seed);
+
   const read = (key) => {
     try {
-      return JSON.parse(localStorage.getItem(prefix + key));
+      const stored = JSON.parse(localStorage.getItem(prefix + key));
+      return isObject(stored) ? { ...stored, order_seed: seedOf(stored) } : null;
     } catch {
       return null;
     }
@@ -129,13 +133,15 @@
   };
 
   const begin = () => {
-    const number = crypto.getRandomValues(new Uint32Array(2));
-    const name = Array.from(number, (n) => n.toString(16).padStart(8, "0")).join("");
+    const [high, low, drawn] = crypto.getRandomValues(new Uint32Array(3));
+    const name = [high, low].map((n) => n.toString(16).padStart(8, "0")).join("");
+    const seed = data.orderSeed === null ? drawn : data.orderSeed;
     enter({
       session: name,
       participant: byId("participant").value.trim(),
       started: new Date().toISOString(),
-      order: orderOf(name),
+      order_seed: seed,
+      order: orderOf(seed),
       answers: {},
       drafts: {},
       saved: 0,
@@ -374,6 +380,7 @@
       participant: session.participant,
       started: session.started,
       saved: now,
+      order_seed: session.order_seed,
       order: session.order,
       trials: data.trials.map(({ number, stimulus }) => ({
         number,
@@ -408,7 +415,8 @@
       answers[number] = answer;
     }
     const saved = Object.keys(answers).length;
-    const found = { session: name, participant, started, order, answers, drafts: {}, saved };
+    const found = { session: name, participant, started, order_seed: seedOf(file), order, answers,
+      drafts: {}, saved };
     if (!isSession(found)) {
       throw new Error("the session, its person, its beginning or its order is damaged");
     }

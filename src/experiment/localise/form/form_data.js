@@ -45,11 +45,12 @@ const form = (() => {
 
   const isSession = (value) => isObject(value) && isText(value.session) && value.session !== ""
     && isText(value.participant) && isText(value.started) && isOrder(value.order)
+    && (value.order_seed === null || isOrderOf(value.order, value.order_seed))
     && areOf(value.answers, isAnswer) && areOf(value.drafts, isDraft)
     && Number.isInteger(value.saved);
 
-  // Another order for each person: by a number that trial, form and session make (FNV-1a with
-  // the last mixing of MurmurHash3).
+  // The order of a session: by a number that trial, form and order seed make (FNV-1a with the
+  // last mixing of MurmurHash3).
   const rank = (text) => {
     let hash = 0x811c9dc5;
     for (const letter of text) {
@@ -60,12 +61,15 @@ const form = (() => {
     return (hash ^ (hash >>> 16)) >>> 0;
   };
 
-  const orderOf = (name) => {
+  const orderOf = (seed) => {
     const ranked = [...trials.keys()].map((number) =>
-      ({ number, rank: rank(`${number}:${data.seed}:${name}`) }));
+      ({ number, rank: rank(`${number}:${data.seed}:${seed}`) }));
     ranked.sort((a, b) => a.rank - b.rank || a.number - b.number);
     return ranked.map(({ number }) => number);
   };
+
+  const isOrderOf = (order, seed) => Number.isInteger(seed) && seed >= 0 && seed <= 0xffffffff
+    && orderOf(seed).every((number, index) => number === order[index]);
 
   return { data, trials, newDraft, azimuth, isBeside, isObject, isAnswer, isSession, orderOf };
 })();

@@ -6,8 +6,9 @@
 //! is lit from behind the listener, so that no light gives the source away.
 //!
 //! Trials are numbered in an order that depends on the form's seed and their number alone, so
-//! that no number gives anything away. Each person hears them in an order of their own, which
-//! the page makes of form, seed and session and saves with the answers. Answers are locked
+//! that no number gives anything away. The page makes the order of a session from the form's
+//! seed and an order seed: the form's ([`FormOptions::order_seed`]), or else one that each
+//! session draws. It saves both with the answers. Answers are locked
 //! once given. Beside the page lie the same sounds as WAV files (16 bits, which every browser
 //! plays), by the trials' numbers, and `experiment.json`, which says what each is.
 
@@ -18,22 +19,19 @@ mod plan;
 use super::answers::StimulusInfo;
 use super::listen::{LoadedSound, facings, listen};
 use super::observer::{Levels, Observer, azimuth_deg, lateral_deg};
-use super::random::Random;
 use crate::audio::{PanningLaw, SoundSpec};
 use crate::error::Error;
 use crate::output::{OutputError, write_whole};
+use crate::rng::Random;
 use crate::scene::Scene;
 use crate::trace::{Profile, Settings, Tracer};
-pub use plan::{Plan, unlit};
+pub use plan::Plan;
 use serde::Serialize;
 use std::io;
 use std::path::{Path, PathBuf};
 
 /// More sound than this, in bytes of 16-bit WAV, lies beside the page instead of in it.
 const MOST_EMBEDDED: usize = 48 << 20;
-
-/// Trials in a form at the most.
-pub const MOST_TRIALS: usize = 999;
 
 /// What the form shall hold: every combination, each facing of each scene.
 #[derive(Clone, Debug)]
@@ -50,6 +48,8 @@ pub struct FormOptions {
     pub iterations: Vec<u32>,
     /// Numbering of the trials, their orders, and start directions of the waves.
     pub seed: u32,
+    /// Seed of one order of the trials for every session; without it each session draws one.
+    pub order_seed: Option<u32>,
     /// Length of each sound, in seconds.
     pub seconds: f64,
     /// How panning values become levels.
@@ -85,6 +85,8 @@ pub struct Form {
     pub experiment: String,
     /// Numbering of the trials, their orders, and start directions of the waves.
     pub seed: u32,
+    /// Seed of one order of the trials for every session; without it each session draws one.
+    pub order_seed: Option<u32>,
     /// The trials, by number.
     pub trials: Vec<Trial>,
     /// Whether the page holds the sounds.
@@ -93,8 +95,6 @@ pub struct Form {
     law: PanningLaw,
     sounds: Vec<LoadedSound>,
     plans: Vec<Plan>,
-    /// The rooms, each as the listener faces it, in the order of the plans.
-    pub rooms: Vec<Scene>,
 }
 
 /// `experiment.json`.
@@ -102,6 +102,7 @@ pub struct Form {
 struct Key<'a> {
     experiment: &'a str,
     seed: u32,
+    order_seed: Option<u32>,
     renderer: &'a str,
     trials: &'a [Trial],
 }
@@ -149,13 +150,13 @@ pub fn build(
     Ok(Form {
         experiment: encode::fingerprint(&trials),
         seed: options.seed,
+        order_seed: options.order_seed,
         embedded: bytes <= MOST_EMBEDDED,
         trials,
         renderer: tracer.context().renderer().to_owned(),
         law: options.law,
         sounds,
         plans,
-        rooms,
     })
 }
 
@@ -239,13 +240,11 @@ pub fn prepare(folder: &Path) -> Result<(), WriteError> {
 }
 
 impl Form {
-    /// The plan of a room.
-    pub fn plan(&self, room: usize) -> Option<&Plan> {
-        self.plans.get(room)
-    }
-
     /// The page.
-    pub fn html(&self) -> String {
+    ///
+    /// # Errors
+    /// A sound that is no WAV.
+    pub fn html(&self) -> io::Result<String> {
         page::html(self)
     }
 
@@ -258,12 +257,14 @@ impl Form {
         let sounds = folder.join("sounds");
         crate::output::prepare_folder(&sounds)?;
         for trial in &self.trials {
-            let wav = encode::wav_16(&self.samples(trial));
-            write_whole(&folder.join(&trial.file), |out| out.write_all(&wav))?;
+            write_whole(&folder.join(&trial.file), |out| {
+                out.write_all(&encode::wav_16(&self.samples(trial))?)
+            })?;
         }
         let key = Key {
             experiment: &self.experiment,
             seed: self.seed,
+            order_seed: self.order_seed,
             renderer: &self.renderer,
             trials: &self.trials,
         };
@@ -272,7 +273,7 @@ impl Form {
         })?;
         // Last, so that a page is there when all that it needs is.
         write_whole(&folder.join("form.html"), |out| {
-            out.write_all(self.html().as_bytes())
+            out.write_all(self.html()?.as_bytes())
         })?;
         Ok(())
     }

@@ -70,7 +70,7 @@ impl Plan {
 
 /// The scene without its source: seen by a lamp over the listener's shoulder, no light gives
 /// away where the sound comes from.
-pub fn unlit(scene: &Scene) -> Scene {
+fn unlit(scene: &Scene) -> Scene {
     let listener = &scene.listener;
     let behind = listener.up() - listener.forward();
     let mut unlit = scene.clone();

@@ -3,7 +3,8 @@
 
 use super::super::Case;
 use super::build::{block, lattice, room, scene};
-use crate::scene::{Listener, Shape, Surface};
+use crate::scene::shape::{Cuboid, Sphere};
+use crate::scene::{Listener, Node, Surface};
 use glam::{EulerRot, Quat, Vec3};
 
 pub fn cases() -> Vec<Case> {
@@ -20,13 +21,17 @@ pub fn cases() -> Vec<Case> {
         touching("boxes-corner", corner, 0.0),
         touching("boxes-bricks", bricks(), 0.0),
         touching("boxes-bricks-far", bricks(), 1000.0),
-        cells("cells-balls", Shape::Sphere { radius: 0.3 }, 0.0),
-        cells("cells-balls-far", Shape::Sphere { radius: 0.3 }, 1000.0),
+        cells("cells-balls", Node::Sphere(Sphere { radius: 0.3 }), 0.0),
+        cells(
+            "cells-balls-far",
+            Node::Sphere(Sphere { radius: 0.3 }),
+            1000.0,
+        ),
         cells(
             "cells-boxes",
-            Shape::Box {
+            Node::Cuboid(Cuboid {
                 size: Vec3::splat(0.5),
-            },
+            }),
             0.0,
         ),
     ]
@@ -56,7 +61,7 @@ fn touching(name: &str, blocks: Vec<Surface>, away: f32) -> Case {
 }
 
 /// Forty of one shape on a spiral, none touching another.
-fn cells(name: &str, shape: Shape, away: f32) -> Case {
+fn cells(name: &str, shape: Node, away: f32) -> Case {
     const GOLDEN_ANGLE: f32 = 2.399_963_2;
     let surface = |i: usize| {
         let (sin, cos) = (GOLDEN_ANGLE * i as f32).sin_cos();

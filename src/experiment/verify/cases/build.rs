@@ -1,6 +1,7 @@
 //! What cases are built from.
 
-use crate::scene::{Listener, Scene, Shape, Source, Surface};
+use crate::scene::shape::{Cuboid, Room};
+use crate::scene::{Listener, Node, Scene, Source, Surface};
 use glam::{DVec3, Vec3};
 
 /// A scene of these surfaces.
@@ -20,12 +21,12 @@ pub fn hall() -> Surface {
 
 pub fn room(x: f32, y: f32, z: f32) -> Surface {
     let size = Vec3::new(x, y, z);
-    Surface::new(Shape::Room { size })
+    Surface::new(Node::Room(Room { size }))
 }
 
 pub fn block(x: f32, y: f32, z: f32) -> Surface {
     let size = Vec3::new(x, y, z);
-    Surface::new(Shape::Box { size })
+    Surface::new(Node::Cuboid(Cuboid { size }))
 }
 
 /// A listener out of the way: in the solid around the hall.

@@ -2,7 +2,8 @@
 
 use super::super::Case;
 use super::build::{builtin, hall, lattice, scene};
-use crate::scene::{Listener, Shape, Surface};
+use crate::scene::shape::Cylinder;
+use crate::scene::{Listener, Node, Surface};
 use glam::Vec3;
 
 pub fn cases() -> Vec<Case> {
@@ -24,7 +25,7 @@ fn shoebox() -> Case {
 
 /// A pillar in a hall: every reflection at it multiplies errors by some 10.
 fn pillar() -> crate::Scene {
-    let pillar = Surface::new(Shape::Cylinder { radius: 3.0 });
+    let pillar = Surface::new(Node::Cylinder(Cylinder { radius: 3.0 }));
     let surfaces = vec![hall(), pillar];
     let listener = Listener::at(Vec3::new(14.0, 9.0, 14.0), 0.5);
     scene(
@@ -64,7 +65,7 @@ fn stadium() -> Case {
     let mut surfaces = vec![hall()];
     for x in [-10.0, -5.0, 0.0, 5.0, 10.0] {
         for z in [-4.0, 4.0] {
-            let pillar = Surface::new(Shape::Cylinder { radius: 2.0 });
+            let pillar = Surface::new(Node::Cylinder(Cylinder { radius: 2.0 }));
             surfaces.push(pillar.at(Vec3::new(x, 0.0, z)));
         }
     }

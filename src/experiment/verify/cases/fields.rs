@@ -2,7 +2,8 @@
 
 use super::super::Case;
 use super::build::{lattice, scene};
-use crate::scene::{Field, HeightImage, Listener, Node, Surface};
+use crate::scene::shape::{Capsule, HeightField, RoundedBox, Torus};
+use crate::scene::{HeightImage, Listener, Node, Scene, Shape, Surface};
 use glam::{UVec2, Vec3};
 use std::sync::Arc;
 
@@ -11,21 +12,21 @@ const ITERATIONS: u32 = 1;
 
 pub fn cases() -> Vec<Case> {
     let torus = || {
-        Field::from(Node::Torus {
+        Shape::from(Node::Torus(Torus {
             ring: 2.0,
             tube: 0.8,
-        })
+        }))
     };
     let capsule = || {
-        Field::from(Node::Capsule {
+        Shape::from(Node::Capsule(Capsule {
             radius: 0.6,
             height: 2.5,
-        })
+        }))
     };
     let near = Vec3::new(0.0, 0.0, 30.0);
     let far = Vec3::new(900.0, 0.0, 400.0);
     let blend = || {
-        Field::smooth_union(
+        Shape::smooth_union(
             0.3,
             [torus(), capsule().translate(Vec3::new(0.7, 0.2, -0.4))],
         )
@@ -42,23 +43,27 @@ pub fn cases() -> Vec<Case> {
     ]
 }
 
-/// A field that the source grazes, 6 m before a wide slab.
-fn before_a_slab(name: &str, field: Field, listener: Vec3) -> Case {
-    let slab = Field::from(Node::RoundedBox {
+fn before_a_slab(name: &str, field: Shape, listener: Vec3) -> Case {
+    spread(
+        name,
+        "a step at a graze may be longer than the way to the slab behind",
+        "no wave passes the slab",
+        slab_behind(name, field, listener),
+    )
+}
+
+/// A field that the source grazes, 14 m before a wide slab.
+pub(super) fn slab_behind(name: &str, field: Shape, listener: Vec3) -> Scene {
+    let slab = Shape::from(Node::RoundedBox(RoundedBox {
         size: Vec3::new(200.0, 200.0, 0.5),
         rounding: 0.1,
-    });
+    }));
     let surfaces = vec![
         Surface::new(field.rotate(Vec3::X * std::f32::consts::FRAC_PI_2))
             .at(Vec3::new(0.0, 0.0, -6.0)),
         Surface::new(slab).at(Vec3::new(0.0, 0.0, -20.0)),
     ];
-    spread(
-        name,
-        "a step at a graze may be longer than the way to the slab behind",
-        "no wave passes the slab",
-        scene(name, surfaces, Vec3::ZERO, Listener::at(listener, 1.0)),
-    )
+    scene(name, surfaces, Vec3::ZERO, Listener::at(listener, 1.0))
 }
 
 /// Ground of an image of heights, heard from beside it.
@@ -74,7 +79,7 @@ fn over_ground(name: &str, size: Vec3, far: f32) -> Case {
         // A test makes every case.
         Err(error) => unreachable!("{error}"),
     };
-    let ground = Surface::new(Field::from(Node::HeightField { image, size }));
+    let ground = Surface::new(Shape::from(Node::HeightField(HeightField { image, size })));
     let source = size * Vec3::new(-0.2, 0.62, -0.15);
     let listener = Listener::at(Vec3::new(far, 0.9 * size.y + 0.1 * far, 0.0), 0.02 * size.x);
     spread(
@@ -85,6 +90,6 @@ fn over_ground(name: &str, size: Vec3, far: f32) -> Case {
     )
 }
 
-fn spread(name: &str, hard: &'static str, exact: &str, scene: crate::Scene) -> Case {
+fn spread(name: &str, hard: &'static str, exact: &str, scene: Scene) -> Case {
     Case::spread(name, hard, exact, scene, lattice(4096), ITERATIONS)
 }

@@ -2,7 +2,8 @@
 
 use super::super::{Case, Planted};
 use super::build::{hall, nobody, scene};
-use crate::scene::{Listener, Shape, Surface};
+use crate::scene::shape::Plane;
+use crate::scene::{Listener, Node, Surface};
 use glam::{DVec3, Vec3};
 use std::f64::consts::TAU;
 
@@ -65,7 +66,7 @@ fn grazing(degrees: f64) -> Case {
         }
     };
     let answers = directions.iter().map(answer).collect();
-    let ground = Surface::new(Shape::Plane);
+    let ground = Surface::new(Node::Plane(Plane));
     let listener = Listener::at(Vec3::Y * 3.0, 0.5);
     Case::spread(
         format!("grazing-{degrees}"),

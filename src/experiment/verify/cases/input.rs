@@ -2,7 +2,8 @@
 
 use super::super::{Case, Check};
 use super::build::builtin;
-use crate::scene::{Scene, Shape};
+use crate::scene::shape::{Cuboid, Cylinder, Room, Sphere};
+use crate::scene::{Node, Scene};
 use crate::trace::Settings;
 use glam::{Quat, Vec3};
 
@@ -11,16 +12,16 @@ type Spoil<T> = (&'static str, fn(&mut T));
 const ZERO_VOLUME: [Spoil<Scene>; 5] = [
     ("a box of no height", |s| {
         let size = Vec3::new(1.0, 0.0, 1.0);
-        s.surfaces[1].shape = Shape::Box { size };
+        s.surfaces[1].shape = Node::Cuboid(Cuboid { size }).into();
     }),
     ("a room of no size", |s| {
-        s.surfaces[0].shape = Shape::Room { size: Vec3::ZERO };
+        s.surfaces[0].shape = Node::Room(Room { size: Vec3::ZERO }).into();
     }),
     ("a sphere of radius 0", |s| {
-        s.surfaces[1].shape = Shape::Sphere { radius: 0.0 };
+        s.surfaces[1].shape = Node::Sphere(Sphere { radius: 0.0 }).into();
     }),
     ("a cylinder of negative radius", |s| {
-        s.surfaces[1].shape = Shape::Cylinder { radius: -1.0 };
+        s.surfaces[1].shape = Node::Cylinder(Cylinder { radius: -1.0 }).into();
     }),
     ("a listener of radius 0", |s| s.listener.radius = 0.0),
 ];
@@ -29,7 +30,7 @@ const NOT_FINITE: [Spoil<Scene>; 6] = [
     ("a surface at NaN", |s| s.surfaces[1].position.x = f32::NAN),
     ("a box without an end", |s| {
         let size = Vec3::new(1.0, f32::INFINITY, 1.0);
-        s.surfaces[1].shape = Shape::Box { size };
+        s.surfaces[1].shape = Node::Cuboid(Cuboid { size }).into();
     }),
     ("a rotation of NaN", |s| {
         s.surfaces[1].rotation = Quat::from_xyzw(f32::NAN, 0.0, 0.0, 1.0);

@@ -3,6 +3,7 @@
 mod boxes;
 mod build;
 mod chaos;
+mod copies;
 mod corners;
 mod distortion;
 mod fields;
@@ -14,6 +15,7 @@ mod scale;
 mod source;
 mod tangents;
 mod thin;
+mod users;
 
 use super::Case;
 
@@ -32,6 +34,8 @@ pub fn all() -> Vec<Case> {
         boxes::cases,
         distortion::cases,
         fields::cases,
+        users::cases,
+        copies::cases,
         input::cases,
     ]
     .iter()

@@ -2,7 +2,8 @@
 
 use super::super::Case;
 use super::build::{builtin, lattice, scene};
-use crate::scene::{Listener, Shape, Surface};
+use crate::scene::shape::{Plane, Sphere};
+use crate::scene::{Listener, Node, Surface};
 use glam::Vec3;
 
 pub fn cases() -> Vec<Case> {
@@ -33,8 +34,8 @@ fn pillars() -> Case {
 
 /// The world's origin is in the listener, where the thesis puts its dead waves.
 fn horizon() -> Case {
-    let ground = Surface::new(Shape::Plane).at(Vec3::Y * -3.0);
-    let ball = Surface::new(Shape::Sphere { radius: 1.0 }).at(Vec3::new(6.0, -2.0, 0.0));
+    let ground = Surface::new(Node::Plane(Plane)).at(Vec3::Y * -3.0);
+    let ball = Surface::new(Node::Sphere(Sphere { radius: 1.0 })).at(Vec3::new(6.0, -2.0, 0.0));
     let listener = Listener::at(Vec3::ZERO, 1.0);
     let directions = vec![
         Vec3::X,

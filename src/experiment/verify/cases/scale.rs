@@ -2,7 +2,8 @@
 
 use super::super::Case;
 use super::build::{builtin, lattice};
-use crate::scene::{Scene, Shape};
+use crate::scene::shape::{Cuboid, Cylinder, Room, Sphere};
+use crate::scene::{Node, Scene};
 use glam::Vec3;
 
 pub fn cases() -> Vec<Case> {
@@ -28,10 +29,12 @@ fn scaled(name: &str, exponent: i32) -> Case {
     scene.listener.radius *= factor;
     for surface in &mut scene.surfaces {
         surface.position *= factor;
-        match &mut surface.shape {
-            Shape::Plane | Shape::Field(_) => {}
-            Shape::Box { size } | Shape::Room { size } => *size *= factor,
-            Shape::Sphere { radius } | Shape::Cylinder { radius } => *radius *= factor,
+        match &mut surface.shape.node {
+            Node::Cuboid(Cuboid { size }) | Node::Room(Room { size }) => *size *= factor,
+            Node::Sphere(Sphere { radius }) | Node::Cylinder(Cylinder { radius }) => {
+                *radius *= factor
+            }
+            _ => {}
         }
     }
     let hard = "every length is another: no constant in metres fits all";

@@ -2,7 +2,8 @@
 
 use super::super::{Case, Planted};
 use super::build::{block, hall, lattice, scene};
-use crate::scene::{Listener, Scene, Shape, Surface};
+use crate::scene::shape::Sphere;
+use crate::scene::{Listener, Node, Scene, Surface};
 use glam::Vec3;
 
 /// Waves of each case.
@@ -73,7 +74,7 @@ fn case(name: &str, hard: &'static str, exact: &str, scene: Scene) -> Case {
 
 /// A hall with a block about the origin, a ball, and a listener.
 fn in_hall(source: Vec3) -> Scene {
-    let ball = Surface::new(Shape::Sphere { radius: 2.0 }).at(Vec3::new(-6.0, 0.0, -6.0));
+    let ball = Surface::new(Node::Sphere(Sphere { radius: 2.0 })).at(Vec3::new(-6.0, 0.0, -6.0));
     let surfaces = vec![hall(), block(2.0, 4.0, 6.0), ball];
     let listener = Listener::at(Vec3::new(10.0, 0.0, 8.0), 2.0);
     scene("furnished hall", surfaces, source, listener)

@@ -2,12 +2,13 @@
 
 use super::super::Case;
 use super::build::{hall, nobody, scene};
-use crate::scene::{Shape, Surface};
+use crate::scene::shape::{Cylinder, Sphere};
+use crate::scene::{Node, Surface};
 use glam::{DVec3, Vec3};
 
 pub fn cases() -> Vec<Case> {
-    let ball = Shape::Sphere { radius: 2.0 };
-    let pillar = Shape::Cylinder { radius: 2.0 };
+    let ball = Node::Sphere(Sphere { radius: 2.0 });
+    let pillar = Node::Cylinder(Cylinder { radius: 2.0 });
     vec![
         tangents("tangent-sphere", ball),
         tangents("tangent-cylinder", pillar),
@@ -15,7 +16,7 @@ pub fn cases() -> Vec<Case> {
 }
 
 /// Lines at the radius, and a little and a very little to both sides of it.
-fn tangents(name: &str, shape: Shape) -> Case {
+fn tangents(name: &str, shape: Node) -> Case {
     let source = Vec3::new(-12.0, 0.0, 0.0);
     let aside = |share: f64| {
         let distance: f64 = 12.0;

@@ -1,14 +1,15 @@
 //! How far a line is free of a field: a lower bound of its value along the line.
 //!
-//! A bound is a vector (value, slope, bend, reach), see `glsl/along/bound.glsl`. It is written
+//! A bound is a vector (value, slope, bend, reach), see `glsl/common/bound.glsl`. It is written
 //! for the air and for the solid (of the value with its sign changed), for a complement, a
 //! difference or a shell turns the one into the other.
 
-use super::hit::hit_files;
+use super::copies::{CopyAxes, keep_to_cells};
 use super::text::{Axis, arguments, mirrored};
 use super::{Assets, Place, Writer};
-use crate::scene::glsl::{Source, source};
-use crate::scene::{Copies, Field, Node};
+use crate::scene::glsl::library::has_function;
+use crate::scene::shape::{HeightField, Mirror, Repeat};
+use crate::scene::{Copies, Node, Shape};
 
 /// Shells within each other that are bounded at the most: each doubles the text.
 const MOST_SHELLS: usize = 3;
@@ -49,7 +50,7 @@ struct Line<'a> {
 
 /// `float free<number>(vec3 p, vec3 d, float slack)`: how many metres along the unit vector d
 /// from p, which is in the air but for `slack`, are free of the field for sure.
-pub(in crate::scene::glsl) fn free_text(field: &Field, place: &Place, assets: &Assets) -> String {
+pub(in crate::scene::glsl) fn free_text(field: &Shape, place: &Place, assets: &Assets) -> String {
     let head = format!(
         "float free{}(vec3 p, vec3 d, float slack{}) {{\n",
         place.tag, place.parameter
@@ -71,64 +72,72 @@ pub(in crate::scene::glsl) fn free_text(field: &Field, place: &Place, assets: &A
     )
 }
 
+/// Turns of the walks past copies in one evaluation of its bound.
+pub(in crate::scene::glsl) fn leaps(field: &Shape) -> u64 {
+    // As in glsl/operator/repeat.glsl.
+    const LEAPS: u64 = 4;
+    let nodes = field.nodes().into_iter();
+    let repetitions = nodes.filter(|node| matches!(node.node, Node::Repeat(_)));
+    LEAPS * repetitions.count() as u64
+}
+
 /// Whether anything is known of the field but its value: nothing is of a user's text.
-pub(in crate::scene::glsl) fn is_bounded(field: &Field) -> bool {
-    let known = |node: &Field| match node.node {
-        Node::Twist { .. } | Node::Bend { .. } => false,
-        Node::Repeat { .. } => node
-            .copies()
-            .is_ok_and(|copies| copies.iter().all(|c| c.count() == 1)),
+pub(in crate::scene::glsl) fn is_bounded(field: &Shape) -> bool {
+    let known = |node: &Shape| match node.node {
+        Node::Twist(_) | Node::Bend(_) => false,
+        Node::Repeat(_) => keep_to_cells(node),
         _ => true,
     };
     let nodes = field.nodes();
-    let own = |node: &&Field| node.of.is_empty() && node.node.user().is_none();
+    let own = |node: &&Shape| node.children.is_empty() && node.node.user().is_none();
     nodes.iter().any(own) && nodes.into_iter().all(known) && shells(field) <= MOST_SHELLS
 }
 
-fn shells(field: &Field) -> usize {
-    let below = field.of.iter().map(shells).max().unwrap_or(0);
-    below + usize::from(matches!(field.node, Node::Shell { .. }))
+fn shells(field: &Shape) -> usize {
+    let below = field.children.iter().map(shells).max().unwrap_or(0);
+    below + usize::from(matches!(field.node, Node::Shell(_)))
 }
 
 impl Writer<'_> {
     /// Writes what the bound of a node needs; the name of the bound.
-    fn along(&mut self, field: &Field, line: Line, side: Side) -> String {
-        if let Node::Shell { .. } = field.node {
+    fn along(&mut self, field: &Shape, line: Line, side: Side) -> String {
+        if let Node::Shell(_) = field.node {
             return self.shell_along(field, line, side);
         }
         let n = self.numbers.next(field);
-        if field.of.is_empty() {
+        if field.children.is_empty() {
             return self.shape_along(field, line, side, &n);
         }
         let levels = matches!(
             field.node,
-            Node::SmoothUnion { .. } | Node::Morph { .. } | Node::Offset { .. }
+            Node::SmoothUnion(_) | Node::Morph(_) | Node::Offset(_)
         );
         let line = Line {
             sign_alone: line.sign_alone && !levels,
             ..line
         };
         match &field.node {
-            Node::Union | Node::Intersection | Node::Difference | Node::SmoothUnion { .. } => {
+            Node::Union(_) | Node::Intersection(_) | Node::Difference(_) | Node::SmoothUnion(_) => {
                 self.folded_along(field, line, side, &n)
             }
-            Node::Morph { .. } => {
-                let from = self.along(&field.of[0], line, side);
-                let to = self.along(&field.of[1], line, side);
+            Node::Morph(_) => {
+                let from = self.along(&field.children[0], line, side);
+                let to = self.along(&field.children[1], line, side);
                 self.bound(&format!(
                     "vec4(mix({from}.xyz, {to}.xyz, {}), min({from}.w, {to}.w))",
                     n[0]
                 ))
             }
-            Node::Complement => self.along(&field.of[0], line, side.other()),
-            Node::Offset { .. } => {
-                let of = self.along(&field.of[0], line, side);
+            Node::Complement(_) => self.along(&field.children[0], line, side.other()),
+            Node::Offset(_) => {
+                let of = self.along(&field.children[0], line, side);
                 self.bound(&format!(
                     "{of} - vec4({} * {}, 0.0, 0.0, 0.0)",
                     side.sign(),
                     n[0]
                 ))
             }
+            Node::Repeat(_) => self.copy_along(field, line, side, &n),
             _ => self.moved_along(field, line, side, &n),
         }
     }
@@ -139,16 +148,16 @@ impl Writer<'_> {
         name
     }
 
-    fn folded_along(&mut self, field: &Field, line: Line, side: Side, n: &[String]) -> String {
+    fn folded_along(&mut self, field: &Shape, line: Line, side: Side, n: &[String]) -> String {
         let slack = line.slack;
-        let mut result = self.along(&field.of[0], line, side);
-        for child in &field.of[1..] {
-            let flips = field.node == Node::Difference;
+        let mut result = self.along(&field.children[0], line, side);
+        for child in &field.children[1..] {
+            let flips = matches!(field.node, Node::Difference(_));
             let of = if flips { side.other() } else { side };
             let other = self.along(child, line, of);
-            let lower = (field.node == Node::Union) == (side == Air);
+            let lower = matches!(field.node, Node::Union(_)) == (side == Air);
             result = self.bound(&match field.node {
-                Node::SmoothUnion { .. } => format!(
+                Node::SmoothUnion(_) => format!(
                     "orPlain(blend{}Along({result}, {other}, {}), {slack})",
                     side.suffix(),
                     n[0]
@@ -161,9 +170,9 @@ impl Writer<'_> {
     }
 
     /// |value| - half the thickness: of the side that the wave is on, or of both.
-    fn shell_along(&mut self, field: &Field, line: Line, side: Side) -> String {
+    fn shell_along(&mut self, field: &Shape, line: Line, side: Side) -> String {
         let half = self.numbers.next(field)[0].clone();
-        let child = &field.of[0];
+        let child = &field.children[0];
         let line = Line {
             sign_alone: false,
             ..line
@@ -194,12 +203,12 @@ impl Writer<'_> {
         result
     }
 
-    fn shape_along(&mut self, field: &Field, line: Line, side: Side, n: &[String]) -> String {
+    fn shape_along(&mut self, field: &Shape, line: Line, side: Side, n: &[String]) -> String {
         let Line { p, d, slack, .. } = line;
         let (name, sign) = (field.node.name(), side.sign());
         let more = arguments(&field.node, n);
         match &field.node {
-            Node::HeightField { image, .. } => {
+            Node::HeightField(HeightField { image, .. }) => {
                 let (first, size) = (self.assets.image(image).unwrap_or(0), image.size());
                 let bound = format!(
                     "along{name}{}({p}, {d}{more}, {first}, ivec2({}, {}), {slack})",
@@ -209,7 +218,7 @@ impl Writer<'_> {
                 );
                 return self.bound(&format!("orPlain({bound}, {slack})"));
             }
-            Node::User { .. } => {
+            Node::User(_) => {
                 let value = format!("sd{}({p}{more})", self.shape_name(field));
                 return self.bound(&format!("plainAlong({sign} * {value})"));
             }
@@ -220,19 +229,19 @@ impl Writer<'_> {
             format!("vec4({sign} * {gradient}.w, {sign} * dot({gradient}.xyz, {d}), 0.0, NO_END)");
         let concave = |way: String| format!("concaveAlong({sign} * {gradient}.w, {way})");
         let bound = match (&field.node, side) {
-            (Node::Plane | Node::HalfSpace { .. }, _) | (Node::Room { .. }, Solid) => straight,
-            (Node::Room { .. }, Air) => concave(format!("exitBox({p}, {d}{more})")),
-            (Node::Torus { .. }, _) => {
+            (Node::Plane(_) | Node::HalfSpace(_), _) | (Node::Room(_), Solid) => straight,
+            (Node::Room(_), Air) => concave(format!("exitBox({p}, {d}{more})")),
+            (Node::Torus(_), _) => {
                 format!("along{name}{}({gradient}, {p}, {d}{more})", side.suffix())
             }
-            (Node::RoundedBox { .. }, Solid) => {
+            (Node::RoundedBox(_), Solid) => {
                 concave(format!("exitRoundedBox({p}, {d}{more}, {slack})"))
             }
             (
-                Node::Ellipsoid { .. }
-                | Node::Paraboloid { .. }
-                | Node::Hyperboloid { .. }
-                | Node::Quadric { .. },
+                Node::Ellipsoid(_)
+                | Node::Paraboloid(_)
+                | Node::Hyperboloid(_)
+                | Node::GeneralQuadric(_),
                 _,
             ) => {
                 let (steepness, norm) = quadric_steepness(&field.node, p, n);
@@ -249,7 +258,10 @@ impl Writer<'_> {
                 }
                 near
             }
-            (Node::Sphere { .. }, Solid) => concave(format!("exitBall({p}, {d}{more})")),
+            // Nothing is known of the shape but its value.
+            _ if !has_function(&format!("exit{name}")) => {
+                format!("plainAlong({sign} * {gradient}.w)")
+            }
             (_, Solid) => concave(format!("exit{name}({p}, {d}{more})")),
             (_, Air) => straight,
         };
@@ -257,22 +269,22 @@ impl Writer<'_> {
     }
 
     /// Operators on space: the line in the inner axes, and as far as it stays straight there.
-    fn moved_along(&mut self, field: &Field, line: Line, side: Side, n: &[String]) -> String {
+    fn moved_along(&mut self, field: &Shape, line: Line, side: Side, n: &[String]) -> String {
         let Line { p, d, slack, .. } = line;
-        let child = &field.of[0];
+        let child = &field.children[0];
         let vector = || format!("vec3({}, {}, {})", n[0], n[1], n[2]);
         match &field.node {
-            Node::Translate { .. } => {
+            Node::Translate(_) => {
                 let p = &self.point(&format!("{p} - {}", vector()));
                 self.along(child, Line { p, ..line }, side)
             }
-            Node::Rotate { .. } => {
+            Node::Rotate(_) => {
                 let turn = format!("mat3({})", n.join(", "));
                 let p = &self.point(&format!("{turn} * {p}"));
                 let d = &self.point(&format!("{turn} * {d}"));
                 self.along(child, Line { p, d, ..line }, side)
             }
-            Node::Scale { .. } => {
+            Node::Scale(_) => {
                 let by = &n[0];
                 let p = &self.point(&format!("{p} / {by}"));
                 let within = self.name("slack");
@@ -290,8 +302,7 @@ impl Writer<'_> {
                 );
                 self.bound(&format!("{of} * vec4({by}, 1.0, 1.0 / {by}, {by})"))
             }
-            Node::Repeat { .. } => self.copy_along(field, line, side, n),
-            Node::Mirror { axes } => {
+            Node::Mirror(Mirror { axes }) => {
                 let inner = self.point(&mirrored(p, *axes).0);
                 let way = each_axis(|axis, c| match axes[axis] {
                     true => format!("foldSide({p}.{c}, {d}.{c}) * {d}.{c}"),
@@ -331,10 +342,43 @@ impl Writer<'_> {
         }
     }
 
+    /// Of copies that keep to their cells: as far as no box about a copy is met, or where there
+    /// is nothing else in the cell, as far as the bound of what is repeated says.
+    fn copy_along(&mut self, field: &Shape, line: Line, side: Side, n: &[String]) -> String {
+        let free = match (side, line.sign_alone) {
+            (Air, true) => self.free_of_copies(field, line, n),
+            _ => None,
+        };
+        let alone = |copies: &[Copies; 3]| copies.iter().all(|c| c.count() == 1);
+        if field.copies().is_ok_and(|copies| alone(&copies)) {
+            let near = self.own_copy_along(field, line, side, n);
+            let Some(free) = free else {
+                return near;
+            };
+            let (slack, further) = (line.slack, free_bound(&free));
+            return self.bound(&format!(
+                "{free} > freeAlong({near}, {slack}) ? {further} : {near}"
+            ));
+        }
+        self.numbers.skip(&field.children[0]);
+        // Next to a copy, and of its levels, nothing is known but the value.
+        self.bound(&free.map_or_else(|| free_bound("0.0"), |free| free_bound(&free)))
+    }
+
+    /// How far a line is free of the boxes about the copies.
+    fn free_of_copies(&mut self, field: &Shape, line: Line, n: &[String]) -> Option<String> {
+        let axes = CopyAxes::new(field, n)?;
+        let q = self.point(&format!("{} - {}", line.p, axes.shift));
+        let free = self.name("free");
+        let walk = axes.walk(&q, line.d, line.slack);
+        self.line(&format!("float {free} = freeOfCopies({walk});"));
+        Some(free)
+    }
+
     /// Of copies of which each one is alone in its cell.
-    fn copy_along(&mut self, field: &Field, line: Line, side: Side, n: &[String]) -> String {
+    fn own_copy_along(&mut self, field: &Shape, line: Line, side: Side, n: &[String]) -> String {
         let copies = field.copies().unwrap_or([Copies::Own; 3]);
-        let Node::Repeat { count, .. } = field.node else {
+        let Node::Repeat(Repeat { count, .. }) = field.node else {
             return String::new();
         };
         let axes = [0, 1, 2].map(|axis| Axis {
@@ -350,12 +394,17 @@ impl Writer<'_> {
             format!("copyReach({q}, {}.{}, {rest})", line.d, AXES[axis])
         });
         let reaches = reaches.collect();
-        self.within_reach(&field.of[0], Line { p: &inner, ..line }, side, reaches)
+        self.within_reach(
+            &field.children[0],
+            Line { p: &inner, ..line },
+            side,
+            reaches,
+        )
     }
 
     fn within_reach(
         &mut self,
-        child: &Field,
+        child: &Shape,
         line: Line,
         side: Side,
         reaches: Vec<String>,
@@ -367,6 +416,11 @@ impl Writer<'_> {
             .fold(format!("{of}.w"), |all, next| format!("min({all}, {next})"));
         self.bound(&format!("orPlain(vec4({of}.xyz, {reach}), {slack})"))
     }
+}
+
+/// Outside of the boxes about copies their value is greater than 0.
+fn free_bound(free: &str) -> String {
+    format!("vec4(0.0, 0.0, 0.0, {free})")
 }
 
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -381,48 +435,13 @@ fn quadric_steepness(node: &Node, p: &str, n: &[String]) -> (String, String) {
     let vector = |from: usize| format!("vec3({})", n[from..from + 3].join(", "));
     let diagonal = vector(0);
     let gradient = match node {
-        Node::Quadric { .. } => format!(
+        Node::GeneralQuadric(_) => format!(
             "2.0 * quadricForm({p}, {diagonal}, {}) + {}",
             vector(3),
             vector(6)
         ),
-        Node::Paraboloid { .. } => format!("2.0 * {diagonal} * {p} - vec3(0.0, 1.0, 0.0)"),
+        Node::Paraboloid(_) => format!("2.0 * {diagonal} * {p} - vec3(0.0, 1.0, 0.0)"),
         _ => format!("2.0 * {diagonal} * {p}"),
     };
     (format!("length({gradient})"), n[n.len() - 1].clone())
-}
-
-/// The files that [`free_text`] calls, beside those of values and gradients.
-pub(in crate::scene::glsl) fn files_of_bounds(field: &Field) -> Vec<Source> {
-    let mut files = vec![source!("along/bound.glsl")];
-    if !is_bounded(field) {
-        return files;
-    }
-    for node in field.nodes() {
-        match &node.node {
-            Node::HeightField { .. } => files.extend([
-                source!("along/exit.glsl"),
-                source!("along/height_field.glsl"),
-            ]),
-            Node::Torus { .. } => files.push(source!("along/torus.glsl")),
-            Node::Ellipsoid { .. }
-            | Node::Paraboloid { .. }
-            | Node::Hyperboloid { .. }
-            | Node::Quadric { .. } => {
-                files.extend([source!("hit/none.glsl"), source!("along/quadric.glsl")]);
-                files.extend(hit_files(&node.node).unwrap_or_default());
-            }
-            Node::RoundedBox { .. } => files.extend([
-                source!("along/exit.glsl"),
-                source!("along/rounded_box.glsl"),
-            ]),
-            Node::SmoothUnion { .. } => files.push(source!("along/blend.glsl")),
-            Node::Mirror { .. } | Node::Elongate { .. } | Node::Repeat { .. } => {
-                files.push(source!("along/fold.glsl"));
-            }
-            node if node.operands() == (0, 0) => files.push(source!("along/exit.glsl")),
-            _ => (),
-        }
-    }
-    files
 }

@@ -2,35 +2,37 @@
 //!
 //! Each tree becomes straight-line code, one statement a node, in functions that are named
 //! after the surface's number: `field3(p)`, `gradient3(p)` (the gradient, and in its last
-//! component the value), where there is a closed form `hit3(p, d, slack)`, and for the march
-//! `free3(p, d, slack)`. Value and
-//! gradient are the same text over two types: `float`, and `vec4` for a value with its
+//! component the value), where there is a closed form `hit3(p, d, slack)`, of copies
+//! `hit3(p, d, slack, limit)`, and for the march `free3(p, d, slack)`. Value and gradient are the same text over two types: `float`, and `vec4` for a value with its
 //! gradient, which the operators take along (forward differentiation).
 //!
 //! Numbers are literals. Those of a node that something moves are uniforms instead, all of
 //! them at once, because several follow from one parameter (a rotation's nine).
 
 mod along;
-mod files;
+mod copies;
 mod hit;
 mod numbers;
 mod signature;
 mod text;
+mod user;
 
-pub(super) use along::{files_of_bounds, free_text, is_bounded};
-pub(super) use files::{field_files, user_text};
-pub(super) use hit::{files_of_hits, has_closed_form, hit_text};
+pub(super) use along::{free_text, is_bounded, leaps};
+pub(super) use copies::{cells_crossed, has_step_limit};
+pub(super) use hit::{has_closed_form, hit_text, takes_limit};
 pub(super) use numbers::moving_values;
 pub(super) use signature::{Signature, signature};
-pub(super) use text::{gradient_text, has_user, normal_text, value_text};
+pub(super) use text::{gradient_text, has_differences, normal_text, value_text};
+pub(super) use user::{user_parts, user_text};
 
 use crate::scene::layout::Layout;
-use crate::scene::{Field, HeightImage, Node, Scene};
+use crate::scene::shape::{HeightField, User};
+use crate::scene::{HeightImage, Node, Scene, Shape};
 use numbers::Numbers;
 use std::sync::Arc;
 
 /// Writes a function of a field.
-pub(super) type Write = fn(&Field, &Place, &Assets) -> String;
+pub(super) type Write = fn(&Shape, &Place, &Assets) -> String;
 
 /// What the text of a field is about: a surface, or a kind of surfaces.
 pub(super) struct Place<'a> {
@@ -40,7 +42,7 @@ pub(super) struct Place<'a> {
     pub parameter: &'a str,
     /// What they are given for that.
     pub argument: &'a str,
-    /// Nodes whose numbers move, in the order of [`Field::nodes`].
+    /// Nodes whose numbers move, in the order of [`Shape::nodes`].
     pub moving: &'a [bool],
     /// The n-th vector of the numbers that move.
     pub value: &'a dyn Fn(usize) -> String,
@@ -71,20 +73,20 @@ impl Assets {
     /// Those of a scene.
     pub fn of(scene: &Scene) -> Assets {
         let mut assets = Assets::default();
-        for field in scene.surfaces.iter().filter_map(|s| s.shape.field()) {
-            assets.add(field);
+        for surface in &scene.surfaces {
+            assets.add(&surface.shape);
         }
         assets
     }
 
-    fn add(&mut self, field: &Field) {
+    fn add(&mut self, field: &Shape) {
         for node in field.nodes() {
             match &node.node {
-                Node::HeightField { image, .. } if self.image(image).is_none() => {
+                Node::HeightField(HeightField { image, .. }) if self.image(image).is_none() => {
                     let first = self.data_length();
                     self.images.push((Arc::clone(image), first));
                 }
-                Node::User { field } if self.user(field).is_none() => {
+                Node::User(User { field }) if self.user(field).is_none() => {
                     self.users.push(Arc::clone(field));
                 }
                 _ => (),
@@ -105,9 +107,9 @@ impl Assets {
             return Vec::new();
         }
         let surfaces = layout.loose.iter().chain(&layout.kinds);
-        let fields = surfaces.filter_map(|&index| scene.surfaces[index].shape.field());
-        let images = fields.flat_map(Field::nodes).filter_map(|f| match &f.node {
-            Node::HeightField { image, .. } => self.image(image),
+        let fields = surfaces.map(|&index| &scene.surfaces[index].shape);
+        let images = fields.flat_map(Shape::nodes).filter_map(|f| match &f.node {
+            Node::HeightField(HeightField { image, .. }) => self.image(image),
             _ => None,
         });
         images.collect()

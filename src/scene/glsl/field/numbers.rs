@@ -1,9 +1,9 @@
 //! Where the numbers of a field stand: in the text, in `uSurfaces`, or in the scene's data.
 
 use super::Place;
-use crate::scene::Field;
+use crate::scene::Shape;
 
-/// The numbers of a tree, node by node in the order of [`Field::nodes`].
+/// The numbers of a tree, node by node in the order of [`Shape::nodes`].
 pub(super) struct Numbers<'a> {
     place: &'a Place<'a>,
     /// Moving numbers so far.
@@ -21,7 +21,7 @@ impl<'a> Numbers<'a> {
     }
 
     /// The next node's numbers as expressions.
-    pub fn next(&mut self, field: &Field) -> Vec<String> {
+    pub fn next(&mut self, field: &Shape) -> Vec<String> {
         let moves = self.place.moving.get(self.node).copied().unwrap_or(false);
         self.node += 1;
         let numbers = field.shader_numbers();
@@ -30,6 +30,13 @@ impl<'a> Numbers<'a> {
         }
         let taken = numbers.iter().map(|_| self.take());
         taken.collect()
+    }
+
+    /// Passes by the field that comes next.
+    pub fn skip(&mut self, field: &Shape) {
+        for node in field.nodes() {
+            self.next(node);
+        }
     }
 
     /// The place in the tree, for who writes a part of it more than once.
@@ -43,7 +50,7 @@ impl<'a> Numbers<'a> {
     }
 
     /// What the whole value is divided by, or nothing where that is 1.
-    pub fn lipschitz(&mut self, field: &Field) -> Option<String> {
+    pub fn lipschitz(&mut self, field: &Shape) -> Option<String> {
         let lipschitz = field.properties().lipschitz;
         if self.place.moving.contains(&true) && divides(field) {
             return Some(self.take());
@@ -60,14 +67,14 @@ impl<'a> Numbers<'a> {
 }
 
 /// Whether a node of it may make its value grow faster than the distance.
-fn divides(field: &Field) -> bool {
+fn divides(field: &Shape) -> bool {
     use crate::scene::Node;
-    let turns = |f: &&Field| matches!(f.node, Node::Twist { .. } | Node::Bend { .. });
+    let turns = |f: &&Shape| matches!(f.node, Node::Twist(_) | Node::Bend(_));
     field.nodes().iter().any(turns)
 }
 
 /// The numbers that move, as they stand: what [`Numbers`] refers to, in its order.
-pub(in crate::scene::glsl) fn moving_values(field: &Field, moving: &[bool]) -> Vec<f32> {
+pub(in crate::scene::glsl) fn moving_values(field: &Shape, moving: &[bool]) -> Vec<f32> {
     let nodes = field.nodes();
     let of_moving = nodes.iter().zip(moving).filter(|(_, moves)| **moves);
     let mut values: Vec<f32> = of_moving

@@ -1,6 +1,7 @@
 //! What the text of a field depends on.
 
-use crate::scene::{Copies, Field, HeightImage, Node, UserField};
+use crate::scene::shape::{HeightField, Hyperboloid, Mirror, Repeat, User};
+use crate::scene::{Copies, HeightImage, Node, Shape, UserField};
 use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 
@@ -29,37 +30,37 @@ enum Asset {
 }
 
 /// See [`Signature`].
-pub(in crate::scene::glsl) fn signature(field: &Field, moving: &[bool]) -> Signature {
+pub(in crate::scene::glsl) fn signature(field: &Shape, moving: &[bool]) -> Signature {
     let nodes = field.nodes().into_iter().zip(moving);
     Signature {
         nodes: nodes.map(|(node, moves)| of_node(node, *moves)).collect(),
     }
 }
 
-fn of_node(field: &Field, moves: bool) -> NodeSignature {
+fn of_node(field: &Shape, moves: bool) -> NodeSignature {
     let bits = |numbers: Vec<f64>| {
         let literals = numbers.into_iter().map(|number| (number as f32).to_bits());
         literals.collect()
     };
     NodeSignature {
         name: field.node.name(),
-        operands: field.of.len(),
+        operands: field.children.len(),
         choices: choices(field),
         literals: (!moves).then(|| bits(field.shader_numbers())),
         asset: match &field.node {
-            Node::HeightField { image, .. } => Some(Asset::Image(Arc::clone(image))),
-            Node::User { field } => Some(Asset::User(Arc::clone(field))),
+            Node::HeightField(HeightField { image, .. }) => Some(Asset::Image(Arc::clone(image))),
+            Node::User(User { field }) => Some(Asset::User(Arc::clone(field))),
             _ => None,
         },
     }
 }
 
 /// What is no number, and yet in the text.
-fn choices(field: &Field) -> [u32; 3] {
+fn choices(field: &Shape) -> [u32; 3] {
     match &field.node {
-        Node::Mirror { axes } => axes.map(u32::from),
-        Node::Hyperboloid { two_sheets, .. } => [u32::from(*two_sheets), 0, 0],
-        Node::Repeat { count, .. } => {
+        Node::Mirror(Mirror { axes }) => axes.map(u32::from),
+        Node::Hyperboloid(Hyperboloid { two_sheets, .. }) => [u32::from(*two_sheets), 0, 0],
+        Node::Repeat(Repeat { count, .. }) => {
             let copies = field.copies().unwrap_or([Copies::None; 3]);
             // Counts are below 2^24, copies at most 64.
             let capped = u32::from(field.cap().is_some()) << 7;

@@ -2,7 +2,8 @@
 
 use super::numbers::{Numbers, literal};
 use super::{Assets, Place, Writer};
-use crate::scene::{Copies, Field, Node};
+use crate::scene::shape::{HeightField, Mirror, Repeat, User};
+use crate::scene::{Copies, Node, Shape};
 use std::fmt::Write;
 
 /// What a function computes.
@@ -33,38 +34,44 @@ impl Kind {
     fn prefix(self, node: &Node) -> &'static str {
         match self {
             Kind::Value => "sd",
-            Kind::Normal if node.user().is_some() => "gn",
+            Kind::Normal if takes_differences(node) => "gn",
             Kind::Gradient | Kind::Normal => "gd",
         }
     }
 }
 
 /// `float field<number>(vec3 p)`: what a march may step by.
-pub(in crate::scene::glsl) fn value_text(field: &Field, place: &Place, assets: &Assets) -> String {
+pub(in crate::scene::glsl) fn value_text(field: &Shape, place: &Place, assets: &Assets) -> String {
     Writer::new(place, assets).whole(field, Kind::Value)
 }
 
 /// `vec4 gradient<number>(vec3 p)`: the gradient of that function, and its value.
 pub(in crate::scene::glsl) fn gradient_text(
-    field: &Field,
+    field: &Shape,
     place: &Place,
     assets: &Assets,
 ) -> String {
     Writer::new(place, assets).whole(field, Kind::Gradient)
 }
 
-/// `vec4 normal<number>(vec3 p)`: the same for who wants its direction, of a field with a
-/// user's text in it, whose gradient is one of differences; nothing for another.
-pub(in crate::scene::glsl) fn normal_text(field: &Field, place: &Place, assets: &Assets) -> String {
-    if !has_user(field) {
+/// `vec4 normal<number>(vec3 p)`: the same for who wants its direction, of a field whose
+/// gradient is one of differences; nothing for another.
+pub(in crate::scene::glsl) fn normal_text(field: &Shape, place: &Place, assets: &Assets) -> String {
+    if !has_differences(field) {
         return String::new();
     }
     Writer::new(place, assets).whole(field, Kind::Normal)
 }
 
 /// Whether its gradient is one of differences somewhere.
-pub(in crate::scene::glsl) fn has_user(field: &Field) -> bool {
-    field.nodes().iter().any(|node| node.node.user().is_some())
+pub(in crate::scene::glsl) fn has_differences(field: &Shape) -> bool {
+    let mut nodes = field.nodes().into_iter();
+    nodes.any(|node| takes_differences(&node.node))
+}
+
+/// Whether a node is a user's field that states no gradient.
+fn takes_differences(node: &Node) -> bool {
+    node.user().is_some_and(|user| !user.states_gradient())
 }
 
 impl<'a> Writer<'a> {
@@ -79,7 +86,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    fn whole(mut self, field: &Field, kind: Kind) -> String {
+    fn whole(mut self, field: &Shape, kind: Kind) -> String {
         let result = self.node(field, kind, "p");
         let result = match self.numbers.lipschitz(field) {
             Some(inverse) => format!("{result} * {inverse}"),
@@ -107,37 +114,37 @@ impl<'a> Writer<'a> {
     }
 
     /// Writes what a node needs; the name of its result.
-    fn node(&mut self, field: &Field, kind: Kind, p: &str) -> String {
+    fn node(&mut self, field: &Shape, kind: Kind, p: &str) -> String {
         let numbers = self.numbers.next(field);
-        if field.of.is_empty() {
+        if field.children.is_empty() {
             return self.shape(field, kind, p, &numbers);
         }
         match &field.node {
-            Node::Union | Node::Intersection | Node::Difference | Node::SmoothUnion { .. } => {
+            Node::Union(_) | Node::Intersection(_) | Node::Difference(_) | Node::SmoothUnion(_) => {
                 self.folded(field, kind, p, &numbers)
             }
-            Node::Morph { .. } => {
-                let from = self.node(&field.of[0], kind, p);
-                let to = self.node(&field.of[1], kind, p);
+            Node::Morph(_) => {
+                let from = self.node(&field.children[0], kind, p);
+                let to = self.node(&field.children[1], kind, p);
                 self.result(kind, &format!("opMorph({from}, {to}, {})", numbers[0]))
             }
-            Node::Complement => {
-                let of = self.node(&field.of[0], kind, p);
+            Node::Complement(_) => {
+                let of = self.node(&field.children[0], kind, p);
                 self.result(kind, &format!("-{of}"))
             }
-            Node::Shell { .. } | Node::Offset { .. } => {
-                let of = self.node(&field.of[0], kind, p);
+            Node::Shell(_) | Node::Offset(_) => {
+                let of = self.node(&field.children[0], kind, p);
                 let name = field.node.name();
                 self.result(kind, &format!("op{name}({of}, {})", numbers[0]))
             }
-            Node::Repeat { .. } => self.repeated(field, kind, p, &numbers),
-            Node::Twist { .. } | Node::Bend { .. } => self.turned(field, kind, p, &numbers),
+            Node::Repeat(_) => self.repeated(field, kind, p, &numbers),
+            Node::Twist(_) | Node::Bend(_) => self.turned(field, kind, p, &numbers),
             _ => self.moved(field, kind, p, &numbers),
         }
     }
 
     /// Writes the value of a node; its name.
-    pub(super) fn value(&mut self, field: &Field, p: &str) -> String {
+    pub(super) fn value(&mut self, field: &Shape, p: &str) -> String {
         self.node(field, Kind::Value, p)
     }
 
@@ -148,14 +155,14 @@ impl<'a> Writer<'a> {
         name
     }
 
-    fn shape(&mut self, field: &Field, kind: Kind, p: &str, numbers: &[String]) -> String {
+    fn shape(&mut self, field: &Shape, kind: Kind, p: &str, numbers: &[String]) -> String {
         let mut call = format!(
             "{}{}({p}{}",
             kind.prefix(&field.node),
             self.shape_name(field),
             arguments(&field.node, numbers)
         );
-        if let Node::HeightField { image, .. } = &field.node {
+        if let Node::HeightField(HeightField { image, .. }) = &field.node {
             let (first, size) = (self.assets.image(image).unwrap_or(0), image.size());
             let _ = write!(call, ", {first}, ivec2({}, {})", size.x, size.y);
         }
@@ -164,20 +171,20 @@ impl<'a> Writer<'a> {
     }
 
     /// The name of the shape's functions; each user's field has its own.
-    pub(super) fn shape_name(&self, field: &Field) -> String {
+    pub(super) fn shape_name(&self, field: &Shape) -> String {
         match &field.node {
-            Node::User { field } => format!("User{}", self.assets.user(field).unwrap_or(0)),
+            Node::User(User { field }) => format!("User{}", self.assets.user(field).unwrap_or(0)),
             node => node.name().to_owned(),
         }
     }
 
-    fn folded(&mut self, field: &Field, kind: Kind, p: &str, numbers: &[String]) -> String {
-        let mut result = self.node(&field.of[0], kind, p);
+    fn folded(&mut self, field: &Shape, kind: Kind, p: &str, numbers: &[String]) -> String {
+        let mut result = self.node(&field.children[0], kind, p);
         let more = numbers
             .first()
             .map(|n| format!(", {n}"))
             .unwrap_or_default();
-        for child in &field.of[1..] {
+        for child in &field.children[1..] {
             let other = self.node(child, kind, p);
             let name = field.node.name();
             result = self.result(kind, &format!("op{name}({result}, {other}{more})"));
@@ -186,33 +193,31 @@ impl<'a> Writer<'a> {
     }
 
     /// Operators on space whose gradient is that of the child, taken back.
-    fn moved(&mut self, field: &Field, kind: Kind, p: &str, n: &[String]) -> String {
+    fn moved(&mut self, field: &Shape, kind: Kind, p: &str, n: &[String]) -> String {
         let vector = |n: &[String]| format!("vec3({}, {}, {})", n[0], n[1], n[2]);
         let (inner, outward) = match &field.node {
-            Node::Translate { .. } => (format!("{p} - {}", vector(n)), None),
-            Node::Rotate { .. } => {
+            Node::Translate(_) => (format!("{p} - {}", vector(n)), None),
+            Node::Rotate(_) => {
                 let turn = format!("mat3({})", n.join(", "));
                 (
                     format!("{turn} * {p}"),
                     Some(format!("vec4(#.xyz * {turn}, #.w)")),
                 )
             }
-            Node::Scale { .. } => (
+            Node::Scale(_) => (
                 format!("{p} / {}", n[0]),
                 Some(format!("vec4(#.xyz, #.w * {})", n[0])),
             ),
-            Node::Mirror { axes } => mirrored(p, *axes),
+            Node::Mirror(Mirror { axes }) => mirrored(p, *axes),
             _ => (
                 format!("{p} - clamp({p}, -{0}, {0})", vector(n)),
                 Some(format!("vec4(#.xyz * step({}, abs({p})), #.w)", vector(n))),
             ),
         };
         let q = self.point(&inner);
-        let result = self.node(&field.of[0], kind, &q);
+        let result = self.node(&field.children[0], kind, &q);
         match (kind, &field.node, outward) {
-            (Kind::Value, Node::Scale { .. }, _) => {
-                self.result(kind, &format!("{result} * {}", n[0]))
-            }
+            (Kind::Value, Node::Scale(_), _) => self.result(kind, &format!("{result} * {}", n[0])),
             (Kind::Value, ..) | (_, _, None) => result,
             (_, _, Some(outward)) => self.result(kind, &outward.replace('#', &result)),
         }
@@ -224,8 +229,8 @@ impl<'a> Writer<'a> {
         name
     }
 
-    fn turned(&mut self, field: &Field, kind: Kind, p: &str, n: &[String]) -> String {
-        let turn = if matches!(field.node, Node::Twist { .. }) {
+    fn turned(&mut self, field: &Shape, kind: Kind, p: &str, n: &[String]) -> String {
+        let turn = if matches!(field.node, Node::Twist(_)) {
             "twist"
         } else {
             "bend"
@@ -234,7 +239,7 @@ impl<'a> Writer<'a> {
         self.line(&format!("float {beyond};"));
         let (rate, most, lipschitz) = (&n[0], &n[1], &n[2]);
         let q = self.point(&format!("{turn}({p}, {rate}, {most}, {beyond})"));
-        let of = self.node(&field.of[0], kind, &q);
+        let of = self.node(&field.children[0], kind, &q);
         match kind {
             Kind::Value => {
                 self.result(kind, &format!("beyondTurning({of}, {beyond}, {lipschitz})"))
@@ -246,16 +251,16 @@ impl<'a> Writer<'a> {
         }
     }
 
-    fn repeated(&mut self, field: &Field, kind: Kind, p: &str, periods: &[String]) -> String {
+    fn repeated(&mut self, field: &Shape, kind: Kind, p: &str, numbers: &[String]) -> String {
         // A repetition that is refused never comes here.
         let copies = field.copies().unwrap_or([Copies::Own; 3]);
-        let Node::Repeat { count, .. } = &field.node else {
+        let Node::Repeat(Repeat { count, .. }) = &field.node else {
             return String::new();
         };
         let axes: Vec<Axis> = (0..3)
             .map(|axis| Axis {
                 coordinate: format!("{p}.{}", ["x", "y", "z"][axis]),
-                period: periods[axis].clone(),
+                period: numbers[axis].clone(),
                 count: count[axis],
                 copies: copies[axis],
             })
@@ -263,9 +268,9 @@ impl<'a> Writer<'a> {
         if axes.iter().all(|axis| axis.copies.count() == 1) {
             let inner: Vec<String> = axes.iter().map(|axis| axis.copy("0.0")).collect();
             let q = self.point(&format!("vec3({})", inner.join(", ")));
-            return self.node(&field.of[0], kind, &q);
+            return self.node(&field.children[0], kind, &q);
         }
-        let child = self.child_function(&field.of[0], kind);
+        let child = self.child_function(&field.children[0], kind);
         let none = if kind == Kind::Value {
             "1e30"
         } else {
@@ -273,7 +278,7 @@ impl<'a> Writer<'a> {
         };
         let result = self.result(kind, none);
         self.copies_loop(&axes, &child, &result);
-        let [_, _, _, x, y, z, near, inverse] = periods else {
+        let (Some(_), [.., x, y, z, near, inverse]) = (field.cap(), numbers) else {
             return result;
         };
         let prefix = kind.prefix(&field.node);
@@ -313,7 +318,7 @@ impl<'a> Writer<'a> {
     }
 
     /// A field as a function of its own, for who calls it more than once.
-    fn child_function(&mut self, field: &Field, kind: Kind) -> String {
+    fn child_function(&mut self, field: &Shape, kind: Kind) -> String {
         // Two repetitions right after each other have used no name in between.
         let name = self.name(&format!("{}{}_", kind.function(), self.place.tag));
         let outer = std::mem::take(&mut self.body);
@@ -410,18 +415,9 @@ pub(super) fn mirrored(p: &str, axes: [bool; 3]) -> (String, Option<String>) {
 
 /// A shape's numbers as its functions take them, each with a comma before it.
 pub(super) fn arguments(node: &Node, numbers: &[String]) -> String {
-    let groups: &[usize] = match node {
-        Node::HalfSpace { .. } | Node::RoundedBox { .. } => &[3, 1],
-        Node::HeightField { .. } | Node::User { .. } => &[3, 1],
-        Node::Box { .. } | Node::Room { .. } => &[3],
-        Node::Prism { .. } => &[2, 2, 2, 1],
-        Node::Ellipsoid { .. } | Node::Paraboloid { .. } | Node::Hyperboloid { .. } => &[3, 1, 1],
-        Node::Quadric { .. } => &[3, 3, 3, 1, 1],
-        _ => &[1; 8],
-    };
     let mut text = String::new();
     let mut left = numbers;
-    for &width in groups {
+    for &width in node.part().arguments() {
         if left.len() < width {
             break;
         }

@@ -1,5 +1,0 @@
-// Distance to a cylinder that a wave along d can still meet: one that it recedes from is never met.
-float sdCylinderAhead(vec3 p, vec3 d, float radius) {
-    const float NEVER = 1e30;
-    return dot(p.xz, d.xz) >= 0.0 ? NEVER : length(p.xz) - radius;
-}

@@ -1,8 +1,0 @@
-// Distance to the listener if a wave along d can still meet it: one that it recedes from is
-// never met, and a wave that starts inside has arrived.
-float sdListenerAhead(vec3 p, vec3 d) {
-    const float NEVER = 1e30;
-    vec3 offset = p - uListener.xyz;
-    float nearest = length(offset) - uListener.w;
-    return nearest > 0.0 && dot(offset, d) >= 0.0 ? NEVER : nearest;
-}

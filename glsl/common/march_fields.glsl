@@ -1,0 +1,130 @@
+// Sphere tracing of fields: of the surfaces that have no closed form, or whose solid is not
+// convex, so that a tangent may overshoot.
+//
+// Theory. fieldsAhead is never more than the distance (Hart 1996). Where it changes along the
+// ray by s a metre, a step of 2 f / (1 - s) is as long as two balls of no surface that touch;
+// if they turn out not to touch, the step is taken back to the first one's radius (Keinert et
+// al. 2014, "Enhanced sphere tracing"; Balint and Valasek 2018 for the step from the slope).
+// Next to a surface, and where a march takes long, each field's bound along the line takes over
+// (glsl/along): it ends where a tangent or a parabola below the field's value meets 0, which is
+// far beyond the ball where the wave glances off, and never beyond a surface. No step is longer
+// than what is free of every field.
+
+uniform int uFieldSteps;   // evaluations in one march at the most
+
+const float NEAR = 64.0;      // roundings from the surface within which the bounds are asked
+const int PATIENCE = 12;      // steps in a row after which they are asked everywhere
+const float RELAXED = 0.95;   // of the step for which the balls would just touch
+const float PLACE = 0.25;     // of ROUNDING: what it does to a place, and to a distance from it
+const float SHALLOW = 64.0;   // roundings along the ray that the last step goes at the most
+const float FLAT = 0.0625;    // the slowest growth at which a value still tells a place
+const int LOOKS = 4;          // at a surface that is a rounding away
+
+// How far to go from a place with nothing within `ball`, or as far as `radius` ahead.
+float fieldStep(float radius, float ball, float slope, float reach, float within) {
+    float relaxed = max(radius, RELAXED * 2.0 * ball / (1.0 - clamp(slope, -1.0, 0.9)));
+    // Beyond its cell nothing is known of what the ball holds, and the ball there knows nothing of
+    // what is here: no relaxed step goes there.
+    return relaxed < within ? relaxed : min(radius, reach);
+}
+
+// How far a wave gets along its direction before limit, or -1.
+float marchFields(vec3 origin, vec3 d, float last, float limit, out float object, out bool limitReached) {
+    float t = 0.0;
+    float radius = 0.0;   // of the ball before, or how far else the way is free of surfaces
+    float taken = 0.0;    // the step from there
+    float before = 0.0;   // the value there
+    float air = -1.0;     // the last place in the air, once there was one
+    float solid = -1.0;   // a place in a solid beyond it
+    int looks = LOOKS;
+    limitReached = false;
+    int steps = 0;
+    while (steps < uFieldSteps) {
+        vec3 p;
+        float f;
+        float reach;
+        float within;
+        float slope;
+        float rounding;
+        bool near;
+        // By the value alone, until next to a surface. (Waves that are drawn together stay
+        // together: none of them asks for more while another still comes by with less.)
+        for (int plain = 0; ; ++plain) {
+            p = origin + t * d;
+            f = fieldsAhead(p, d, last, object, reach, within);
+            COUNT_EVALUATIONS(1.0);
+            ++steps;
+            if (taken > radius && radius + f < taken) {
+                t += radius - taken;
+                taken = radius;
+                continue;
+            }
+            slope = taken > 0.0 ? (f - before) / taken : -1.0;
+            rounding = PLACE * ROUNDING * max(largest(p), largest(origin));
+            before = f;
+            near = f < NEAR * rounding;
+            if (near || plain >= PATIENCE || solid >= 0.0) {
+                break;
+            }
+            air = t;
+            radius = f;
+            taken = fieldStep(f, f, slope, reach, within);
+            t += taken;
+            if (t - taken + min(f, reach) >= limit) {
+                return -1.0;
+            }
+        }
+        if (solid < 0.0 ? f >= -rounding : f > 0.0) {
+            air = t;
+        }
+        radius = f;
+        float ball = f;
+        if (near) {
+            float slack;
+            vec3 gradient = fieldGradient(p, object, slack);
+            float closing = -dot(d, gradient);
+            rounding = max(rounding, PLACE * slack);
+            // Where the value grows slowly, less of it is as far away.
+            float touch = rounding * clamp(length(gradient), FLAT, 1.0);
+            // It went in on the way here, whatever gradients say (they are coarse at edges):
+            // from now on the way is halved.
+            solid = f < -4.0 * touch && air >= 0.0 ? t : solid;
+            if (solid >= 0.0) {
+                solid = f <= 0.0 ? t : solid;
+                if (abs(f) <= touch || solid - air <= rounding) {
+                    return t < limit ? t : -1.0;
+                }
+                t = 0.5 * (air + solid);
+                taken = 0.0;
+                radius = 0.0;
+                continue;
+            }
+            if (closing > 0.0 && f <= touch) {
+                // Beyond an edge that is closer than that there may be air: it lands in the solid.
+                if (f <= 0.0 || (looks == 0 && f <= SHALLOW * rounding * closing)) {
+                    t = max(t + clamp(f / closing, -SHALLOW * rounding, SHALLOW * rounding), 0.0);
+                    return t < limit ? t : -1.0;
+                }
+                looks = max(looks - 1, 0);
+            } else {
+                looks = LOOKS;
+            }
+            slope = -closing;
+            // Whatever rounding says, the march goes on.
+            ball = max(abs(f), rounding);
+            radius = ball;
+        }
+        radius = max(radius, fieldsFree(p, d, last, rounding / PLACE));
+        COUNT_EVALUATIONS(1.0);
+        if (solid >= 0.0) {
+            radius = min(radius, 0.5 * (solid - t));
+        }
+        taken = solid >= 0.0 ? min(radius, reach) : fieldStep(radius, ball, slope, reach, within);
+        t += taken;
+        if (t - taken + min(radius, reach) >= limit) {
+            return -1.0;
+        }
+    }
+    limitReached = true;
+    return -1.0;
+}

@@ -1,5 +1,0 @@
-// An ellipsoid: diagonal . p^2 + constant. A bound of the distance, exact to first order.
-float sdEllipsoid(vec3 p, vec3 diagonal, float constant, float norm) {
-    vec3 form = diagonal * p;
-    return quadricDistance(dot(p, form) + constant, 2.0 * length(form), norm);
-}

@@ -1,1 +1,0 @@
-vec4 opIntersection(vec4 a, vec4 b) { return a.w > b.w ? a : b; }

@@ -1,1 +1,0 @@
-vec4 opMorph(vec4 a, vec4 b, float amount) { return mix(a, b, amount); }

@@ -1,1 +1,0 @@
-vec4 opOffset(vec4 a, float by) { return a - vec4(0.0, 0.0, 0.0, by); }

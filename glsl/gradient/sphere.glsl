@@ -1,3 +1,0 @@
-vec3 gradientSphere(vec3 p) {
-    return normalize(p);
-}

@@ -1,0 +1,49 @@
+// A cylinder about y that ends.
+
+// A cylinder about y that ends. Exact.
+float sdCappedCylinder(vec3 p, float radius, float halfHeight) {
+    return sdCorner(vec2(length(p.xz) - radius, abs(p.y) - halfHeight));
+}
+
+vec4 gdCappedCylinder(vec3 p, float radius, float halfHeight) {
+    float apart = length(p.xz);
+    vec2 beyond = vec2(apart - radius, abs(p.y) - halfHeight);
+    vec2 shares = cornerShares(beyond);
+    vec2 outward = shares.x * p.xz / max(apart, 1e-30);
+    return vec4(outward.x, p.y < 0.0 ? -shares.y : shares.y, outward.y, sdCorner(beyond));
+}
+
+// Where a ray meets a cylinder about y that ends: what it shares of the endless cylinder and
+// of the slab.
+float hitCappedCylinder(vec3 p, vec3 d, float radius, float halfHeight, float slack) {
+    float speed = length(d.xz);
+    float enter = -NO_HIT;
+    float leave = NO_HIT;
+    if (speed > 1e-12) {
+        vec2 heading = d.xz / speed;
+        float along = dot(p.xz, heading);
+        vec2 aside = p.xz - along * heading;
+        float under = radius * radius - dot(aside, aside);
+        if (under <= 0.0) {
+            return NO_HIT;
+        }
+        float reach = sqrt(under);
+        enter = (-along - reach) / speed;
+        leave = (reach - along) / speed;
+    } else if (dot(p.xz, p.xz) >= radius * radius) {
+        return NO_HIT;
+    }
+    if (abs(d.y) > 1e-12) {
+        float middle = -p.y / d.y;
+        float reach = halfHeight / abs(d.y);
+        enter = max(enter, middle - reach);
+        leave = min(leave, middle + reach);
+    } else if (abs(p.y) >= halfHeight) {
+        return NO_HIT;
+    }
+    return hitChord(enter, leave, slack);
+}
+
+float exitCappedCylinder(vec3 p, vec3 d, float radius, float halfHeight) {
+    return min(exitCylinder(p, d, radius), exitSlab(p.y, d.y, halfHeight));
+}

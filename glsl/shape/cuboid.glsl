@@ -1,0 +1,92 @@
+// A box.
+
+// Signed distance to a solid box about the origin. Exact on both sides.
+float sdBox(vec3 p, vec3 halfSize) {
+    vec3 beyond = abs(p) - halfSize;
+    return length(max(beyond, 0.0)) + min(max(beyond.x, max(beyond.y, beyond.z)), 0.0);
+}
+
+// Away from the nearest point of the box, seen from outside; on a face its normal.
+vec3 gradientBox(vec3 p, vec3 halfSize) {
+    vec3 side = vec3(p.x < 0.0 ? -1.0 : 1.0, p.y < 0.0 ? -1.0 : 1.0, p.z < 0.0 ? -1.0 : 1.0);
+    vec3 beyond = abs(p) - halfSize;
+    vec3 outside = max(beyond, 0.0);
+    float apart = length(outside);
+    if (apart > 0.0) {
+        return side * outside / apart;
+    }
+    if (beyond.x >= beyond.y && beyond.x >= beyond.z) {
+        return vec3(side.x, 0.0, 0.0);
+    }
+    return beyond.y >= beyond.z ? vec3(0.0, side.y, 0.0) : vec3(0.0, 0.0, side.z);
+}
+
+vec4 gdBox(vec3 p, vec3 halfSize) {
+    return vec4(gradientBox(p, halfSize), sdBox(p, halfSize));
+}
+
+// Where a ray from outside meets a solid box: the slab method (Kay and Kajiya 1986).
+// A point that rounding put into the box is on the nearer face of the two along the line:
+// on its way in it meets the box at once, on its way out not at all. A chord shorter than
+// the slack (the box's own, and that of the way to it) is rounding too, not a box.
+float hitBox(vec3 p, vec3 d, vec4 halfSizeAndSlack) {
+    vec3 inverse = safeInverse(d);
+    vec3 middle = -p * inverse;
+    vec3 reach = halfSizeAndSlack.xyz * abs(inverse);
+    vec3 enters = middle - reach;
+    vec3 leaves = middle + reach;
+    float enter = max(enters.x, max(enters.y, enters.z));
+    float leave = min(leaves.x, min(leaves.y, leaves.z));
+    float ahead = max(enter, 0.0);
+    float slack = halfSizeAndSlack.w + ROUNDING * ahead;
+    return leave > ahead + slack && leave + enter > 0.0 ? ahead : NO_HIT;
+}
+
+// Puts a point that is met onto the box, and says the normal there: of the faces that
+// look against the direction d, the one the point is furthest out of. An edge or a
+// vertex belongs to one of its faces, so no normal ever looks along d.
+void landBox(inout vec3 p, vec3 d, vec3 halfSize, out vec3 normal) {
+    vec3 side = vec3(p.x < 0.0 ? -1.0 : 1.0, p.y < 0.0 ? -1.0 : 1.0, p.z < 0.0 ? -1.0 : 1.0);
+    vec3 beyond = abs(p) - halfSize;
+    vec3 facing = -side * d;
+    const float NEVER = -1e30;
+    beyond = vec3(
+        facing.x > 0.0 ? beyond.x : NEVER,
+        facing.y > 0.0 ? beyond.y : NEVER,
+        facing.z > 0.0 ? beyond.z : NEVER);
+    if (beyond.x >= beyond.y && beyond.x >= beyond.z) {
+        p.x = side.x * halfSize.x;
+        normal = vec3(side.x, 0.0, 0.0);
+    } else if (beyond.y >= beyond.z) {
+        p.y = side.y * halfSize.y;
+        normal = vec3(0.0, side.y, 0.0);
+    } else {
+        p.z = side.z * halfSize.z;
+        normal = vec3(0.0, 0.0, side.z);
+    }
+}
+
+// Distance to a box that a wave along d can still meet, or NEVER. A wave that is beyond a face
+// and does not come nearer to its plane never meets the box. Where rounding decides on which
+// side of a face it is, it counts as beyond; a wave deeper in the box is beyond the nearest face.
+float sdBoxAhead(vec3 p, vec3 d, vec4 halfSizeAndSlack) {
+    const float NEVER = 1e30;
+    vec3 away = vec3(p.x < 0.0 ? -d.x : d.x, p.y < 0.0 ? -d.y : d.y, p.z < 0.0 ? -d.z : d.z);
+    vec3 beyond = abs(p) - halfSizeAndSlack.xyz;
+    float furthest = max(beyond.x, max(beyond.y, beyond.z));
+    float slack = halfSizeAndSlack.w;
+    float face = furthest > slack ? 0.0 : min(furthest, -slack);
+    vec3 receding = vec3(
+        away.x >= 0.0 ? beyond.x : -NEVER,
+        away.y >= 0.0 ? beyond.y : -NEVER,
+        away.z >= 0.0 ? beyond.z : -NEVER);
+    bool recedes = max(receding.x, max(receding.y, receding.z)) >= face;
+    return recedes ? NEVER : length(max(beyond, 0.0)) + min(furthest, 0.0);
+}
+
+// Where a line leaves a convex solid that it begins in, in metres.
+float exitBox(vec3 p, vec3 d, vec3 halfSize) {
+    vec3 within = vec3(d.x < 0.0 ? p.x : -p.x, d.y < 0.0 ? p.y : -p.y, d.z < 0.0 ? p.z : -p.z) + halfSize;
+    vec3 way = within / max(abs(d), 1e-30);
+    return min(way.x, min(way.y, way.z));
+}

@@ -1,0 +1,50 @@
+// An endless cylinder about y.
+
+// Signed distance to a solid endless cylinder about the y axis. Exact.
+float sdCylinder(vec3 p, float radius) {
+    return length(p.xz) - radius;
+}
+
+vec3 gradientCylinder(vec3 p) {
+    vec2 outward = normalize(p.xz);
+    return vec3(outward.x, 0.0, outward.y);
+}
+
+vec4 gdCylinder(vec3 p, float radius) {
+    float apart = length(p.xz);
+    vec2 outward = p.xz / max(apart, 1e-30);
+    return vec4(outward.x, 0.0, outward.y, apart - radius);
+}
+
+// Where a ray from outside meets the endless cylinder about y: the circle in the plane.
+float hitCylinder(vec3 p, vec3 d, float radius) {
+    float speed = length(d.xz);
+    if (speed < 1e-12) {
+        return NO_HIT;
+    }
+    vec2 heading = d.xz / speed;
+    float along = dot(p.xz, heading);
+    vec2 aside = p.xz - along * heading;
+    float under = radius * radius - dot(aside, aside);
+    if (along >= 0.0 || under <= 0.0) {
+        return NO_HIT;
+    }
+    return max((-along - sqrt(under)) / speed, 0.0);
+}
+
+// Puts a point that is met onto the cylinder, and says the normal there.
+void landCylinder(inout vec3 p, float radius, out vec3 normal) {
+    vec2 outward = normalize(p.xz);
+    normal = vec3(outward.x, 0.0, outward.y);
+    p.xz = normal.xz * radius;
+}
+
+// Distance to a cylinder that a wave along d can still meet: one that it recedes from is never met.
+float sdCylinderAhead(vec3 p, vec3 d, float radius) {
+    const float NEVER = 1e30;
+    return dot(p.xz, d.xz) >= 0.0 ? NEVER : length(p.xz) - radius;
+}
+
+float exitCylinder(vec3 p, vec3 d, float radius) {
+    return exitRoot(dot(d.xz, d.xz), dot(p.xz, d.xz), dot(p.xz, p.xz) - radius * radius);
+}

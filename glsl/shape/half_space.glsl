@@ -1,0 +1,16 @@
+// A half space.
+
+// A half-space: solid where the unit normal times p is below the offset. Exact.
+float sdHalfSpace(vec3 p, vec3 normal, float offset) {
+    return dot(normal, p) - offset;
+}
+
+vec4 gdHalfSpace(vec3 p, vec3 normal, float offset) {
+    return vec4(normal, sdHalfSpace(p, normal, offset));
+}
+
+// Where a ray from the air meets a half-space.
+float hitHalfSpace(vec3 p, vec3 d, vec3 normal, float offset, float slack) {
+    float closing = -dot(normal, d);
+    return closing > 0.0 ? max((dot(normal, p) - offset) / closing, 0.0) : NO_HIT;
+}

@@ -1,0 +1,31 @@
+// A plane.
+
+// Signed distance to the plane y = 0: air above, solid below. Exact.
+float sdPlane(vec3 p) {
+    return p.y;
+}
+
+vec3 gradientPlane(vec3 p) {
+    return vec3(0.0, 1.0, 0.0);
+}
+
+vec4 gdPlane(vec3 p) {
+    return vec4(0.0, 1.0, 0.0, p.y);
+}
+
+// Where a ray from p along the unit vector d meets the plane y = 0 from above.
+float hitPlane(vec3 p, vec3 d) {
+    return d.y < 0.0 ? max(p.y / -d.y, 0.0) : NO_HIT;
+}
+
+// Puts a point that is met onto the plane, and says the normal there.
+void landPlane(inout vec3 p, out vec3 normal) {
+    p.y = 0.0;
+    normal = vec3(0.0, 1.0, 0.0);
+}
+
+// Distance to the plane if a wave along d can still meet it: one that it recedes from is never met.
+float sdPlaneAhead(vec3 p, vec3 d) {
+    const float NEVER = 1e30;
+    return d.y >= 0.0 ? NEVER : p.y;
+}

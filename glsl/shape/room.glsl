@@ -1,0 +1,66 @@
+// The inside of a box.
+
+// Signed distance to the walls of a box from its inside. Exact in the air; in the
+// solid around it the magnitude is that of the plane passed furthest.
+float sdRoom(vec3 p, vec3 halfSize) {
+    vec3 within = halfSize - abs(p);
+    return min(within.x, min(within.y, within.z));
+}
+
+// Distance to the three walls ahead along d, and where it grows: a wall behind cannot be
+// met, and so the wall that a wave leaves is out of its way.
+float sdRoomAhead(vec3 p, vec3 d, vec3 halfSize) {
+    vec3 ahead = vec3(d.x < 0.0 ? -p.x : p.x, d.y < 0.0 ? -p.y : p.y, d.z < 0.0 ? -p.z : p.z);
+    vec3 within = halfSize - ahead;
+    const float NEVER = 1e30;
+    within = vec3(d.x == 0.0 ? NEVER : within.x, d.y == 0.0 ? NEVER : within.y, d.z == 0.0 ? NEVER : within.z);
+    return min(within.x, min(within.y, within.z));
+}
+
+vec3 gradientRoomAhead(vec3 p, vec3 d, vec3 halfSize) {
+    vec3 landed = p;
+    vec3 normal;
+    landRoom(landed, d, halfSize, normal);
+    return normal;
+}
+
+// Towards the middle, away from the nearest wall.
+vec4 gdRoom(vec3 p, vec3 halfSize) {
+    vec3 side = vec3(p.x < 0.0 ? 1.0 : -1.0, p.y < 0.0 ? 1.0 : -1.0, p.z < 0.0 ? 1.0 : -1.0);
+    vec3 within = halfSize - abs(p);
+    float least = min(within.x, min(within.y, within.z));
+    if (least == within.x) {
+        return vec4(side.x, 0.0, 0.0, least);
+    }
+    return least == within.y ? vec4(0.0, side.y, 0.0, least) : vec4(0.0, 0.0, side.z, least);
+}
+
+// Where a ray meets the walls of a box from its inside: the nearest of the three walls
+// ahead. It always meets one, so a wave cannot leak; a wall behind is never met, so a wave
+// cannot meet the wall it leaves.
+float hitRoom(vec3 p, vec3 d, vec3 halfSize) {
+    vec3 inverse = abs(safeInverse(d));
+    vec3 ahead = vec3(d.x < 0.0 ? -p.x : p.x, d.y < 0.0 ? -p.y : p.y, d.z < 0.0 ? -p.z : p.z);
+    vec3 t = (halfSize - ahead) * inverse;
+    return max(min(t.x, min(t.y, t.z)), 0.0);
+}
+
+// Puts a point that is met onto the nearest of the three walls ahead along d, and says
+// the normal there, which looks into the room.
+void landRoom(inout vec3 p, vec3 d, vec3 halfSize, out vec3 normal) {
+    vec3 ahead = vec3(d.x < 0.0 ? -1.0 : 1.0, d.y < 0.0 ? -1.0 : 1.0, d.z < 0.0 ? -1.0 : 1.0);
+    vec3 within = halfSize - ahead * p;
+    // A wall along which the wave moves is not ahead.
+    const float NEVER = 1e30;
+    within = vec3(d.x == 0.0 ? NEVER : within.x, d.y == 0.0 ? NEVER : within.y, d.z == 0.0 ? NEVER : within.z);
+    if (within.x <= within.y && within.x <= within.z) {
+        p.x = ahead.x * halfSize.x;
+        normal = vec3(-ahead.x, 0.0, 0.0);
+    } else if (within.y <= within.z) {
+        p.y = ahead.y * halfSize.y;
+        normal = vec3(0.0, -ahead.y, 0.0);
+    } else {
+        p.z = ahead.z * halfSize.z;
+        normal = vec3(0.0, 0.0, -ahead.z);
+    }
+}

@@ -1,0 +1,35 @@
+// A ball.
+
+// Signed distance to a solid ball about the origin. Exact.
+float sdSphere(vec3 p, float radius) {
+    return length(p) - radius;
+}
+
+vec3 gradientSphere(vec3 p) {
+    return normalize(p);
+}
+
+vec4 gdSphere(vec3 p, float radius) {
+    float apart = length(p);
+    return vec4(p / max(apart, 1e-30), apart - radius);
+}
+
+float hitSphere(vec3 p, vec3 d, float radius) {
+    return hitBall(p, d, radius);
+}
+
+// Puts a point that is met onto the ball, and says the normal there.
+void landSphere(inout vec3 p, float radius, out vec3 normal) {
+    normal = normalize(p);
+    p = normal * radius;
+}
+
+// Distance to a ball that a wave along d can still meet: one that it recedes from is never met.
+float sdSphereAhead(vec3 p, vec3 d, float radius) {
+    const float NEVER = 1e30;
+    return dot(p, d) >= 0.0 ? NEVER : length(p) - radius;
+}
+
+float exitSphere(vec3 p, vec3 d, float radius) {
+    return exitRoot(dot(d, d), dot(p, d), dot(p, p) - radius * radius);
+}

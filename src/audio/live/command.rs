@@ -1,0 +1,20 @@
+//! What the supervising thread is asked for.
+
+use crate::audio::SoundSpec;
+
+/// A command to the supervising thread.
+#[derive(Debug)]
+pub(super) enum Command {
+    /// Fade to another sound.
+    Sound(SoundSpec),
+    /// Play on another device.
+    Device(Option<String>),
+    /// A recording waits in the state.
+    Record,
+    /// Something that is to be told: it happened on another thread.
+    Notice(String),
+    /// A stream broke off.
+    Lost { generation: u64, reason: String },
+    /// End the thread.
+    Stop,
+}

@@ -1,0 +1,12 @@
+//! Sample rates.
+
+use super::{AudioError, SAMPLE_RATES};
+
+/// Refuses a sample rate that nothing is made for.
+pub(super) fn check_rate(sample_rate_hz: u32) -> Result<(), AudioError> {
+    if SAMPLE_RATES.contains(&sample_rate_hz) {
+        Ok(())
+    } else {
+        Err(AudioError::BadSampleRate { sample_rate_hz })
+    }
+}

@@ -1,0 +1,96 @@
+//! A scene's file under watch, the scene before the one that has just come, and the next one
+//! until its users' fields were tried.
+
+use super::state::World;
+use crate::error::Error;
+use crate::scene::{BUILTIN_NAMES, Scene};
+use crate::trace::{Opening, Pass, Profile, Reloading, Settings, shader_text};
+use std::time::Instant;
+
+/// What a scene is drawn and heard by: the picture, and every profile that a key chooses.
+pub const PROGRAMS: [fn(&Scene) -> String; 4] = [
+    super::view::shader_text,
+    |scene| march_text(scene, Profile::Hybrid),
+    |scene| march_text(scene, Profile::March),
+    |scene| march_text(scene, Profile::Thesis),
+];
+
+fn march_text(scene: &Scene, profile: Profile) -> String {
+    shader_text(scene, &Settings::of(profile), Pass::March)
+}
+
+/// Follows the scene's file, and the files that it names.
+pub struct Follower {
+    pub reloading: Reloading,
+    pub looked: Instant,
+    /// Why the files as they are now cannot be taken.
+    pub refused: Option<String>,
+}
+
+impl Follower {
+    /// Follows a scene that one walks in from now on.
+    pub fn of(reloading: Reloading) -> Follower {
+        Follower {
+            reloading,
+            looked: Instant::now(),
+            refused: None,
+        }
+    }
+}
+
+/// The scene before the one that has just come.
+pub struct Before {
+    /// As it stood.
+    pub world: World,
+    /// Its follower, where it was another scene; none where the same file has changed.
+    pub other: Option<Option<Follower>>,
+}
+
+/// A scene that was chosen, until it is known whether its users' fields can be used. Dropping it
+/// ends their trial.
+pub struct Coming {
+    pub world: World,
+    /// What is told once one walks in it.
+    pub told: String,
+    /// None of a built-in scene.
+    opening: Option<Opening>,
+}
+
+impl Coming {
+    /// Reads a scene, and begins to try its users' fields.
+    ///
+    /// # Errors
+    /// As [`Opening::begin`].
+    pub fn begin(name: &str, settings: &Settings) -> Result<Coming, Error> {
+        let (world, opening) = if BUILTIN_NAMES.contains(&name) {
+            (World::load(name)?, None)
+        } else {
+            let opening = Opening::begin(name, settings, &PROGRAMS)?;
+            (World::named(name, opening.scene().clone()), Some(opening))
+        };
+        Ok(Coming {
+            world,
+            told: format!("scene {name}"),
+            opening,
+        })
+    }
+
+    /// Whether its fields are being tried.
+    pub fn is_tried(&self) -> bool {
+        self.opening.as_ref().is_some_and(Opening::is_tried)
+    }
+
+    /// Whether the fields can be used, once that is known.
+    pub fn poll(&mut self) -> Option<Result<(), Error>> {
+        match &mut self.opening {
+            Some(opening) => opening.poll(),
+            None => Some(Ok(())),
+        }
+    }
+
+    /// The scene, and what follows its file.
+    pub fn arrive(self) -> (World, Option<Follower>) {
+        let follower = self.opening.map(|opening| Follower::of(opening.follow()));
+        (self.world, follower)
+    }
+}

@@ -1,0 +1,88 @@
+//! What is run in which scene.
+//!
+//! The truth of a few basic shapes is a handful of formulas a flight. That of a field is a march in
+//! `f64` of some hundred evaluations, and of many surfaces each is asked, so that a thousand flights
+//! take a hundred times as long. Such scenes get the short sweep, and fewer directions for the
+//! limit; how sure it is stands beside it.
+
+use super::sweep::{Case, full, quick, short};
+use crate::scene::glsl::has_cells;
+use crate::scene::{Scene, Surface};
+
+/// The scenes of the thesis' tables, which the targets are of.
+pub const ROOMS: [&str; 2] = ["corner", "obstacles"];
+
+/// What is run without a choice: the rooms, a scene of marched fields and one with cells.
+pub const DEFAULT_SCENES: [&str; 4] = [ROOMS[0], ROOMS[1], "cave", "glasshouse"];
+
+/// Powers of two that the slope of the panning error is taken over.
+const SLOPE_POWERS: std::ops::RangeInclusive<u32> = 10..=18;
+const SHORT_SLOPE_POWERS: std::ops::RangeInclusive<u32> = 10..=14;
+
+/// A scene with what is run in it.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// Where.
+    pub scene: Scene,
+    /// With which settings.
+    pub cases: Vec<Case>,
+    /// Directions for the limit of many waves.
+    pub limit_directions: u64,
+    /// Numbers of waves for the slope of the panning error.
+    pub slope_waves: Vec<u32>,
+}
+
+impl Plan {
+    /// One thing at a time; the short sweep where the truth takes long.
+    pub fn quick(scene: Scene) -> Plan {
+        let (cases, limit_directions, powers) = match is_slow(&scene) {
+            true => (short(), 400_000, SHORT_SLOPE_POWERS),
+            false => (quick(), 4_000_000, SLOPE_POWERS),
+        };
+        Plan {
+            scene,
+            cases,
+            limit_directions,
+            slope_waves: powers.step_by(2).map(|power| 1 << power).collect(),
+        }
+    }
+
+    /// The whole product.
+    pub fn full(scene: Scene) -> Plan {
+        Plan {
+            scene,
+            cases: full(),
+            limit_directions: 16_000_000,
+            slope_waves: SLOPE_POWERS.step_by(2).map(|power| 1 << power).collect(),
+        }
+    }
+}
+
+/// Whether the exact waves of a scene take long.
+fn is_slow(scene: &Scene) -> bool {
+    let is_field = |surface: &Surface| surface.shape.field().is_some();
+    has_cells(scene) || scene.surfaces.iter().any(is_field)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::SurfaceCounts;
+    use super::*;
+
+    /// Protects the default run: its scenes are those that it says, each of its kind.
+    #[test]
+    fn the_default_scenes_are_of_every_kind() {
+        let scenes = DEFAULT_SCENES.map(|name| Scene::builtin(name).unwrap());
+        let [corner, obstacles, cave, glasshouse] = &scenes;
+        for room in [corner, obstacles] {
+            let counts = SurfaceCounts::of(room);
+            assert_eq!((counts.in_cells, counts.marched), (0, 0));
+            assert!(!is_slow(room));
+        }
+        let marched = SurfaceCounts::of(cave);
+        assert!(marched.marched > 0 && marched.in_cells == 0, "{marched:?}");
+        let cells = SurfaceCounts::of(glasshouse);
+        assert!(cells.in_cells >= 60 && cells.marched == 0, "{cells:?}");
+        assert!(is_slow(cave) && is_slow(glasshouse));
+    }
+}

@@ -1,0 +1,140 @@
+//! How long GL works on something.
+
+use std::time::Instant;
+
+use glow::HasContext;
+
+use super::{Api, Context, GpuError};
+
+/// Marks in the stream of GL's work, and the times between them.
+///
+/// On a graphics card a mark is a timestamp query, whose answer is fetched later: to set one waits for nothing.
+/// Software renderers answer queries wrongly (llvmpipe far too short), and OpenGL ES may lack them: there each mark is
+/// `glFinish` and the wall clock, and waits.
+#[derive(Debug)]
+pub struct GpuTimer {
+    context: Context,
+    by_query: bool,
+    queries: Vec<glow::Query>,
+    used: usize,
+    instants: Vec<Instant>,
+}
+
+impl GpuTimer {
+    /// A timer of the kind that is right for the context.
+    pub fn new(context: &Context) -> GpuTimer {
+        let by_query = context.api() == Api::Gl && !context.is_software();
+        GpuTimer::of_kind(context, by_query)
+    }
+
+    /// A timer by timestamp queries, or by the wall clock.
+    pub(crate) fn of_kind(context: &Context, by_query: bool) -> GpuTimer {
+        GpuTimer {
+            context: context.clone(),
+            by_query,
+            queries: Vec::new(),
+            used: 0,
+            instants: Vec::new(),
+        }
+    }
+
+    /// What the times come from.
+    pub fn name(&self) -> &'static str {
+        match self.by_query {
+            true => "GL timer query",
+            false => "wall clock around glFinish",
+        }
+    }
+
+    /// Whether each mark waits for GL, so that its time is known at once.
+    pub fn waits(&self) -> bool {
+        !self.by_query
+    }
+
+    /// Forgets all marks, and sets the first.
+    ///
+    /// # Errors
+    /// What GL reports.
+    pub fn restart(&mut self) -> Result<(), GpuError> {
+        self.used = 0;
+        self.instants.clear();
+        self.mark()
+    }
+
+    /// Sets the next mark.
+    ///
+    /// # Errors
+    /// What GL reports.
+    pub fn mark(&mut self) -> Result<(), GpuError> {
+        if !self.by_query {
+            // SAFETY: the context is current.
+            unsafe { self.context.gl().finish() };
+            self.instants.push(Instant::now());
+            return Ok(());
+        }
+        if self.used == self.queries.len() {
+            // SAFETY: the context is current.
+            let query = unsafe { self.context.gl().create_query() };
+            self.queries.push(query.map_err(|code| GpuError::Gl {
+                what: "a timestamp query".into(),
+                code,
+            })?);
+        }
+        let query = self.queries[self.used];
+        // SAFETY: the context is current, and the query its own.
+        unsafe { self.context.gl().query_counter(query, glow::TIMESTAMP) };
+        self.used += 1;
+        Ok(())
+    }
+
+    /// Milliseconds from each mark to the next. On a graphics card this waits for the last mark: ask when a fence
+    /// behind it has been passed.
+    pub fn milliseconds(&self) -> Vec<f64> {
+        if !self.by_query {
+            let between = |pair: &[Instant]| (pair[1] - pair[0]).as_secs_f64() * 1e3;
+            return self.instants.windows(2).map(between).collect();
+        }
+        let gl = self.context.gl();
+        let stamps: Vec<u64> = self.queries[..self.used]
+            .iter()
+            // SAFETY: the context is current, and the queries its own and begun.
+            .map(|query| unsafe { gl.get_query_parameter_u64(*query, glow::QUERY_RESULT) })
+            .collect();
+        let between = |pair: &[u64]| pair[1].saturating_sub(pair[0]) as f64 * 1e-6;
+        stamps.windows(2).map(between).collect()
+    }
+}
+
+impl Drop for GpuTimer {
+    fn drop(&mut self) {
+        let _entered = self.context.enter();
+        for query in &self.queries {
+            // SAFETY: the context is current, and the query its own and not used again.
+            unsafe { self.context.gl().delete_query(*query) };
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::ContextOptions;
+    use super::*;
+
+    /// Protects graphics cards from wrong use of timestamp queries: each pair of marks has a time, and GL reports no
+    /// error. Software renderers, for which queries are not chosen, have them too, with times that are too short.
+    #[test]
+    fn timestamp_queries_answer_without_gl_errors() {
+        let context = Context::headless(&ContextOptions::default()).unwrap();
+        let mut timer = GpuTimer::of_kind(&context, true);
+        for marks in [1, 3, 2] {
+            timer.restart().unwrap();
+            for _ in 0..marks {
+                timer.mark().unwrap();
+            }
+            assert_eq!(timer.milliseconds().len(), marks);
+            context.check("timestamp queries").unwrap();
+        }
+        assert_eq!(timer.name(), "GL timer query");
+        assert!(!timer.waits());
+    }
+}

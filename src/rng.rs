@@ -1,0 +1,108 @@
+//! Random numbers that are the same for the same seed on every machine: SplitMix64.
+//!
+//! G. L. Steele, D. Lea and C. H. Flood, *Fast Splittable Pseudorandom Number Generators*,
+//! OOPSLA 2014: a counter goes on by a fixed odd number, and each of its values is mixed. So
+//! a number can also be had by its index alone, without those before it.
+
+/// The odd integer next to 2^64 ÷ the golden ratio, by which the counter goes on.
+const GOLDEN_GAMMA: u64 = 0x9e37_79b9_7f4a_7c15;
+
+/// The number with this index, from 0, of the sequence of seed 0: 64 well mixed bits.
+pub fn hash(index: u64) -> u64 {
+    mix(index.wrapping_add(1).wrapping_mul(GOLDEN_GAMMA))
+}
+
+/// Uniform in 0 … 1, without 1, from the upper 53 bits: as many as an `f64` holds.
+pub fn unit_interval(bits: u64) -> f64 {
+    (bits >> 11) as f64 / (1_u64 << 53) as f64
+}
+
+fn mix(counter: u64) -> u64 {
+    let bits = (counter ^ (counter >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    let bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    bits ^ (bits >> 31)
+}
+
+/// A sequence of random numbers: for resampling and for the order of trials, never for waves.
+#[cfg(feature = "experiment")]
+#[derive(Clone, Debug)]
+pub struct Random(u64);
+
+#[cfg(feature = "experiment")]
+impl Random {
+    /// A sequence of its own for each seed.
+    pub fn new(seed: u64) -> Random {
+        Random(seed)
+    }
+
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(GOLDEN_GAMMA);
+        mix(self.0)
+    }
+
+    /// Uniform in 0 … `count` − 1; 0 for none. The high half of a product, whose bias is
+    /// below `count` ÷ 2^64.
+    pub fn below(&mut self, count: usize) -> usize {
+        ((u128::from(self.next()) * count as u128) >> 64) as usize
+    }
+
+    /// Puts the items into an order that depends on the seed and their number alone
+    /// (Fisher and Yates).
+    pub fn shuffle<T>(&mut self, items: &mut [T]) {
+        for end in (1..items.len()).rev() {
+            items.swap(end, self.below(end + 1));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects every seed's results: the first numbers of the published generator.
+    #[test]
+    fn numbers_are_those_of_splitmix64() {
+        assert_eq!(hash(0), 0xe220_a839_7b1d_cdaf);
+        assert_eq!(hash(1), 0x6e78_9e6a_a1b9_65f4);
+        assert_eq!(hash(u64::MAX), 0);
+    }
+
+    /// Protects the interval's ends: 0 is in it and 1 is not.
+    #[test]
+    fn the_unit_interval_lacks_its_upper_end() {
+        assert_eq!(unit_interval(0), 0.0);
+        assert_eq!(unit_interval(1 << 63), 0.5);
+        assert_eq!(unit_interval(u64::MAX), 1.0 - f64::EPSILON / 2.0);
+    }
+
+    /// Protects sequences from those of other seeds: the first numbers of seed 1234567.
+    #[cfg(feature = "experiment")]
+    #[test]
+    fn a_sequence_begins_at_its_seed() {
+        let mut random = Random::new(1_234_567);
+        let first = [random.next(), random.next(), random.next()];
+        let expected = [
+            6_457_827_717_110_365_317,
+            3_203_168_211_198_807_973,
+            9_817_491_932_198_370_423,
+        ];
+        assert_eq!(first, expected);
+    }
+
+    /// Protects the order of trials: a permutation, the same for the same seed, and another
+    /// for another.
+    #[cfg(feature = "experiment")]
+    #[test]
+    fn shuffling_permutes_by_the_seed_alone() {
+        let order = |seed| {
+            let mut items: Vec<u32> = (0..50).collect();
+            Random::new(seed).shuffle(&mut items);
+            items
+        };
+        assert_eq!(order(7), order(7));
+        assert_ne!(order(7), order(8));
+        let mut sorted = order(7);
+        sorted.sort_unstable();
+        assert_eq!(sorted, (0..50).collect::<Vec<u32>>());
+    }
+}

@@ -1,0 +1,55 @@
+//! The files under `glsl/` that the functions of scenes call.
+
+use super::link::{Part, parts};
+use super::source::{Source, source};
+use crate::scene::shape::every_part;
+use std::collections::HashSet;
+use std::sync::LazyLock;
+
+macro_rules! files {
+    ($folder:literal: $($file:ident)*) => {
+        vec![$(source!(concat!($folder, "/", stringify!($file), ".glsl"))),*]
+    };
+}
+
+macro_rules! files_of_parts {
+    (
+        shapes: { $($(#[$attr:meta])* $_s:literal $shape:ident::$_st:ident,)* }
+        operators: { $($_o:literal $operator:ident::$_ot:ident,)* }
+        written_out: { $($_w:tt)* }
+        made: { $($made:ident::$_mt:ident,)* }
+    ) => {
+        [
+            [$($(#[$attr])* source!(concat!("shape/", stringify!($shape), ".glsl"))),*].to_vec(),
+            files!("shape": $($made)*),
+            files!("operator": $($operator)*),
+        ]
+        .concat()
+    };
+}
+
+/// Every function of the files, cut into parts once.
+static LIBRARY: LazyLock<Vec<Part>> = LazyLock::new(|| {
+    let shared = files!(
+        "common": ball bound chord corner exit listener mirror no_hit onto_field quadric_form
+        rounding safe_inverse scene_data segment turn turning
+    );
+    let cells = files!("cells": ahead distance fields fields_free grid hit walk);
+    let all: Vec<Source> = [shared, cells, every_part!(files_of_parts)].concat();
+    all.into_iter().flat_map(parts).collect()
+});
+
+/// Every function, to be linked where it is called.
+pub(super) fn library() -> Vec<Part> {
+    LIBRARY.clone()
+}
+
+/// Whether the library has a function of this name: what a shape can be asked for is what its
+/// file answers.
+pub(super) fn has_function(name: &str) -> bool {
+    static DEFINED: LazyLock<HashSet<&str>> = LazyLock::new(|| {
+        let defined = LIBRARY.iter().flat_map(|part| &part.defines);
+        defined.map(String::as_str).collect()
+    });
+    DEFINED.contains(format!("{name}(").as_str())
+}

@@ -1,0 +1,148 @@
+//! Boxes along the axes that hold a solid; endless ones have infinite faces.
+
+use glam::{DMat3, DVec3};
+
+/// The least and greatest coordinates of a solid in metres, ±∞ where it has no end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds3 {
+    /// Least x, y, z.
+    pub min: DVec3,
+    /// Greatest x, y, z.
+    pub max: DVec3,
+}
+
+impl Bounds3 {
+    /// All of space.
+    pub const EVERYWHERE: Bounds3 = Bounds3 {
+        min: DVec3::NEG_INFINITY,
+        max: DVec3::INFINITY,
+    };
+
+    /// A box about the origin with this half size.
+    pub fn centred(half_size: DVec3) -> Bounds3 {
+        Bounds3 {
+            min: -half_size,
+            max: half_size,
+        }
+    }
+
+    /// The smallest box that holds the points.
+    pub fn of_points(points: impl IntoIterator<Item = DVec3>) -> Bounds3 {
+        let nothing = Bounds3 {
+            min: DVec3::INFINITY,
+            max: DVec3::NEG_INFINITY,
+        };
+        points.into_iter().fold(nothing, |all, p| Bounds3 {
+            min: all.min.min(p),
+            max: all.max.max(p),
+        })
+    }
+
+    /// What holds both.
+    pub fn hull(self, other: Bounds3) -> Bounds3 {
+        Bounds3 {
+            min: self.min.min(other.min),
+            max: self.max.max(other.max),
+        }
+    }
+
+    /// What both hold; its least may be beyond its greatest when that is nothing.
+    pub fn common(self, other: Bounds3) -> Bounds3 {
+        Bounds3 {
+            min: self.min.max(other.min),
+            max: self.max.min(other.max),
+        }
+    }
+
+    /// Grown on all sides, in metres.
+    pub fn grown(self, by: DVec3) -> Bounds3 {
+        Bounds3 {
+            min: self.min - by,
+            max: self.max + by,
+        }
+    }
+
+    /// Moved, in metres.
+    pub fn moved(self, by: DVec3) -> Bounds3 {
+        Bounds3 {
+            min: self.min + by,
+            max: self.max + by,
+        }
+    }
+
+    /// Made larger about the origin.
+    pub fn scaled(self, by: f64) -> Bounds3 {
+        Bounds3 {
+            min: self.min * by,
+            max: self.max * by,
+        }
+    }
+
+    /// What holds it when it is turned about the origin.
+    pub fn turned(self, by: DMat3) -> Bounds3 {
+        let mut turned = Bounds3 {
+            min: DVec3::ZERO,
+            max: DVec3::ZERO,
+        };
+        for column in 0..3 {
+            for row in 0..3 {
+                let share = by.col(column)[row];
+                // 0 times infinity is nothing here, and a quarter turn in `f32` leaves 4e-8.
+                if share.abs() < 1e-6 {
+                    continue;
+                }
+                let ends = [share * self.min[column], share * self.max[column]];
+                turned.min[row] += ends[0].min(ends[1]);
+                turned.max[row] += ends[0].max(ends[1]);
+            }
+        }
+        turned
+    }
+
+    /// Whether there is nothing in it.
+    pub fn is_empty(self) -> bool {
+        !(self.min.x <= self.max.x && self.min.y <= self.max.y && self.min.z <= self.max.z)
+    }
+
+    /// Whether it ends on every side.
+    pub fn is_finite(self) -> bool {
+        self.min.is_finite() && self.max.is_finite()
+    }
+
+    /// Half of its size.
+    pub fn half_size(self) -> DVec3 {
+        0.5 * (self.max - self.min)
+    }
+
+    /// Its middle, where it ends on both sides; 0 along the other axes.
+    pub fn middle(self) -> DVec3 {
+        let middle = 0.5 * (self.min + self.max);
+        DVec3::select(middle.is_finite_mask(), middle, DVec3::ZERO)
+    }
+
+    /// Metres from a point to the box; 0 inside.
+    pub fn distance(self, point: DVec3) -> f64 {
+        (self.min - point)
+            .max(point - self.max)
+            .max(DVec3::ZERO)
+            .length()
+    }
+
+    /// The greatest distance of any of it from an axis through the origin (0 = x …).
+    pub fn radius_about(self, axis: usize) -> f64 {
+        let mut far = self.min.abs().max(self.max.abs());
+        far[axis] = 0.0;
+        far.length()
+    }
+}
+
+impl Bounds3 {
+    /// The distance to the box, negative inside.
+    pub fn signed_distance(self, point: DVec3) -> f64 {
+        let outside = self.distance(point);
+        if outside > 0.0 {
+            return outside;
+        }
+        (self.min - point).max(point - self.max).max_element()
+    }
+}

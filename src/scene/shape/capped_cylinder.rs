@@ -1,0 +1,54 @@
+//! A cylinder that ends: in a scene file a `Cylinder` with a height.
+
+use super::part::{Numbers, Parameters};
+use super::{Parameter, Part, Properties, Shape};
+use crate::scene::Quantity;
+use glam::{DVec2, DVec3};
+
+/// A cylinder about y that ends.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CappedCylinder {
+    /// Radius in metres.
+    pub radius: f32,
+    /// Full height in metres.
+    pub height: f32,
+}
+
+impl Parameters for CappedCylinder {
+    fn parameters_mut(&mut self) -> Vec<Parameter<'_>> {
+        let mut all = Vec::new();
+        self.radius.add_to("radius", Quantity::Length, &mut all);
+        self.height.add_to("height", Quantity::Length, &mut all);
+        all
+    }
+}
+
+impl Part for CappedCylinder {
+    fn name(&self) -> &'static str {
+        "CappedCylinder"
+    }
+
+    fn properties(&self, _: &[Shape]) -> Properties {
+        Properties::round(self.radius, self.half_height())
+    }
+
+    fn value(&self, _: &[Shape], p: DVec3) -> f64 {
+        let ring = DVec2::new(p.x, p.z).length() - f64::from(self.radius);
+        corner_value(DVec2::new(ring, p.y.abs() - self.half_height()))
+    }
+
+    fn shader_numbers(&self, _: &[Shape]) -> Vec<f64> {
+        vec![self.radius.into(), self.half_height()]
+    }
+}
+
+impl CappedCylinder {
+    fn half_height(&self) -> f64 {
+        0.5 * f64::from(self.height)
+    }
+}
+
+/// The distance to a quarter plane, from the distances to its two edges' lines.
+pub(super) fn corner_value(beyond: DVec2) -> f64 {
+    beyond.max(DVec2::ZERO).length() + beyond.max_element().min(0.0)
+}

@@ -1,0 +1,40 @@
+//! A cylinder with round ends.
+
+use super::part::numbers;
+use super::{Part, Properties, Shape};
+use glam::{DVec2, DVec3};
+
+numbers! {
+    /// A cylinder about y with round ends.
+    Capsule {
+        /// Radius of cylinder and ends, in metres.
+        radius: f32 as Radius,
+        /// Height between the centres of the round ends, in metres.
+        height: f32 as Length,
+    }
+}
+
+impl Part for Capsule {
+    fn name(&self) -> &'static str {
+        "Capsule"
+    }
+
+    fn properties(&self, _: &[Shape]) -> Properties {
+        Properties::round(self.radius, f64::from(self.radius) + self.half_height())
+    }
+
+    fn value(&self, _: &[Shape], p: DVec3) -> f64 {
+        let up = p.y - p.y.clamp(-self.half_height(), self.half_height());
+        DVec2::new(p.x, p.z).length().hypot(up) - f64::from(self.radius)
+    }
+
+    fn shader_numbers(&self, _: &[Shape]) -> Vec<f64> {
+        vec![self.radius.into(), self.half_height()]
+    }
+}
+
+impl Capsule {
+    fn half_height(&self) -> f64 {
+        0.5 * f64::from(self.height)
+    }
+}

@@ -1,0 +1,52 @@
+//! An ellipsoid.
+
+use super::part::numbers;
+use super::{Bounds3, Part, Properties, Quadric, Shape};
+use glam::{DVec3, Vec3};
+
+numbers! {
+    /// An ellipsoid.
+    Ellipsoid {
+        /// Half axes along x, y and z, in metres.
+        radii: Vec3 as Radius,
+    }
+}
+
+impl Part for Ellipsoid {
+    fn name(&self) -> &'static str {
+        "Ellipsoid"
+    }
+
+    fn properties(&self, _: &[Shape]) -> Properties {
+        Properties {
+            convex: true,
+            ..Properties::bound(Bounds3::centred(self.radii.as_dvec3()))
+        }
+    }
+
+    /// With m = |p / radii|, F = m² − 1 and g ≤ 2 m / least, the value is at least
+    /// (m − 1) least / (1 + √2), while no axis is left by more than (m − 1) greatest.
+    fn slowness(&self, _: &[Shape]) -> f64 {
+        let stretch = f64::from(self.radii.max_element()) / f64::from(self.radii.min_element());
+        (1.0 + std::f64::consts::SQRT_2) * stretch
+    }
+
+    fn value(&self, _: &[Shape], p: DVec3) -> f64 {
+        self.form().distance_bound(p)
+    }
+
+    fn shader_numbers(&self, _: &[Shape]) -> Vec<f64> {
+        self.form().straight_numbers()
+    }
+
+    fn arguments(&self) -> &'static [usize] {
+        Quadric::STRAIGHT_ARGUMENTS
+    }
+}
+
+impl Ellipsoid {
+    fn form(&self) -> Quadric {
+        let radii = self.radii.as_dvec3();
+        Quadric::straight(1.0 / (radii * radii), DVec3::ZERO, -1.0)
+    }
+}

@@ -1,0 +1,86 @@
+//! Ground under an image of heights.
+
+use super::cuboid::box_value;
+use super::part::{Numbers, Parameters};
+use super::{Bounds3, HeightImage, Parameter, Part, Properties, Shape};
+use crate::scene::file::{FromFile, ReadNumbers, Reader, Side, Vector};
+use crate::scene::{Quantity, SceneError};
+use glam::{DVec2, DVec3, Vec3};
+use serde::Deserialize;
+use std::sync::Arc;
+
+/// Ground under an image of heights: solid below, within a box that is centred on the origin.
+/// Black lies on its floor, white at its ceiling.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HeightField {
+    /// The heights.
+    pub image: Arc<HeightImage>,
+    /// Full width (the image's), height and depth in metres.
+    pub size: Vec3,
+}
+
+/// What a scene file says of it.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct File {
+    image: String,
+    size: Vector<Side>,
+}
+
+impl FromFile for File {
+    fn read(self, reader: &mut Reader) -> Result<Shape, SceneError> {
+        let image = reader.files().heights(&self.image)?;
+        let size = Vec3::read(self.size, "size", reader);
+        Ok(Shape::from(HeightField { image, size }))
+    }
+}
+
+impl Parameters for HeightField {
+    fn parameters_mut(&mut self) -> Vec<Parameter<'_>> {
+        let mut all = Vec::new();
+        self.size.add_to("size", Quantity::Length, &mut all);
+        all
+    }
+}
+
+impl Part for HeightField {
+    fn name(&self) -> &'static str {
+        "HeightField"
+    }
+
+    fn properties(&self, _: &[Shape]) -> Properties {
+        Properties {
+            symmetric: [false; 3],
+            ..Properties::bound(Bounds3::centred(0.5 * self.size.as_dvec3()))
+        }
+    }
+
+    fn value(&self, _: &[Shape], p: DVec3) -> f64 {
+        let size = self.size.as_dvec3();
+        let held = p.clamp(-0.5 * size, 0.5 * size);
+        let at = DVec2::new(held.x / size.x + 0.5, held.z / size.z + 0.5);
+        let ground = size.y * (self.image.at(at) - 0.5);
+        let above = (held.y - ground) * self.slowest();
+        above.max(box_value(p, 0.5 * size))
+    }
+
+    /// Half of the size, and what the height above the ground is held at.
+    fn shader_numbers(&self, _: &[Shape]) -> Vec<f64> {
+        let half = 0.5 * self.size.as_dvec3();
+        vec![half.x, half.y, half.z, self.slowest()]
+    }
+
+    fn arguments(&self) -> &'static [usize] {
+        &[3, 1]
+    }
+}
+
+impl HeightField {
+    /// The share of the height above the ground that is never more than the distance: the
+    /// cosine of the steepest slope.
+    fn slowest(&self) -> f64 {
+        let flat = DVec2::new(self.size.x.into(), self.size.z.into());
+        let slope = f64::from(self.size.y) * self.image.steepest(flat);
+        1.0 / 1f64.hypot(slope)
+    }
+}

@@ -1,0 +1,215 @@
+//! The list of all shapes and operators: to add one, write its two files and a line here.
+
+#[cfg(test)]
+use super::octahedron;
+use super::operator::{
+    bend, complement, difference, elongate, intersection, mirror, morph, offset, repeat, rotate,
+    scale, shell, smooth_union, translate, twist, union,
+};
+use super::part::Part;
+use super::{
+    capped_cylinder, capsule, cone, cuboid, cylinder, ellipsoid, half_space, height_field,
+    hyperboloid, paraboloid, plane, prism, quadric, room, rounded_box, sphere, torus, user,
+};
+use crate::scene::file::{FromFile, Operands, Reader, Variant};
+use crate::scene::{SceneError, Shape};
+use serde::de::{Deserialize, Deserializer, EnumAccess, Visitor};
+use std::fmt;
+
+macro_rules! parts {
+    (
+        said: { $($(#[$attr:meta])* $name:literal $module:ident::$part:ident,)* }
+        made: { $($made_module:ident::$made:ident,)* }
+    ) => {
+        /// What one node of a tree is: a shape or an operator, without its children.
+        #[derive(Clone, Debug, PartialEq)]
+        pub enum Node {
+            $($(#[$attr])* #[doc = concat!("`", $name, "` in scene files.")] $part($module::$part),)*
+            $(#[doc = "Said otherwise in scene files."] $made($made_module::$made),)*
+        }
+
+        impl Node {
+            pub(crate) fn part(&self) -> &dyn Part {
+                match self {
+                    $($(#[$attr])* Node::$part(part) => part,)*
+                    $(Node::$made(part) => part,)*
+                }
+            }
+
+            pub(crate) fn part_mut(&mut self) -> &mut dyn Part {
+                match self {
+                    $($(#[$attr])* Node::$part(part) => part,)*
+                    $(Node::$made(part) => part,)*
+                }
+            }
+        }
+
+        $($(#[$attr])* impl From<$module::$part> for Node {
+            fn from(part: $module::$part) -> Node {
+                Node::$part(part)
+            }
+        }
+
+        $(#[$attr])*
+        impl From<$module::$part> for Shape {
+            fn from(part: $module::$part) -> Shape {
+                Shape::from(Node::$part(part))
+            }
+        })*
+        $(impl From<$made_module::$made> for Node {
+            fn from(part: $made_module::$made) -> Node {
+                Node::$made(part)
+            }
+        }
+
+        impl From<$made_module::$made> for Shape {
+            fn from(part: $made_module::$made) -> Shape {
+                Shape::from(Node::$made(part))
+            }
+        })*
+
+        /// What a scene file says of a shape or an operator.
+        pub(crate) enum ShapeFile {
+            $($(#[$attr])* $part($module::File),)*
+        }
+
+        impl ShapeFile {
+            /// The tree that it says.
+            ///
+            /// # Errors
+            /// What is wrong with the files that it names.
+            pub fn read(self, reader: &mut Reader) -> Result<Shape, SceneError> {
+                match self {
+                    $($(#[$attr])* ShapeFile::$part(file) => file.read(reader),)*
+                }
+            }
+        }
+
+        const NAMES: &[&str] = &[$($(#[$attr])* $name),*];
+
+        #[derive(serde::Deserialize)]
+        #[serde(variant_identifier)]
+        enum Name {
+            $($(#[$attr])* #[serde(rename = $name)] $part,)*
+        }
+
+        impl<'de> Visitor<'de> for Tree {
+            type Value = ShapeFile;
+
+            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+                f.write_str("a shape or an operator")
+            }
+
+            fn visit_enum<A: EnumAccess<'de>>(self, data: A) -> Result<ShapeFile, A::Error> {
+                let (name, variant) = data.variant()?;
+                Ok(match name {
+                    $($(#[$attr])* Name::$part => {
+                        ShapeFile::$part(Deserialize::deserialize(Variant(variant))?)
+                    })*
+                })
+            }
+        }
+    };
+}
+
+macro_rules! all_parts {
+    (
+        shapes: { $($shapes:tt)* }
+        operators: { $($operators:tt)* }
+        written_out: { $($written_out:tt)* }
+        made: { $($made:tt)* }
+    ) => {
+        parts! {
+            said: { $($shapes)* $($operators)* $($written_out)* }
+            made: { $($made)* }
+        }
+    };
+}
+
+/// Hands the list to a macro: the name in scene files, the module here (and of most the file
+/// under `glsl/`), the type.
+macro_rules! every_part {
+    ($callback:ident) => {
+        $callback! {
+            // Each with its functions in `glsl/shape/`.
+            shapes: {
+                "Plane" plane::Plane,
+                "HalfSpace" half_space::HalfSpace,
+                "Box" cuboid::Cuboid,
+                "Room" room::Room,
+                "RoundedBox" rounded_box::RoundedBox,
+                "Sphere" sphere::Sphere,
+                "Cylinder" cylinder::Cylinder,
+                "Capsule" capsule::Capsule,
+                "Torus" torus::Torus,
+                "Cone" cone::Cone,
+                "Prism" prism::Prism,
+                "Ellipsoid" ellipsoid::Ellipsoid,
+                "Paraboloid" paraboloid::Paraboloid,
+                "Hyperboloid" hyperboloid::Hyperboloid,
+                "Quadric" quadric::GeneralQuadric,
+                "HeightField" height_field::HeightField,
+                // The worked example of `docs/architecture.md`.
+                #[cfg(test)]
+                "Octahedron" octahedron::Octahedron,
+            }
+            // Each with its functions in `glsl/operator/`.
+            operators: {
+                "Union" union::Union,
+                "Intersection" intersection::Intersection,
+                "Difference" difference::Difference,
+                "Shell" shell::Shell,
+                "SmoothUnion" smooth_union::SmoothUnion,
+                "Offset" offset::Offset,
+                "Mirror" mirror::Mirror,
+                "Repeat" repeat::Repeat,
+                "Elongate" elongate::Elongate,
+                "Twist" twist::Twist,
+                "Bend" bend::Bend,
+                "Morph" morph::Morph,
+            }
+            // Written into the text where they stand, without functions.
+            written_out: {
+                "Field" user::User,
+                "Complement" complement::Complement,
+                "Translate" translate::Translate,
+                "Rotate" rotate::Rotate,
+                "Scale" scale::Scale,
+            }
+            // Shapes that scene files say otherwise: a cylinder with a height.
+            made: {
+                capped_cylinder::CappedCylinder,
+            }
+        }
+    };
+}
+pub(crate) use every_part;
+
+every_part!(all_parts);
+
+/// Reads the name of a shape or operator, and what belongs to it.
+struct Tree;
+
+impl<'de> Deserialize<'de> for ShapeFile {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<ShapeFile, D::Error> {
+        deserializer.deserialize_enum("Shape", NAMES, Tree)
+    }
+}
+
+impl Operands for Box<ShapeFile> {
+    fn read(self, reader: &mut Reader) -> Result<Vec<Shape>, SceneError> {
+        Ok(vec![
+            reader.within(0, |reader| ShapeFile::read(*self, reader))?,
+        ])
+    }
+}
+
+impl Operands for Vec<ShapeFile> {
+    fn read(self, reader: &mut Reader) -> Result<Vec<Shape>, SceneError> {
+        let numbered = self.into_iter().enumerate();
+        let read = |(index, file): (usize, ShapeFile)| {
+            reader.within(index, |reader| ShapeFile::read(file, reader))
+        };
+        numbered.map(read).collect()
+    }
+}

@@ -1,0 +1,191 @@
+//! Shapes: implicit surfaces as trees of shapes and operators.
+//!
+//! A [`Shape`] is a function of space whose sign tells air (positive) from solid
+//! (negative). Its leaves are shapes, its inner nodes operators, nested to any depth.
+//! What a tree promises about its value is in its [`Properties`]: whether the value is
+//! the distance to the surface, a bound of it, or only Lipschitz (Hart 1996, section 3);
+//! where it lies in space; whether the solid is convex.
+//!
+//! Each shape and operator has a file of its own here, and one under `glsl/`; `list` names
+//! them all.
+//!
+//! Theory: Hart 1996, "Sphere tracing"; Quilez, "distance functions", for the operators'
+//! customary names. Values here are computed in `f64`, apart from the shader's text, so that
+//! the two can disagree; a table of tests walks both.
+
+mod bounds;
+mod build;
+mod capped_cylinder;
+mod capsule;
+mod check;
+mod cone;
+mod cuboid;
+mod cylinder;
+mod ellipsoid;
+mod half_space;
+mod height_field;
+mod height_image;
+mod hyperboloid;
+mod list;
+#[cfg(test)]
+mod octahedron;
+mod operator;
+mod paraboloid;
+mod part;
+mod plane;
+mod prism;
+mod properties;
+mod quadric;
+mod room;
+mod rounded_box;
+mod sphere;
+mod text;
+mod torus;
+mod user;
+mod user_field;
+
+pub(crate) use check::halton;
+pub(crate) use list::{ShapeFile, every_part};
+pub(crate) use part::{Numbers, Part};
+use quadric::Quadric;
+
+pub use bounds::Bounds3;
+pub use capped_cylinder::CappedCylinder;
+pub use capsule::Capsule;
+pub use cone::Cone;
+pub use cuboid::Cuboid;
+pub use cylinder::Cylinder;
+pub use ellipsoid::Ellipsoid;
+pub use half_space::HalfSpace;
+pub use height_field::HeightField;
+pub use height_image::HeightImage;
+pub use hyperboloid::Hyperboloid;
+pub use list::Node;
+pub use operator::{
+    Bend, Complement, Copies, Difference, Elongate, Intersection, Mirror, Morph, Offset, Repeat,
+    Rotate, Scale, Shell, SmoothUnion, Translate, Twist, Union,
+};
+pub use paraboloid::Paraboloid;
+pub use part::Parameter;
+pub use plane::Plane;
+pub use prism::Prism;
+pub use properties::{Exactness, Properties};
+pub use quadric::GeneralQuadric;
+pub use room::Room;
+pub use rounded_box::RoundedBox;
+pub use sphere::Sphere;
+pub use torus::Torus;
+pub use user::User;
+pub use user_field::{UserField, UserSamples};
+
+use glam::DVec3;
+use std::sync::Arc;
+
+/// A shape, or an operator on the shapes below it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shape {
+    /// What it is, with its own numbers.
+    pub node: Node,
+    /// What an operator works on; empty for a shape.
+    pub children: Vec<Shape>,
+}
+
+impl Node {
+    /// The name that scene files, shaders and reports use.
+    pub fn name(&self) -> &'static str {
+        self.part().name()
+    }
+
+    /// The user's field that it is, if it is one.
+    pub fn user(&self) -> Option<&Arc<UserField>> {
+        match self {
+            Node::User(User { field }) => Some(field),
+            _ => None,
+        }
+    }
+}
+
+impl Shape {
+    /// Whether it is one of the thesis' five shapes alone: a plane, a box, a room, a sphere or
+    /// a cylinder. Their sizes are told to the shader relative to the listener, with every
+    /// frame; the numbers of all other trees stand in its text.
+    pub fn is_basic(&self) -> bool {
+        matches!(
+            self.node,
+            Node::Plane(_) | Node::Cuboid(_) | Node::Room(_) | Node::Sphere(_) | Node::Cylinder(_)
+        )
+    }
+
+    /// The tree, if it is no [basic](Shape::is_basic) shape.
+    pub(crate) fn field(&self) -> Option<&Shape> {
+        (!self.is_basic()).then_some(self)
+    }
+
+    /// What the tree promises.
+    pub fn properties(&self) -> Properties {
+        self.node.part().properties(&self.children)
+    }
+
+    /// The value at a point of the tree's own axes (metres): positive in the air. What it
+    /// says of the distance stands in [`Shape::properties`].
+    pub fn value(&self, p: DVec3) -> f64 {
+        self.node.part().value(&self.children, p)
+    }
+
+    /// See [`Part::slowness`].
+    pub(crate) fn slowness(&self) -> f64 {
+        self.node.part().slowness(&self.children)
+    }
+
+    /// The numbers that the shader's text of the outermost node uses.
+    pub(crate) fn shader_numbers(&self) -> Vec<f64> {
+        self.node.part().shader_numbers(&self.children)
+    }
+
+    /// The largest length that its value is computed from, in metres: that of its bounds where
+    /// it ends, else the largest among its nodes. 0 for a plane.
+    pub(crate) fn extent(&self) -> f64 {
+        let bounds = self.properties().bounds;
+        if bounds.is_finite() && !bounds.is_empty() {
+            return bounds.min.abs().max(bounds.max.abs()).max_element();
+        }
+        let nodes = self.nodes().into_iter();
+        let lengths = nodes.map(|tree| tree.node.part().own_length());
+        lengths.fold(0.0, f64::max)
+    }
+
+    /// Every number of the tree that may move.
+    ///
+    /// A node's own are called as in a scene file (`radius`, `size.x`); those of the n-th
+    /// child (from 0) have `n.` before them (`0.radius`, `1.0.by.y`).
+    pub fn parameters_mut(&mut self) -> Vec<Parameter<'_>> {
+        let mut all = self.node.part_mut().parameters_mut();
+        for (index, child) in self.children.iter_mut().enumerate() {
+            let below = child.parameters_mut().into_iter();
+            all.extend(below.map(|parameter| Parameter {
+                name: format!("{index}.{}", parameter.name),
+                ..parameter
+            }));
+        }
+        all
+    }
+
+    /// Whether the solid is convex: a wave that was mirrored at it cannot meet it next.
+    pub fn is_convex(&self) -> bool {
+        self.properties().convex
+    }
+
+    /// The name that scene files and reports use: the outermost node's.
+    pub fn name(&self) -> &'static str {
+        self.node.name()
+    }
+
+    /// Every node of the tree, the outermost first.
+    pub fn nodes(&self) -> Vec<&Shape> {
+        let mut all = vec![self];
+        for child in &self.children {
+            all.extend(child.nodes());
+        }
+        all
+    }
+}

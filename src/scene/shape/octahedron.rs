@@ -1,0 +1,83 @@
+//! A regular octahedron: the worked example of `docs/architecture.md`, built for tests alone.
+
+use super::part::numbers;
+use super::{Bounds3, Part, Properties, Shape};
+use glam::DVec3;
+
+numbers! {
+    /// A regular octahedron.
+    Octahedron {
+        /// Distance of the vertices from the centre, in metres.
+        radius: f32 as Radius,
+    }
+}
+
+impl Part for Octahedron {
+    fn name(&self) -> &'static str {
+        "Octahedron"
+    }
+
+    /// The value is the distance to the nearest face's plane: a bound next to edges.
+    fn properties(&self, _: &[Shape]) -> Properties {
+        let half_size = DVec3::splat(self.radius.into());
+        Properties {
+            convex: true,
+            ..Properties::bound(Bounds3::centred(half_size))
+        }
+    }
+
+    fn value(&self, _: &[Shape], p: DVec3) -> f64 {
+        (p.abs().element_sum() - f64::from(self.radius)) / 3f64.sqrt()
+    }
+
+    fn shader_numbers(&self, _: &[Shape]) -> Vec<f64> {
+        vec![self.radius.into()]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::gpu::{Context, ContextOptions};
+    use crate::reference::ExactScene;
+    use crate::{Profile, Scene, Settings, Tracer};
+
+    const SCENE: &str = "Scene(
+        surfaces: [
+            Surface(shape: Octahedron(radius: 1.5), position: (0, 0, -3)),
+            Surface(shape: Difference(from: Octahedron(radius: 2), cut: [Sphere(radius: 1.2)]),
+                position: (4, 0, 0)),
+        ],
+        source: Source(position: (0, 0, 0)),
+        listener: Listener(position: (0, 4, 0), radius: 0.5),
+    )";
+
+    /// Protects the way to add a shape: two files and a line in the list make one that files name,
+    /// the CPU evaluates, and every profile traces; here against the reference, which knows its
+    /// value alone.
+    #[test]
+    fn a_shape_of_two_files_and_a_line_is_traced() {
+        let scene = Scene::from_ron(SCENE, "octahedra").unwrap();
+        let exact = ExactScene::new(&scene).unwrap();
+        let context = Context::headless(&ContextOptions::default()).unwrap();
+        let mut tracer = Tracer::new(&context).unwrap();
+        for profile in [Profile::Hybrid, Profile::March] {
+            let settings = Settings::of(profile).with_waves(4096).with_iterations(1);
+            let (_, waves) = tracer.frame_with_waves(&scene, &settings).unwrap();
+            let start = scene.source.position.as_dvec3();
+            let (mut met, mut differ) = ([0; 2], 0);
+            for wave in &waves {
+                let hit = exact.nearest_hit(start, wave.start_direction.as_dvec3());
+                let object = hit.map_or(-1.0, |hit| hit.object as f32);
+                match (wave.status == object, object) {
+                    (false, _) => differ += 1,
+                    (true, 1.0) => met[0] += 1,
+                    (true, 2.0) => met[1] += 1,
+                    _ => (),
+                }
+            }
+            assert!(met.iter().all(|&met| met > 100), "{profile}: {met:?}");
+            // Rounding decides at an edge.
+            assert!(differ <= 2, "{profile}: {differ} of {} waves", waves.len());
+        }
+    }
+}

@@ -1,0 +1,9 @@
+//! A turn about z that grows along x.
+
+use super::turning::turning;
+
+turning! {
+    /// Its child turned about z (right-handed) the further right one looks: a bar along x
+    /// becomes an arc.
+    Bend "Bend" about 2, a metre of "x"
+}

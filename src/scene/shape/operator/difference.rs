@@ -1,0 +1,50 @@
+//! The difference.
+
+use super::part::never_moves;
+use super::{Part, Properties, Shape, ShapeFile, merged};
+use crate::scene::SceneError;
+use crate::scene::file::{FromFile, Operands, Reader};
+use glam::DVec3;
+use serde::Deserialize;
+
+/// The first of its children without all the others.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Difference;
+
+/// What a scene file says of it.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct File {
+    from: Box<ShapeFile>,
+    cut: Vec<ShapeFile>,
+}
+
+impl FromFile for File {
+    fn read(self, reader: &mut Reader) -> Result<Shape, SceneError> {
+        let mut all = vec![*self.from];
+        all.extend(self.cut);
+        Ok(Shape::over(Difference, all.read(reader)?))
+    }
+}
+
+never_moves!(Difference);
+
+impl Part for Difference {
+    fn name(&self) -> &'static str {
+        "Difference"
+    }
+
+    fn operands(&self) -> (usize, usize) {
+        (2, usize::MAX)
+    }
+
+    fn properties(&self, children: &[Shape]) -> Properties {
+        let of: Vec<Properties> = children.iter().map(Shape::properties).collect();
+        merged(&of, of[0].bounds)
+    }
+
+    fn value(&self, children: &[Shape], p: DVec3) -> f64 {
+        let cut = children[1..].iter().map(|child| -child.value(p));
+        cut.fold(children[0].value(p), f64::max)
+    }
+}

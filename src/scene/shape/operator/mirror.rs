@@ -1,0 +1,73 @@
+//! One side shown on both.
+
+use super::part::never_moves;
+use super::{Part, Properties, Shape, ShapeFile};
+use crate::scene::SceneError;
+use crate::scene::file::{FromFile, MirrorAxes, Operands, Reader};
+use glam::DVec3;
+use serde::Deserialize;
+
+/// What lies on the positive side of some axes, on both sides.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mirror {
+    /// For x, y and z: whether it is mirrored there.
+    pub axes: [bool; 3],
+}
+
+/// What a scene file says of it.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct File {
+    of: Box<ShapeFile>,
+    axes: MirrorAxes,
+}
+
+impl FromFile for File {
+    fn read(self, reader: &mut Reader) -> Result<Shape, SceneError> {
+        let axes = self.axes.0;
+        Ok(Shape::over(Mirror { axes }, self.of.read(reader)?))
+    }
+}
+
+never_moves!(Mirror);
+
+impl Part for Mirror {
+    fn name(&self) -> &'static str {
+        "Mirror"
+    }
+
+    fn operands(&self) -> (usize, usize) {
+        (1, 1)
+    }
+
+    fn properties(&self, children: &[Shape]) -> Properties {
+        let of = children[0].properties();
+        let mut result = of;
+        result.convex = of.convex && self.axes == [false; 3];
+        for axis in (0..3).filter(|&axis| self.axes[axis]) {
+            result.symmetric[axis] = true;
+            let far = of.bounds.max[axis];
+            (result.bounds.min[axis], result.bounds.max[axis]) = (-far, far);
+            if of.symmetric[axis] {
+                continue;
+            }
+            // What reaches over the mirror is cut off there, but its distance is not.
+            if of.bounds.min[axis] < 0.0 {
+                result.in_air = result.in_air.or_bound();
+            }
+            // What touches the mirror grows together with its image: its face there is gone.
+            if of.bounds.min[axis] <= 0.0 {
+                result.in_solid = result.in_solid.or_bound();
+            }
+        }
+        result
+    }
+
+    fn value(&self, children: &[Shape], p: DVec3) -> f64 {
+        let fold = |axis: usize| match self.axes[axis] {
+            true => p[axis].abs(),
+            false => p[axis],
+        };
+        children[0].value(DVec3::new(fold(0), fold(1), fold(2)))
+    }
+}

@@ -1,0 +1,61 @@
+//! Between two fields.
+
+use super::{Parameter, Parameters, Part, Properties, Shape, ShapeFile, hull, merged};
+use crate::scene::file::{FromFile, Number, Operands, Reader, Share};
+use crate::scene::{Quantity, SceneError};
+use glam::DVec3;
+use serde::Deserialize;
+
+/// Between two fields: the first at 0, the second at 1.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Morph {
+    /// 0 to 1.
+    pub amount: f32,
+}
+
+/// What a scene file says of it.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct File {
+    from: Box<ShapeFile>,
+    to: Box<ShapeFile>,
+    amount: Number<Share>,
+}
+
+impl FromFile for File {
+    fn read(self, reader: &mut Reader) -> Result<Shape, SceneError> {
+        let amount = reader.number("amount", self.amount);
+        let both = vec![*self.from, *self.to];
+        Ok(Shape::over(Morph { amount }, both.read(reader)?))
+    }
+}
+
+impl Parameters for Morph {
+    fn parameters_mut(&mut self) -> Vec<Parameter<'_>> {
+        Parameter::of("amount", Quantity::Share, &mut self.amount)
+    }
+}
+
+impl Part for Morph {
+    fn name(&self) -> &'static str {
+        "Morph"
+    }
+
+    fn operands(&self) -> (usize, usize) {
+        (2, 2)
+    }
+
+    fn properties(&self, children: &[Shape]) -> Properties {
+        let of: Vec<Properties> = children.iter().map(Shape::properties).collect();
+        merged(&of, hull(&of))
+    }
+
+    fn value(&self, children: &[Shape], p: DVec3) -> f64 {
+        let (from, to) = (children[0].value(p), children[1].value(p));
+        from + (to - from) * f64::from(self.amount)
+    }
+
+    fn shader_numbers(&self, _: &[Shape]) -> Vec<f64> {
+        vec![self.amount.into()]
+    }
+}

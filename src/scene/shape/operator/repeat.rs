@@ -1,0 +1,346 @@
+//! Which copies of a repeated field can be the nearest.
+//!
+//! Along one axis a point q lies in the cell about copy i: |q − i P| ≤ P/2. If what is
+//! repeated lies within its cell, the nearest copy is that one or the next on the side of
+//! q: for every point x of it, |q − x| ≤ |q − (x − P)| for q ≥ 0 and x ≤ P/2. If it is
+//! also symmetric about the cell's middle, copy i is the nearest alone. What reaches out
+//! of its cell by up to k periods makes k more copies on either side matter.
+//!
+//! That is true of distances. A bound of the distance may be less for a copy that is further
+//! away, and then would jump where that copy is evaluated no longer. So it is held at what
+//! such a copy has at the least there, see [`Cap`].
+
+use super::part::Numbers;
+use super::{Bounds3, Exactness, Node, Parameter, Parameters, Part, Properties, Shape, ShapeFile};
+use crate::scene::file::{FromFile, Metres, Operands, ReadNumbers, Reader, Vector};
+use crate::scene::{Quantity, SceneError};
+use glam::{DVec3, Vec3};
+use serde::Deserialize;
+
+/// Its child again and again.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Repeat {
+    /// Metres from one to the next along x, y, z; 0 where it is not repeated.
+    pub period: Vec3,
+    /// How many along each axis, centred about the origin; 0 for endless.
+    pub count: [u32; 3],
+}
+
+/// What a scene file says of it.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct File {
+    of: Box<ShapeFile>,
+    period: Vector<Metres>,
+    #[serde(default)]
+    count: (u32, u32, u32),
+}
+
+impl FromFile for File {
+    fn read(self, reader: &mut Reader) -> Result<Shape, SceneError> {
+        let period = Vec3::read(self.period, "period", reader);
+        let count = <[u32; 3]>::from(self.count);
+        Ok(Shape::over(Repeat { period, count }, self.of.read(reader)?))
+    }
+}
+
+impl Parameters for Repeat {
+    fn parameters_mut(&mut self) -> Vec<Parameter<'_>> {
+        let mut all = Vec::new();
+        self.period.add_to("period", Quantity::Position, &mut all);
+        all
+    }
+}
+
+/// Counts below which `f32` can tell each copy from the next.
+const MOST_COUNTED: u32 = 1 << 24;
+
+impl Part for Repeat {
+    fn name(&self) -> &'static str {
+        "Repeat"
+    }
+
+    fn operands(&self) -> (usize, usize) {
+        (1, 1)
+    }
+
+    fn check(&self) -> Result<(), String> {
+        if self.count.iter().any(|count| *count >= MOST_COUNTED) {
+            return Err("its counts must be below 16777216".to_owned());
+        }
+        if self.period.min_element() >= 0.0 && self.period.max_element() > 0.0 {
+            return Ok(());
+        }
+        Err("its period must be greater than 0 along an axis, and 0 along those that are not repeated".to_owned())
+    }
+
+    fn check_over(&self, children: &[Shape]) -> Result<(), String> {
+        self.copies(&children[0]).map(|_| ())
+    }
+
+    fn properties(&self, children: &[Shape]) -> Properties {
+        let of = children[0].properties();
+        let mut result = of;
+        result.convex = false;
+        result.in_solid = Exactness::bound(of.lipschitz);
+        for axis in (0..3).filter(|&axis| self.period[axis] != 0.0) {
+            let reach = match self.count[axis] {
+                0 => f64::INFINITY,
+                count => 0.5 * f64::from(count - 1) * f64::from(self.period[axis]),
+            };
+            result.bounds.min[axis] -= reach;
+            result.bounds.max[axis] += reach;
+        }
+        result
+    }
+
+    fn own_length(&self) -> f64 {
+        self.period.as_dvec3().max_element()
+    }
+
+    fn value(&self, children: &[Shape], p: DVec3) -> f64 {
+        let child = &children[0];
+        let copies = self.copies(child).unwrap_or([Copies::Own; 3]);
+        let period = self.period.as_dvec3();
+        let along = |axis: usize| offsets(p[axis], period[axis], self.count[axis], copies[axis]);
+        let (xs, ys, zs) = (along(0), along(1), along(2));
+        let mut least = self.cap(child).map_or(f64::INFINITY, |cap| cap.at(p));
+        for x in &xs {
+            for y in &ys {
+                for z in &zs {
+                    least = least.min(child.value(DVec3::new(*x, *y, *z)));
+                }
+            }
+        }
+        least
+    }
+
+    fn shader_numbers(&self, children: &[Shape]) -> Vec<f64> {
+        let mut numbers = self.period.as_dvec3().to_array().to_vec();
+        let copy = copy_box(&children[0]);
+        numbers.extend(copy.min.to_array());
+        numbers.extend(copy.max.to_array());
+        if let Some(cap) = self.cap(&children[0]) {
+            numbers.extend(cap.half_size.to_array());
+            numbers.extend([cap.near, cap.inverse_slowness]);
+        }
+        numbers
+    }
+}
+
+/// Copies that are evaluated at the most: more would cost more than they are worth.
+const MOST_COPIES: u32 = 64;
+
+/// Which copies along one axis are evaluated, relative to the cell that the point is in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Copies {
+    /// The axis is not repeated.
+    None,
+    /// The copy of the cell.
+    Own,
+    /// That one, and the next on the point's side.
+    OwnAndNext,
+    /// So many to either side, and its own.
+    Around(u32),
+}
+
+impl Copies {
+    /// How many that are.
+    pub fn count(self) -> u32 {
+        match self {
+            Copies::None | Copies::Own => 1,
+            Copies::OwnAndNext => 2,
+            Copies::Around(reach) => 2 * reach + 1,
+        }
+    }
+}
+
+/// What `Repeat` must evaluate along each axis, or why it cannot.
+pub(super) fn copies(child: &Properties, period: Vec3) -> Result<[Copies; 3], String> {
+    let mut all = [Copies::None; 3];
+    for axis in 0..3 {
+        let step = f64::from(period[axis]);
+        if step == 0.0 {
+            continue;
+        }
+        all[axis] = along(child.bounds, child.symmetric[axis], axis, step)?;
+    }
+    let count: u64 = all.iter().map(|c| u64::from(c.count())).product();
+    if count > u64::from(MOST_COPIES) {
+        return Err(format!(
+            "its copies reach so far into each other that {count} of them can be nearest, more than {MOST_COPIES}: make the period longer"
+        ));
+    }
+    Ok(all)
+}
+
+fn along(bounds: Bounds3, symmetric: bool, axis: usize, step: f64) -> Result<Copies, String> {
+    let name = ["x", "y", "z"][axis];
+    let (least, most) = (bounds.min[axis], bounds.max[axis]);
+    if bounds.is_empty() {
+        return Ok(Copies::Own);
+    }
+    if !(least.is_finite() && most.is_finite()) {
+        return Err(format!(
+            "what it repeats along {name} has no end there, so that copies cannot be told apart"
+        ));
+    }
+    let reach = (most.abs().max(least.abs()) - 0.5 * step) / step;
+    // What just touches its cell's face is within it, give or take rounding.
+    if reach <= 1e-6 {
+        return Ok(if symmetric {
+            Copies::Own
+        } else {
+            Copies::OwnAndNext
+        });
+    }
+    // |q − x| is at most (1 + reach) periods, so the nearest copy of x is that many, rounded.
+    Ok(Copies::Around((reach + 1.5).min(1e6) as u32))
+}
+
+/// What the value of a repeated bound is held at: `near` among the copies, and further off
+/// the way to the box about all of them, over the slowness of the value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Cap {
+    pub near: f64,
+    pub inverse_slowness: f64,
+    pub half_size: DVec3,
+}
+
+impl Cap {
+    pub fn at(&self, p: DVec3) -> f64 {
+        let beyond = (p.abs() - self.half_size).max_element();
+        self.near.max(beyond * self.inverse_slowness)
+    }
+}
+
+impl Repeat {
+    /// The cap of one that needs it: of a bound that is evaluated for several copies.
+    pub(crate) fn cap(&self, child: &Shape) -> Option<Cap> {
+        let of = child.properties();
+        if of.in_air == Exactness::Exact || of.bounds.is_empty() {
+            return None;
+        }
+        let (copies, period) = (self.copies(child).ok()?, self.period.as_dvec3());
+        let far = |b: Bounds3| b.min.abs().max(b.max.abs());
+        let reach = far(of.bounds);
+        // How far the bounds of a copy are at the least where it comes in or goes out: at the
+        // middle of a cell, or at its face.
+        let along = (0..3).filter_map(|axis| match copies[axis] {
+            Copies::None | Copies::Own => None,
+            Copies::OwnAndNext => Some(period[axis] - reach[axis]),
+            Copies::Around(more) => Some((f64::from(more) + 0.5) * period[axis] - reach[axis]),
+        });
+        let inverse_slowness = 1.0 / child.slowness();
+        let whole = self.properties(std::slice::from_ref(child)).bounds;
+        Some(Cap {
+            near: along.reduce(f64::min)? * inverse_slowness,
+            inverse_slowness,
+            half_size: far(whole),
+        })
+    }
+
+    /// The copies that are evaluated along x, y and z.
+    ///
+    /// # Errors
+    /// A sentence on why the repetition cannot be safe.
+    pub(crate) fn copies(&self, child: &Shape) -> Result<[Copies; 3], String> {
+        copies(&child.properties(), self.period)
+    }
+}
+
+/// The box about a copy's middle, in metres; its faces are finite.
+fn copy_box(child: &Shape) -> Bounds3 {
+    /// Beyond every place, and finite in `f32` when it is divided by the least speed.
+    const NO_END: DVec3 = DVec3::splat(1e15);
+    let bounds = child.properties().bounds;
+    if bounds.is_empty() {
+        return Bounds3::centred(DVec3::ZERO);
+    }
+    Bounds3 {
+        min: bounds.min.max(-NO_END),
+        max: bounds.max.min(NO_END),
+    }
+}
+
+impl Shape {
+    /// Moves that leave it as it is, in metres: the periods of repetitions without end.
+    pub(crate) fn periods(&self) -> Vec<DVec3> {
+        let below = || {
+            self.children
+                .first()
+                .map(Shape::periods)
+                .unwrap_or_default()
+        };
+        match &self.node {
+            Node::Repeat(Repeat { period, count }) => {
+                let endless = (0..3).filter(|&axis| period[axis] > 0.0 && count[axis] == 0);
+                let own = endless.map(|axis| DVec3::AXES[axis] * f64::from(period[axis]));
+                own.chain(below()).collect()
+            }
+            Node::Translate(_) | Node::Complement(_) | Node::Shell(_) | Node::Offset(_) => below(),
+            Node::Rotate(rotate) => {
+                let turn = rotate.matrix();
+                below().into_iter().map(|period| turn * period).collect()
+            }
+            Node::Scale(scale) => {
+                let by = f64::from(scale.by);
+                below().into_iter().map(|period| by * period).collect()
+            }
+            _ => Vec::new(),
+        }
+    }
+
+    /// The cap of a [`Repeat`] that needs one.
+    pub(crate) fn cap(&self) -> Option<Cap> {
+        match (&self.node, self.children.first()) {
+            (Node::Repeat(repeat), Some(child)) => repeat.cap(child),
+            _ => None,
+        }
+    }
+
+    /// The copies of a [`Repeat`] that are evaluated along x, y and z.
+    ///
+    /// # Errors
+    /// A sentence on why the repetition cannot be safe.
+    pub fn copies(&self) -> Result<[Copies; 3], String> {
+        match (&self.node, self.children.first()) {
+            (Node::Repeat(repeat), Some(child)) => repeat.copies(child),
+            _ => Ok([Copies::None; 3]),
+        }
+    }
+}
+
+/// The coordinates along one axis, relative to each copy that can be the nearest.
+fn offsets(q: f64, period: f64, count: u32, copies: Copies) -> Vec<f64> {
+    if copies == Copies::None || period == 0.0 {
+        return vec![q];
+    }
+    // An even number of copies lies about the origin with none at it.
+    let shift = if count > 0 && count.is_multiple_of(2) {
+        0.5 * period
+    } else {
+        0.0
+    };
+    let q = q - shift;
+    let (first, last) = match count {
+        0 => (f64::NEG_INFINITY, f64::INFINITY),
+        count => {
+            let first = -f64::from(count / 2);
+            (first, first + f64::from(count - 1))
+        }
+    };
+    let own = (q / period).round().clamp(first, last);
+    let copy = |index: f64| q - period * index.clamp(first, last);
+    let side = if q >= period * own { 1.0 } else { -1.0 };
+    match copies {
+        Copies::None | Copies::Own => vec![copy(own)],
+        Copies::OwnAndNext => vec![copy(own), copy(own + side)],
+        Copies::Around(reach) => {
+            let reach = i64::from(reach);
+            (-reach..=reach)
+                .map(|step| copy(own + step as f64))
+                .collect()
+        }
+    }
+}

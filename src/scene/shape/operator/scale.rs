@@ -1,0 +1,40 @@
+//! A child made larger.
+
+use super::part::numbers;
+use super::{Part, Properties, Shape, ShapeFile};
+use glam::DVec3;
+
+numbers! {
+    /// Its child made larger, about the origin.
+    Scale over (of: Box<ShapeFile>) {
+        /// Factor, greater than 0.
+        by: f32 as Factor,
+    }
+}
+
+impl Part for Scale {
+    fn name(&self) -> &'static str {
+        "Scale"
+    }
+
+    fn operands(&self) -> (usize, usize) {
+        (1, 1)
+    }
+
+    fn properties(&self, children: &[Shape]) -> Properties {
+        let of = children[0].properties();
+        Properties {
+            bounds: of.bounds.scaled(self.by.into()),
+            ..of
+        }
+    }
+
+    fn value(&self, children: &[Shape], p: DVec3) -> f64 {
+        let by = f64::from(self.by);
+        children[0].value(p / by) * by
+    }
+
+    fn shader_numbers(&self, _: &[Shape]) -> Vec<f64> {
+        vec![self.by.into()]
+    }
+}

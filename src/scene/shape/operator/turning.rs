@@ -1,0 +1,207 @@
+//! What a twist and a bend share: a turn that grows along an axis.
+//!
+//! A twist turns by rate · y, so its Jacobian is I + s t yᵀ with s = rate · radius and unit
+//! vectors t ⟂ y: its norm is (s + √(s² + 4)) / 2. A bend's t need not be perpendicular: its
+//! norm is at most 1 + s. Beyond the radius of the child's own bounds the value is that at the
+//! bounds, and the way there.
+
+use super::{Bounds3, Properties, Shape};
+use glam::DVec3;
+
+/// A turn about an axis (1: y, a twist; 2: z, a bend) that grows along y or x.
+pub(super) struct Turning {
+    pub axis: usize,
+    /// Radians a metre.
+    pub rate: f64,
+    /// The Lipschitz constant that is stated; 0 where none is.
+    pub stated: f64,
+}
+
+/// A constant is stated between 1 and this: below 1 no turning is, above it no march ends.
+const LARGEST_LIPSCHITZ: f32 = 1e6;
+
+/// Refuses a stated constant that cannot be meant; 0 stands for none.
+///
+/// # Errors
+/// A sentence on what it must be.
+pub(super) fn check_stated(lipschitz: f32) -> Result<(), String> {
+    if lipschitz == 0.0 || (1.0..=LARGEST_LIPSCHITZ).contains(&lipschitz) {
+        return Ok(());
+    }
+    Err(format!("its lipschitz must be 1 to 1e6, not {lipschitz}"))
+}
+
+impl Turning {
+    /// A turning grows the value without bound unless what it turns ends.
+    ///
+    /// # Errors
+    /// A sentence on what must be.
+    pub fn check_over(&self, child: &Shape) -> Result<(), String> {
+        let away = ["x", "y", "z"][self.axis];
+        let bounds = child.properties().bounds;
+        if bounds.radius_about(self.axis).is_finite() {
+            return Ok(());
+        }
+        Err(format!(
+            "what it turns has no end away from the {away} axis, so that its value grows without bound: intersect it with something that ends"
+        ))
+    }
+
+    pub fn properties(&self, child: &Shape) -> Properties {
+        let of = child.properties();
+        let radius = of.bounds.radius_about(self.axis);
+        let mut half = DVec3::splat(radius);
+        half[self.axis] = 0.0;
+        let mut bounds = Bounds3::centred(half);
+        bounds.min[self.axis] = of.bounds.min[self.axis];
+        bounds.max[self.axis] = of.bounds.max[self.axis];
+        let lipschitz = match self.stated > 0.0 {
+            true => self.stated,
+            false => of.lipschitz * norm_of_turning(self.axis, self.rate.abs() * radius),
+        };
+        Properties {
+            symmetric: [false; 3],
+            ..Properties::bound(bounds).growing(lipschitz)
+        }
+    }
+
+    /// The point is turned back, so that what it is asked of is turned right-handedly.
+    pub fn value(&self, child: &Shape, p: DVec3) -> f64 {
+        let most = child.properties().bounds.radius_about(self.axis);
+        let mut aside = p;
+        aside[self.axis] = 0.0;
+        let radius = aside.length();
+        let beyond = (radius - most).max(0.0);
+        let mut held = match beyond > 0.0 {
+            true => aside * (most / radius),
+            false => aside,
+        };
+        held[self.axis] = p[self.axis];
+        let value = child.value(self.turned_back(p, held));
+        if beyond == 0.0 {
+            return value;
+        }
+        let lipschitz = self.properties(child).lipschitz;
+        value.max(0.0).hypot(lipschitz * beyond)
+    }
+
+    fn turned_back(&self, p: DVec3, held: DVec3) -> DVec3 {
+        if self.axis == 1 {
+            let (sin, cos) = (self.rate * p.y).sin_cos();
+            let (x, z) = (held.x, held.z);
+            return DVec3::new(cos * x - sin * z, held.y, sin * x + cos * z);
+        }
+        let (sin, cos) = (self.rate * held.x).sin_cos();
+        let (x, y) = (held.x, held.y);
+        DVec3::new(cos * x + sin * y, cos * y - sin * x, held.z)
+    }
+
+    /// Rate, radius of the child's own bounds, Lipschitz constant.
+    pub fn shader_numbers(&self, child: &Shape) -> Vec<f64> {
+        /// Stands for a radius without end.
+        const ENDLESS: f64 = 1e30;
+        let radius = child.properties().bounds.radius_about(self.axis);
+        let lipschitz = self.properties(child).lipschitz;
+        vec![self.rate, radius.min(ENDLESS), lipschitz.min(ENDLESS)]
+    }
+}
+
+/// The norm of the Jacobian of a twist (axis 1) or a bend, for s = rate · radius.
+fn norm_of_turning(axis: usize, s: f64) -> f64 {
+    match axis {
+        1 => 0.5 * (s + (s * s + 4.0).sqrt()),
+        _ => 1.0 + s,
+    }
+}
+
+/// A twist or a bend: the struct, what a scene file says of it, and what it promises, all by
+/// [`Turning`] about one axis.
+macro_rules! turning {
+    ($(#[$doc:meta])* $part:ident $name:literal about $axis:literal, a metre of $along:literal) => {
+        use super::turning::{Turning, check_stated};
+        use super::{Parameter, Parameters, Part, Properties, Shape, ShapeFile};
+        use crate::scene::file::{Angle, FromFile, Lipschitz, Number, Operands, Reader};
+        use crate::scene::{Quantity, SceneError};
+        use glam::DVec3;
+        use serde::Deserialize;
+
+        $(#[$doc])*
+        #[derive(Clone, Debug, PartialEq)]
+        pub struct $part {
+            #[doc = concat!("Radians per metre of ", $along, ".")]
+            pub rate: f32,
+            /// How fast the value may grow; 0 to have it from the bounds.
+            pub lipschitz: f32,
+        }
+
+        /// What a scene file says of it.
+        #[derive(Deserialize)]
+        #[serde(deny_unknown_fields)]
+        pub(crate) struct File {
+            of: Box<ShapeFile>,
+            rate: Number<Angle>,
+            #[serde(default)]
+            lipschitz: Option<Lipschitz>,
+        }
+
+        impl FromFile for File {
+            fn read(self, reader: &mut Reader) -> Result<Shape, SceneError> {
+                let rate = reader.number("rate", self.rate);
+                let lipschitz = self.lipschitz.map_or(0.0, |stated| stated.0);
+                let part = $part { rate, lipschitz };
+                Ok(Shape::over(part, self.of.read(reader)?))
+            }
+        }
+
+        impl Parameters for $part {
+            fn parameters_mut(&mut self) -> Vec<Parameter<'_>> {
+                Parameter::of("rate", Quantity::Rate, &mut self.rate)
+            }
+        }
+
+        impl Part for $part {
+            fn name(&self) -> &'static str {
+                $name
+            }
+
+            fn operands(&self) -> (usize, usize) {
+                (1, 1)
+            }
+
+            fn check(&self) -> Result<(), String> {
+                check_stated(self.lipschitz)
+            }
+
+            fn check_over(&self, children: &[Shape]) -> Result<(), String> {
+                self.turning().check_over(&children[0])
+            }
+
+            fn properties(&self, children: &[Shape]) -> Properties {
+                self.turning().properties(&children[0])
+            }
+
+            fn value(&self, children: &[Shape], p: DVec3) -> f64 {
+                self.turning().value(&children[0], p)
+            }
+
+            fn shader_numbers(&self, children: &[Shape]) -> Vec<f64> {
+                self.turning().shader_numbers(&children[0])
+            }
+
+            fn stated_lipschitz(&self) -> Option<f32> {
+                (self.lipschitz > 0.0).then_some(self.lipschitz)
+            }
+        }
+
+        impl $part {
+            fn turning(&self) -> Turning {
+                Turning {
+                    axis: $axis,
+                    rate: self.rate.into(),
+                    stated: self.lipschitz.into(),
+                }
+            }
+        }
+    };
+}
+pub(super) use turning;

@@ -1,0 +1,8 @@
+//! A turn about y that grows along y.
+
+use super::turning::turning;
+
+turning! {
+    /// Its child turned about y the further up one looks.
+    Twist "Twist" about 1, a metre of "y"
+}

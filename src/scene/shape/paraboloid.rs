@@ -1,0 +1,52 @@
+//! A paraboloid.
+
+use super::part::numbers;
+use super::{Bounds3, Part, Properties, Quadric, Shape};
+use glam::DVec3;
+
+numbers! {
+    /// A solid paraboloid that opens towards +y: y > (x² + z²) / (4 focal length).
+    Paraboloid {
+        /// Distance of the focus from the vertex (the origin), in metres.
+        focal_length: f32 as Length,
+    }
+}
+
+impl Part for Paraboloid {
+    fn name(&self) -> &'static str {
+        "Paraboloid"
+    }
+
+    fn properties(&self, _: &[Shape]) -> Properties {
+        Properties {
+            convex: true,
+            symmetric: [true, false, true],
+            // Below the vertex its value grows as the root of the way: no multiple of it
+            // bounds how far a level lies from y = 0.
+            ..Properties::bound(Bounds3::EVERYWHERE)
+        }
+    }
+
+    fn own_length(&self) -> f64 {
+        self.focal_length.into()
+    }
+
+    fn value(&self, _: &[Shape], p: DVec3) -> f64 {
+        self.form().distance_bound(p)
+    }
+
+    fn shader_numbers(&self, _: &[Shape]) -> Vec<f64> {
+        self.form().straight_numbers()
+    }
+
+    fn arguments(&self) -> &'static [usize] {
+        Quadric::STRAIGHT_ARGUMENTS
+    }
+}
+
+impl Paraboloid {
+    fn form(&self) -> Quadric {
+        let bend = 0.25 / f64::from(self.focal_length);
+        Quadric::straight(DVec3::new(bend, 0.0, bend), DVec3::NEG_Y, 0.0)
+    }
+}

@@ -1,0 +1,32 @@
+//! A plane.
+
+use super::part::no_numbers;
+use super::{Bounds3, Part, Properties, Shape};
+use glam::DVec3;
+
+no_numbers! {
+    /// The plane y = 0: solid below.
+    Plane
+}
+
+impl Part for Plane {
+    fn name(&self) -> &'static str {
+        "Plane"
+    }
+
+    fn properties(&self, _: &[Shape]) -> Properties {
+        let endless = f64::INFINITY;
+        Properties {
+            bounds: Bounds3 {
+                max: DVec3::new(endless, 0.0, endless),
+                ..Bounds3::EVERYWHERE
+            },
+            symmetric: [true, false, true],
+            ..Properties::exact(DVec3::ZERO)
+        }
+    }
+
+    fn value(&self, _: &[Shape], p: DVec3) -> f64 {
+        p.y
+    }
+}

@@ -1,0 +1,119 @@
+//! A triangle, extruded.
+
+use super::capped_cylinder::corner_value;
+use super::cone::segment_distance;
+use super::part::{Numbers, Parameters};
+use super::{Bounds3, Parameter, Part, Properties, Shape};
+use crate::scene::file::{Corners, FromFile, Length, Number, ReadNumbers, Reader};
+use crate::scene::{Quantity, SceneError};
+use glam::{DVec2, DVec3, Vec2};
+use serde::Deserialize;
+
+/// A triangle in the xy plane, extruded along z.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Prism {
+    /// The triangle's corners (x, y) in metres, in either sense of rotation.
+    pub corners: [Vec2; 3],
+    /// Full length along z in metres.
+    pub depth: f32,
+}
+
+/// What a scene file says of it.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct File {
+    corners: Corners,
+    depth: Number<Length>,
+}
+
+impl FromFile for File {
+    fn read(self, reader: &mut Reader) -> Result<Shape, SceneError> {
+        let mut corners = [Vec2::ZERO; 3];
+        for (index, said) in self.corners.0.into_iter().enumerate() {
+            corners[index] = Vec2::read(said, &format!("corners.{index}"), reader);
+        }
+        let depth = reader.number("depth", self.depth);
+        Ok(Shape::from(Prism { corners, depth }))
+    }
+}
+
+impl Parameters for Prism {
+    fn parameters_mut(&mut self) -> Vec<Parameter<'_>> {
+        let mut all = Vec::new();
+        self.corners.add_to("corners", Quantity::Position, &mut all);
+        self.depth.add_to("depth", Quantity::Length, &mut all);
+        all
+    }
+}
+
+/// Area of a triangle, as a share of its longest side's square, below which its corners count
+/// as lying on one line: `f32` does not tell their places better.
+const LEAST_AREA: f64 = 1e-6;
+
+impl Part for Prism {
+    fn name(&self) -> &'static str {
+        "Prism"
+    }
+
+    fn check(&self) -> Result<(), String> {
+        let [a, b, c] = self.flat();
+        let area = 0.5 * (b - a).perp_dot(c - a).abs();
+        let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
+        if area > LEAST_AREA * longest * longest {
+            return Ok(());
+        }
+        Err("its corners must not lie on one line".to_owned())
+    }
+
+    fn properties(&self, _: &[Shape]) -> Properties {
+        let half = self.half_depth();
+        let ends = self.flat().map(|c| [c.extend(-half), c.extend(half)]);
+        Properties {
+            bounds: Bounds3::of_points(ends.into_iter().flatten()),
+            symmetric: [false, false, true],
+            ..Properties::exact(DVec3::ZERO)
+        }
+    }
+
+    fn value(&self, _: &[Shape], p: DVec3) -> f64 {
+        let flat = triangle_value(p.truncate(), self.flat());
+        corner_value(DVec2::new(flat, p.z.abs() - self.half_depth()))
+    }
+
+    /// The corners in positive sense, and half the depth.
+    fn shader_numbers(&self, _: &[Shape]) -> Vec<f64> {
+        let [a, b, c] = self.flat();
+        let (b, c) = match (b - a).perp_dot(c - a) < 0.0 {
+            true => (c, b),
+            false => (b, c),
+        };
+        vec![a.x, a.y, b.x, b.y, c.x, c.y, self.half_depth()]
+    }
+
+    fn arguments(&self) -> &'static [usize] {
+        &[2, 2, 2, 1]
+    }
+}
+
+impl Prism {
+    fn flat(&self) -> [DVec2; 3] {
+        self.corners.map(|corner| corner.as_dvec2())
+    }
+
+    fn half_depth(&self) -> f64 {
+        0.5 * f64::from(self.depth)
+    }
+}
+
+/// The signed distance of a point of the plane from a triangle.
+fn triangle_value(p: DVec2, corners: [DVec2; 3]) -> f64 {
+    let [a, b, c] = corners;
+    let turn = (b - a).perp_dot(c - a).signum();
+    let edges = [(a, b), (b, c), (c, a)];
+    let distance = edges.map(|(from, to)| segment_distance(p, from, to));
+    let inside = edges
+        .iter()
+        .all(|(from, to)| turn * (to - from).perp_dot(p - from) > 0.0);
+    let nearest = distance.into_iter().fold(f64::INFINITY, f64::min);
+    if inside { -nearest } else { nearest }
+}

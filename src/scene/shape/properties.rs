@@ -1,0 +1,120 @@
+//! What a field promises, from its leaves up.
+//!
+//! Exactness on either side, and the Lipschitz constant L of the value: |value| / L never
+//! exceeds the distance to the surface, which is what a safe step needs (Hart 1996,
+//! theorem 1). Each shape and operator has its own rule. What they share: where several fields
+//! are joined the value is a bound, with the greatest L; moving, turning, mirroring and
+//! cutting space never grows a distance.
+
+use super::Bounds3;
+use glam::DVec3;
+
+/// What a value says about the distance to the surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Exactness {
+    /// It is the Euclidean distance.
+    Exact,
+    /// It is never more.
+    Bound,
+    /// Neither: it must be divided by the Lipschitz constant.
+    Neither,
+}
+
+/// What is known of a field without evaluating it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Properties {
+    /// What positive values say.
+    pub in_air: Exactness,
+    /// What negative values say.
+    pub in_solid: Exactness,
+    /// How much faster than the way the value changes at the most; at least 1.
+    pub lipschitz: f64,
+    /// What holds the solid.
+    pub bounds: Bounds3,
+    /// Whether the solid is convex.
+    pub convex: bool,
+    /// Whether it is the same mirrored at x = 0, y = 0, z = 0.
+    pub symmetric: [bool; 3],
+}
+
+use Exactness::{Bound, Exact, Neither};
+
+impl Properties {
+    /// A solid with its exact distance on both sides, convex and symmetric.
+    pub(super) fn exact(half_size: DVec3) -> Properties {
+        Properties {
+            in_air: Exact,
+            in_solid: Exact,
+            lipschitz: 1.0,
+            bounds: Bounds3::centred(half_size),
+            convex: true,
+            symmetric: [true; 3],
+        }
+    }
+
+    /// A bound of the distance on both sides, symmetric.
+    pub(super) fn bound(bounds: Bounds3) -> Properties {
+        Properties {
+            in_air: Bound,
+            in_solid: Bound,
+            lipschitz: 1.0,
+            bounds,
+            convex: false,
+            symmetric: [true; 3],
+        }
+    }
+
+    /// A solid about y with its exact distance on both sides.
+    pub(super) fn round(radius: f32, half_height: f64) -> Properties {
+        let radius = f64::from(radius);
+        Properties::exact(DVec3::new(radius, half_height, radius))
+    }
+
+    /// With a Lipschitz constant; above 1 the value is not even a bound.
+    pub(super) fn growing(mut self, lipschitz: f64) -> Properties {
+        self.lipschitz = lipschitz.max(1.0);
+        if self.lipschitz > 1.0 {
+            (self.in_air, self.in_solid) = (Neither, Neither);
+        }
+        self
+    }
+}
+
+impl Exactness {
+    /// What several values say together, where the constant is that of the steepest.
+    pub(super) fn worst(of: impl Iterator<Item = Exactness>, lipschitz: f64) -> Exactness {
+        let mut of = of;
+        match lipschitz > 1.0 {
+            true => Neither,
+            false if of.all(|e| e == Exact) => Exact,
+            false => Bound,
+        }
+    }
+
+    /// A bound, as far as the constant allows.
+    pub(super) fn bound(lipschitz: f64) -> Exactness {
+        if lipschitz > 1.0 { Neither } else { Bound }
+    }
+
+    /// A bound, where it was the distance.
+    pub(super) fn or_bound(self) -> Exactness {
+        if self == Exact { Bound } else { self }
+    }
+}
+
+/// What holds all of them.
+pub(super) fn hull(of: &[Properties]) -> Bounds3 {
+    let bounds = of.iter().map(|p| p.bounds);
+    bounds.reduce(Bounds3::hull).unwrap_or(Bounds3::EVERYWHERE)
+}
+
+/// What fields joined to one promise: a bound with the greatest constant, symmetric where all
+/// are.
+pub(super) fn merged(of: &[Properties], bounds: Bounds3) -> Properties {
+    let lipschitz = of.iter().map(|p| p.lipschitz).fold(1.0, f64::max);
+    let every = |axis: usize| of.iter().all(|p| p.symmetric[axis]);
+    Properties {
+        symmetric: [0, 1, 2].map(every),
+        ..Properties::bound(bounds).growing(lipschitz)
+    }
+}

@@ -1,0 +1,176 @@
+//! Any quadric, and the form that the special ones share.
+//!
+//! The distance r to the surface of F obeys |F| ≤ g r + λ r² with g = |∇F| and λ the norm of
+//! the quadratic form (Taylor's theorem, exact for a quadratic). Solved for r,
+//! φ = 2 F / (g + √(g² + 4 λ |F|)) is never more than the distance, agrees with it to first
+//! order at the surface, and is Lipschitz with constant 1, for |∇g| ≤ 2 λ.
+
+use super::part::{Numbers, Parameters};
+use super::{Bounds3, Parameter, Part, Properties, Shape};
+use crate::scene::file::{FromFile, Number, Plain, Reader};
+use crate::scene::{Quantity, SceneError};
+use glam::DVec3;
+use serde::Deserialize;
+
+/// Solid where A x² + B y² + C z² + D xy + E yz + F zx + G x + H y + I z + J < 0: `Quadric` in
+/// scene files.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GeneralQuadric {
+    /// A to J in this order.
+    pub coefficients: [f32; 10],
+}
+
+/// What a scene file says of it: the coefficients alone.
+#[derive(Deserialize)]
+pub(crate) struct File([Number<Plain>; 10]);
+
+impl FromFile for File {
+    fn read(self, reader: &mut Reader) -> Result<Shape, SceneError> {
+        let mut coefficients = [0.0; 10];
+        for (index, number) in self.0.into_iter().enumerate() {
+            coefficients[index] = reader.number(&format!("coefficients.{index}"), number);
+        }
+        Ok(Shape::from(GeneralQuadric { coefficients }))
+    }
+}
+
+impl Parameters for GeneralQuadric {
+    fn parameters_mut(&mut self) -> Vec<Parameter<'_>> {
+        let mut all = Vec::new();
+        let quantity = Quantity::Plain;
+        self.coefficients.add_to("coefficients", quantity, &mut all);
+        all
+    }
+}
+
+impl Part for GeneralQuadric {
+    fn name(&self) -> &'static str {
+        "Quadric"
+    }
+
+    fn check(&self) -> Result<(), String> {
+        if self.form().norm() > 0.0 {
+            return Ok(());
+        }
+        Err(
+            "one of its first six coefficients must not be 0: for a plane there is HalfSpace"
+                .to_owned(),
+        )
+    }
+
+    fn properties(&self, _: &[Shape]) -> Properties {
+        Properties {
+            symmetric: [false; 3],
+            ..Properties::bound(Bounds3::EVERYWHERE)
+        }
+    }
+
+    /// Coefficients are no lengths; their quotients are.
+    fn own_length(&self) -> f64 {
+        let form = self.form();
+        let (linear, constant) = (form.linear.length(), form.constant.abs());
+        (linear / form.norm()).max((constant / form.norm()).sqrt())
+    }
+
+    fn value(&self, _: &[Shape], p: DVec3) -> f64 {
+        self.form().distance_bound(p)
+    }
+
+    /// Diagonal, mixed, linear, constant, norm.
+    fn shader_numbers(&self, _: &[Shape]) -> Vec<f64> {
+        let form = self.form();
+        let vectors = [form.diagonal, form.mixed, form.linear];
+        let mut numbers = vectors.map(|v| v.to_array()).as_flattened().to_vec();
+        numbers.extend([form.constant, form.norm()]);
+        numbers
+    }
+
+    fn arguments(&self) -> &'static [usize] {
+        &[3, 3, 3, 1, 1]
+    }
+}
+
+impl GeneralQuadric {
+    fn form(&self) -> Quadric {
+        let [a, b, c, xy, yz, zx, x, y, z, constant] = self.coefficients.map(f64::from);
+        Quadric {
+            diagonal: DVec3::new(a, b, c),
+            mixed: 0.5 * DVec3::new(yz, zx, xy),
+            linear: DVec3::new(x, y, z),
+            constant,
+        }
+    }
+}
+
+/// pᵀ Q p + b · p + c, Q symmetric.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Quadric {
+    /// Q's diagonal.
+    pub diagonal: DVec3,
+    /// Q's other numbers: yz, zx, xy.
+    pub mixed: DVec3,
+    /// b.
+    pub linear: DVec3,
+    /// c.
+    pub constant: f64,
+}
+
+impl Quadric {
+    /// The groups of [`Quadric::straight_numbers`].
+    pub(super) const STRAIGHT_ARGUMENTS: &[usize] = &[3, 1, 1];
+
+    /// One whose axes are those of the coordinates.
+    pub(super) fn straight(diagonal: DVec3, linear: DVec3, constant: f64) -> Quadric {
+        Quadric {
+            diagonal,
+            mixed: DVec3::ZERO,
+            linear,
+            constant,
+        }
+    }
+
+    /// Diagonal, constant, norm: what differs between straight ones of one kind.
+    pub(super) fn straight_numbers(&self) -> Vec<f64> {
+        let mut numbers = self.diagonal.to_array().to_vec();
+        numbers.extend([self.constant, self.norm()]);
+        numbers
+    }
+
+    /// Never more than the distance to the surface, see the module.
+    pub(super) fn distance_bound(&self, p: DVec3) -> f64 {
+        let (value, gradient) = self.at(p);
+        let g = gradient.length();
+        let root = (g * g + 4.0 * self.norm() * value.abs()).sqrt();
+        if root == 0.0 {
+            return 0.0;
+        }
+        2.0 * value / (g + root)
+    }
+
+    /// Q p.
+    fn form(&self, p: DVec3) -> DVec3 {
+        let m = self.mixed;
+        let mixed = DVec3::new(
+            m.z * p.y + m.y * p.z,
+            m.z * p.x + m.x * p.z,
+            m.y * p.x + m.x * p.y,
+        );
+        self.diagonal * p + mixed
+    }
+
+    /// Value and gradient.
+    pub fn at(&self, p: DVec3) -> (f64, DVec3) {
+        let form = self.form(p);
+        let value = p.dot(form) + self.linear.dot(p) + self.constant;
+        (value, 2.0 * form + self.linear)
+    }
+
+    /// What Q stretches a vector by at the most: of a diagonal form its largest number, else
+    /// the Frobenius norm, which is never less.
+    pub fn norm(&self) -> f64 {
+        if self.mixed == DVec3::ZERO {
+            return self.diagonal.abs().max_element();
+        }
+        (self.diagonal.length_squared() + 2.0 * self.mixed.length_squared()).sqrt()
+    }
+}

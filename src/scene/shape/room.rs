@@ -1,0 +1,43 @@
+//! The inside of a box.
+
+use super::part::numbers;
+use super::{Bounds3, Exactness, Part, Properties, Shape};
+use glam::{DVec3, Vec3};
+
+numbers! {
+    /// The inside of a box: air within, solid without.
+    Room {
+        /// Full width, height and depth of the air in metres.
+        size: Vec3 as Side,
+    }
+}
+
+impl Part for Room {
+    fn name(&self) -> &'static str {
+        "Room"
+    }
+
+    fn properties(&self, _: &[Shape]) -> Properties {
+        Properties {
+            in_air: Exactness::Exact,
+            convex: false,
+            ..Properties::bound(Bounds3::EVERYWHERE)
+        }
+    }
+
+    fn own_length(&self) -> f64 {
+        f64::from(0.5 * self.size.max_element())
+    }
+
+    fn value(&self, _: &[Shape], p: DVec3) -> f64 {
+        (0.5 * self.size.as_dvec3() - p.abs()).min_element()
+    }
+
+    fn shader_numbers(&self, _: &[Shape]) -> Vec<f64> {
+        (0.5 * self.size.as_dvec3()).to_array().to_vec()
+    }
+
+    fn arguments(&self) -> &'static [usize] {
+        &[3]
+    }
+}

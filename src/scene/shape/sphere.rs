@@ -1,0 +1,31 @@
+//! A ball.
+
+use super::part::numbers;
+use super::{Part, Properties, Shape};
+use glam::DVec3;
+
+numbers! {
+    /// A ball.
+    Sphere {
+        /// Radius in metres.
+        radius: f32 as Radius,
+    }
+}
+
+impl Part for Sphere {
+    fn name(&self) -> &'static str {
+        "Sphere"
+    }
+
+    fn properties(&self, _: &[Shape]) -> Properties {
+        Properties::round(self.radius, self.radius.into())
+    }
+
+    fn value(&self, _: &[Shape], p: DVec3) -> f64 {
+        p.length() - f64::from(self.radius)
+    }
+
+    fn shader_numbers(&self, _: &[Shape]) -> Vec<f64> {
+        vec![self.radius.into()]
+    }
+}

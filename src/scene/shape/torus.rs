@@ -1,0 +1,43 @@
+//! A ring.
+
+use super::part::numbers;
+use super::{Exactness, Part, Properties, Shape};
+use glam::{DVec2, DVec3};
+
+numbers! {
+    /// A ring about y.
+    Torus {
+        /// Radius of the ring's centre line, in metres.
+        ring: f32 as Radius,
+        /// Radius of the tube, in metres.
+        tube: f32 as Radius,
+    }
+}
+
+impl Part for Torus {
+    fn name(&self) -> &'static str {
+        "Torus"
+    }
+
+    fn properties(&self, _: &[Shape]) -> Properties {
+        Properties {
+            // A tube that reaches over the axis covers its own inner side: that is no
+            // surface, but the value is the distance to it.
+            in_solid: match self.tube > self.ring {
+                true => Exactness::Bound,
+                false => Exactness::Exact,
+            },
+            convex: false,
+            ..Properties::round(self.ring + self.tube, self.tube.into())
+        }
+    }
+
+    fn value(&self, _: &[Shape], p: DVec3) -> f64 {
+        let from_axis = DVec2::new(p.x, p.z).length();
+        (from_axis - f64::from(self.ring)).hypot(p.y) - f64::from(self.tube)
+    }
+
+    fn shader_numbers(&self, _: &[Shape]) -> Vec<f64> {
+        vec![self.ring.into(), self.tube.into()]
+    }
+}

@@ -1,0 +1,80 @@
+//! A user's own field, as a shape.
+
+use super::cuboid::box_value;
+use super::part::Parameters;
+use super::{Bounds3, Parameter, Part, Properties, Shape, UserField};
+use crate::scene::SceneError;
+use crate::scene::file::{FromFile, Lipschitz, Reader, Size};
+use glam::DVec3;
+use serde::Deserialize;
+use std::sync::Arc;
+
+/// A user's GLSL `float field(vec3 p)`, within a box that is centred on the origin: `Field` in
+/// scene files.
+#[derive(Clone, Debug, PartialEq)]
+pub struct User {
+    /// The text and what it promises.
+    pub field: Arc<UserField>,
+}
+
+/// What a scene file says of it.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct File {
+    file: String,
+    lipschitz: Lipschitz,
+    size: Size,
+}
+
+impl FromFile for File {
+    fn read(self, reader: &mut Reader) -> Result<Shape, SceneError> {
+        let field = reader
+            .files()
+            .field(&self.file, self.size.0, self.lipschitz.0)?;
+        Ok(Shape::from(User { field }))
+    }
+}
+
+impl Parameters for User {
+    fn parameters_mut(&mut self) -> Vec<Parameter<'_>> {
+        Vec::new()
+    }
+}
+
+impl Part for User {
+    fn name(&self) -> &'static str {
+        "Field"
+    }
+
+    fn check(&self) -> Result<(), String> {
+        self.field.check_numbers()
+    }
+
+    fn properties(&self, _: &[Shape]) -> Properties {
+        Properties {
+            symmetric: [false; 3],
+            ..Properties::bound(Bounds3::centred(self.half_size()))
+        }
+    }
+
+    fn value(&self, _: &[Shape], p: DVec3) -> f64 {
+        let value = self.field.value(p) / f64::from(self.field.lipschitz);
+        value.max(box_value(p, self.half_size()))
+    }
+
+    fn shader_numbers(&self, _: &[Shape]) -> Vec<f64> {
+        let half = self.half_size();
+        let inverse_lipschitz = 1.0 / f64::from(self.field.lipschitz);
+        vec![half.x, half.y, half.z, inverse_lipschitz]
+    }
+
+    fn arguments(&self) -> &'static [usize] {
+        &[3, 1]
+    }
+}
+
+impl User {
+    fn half_size(&self) -> DVec3 {
+        0.5 * self.field.size.as_dvec3()
+    }
+}

@@ -1,0 +1,211 @@
+//! A field of one's own: GLSL text with a `float field(vec3 p)` in it, and perhaps a
+//! `vec3 fieldGradient(vec3 p)`.
+//!
+//! Only a GPU can evaluate it. What the CPU needs to know (whether the source is buried,
+//! where a walker may go) it has from samples, which are taken once on the GPU when the
+//! field is checked; see `crate::trace`.
+
+use super::part::Numbers;
+use super::{Parameter, text};
+use crate::scene::Quantity;
+use glam::{DVec3, Vec3};
+use std::path::PathBuf;
+use std::sync::{Arc, OnceLock};
+
+/// A user's field, and what is promised of it.
+#[derive(Debug)]
+pub struct UserField {
+    /// The file that the text came from, or what reports call it.
+    pub file: PathBuf,
+    /// GLSL with a `float field(vec3 p)`; helpers, constants and macros beside it are fine. A
+    /// `vec3 fieldGradient(vec3 p)` states its gradient, in units of the value a metre.
+    pub text: String,
+    /// Full size in metres of the box about the origin that it fills: it is cut off there,
+    /// and never evaluated beyond.
+    pub size: Vec3,
+    /// How fast its value may grow at the most, in metres a metre.
+    pub lipschitz: f32,
+    samples: OnceLock<Arc<UserSamples>>,
+    read: OnceLock<Read>,
+    evaluation_seconds: OnceLock<f64>,
+}
+
+/// What the text is asked for every frame: it is read once.
+#[derive(Clone, Copy, Debug, Default)]
+struct Read {
+    has_loops: bool,
+    states_gradient: bool,
+}
+
+/// The values of a field on a grid over its box, edges included.
+#[derive(Clone, Debug, PartialEq)]
+pub struct UserSamples {
+    /// Samples along each side.
+    pub side: usize,
+    /// The values: x runs fastest, then y, then z.
+    pub values: Vec<f32>,
+}
+
+impl UserField {
+    /// A field from text; `file` is what reports call it.
+    pub fn new(file: impl Into<PathBuf>, text: String, size: Vec3, lipschitz: f32) -> UserField {
+        UserField {
+            file: file.into(),
+            text,
+            size,
+            lipschitz,
+            samples: OnceLock::new(),
+            read: OnceLock::new(),
+            evaluation_seconds: OnceLock::new(),
+        }
+    }
+
+    /// Refuses a box without a size, and a constant that cannot be meant.
+    ///
+    /// # Errors
+    /// A sentence on what it must be.
+    pub(super) fn check_numbers(&self) -> Result<(), String> {
+        let mut size = self.size;
+        let mut sides = Vec::new();
+        size.add_to("size", Quantity::Length, &mut sides);
+        sides.iter().try_for_each(Parameter::check)?;
+        if self.lipschitz >= 1e-3 && self.lipschitz <= 1e6 {
+            return Ok(());
+        }
+        let value = self.lipschitz;
+        Err(format!("its lipschitz must be 0.001 to 1e6, not {value}"))
+    }
+
+    /// Keeps what the GPU answered; the first answer stays.
+    pub fn set_samples(&self, samples: Arc<UserSamples>) {
+        // The same text over the same box has the same samples.
+        let _ = self.samples.set(samples);
+    }
+
+    /// What the GPU answered, once it was asked.
+    pub fn samples(&self) -> Option<&Arc<UserSamples>> {
+        self.samples.get()
+    }
+
+    /// Keeps how long an evaluation takes; the first measurement stays.
+    pub fn set_evaluation_seconds(&self, seconds: f64) {
+        // Another measurement of the same text says the same, within the load.
+        let _ = self.evaluation_seconds.set(seconds);
+    }
+
+    /// Seconds that an evaluation took on the renderer, many of them side by side, once that
+    /// was measured.
+    pub fn evaluation_seconds(&self) -> Option<f64> {
+        self.evaluation_seconds.get().copied()
+    }
+
+    /// Whether the text is one of the program's own.
+    pub(crate) fn is_own(&self) -> bool {
+        crate::scene::builtin::is_own_text(&self.text)
+    }
+
+    /// The value as the samples have it (trilinear), held at the box; 0 before there are any.
+    pub fn value(&self, point: DVec3) -> f64 {
+        let Some(samples) = self.samples.get() else {
+            return 0.0;
+        };
+        let share = point / self.size.as_dvec3() + 0.5;
+        samples.at(share)
+    }
+
+    /// The text as it may stand within a shader, line by line: in ASCII, its macros expanded,
+    /// without directives and `precision` statements, which are the whole shader's. Empty for
+    /// a text that [`UserField::check_text`] refuses.
+    pub fn shader_text(&self) -> String {
+        text::read(&self.text).map_or_else(|_| String::new(), |text| text.code)
+    }
+
+    /// Checks what can be seen without compiling it.
+    ///
+    /// # Errors
+    /// The line, where it is in one, and a sentence: there is no `float field(vec3 p)`, a
+    /// value that a shader would have to be given from outside, something that a function of
+    /// one point cannot do, or more than a compiler can be trusted with.
+    pub fn check_text(&self) -> Result<(), (Option<u32>, String)> {
+        text::read(&self.text).map(|_| ())
+    }
+
+    /// Whether there are loops in the text, as far as it can be read.
+    pub fn has_loops(&self) -> bool {
+        self.read().has_loops
+    }
+
+    /// Whether the text states its gradient: `vec3 fieldGradient(vec3 p)`.
+    pub fn states_gradient(&self) -> bool {
+        self.read().states_gradient
+    }
+
+    fn read(&self) -> Read {
+        let read = |text: text::Text| Read {
+            has_loops: text.has_loops,
+            states_gradient: text.states_gradient,
+        };
+        *self
+            .read
+            .get_or_init(|| text::read(&self.text).map(read).unwrap_or_default())
+    }
+
+    /// All names in the text that are not GLSL's own: they are renamed when it is taken into a
+    /// shader, so that two fields never clash, and no field reaches what is around it. Empty
+    /// for a text that [`UserField::check_text`] refuses.
+    pub fn names(&self) -> Vec<String> {
+        text::read(&self.text).map_or_else(|_| Vec::new(), |text| text.names)
+    }
+}
+
+impl PartialEq for UserField {
+    fn eq(&self, other: &UserField) -> bool {
+        let same = |a: &UserField, b: &UserField| {
+            a.text == b.text && a.size == b.size && a.lipschitz == b.lipschitz
+        };
+        same(self, other) && self.file == other.file
+    }
+}
+
+impl UserSamples {
+    /// Trilinear value at 0 to 1 along each side, held at the edges.
+    fn at(&self, share: DVec3) -> f64 {
+        let last = (self.side - 1) as f64;
+        let place = (share * last).clamp(DVec3::ZERO, DVec3::splat(last));
+        let cell = place.floor().min(DVec3::splat(last - 1.0));
+        let within = place - cell;
+        let [x, y, z] = cell.to_array().map(|c| c as usize);
+        let mut value = 0.0;
+        for corner in 0..8 {
+            let bit = |axis: usize| (corner >> axis) & 1;
+            let weight = |axis: usize| {
+                if bit(axis) == 1 {
+                    within[axis]
+                } else {
+                    1.0 - within[axis]
+                }
+            };
+            let index = ((z + bit(2)) * self.side + y + bit(1)) * self.side + x + bit(0);
+            value += weight(0) * weight(1) * weight(2) * f64::from(self.values[index]);
+        }
+        value
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects the CPU's idea of a field: the samples, interpolated.
+    #[test]
+    fn samples_are_interpolated() {
+        let size = Vec3::new(2.0, 4.0, 8.0);
+        let field = UserField::new("x", String::new(), size, 1.0);
+        assert_eq!(field.value(DVec3::ZERO), 0.0);
+        let values = (0..8).map(|i| [0.0, 1.0][i & 1]).collect();
+        field.set_samples(Arc::new(UserSamples { side: 2, values }));
+        assert_eq!(field.value(DVec3::ZERO), 0.5);
+        assert_eq!(field.value(DVec3::X * 5.0), 1.0);
+        assert_eq!(field.value(DVec3::new(-0.5, 2.0, 1.0)), 0.25);
+    }
+}

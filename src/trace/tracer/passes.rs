@@ -1,0 +1,159 @@
+//! The passes of a frame, and the textures that they draw to.
+
+use super::super::directions::random_turn;
+use super::super::sum::Sum;
+use super::super::waves::STATUS_DEAD;
+use super::super::{Grid, TraceError};
+use super::Tracer;
+use super::prepared::{EVALUATIONS_PER_DRAW, PreparedFrame};
+use crate::error::Error;
+use crate::gpu::{
+    Context, GpuError, PingPong, Program, RenderTarget, Target, Texture, full_screen_pass_rows,
+};
+use glam::{Vec3, Vec4};
+use std::ops::Range;
+
+/// Waves in one draw call at the most: a frame of more is drawn in bands of rows, so that
+/// a graphics card's watchdog does not take a long pass for a hang.
+const WAVES_PER_DRAW: u64 = 1 << 20;
+
+/// The textures for one count of waves.
+pub(super) struct Targets {
+    pub grid: Grid,
+    pub pairs: PingPong,
+    pub contributions: Texture,
+    pub pan: RenderTarget,
+    /// Made for the first frame that is summed on the GPU.
+    pub sum: Option<Sum>,
+}
+
+impl Targets {
+    pub fn new(context: &Context, grid: Grid) -> Result<Targets, GpuError> {
+        let contributions = Texture::new(context, grid.width, grid.height)?;
+        Ok(Targets {
+            grid,
+            pairs: PingPong::new(context, grid.width, grid.height)?,
+            pan: RenderTarget::new(context, &[&contributions])?,
+            contributions,
+            sum: None,
+        })
+    }
+}
+
+/// The passes. None is waited for, and their times are the callers' affair.
+impl Tracer {
+    pub(super) fn targets(&self) -> Result<&Targets, TraceError> {
+        self.targets.as_ref().ok_or(TraceError::NothingTraced)
+    }
+
+    /// Puts every wave at the source.
+    pub(super) fn initialise(&self, frame: &PreparedFrame) -> Result<(), Error> {
+        frame.set_initialise_uniforms(Vec4::from(random_turn(frame.settings.seed)));
+        let target = self.targets()?.pairs.current();
+        let program = &frame.programs.initialise;
+        self.draw(program, frame.grid, target, 1, 0..frame.grid.height)
+    }
+
+    /// What the initialise pass does, for directions that are given.
+    pub(super) fn upload_starts(
+        &self,
+        frame: &PreparedFrame,
+        directions: &[Vec3],
+    ) -> Result<(), Error> {
+        let texels = (frame.grid.width * frame.grid.height) as usize;
+        let mut origins = vec![frame.start(); directions.len()];
+        origins.resize(texels, [0.0, 0.0, 0.0, STATUS_DEAD]);
+        let mut headings: Vec<[f32; 4]> = directions
+            .iter()
+            .map(|direction| direction.extend(0.0).to_array())
+            .collect();
+        headings.resize(texels, [0.0; 4]);
+        let current = self.targets()?.pairs.current();
+        current.first.upload(origins.as_flattened())?;
+        current.second.upload(headings.as_flattened())?;
+        Ok(())
+    }
+
+    /// Sets every uniform of the march that is the same for all iterations.
+    pub(super) fn set_march_uniforms(&self, frame: &PreparedFrame) {
+        frame.set_march_uniforms();
+        self.scene_data.set_uniforms(&frame.programs.march);
+    }
+
+    /// Some rows of a march pass of so many iterations; when all are drawn the pairs are to be
+    /// [flipped](Tracer::flip).
+    pub(super) fn march_rows(
+        &self,
+        frame: &PreparedFrame,
+        iterations: u32,
+        rows: Range<u32>,
+    ) -> Result<(), Error> {
+        let program = &frame.programs.march;
+        let pairs = &self.targets()?.pairs;
+        program.set_texture("uOrigins", 0, &pairs.current().first);
+        program.set_texture("uDirections", 1, &pairs.current().second);
+        self.scene_data.bind(program, 2);
+        program.set_i32("uIterationsInPass", iterations as i32);
+        let mut evaluations = frame.evaluations(iterations);
+        // No watchdog looks after what the processor draws.
+        if !self.context.is_software() {
+            evaluations = evaluations.saturating_mul(frame.weight());
+        }
+        self.draw(program, frame.grid, pairs.next(), evaluations, rows)
+    }
+
+    /// What was written last is read next.
+    pub(super) fn flip(&mut self) {
+        if let Some(targets) = &mut self.targets {
+            targets.pairs.flip();
+        }
+    }
+
+    /// What each wave gives to either side.
+    pub(super) fn pan(&self, frame: &PreparedFrame) -> Result<(), Error> {
+        let program = &frame.programs.pan;
+        let targets = self.targets()?;
+        let current = targets.pairs.current();
+        program.set_texture("uOrigins", 0, &current.first);
+        program.set_texture("uDirections", 1, &current.second);
+        frame.set_pan_uniforms();
+        self.draw(program, frame.grid, &targets.pan, 1, 0..frame.grid.height)
+    }
+
+    /// Both textures of the current pair, the texels beyond the last wave left out.
+    pub(super) fn read_pair(&self) -> Result<[Vec<f32>; 2], Error> {
+        let targets = self.targets()?;
+        let length = 4 * targets.grid.waves as usize;
+        let target = &targets.pairs.current().target;
+        let mut origins = target.read(0)?;
+        let mut directions = target.read(1)?;
+        origins.truncate(length);
+        directions.truncate(length);
+        Ok([origins, directions])
+    }
+
+    /// Draws some rows of one pass in bands, of so many evaluations a wave at the most.
+    fn draw(
+        &self,
+        program: &Program,
+        grid: Grid,
+        target: &impl Target,
+        evaluations: u64,
+        part: Range<u32>,
+    ) -> Result<(), Error> {
+        let waves = (EVALUATIONS_PER_DRAW / evaluations).min(WAVES_PER_DRAW);
+        let rows = (waves / u64::from(grid.width)).max(1) as u32;
+        for start in part.clone().step_by(rows as usize) {
+            let band = start..(start + rows).min(part.end);
+            full_screen_pass_rows(
+                &self.context,
+                program,
+                target,
+                grid.width,
+                grid.height,
+                band,
+            )?;
+        }
+        Ok(())
+    }
+}

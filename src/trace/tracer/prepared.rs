@@ -1,0 +1,180 @@
+//! What one frame needs: its input, checked, and what follows from it.
+
+use super::super::budget::Budget;
+use super::super::waves::{STATUS_DEAD, STATUS_STARTED};
+use super::super::{Grid, Profile, Settings};
+use crate::gpu::Program;
+use crate::scene::Scene;
+use crate::scene::glsl::{Placed, Placement};
+use glam::{Vec3, Vec4};
+use std::rc::Rc;
+use std::time::Instant;
+
+/// Evaluations of one surface in one draw call at the most, were every march in it to take
+/// all the steps it may: some 2^38 operations, about a second on the slowest card that has
+/// OpenGL 3.3.
+pub(super) const EVALUATIONS_PER_DRAW: u64 = 1 << 33;
+
+/// Rows that are drawn before anything is known of their time.
+const FIRST_ROWS: u32 = 8;
+
+/// Seconds that these may take, where that can be foreseen: no more than a picture.
+const FIRST_SECONDS: f64 = 0.03;
+
+/// Steps to the next surface, as a rule.
+const USUAL_STEPS: f64 = 20.0;
+
+/// One frame's input, checked: its programs, and the values of their uniforms as the scene stood
+/// when the frame was begun.
+pub(super) struct PreparedFrame {
+    pub settings: Settings,
+    pub grid: Grid,
+    pub budget: Budget,
+    pub programs: FramePrograms,
+    pub began: Instant,
+    /// World position of the shaders' origin in metres.
+    pub origin: Vec3,
+    uniforms: Uniforms,
+    /// Seconds of an evaluation of the slowest user's field, where there is one.
+    evaluation_seconds: Option<f64>,
+}
+
+/// The programs of the passes of a frame.
+pub(super) struct FramePrograms {
+    pub initialise: Rc<Program>,
+    pub march: Rc<Program>,
+    pub pan: Rc<Program>,
+}
+
+/// What the programs are told of the scene, in the shaders' coordinates.
+struct Uniforms {
+    surfaces: Vec<Vec4>,
+    source: Vec3,
+    start_status: f32,
+    /// Position and radius.
+    listener: Vec4,
+    listener_right: Vec3,
+}
+
+impl PreparedFrame {
+    /// The coordinates of a frame's shaders.
+    pub fn placement(scene: &Scene, settings: &Settings) -> Placement {
+        match settings.profile {
+            Profile::Thesis => Placement::world(),
+            Profile::March | Profile::Hybrid => Placement::anchored(scene),
+        }
+    }
+
+    /// Of a scene whose surfaces lie in the shaders' coordinates as `placed` says.
+    pub fn new(
+        scene: &Scene,
+        settings: &Settings,
+        (placement, placed): (&Placement, &Placed),
+        budget: Budget,
+        programs: FramePrograms,
+        began: Instant,
+    ) -> PreparedFrame {
+        let listener = &scene.listener;
+        let uniforms = Uniforms {
+            surfaces: placed.uniform_values(),
+            source: placement.place(scene.source.position),
+            start_status: start_status(scene, settings.profile, placed),
+            listener: placement.place(listener.position).extend(listener.radius),
+            listener_right: listener.right(),
+        };
+        PreparedFrame {
+            settings: settings.clone(),
+            grid: Grid::new(settings.waves),
+            budget,
+            programs,
+            began,
+            origin: placement.anchor,
+            uniforms,
+            evaluation_seconds: scene.evaluation_seconds(),
+        }
+    }
+
+    /// Sets the uniforms of the initialise pass.
+    pub fn set_initialise_uniforms(&self, turn: Vec4) {
+        let program = &self.programs.initialise;
+        set_grid(program, self.grid);
+        program.set_vec3("uSource", self.uniforms.source);
+        program.set_f32("uStartStatus", self.uniforms.start_status);
+        program.set_u32("uSeed", self.settings.seed);
+        program.set_vec4("uTurn", turn);
+    }
+
+    /// Sets the uniforms of the march that are the same for all iterations. Those that the
+    /// program does not have are skipped.
+    pub fn set_march_uniforms(&self) {
+        let (program, settings) = (&self.programs.march, &self.settings);
+        set_grid(program, self.grid);
+        program.set_vec4_array("uSurfaces", &self.uniforms.surfaces);
+        program.set_vec4("uListener", self.uniforms.listener);
+        program.set_f32("uMinDistance", settings.min_distance);
+        program.set_f32("uMaxDistance", settings.max_distance);
+        program.set_f32("uStartOffset", settings.start_offset);
+        program.set_f32("uNormalStep", settings.normal_step);
+        program.set_f32("uLipschitz", settings.lipschitz);
+        program.set_f32("uDistanceFactor", settings.distance_factor);
+        program.set_i32("uStepLimit", self.budget.steps as i32);
+        program.set_i32("uFieldSteps", self.budget.field_steps as i32);
+        program.set_i32("uCopySteps", self.budget.copy_steps as i32);
+    }
+
+    /// Sets the uniforms of the panning pass.
+    pub fn set_pan_uniforms(&self) {
+        let program = &self.programs.pan;
+        program.set_vec4("uListener", self.uniforms.listener);
+        program.set_vec3("uListenerRight", self.uniforms.listener_right);
+    }
+
+    /// The texel of a wave at its start: position and status.
+    pub fn start(&self) -> [f32; 4] {
+        let Uniforms {
+            source,
+            start_status,
+            ..
+        } = self.uniforms;
+        source.extend(start_status).to_array()
+    }
+
+    /// Evaluations of one surface that a wave may take in so many iterations.
+    pub fn evaluations(&self, iterations: u32) -> u64 {
+        u64::from(iterations) * self.budget.evaluations
+    }
+
+    /// How many evaluations of a usual surface one of the scene's takes the time of: of users'
+    /// fields that was measured.
+    pub fn weight(&self) -> u64 {
+        let slowest = self.evaluation_seconds.unwrap_or_default();
+        ((slowest * EVALUATIONS_PER_DRAW as f64) as u64).max(1)
+    }
+
+    /// Rows that are drawn before anything is known of their time: fewer of what is foreseen to
+    /// take long.
+    pub fn first_rows(&self, iterations: u32) -> u32 {
+        let Some(seconds) = self.evaluation_seconds else {
+            return FIRST_ROWS;
+        };
+        let evaluations = f64::from(self.grid.width) * f64::from(iterations) * USUAL_STEPS;
+        ((FIRST_SECONDS / (seconds * evaluations)) as u32).clamp(1, FIRST_ROWS)
+    }
+}
+
+/// The thesis marches waves even out of a solid; elsewhere a source in a solid sends none.
+fn start_status(scene: &Scene, profile: Profile, placed: &Placed) -> f32 {
+    if profile == Profile::Thesis {
+        return STATUS_STARTED;
+    }
+    let nearest = scene.surface_distance(scene.source.position);
+    match -nearest.distance > placed.slack(nearest.object) {
+        true => STATUS_DEAD,
+        false => STATUS_STARTED,
+    }
+}
+
+fn set_grid(program: &Program, grid: Grid) {
+    program.set_u32("uWaveCount", grid.waves);
+    program.set_u32("uGridWidth", grid.width);
+}

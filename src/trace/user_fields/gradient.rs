@@ -1,0 +1,197 @@
+//! Whether the gradient that a text states is that of its value.
+//!
+//! It is held against differences at points on the surface, where normals are taken, and at
+//! points all over the box. Along each axis five values in a row give four slopes. Where the
+//! value is smooth these say nearly the same, and the gradient must too; where they differ, by
+//! curvature, an edge or rounding, it may be off by as much. That is done over four distances,
+//! and the one that tells most counts. No two of them have a common measure, so that no ripple
+//! looks flat over all of them.
+
+use super::{Probe, TraceError};
+use crate::error::Error;
+use crate::scene::halton;
+use glam::Vec3;
+
+/// Points over the box at which it is tried, besides those on the surface.
+const SPREAD: usize = 1024;
+
+/// Distances of neighbouring values, as shares of the largest coordinate.
+const DISTANCES: [f32; 4] = [1.0 / 16.0, 1.0 / 61.0, 1.0 / 251.0, 1.0 / 1021.0];
+
+/// The least coordinate that these are shares of, as a share of the box: nothing has a scale at
+/// its origin.
+const LEAST_SCALE: f32 = 1.0 / 1024.0;
+
+/// Neighbours along an axis, in distances.
+const NEIGHBOURS: [f32; 4] = [-2.0, -1.0, 1.0, 2.0];
+
+/// Values around a point.
+const AROUND: usize = DISTANCES.len() * 3 * NEIGHBOURS.len();
+
+/// By how much a component may be off whatever the differences say, as a share of the
+/// gradient's length: a hundredth of a radian is seen in no picture.
+const TOLERANCE: f64 = 0.01;
+
+/// What counts as a rounding of a coordinate: the shader looks so far aside where a gradient is
+/// no number. As in `glsl/common/rounding.glsl`.
+const ROUNDING: f32 = 8.0 * f32::EPSILON;
+
+/// Off every line that a text is likely to have, as in `glsl/user/gradient.glsl`.
+const ASIDE: Vec3 = Vec3::new(0.53, -0.62, 0.58);
+
+/// What differences over one distance tell of a component.
+#[derive(Clone, Copy)]
+struct Slope {
+    slope: f64,
+    /// By how much the slopes next to it differ.
+    doubt: f64,
+}
+
+impl Probe<'_> {
+    /// Refuses a stated gradient that is further off than differences can be.
+    pub(super) fn check_gradient(&self, surface: &[Vec3]) -> Result<(), Error> {
+        if !self.field.states_gradient() {
+            return Ok(());
+        }
+        let half = 0.5 * self.field.size;
+        let spread = (1..=SPREAD).map(|index| half * (2.0 * halton(index).as_vec3() - 1.0));
+        let places: Vec<Vec3> = surface.iter().copied().chain(spread).collect();
+        let stated = self.stated(&places)?;
+        let middle = self.values(&places)?;
+        let points: Vec<Vec3> = places.iter().flat_map(|p| self.around(*p)).collect();
+        let values = self.values(&points)?;
+        let mut worst: Option<(f64, TraceError)> = None;
+        let around = points.chunks(AROUND).zip(values.chunks(AROUND));
+        for (index, (points, values)) in around.enumerate() {
+            let place = places[index];
+            let known = self.slopes(place, middle[index], points, values);
+            let (excess, found) = compared(stated[index], &known);
+            if excess > worst.as_ref().map_or(0.0, |(most, _)| *most) {
+                let error = TraceError::FieldGradientOff {
+                    file: self.field.file.display().to_string(),
+                    place,
+                    stated: stated[index],
+                    found,
+                };
+                worst = Some((excess, error));
+            }
+        }
+        worst.map_or(Ok(()), |(_, error)| Err(error.into()))
+    }
+
+    /// The stated gradients, as a shader takes them: a little aside where there is none.
+    fn stated(&self, places: &[Vec3]) -> Result<Vec<Vec3>, Error> {
+        let mut stated = self.gradients(places)?;
+        let none: Vec<usize> = (0..places.len())
+            .filter(|&i| !stated[i].is_finite())
+            .collect();
+        if none.is_empty() {
+            return Ok(stated);
+        }
+        let half = 0.5 * self.field.size;
+        let aside = |&index: &usize| {
+            let place = places[index];
+            let far = place.abs().max(half).max_element();
+            (place + ROUNDING * far * ASIDE).clamp(-half, half)
+        };
+        let aside: Vec<Vec3> = none.iter().map(aside).collect();
+        for (index, gradient) in none.into_iter().zip(self.gradients(&aside)?) {
+            stated[index] = gradient;
+        }
+        Ok(stated)
+    }
+
+    fn gradients(&self, points: &[Vec3]) -> Result<Vec<Vec3>, Error> {
+        let texels = self.texels(points)?;
+        let gradient = |texel: &[f32]| Vec3::new(texel[1], texel[2], texel[3]);
+        Ok(texels.chunks(4).take(points.len()).map(gradient).collect())
+    }
+
+    /// The neighbours of a place, held to the box: by distance, then by axis.
+    fn around(&self, place: Vec3) -> impl Iterator<Item = Vec3> {
+        let half = 0.5 * self.field.size;
+        let scale = place.abs().max(LEAST_SCALE * half).max_element();
+        let offsets = DISTANCES.into_iter().flat_map(move |distance| {
+            let along = move |axis| NEIGHBOURS.map(|n: f32| n * distance * scale * axis);
+            Vec3::AXES.into_iter().flat_map(along)
+        });
+        offsets.map(move |offset| (place + offset).clamp(-half, half))
+    }
+
+    /// What is known of each component: over every distance for which all neighbours are within
+    /// the box.
+    fn slopes(&self, place: Vec3, middle: f32, points: &[Vec3], values: &[f32]) -> [Vec<Slope>; 3] {
+        let mut known = [const { Vec::new() }; 3];
+        let rows = points
+            .chunks(NEIGHBOURS.len())
+            .zip(values.chunks(NEIGHBOURS.len()));
+        for (row, (points, values)) in rows.enumerate() {
+            let axis = row % 3;
+            let ends = [0, 1, 2, 3].map(|i| (f64::from(points[i][axis]), f64::from(values[i])));
+            let own = (f64::from(place[axis]), f64::from(middle));
+            let line = [ends[0], ends[1], own, ends[2], ends[3]];
+            let slope = |from: (f64, f64), to: (f64, f64)| (to.1 - from.1) / (to.0 - from.0);
+            let slopes = [0, 1, 2, 3].map(|i| slope(line[i], line[i + 1]));
+            let (least, most) = slopes
+                .iter()
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), s| {
+                    (least.min(*s), most.max(*s))
+                });
+            let doubt = most - least;
+            // Held to the box two neighbours are one.
+            if doubt.is_finite() {
+                let slope = slope(line[1], line[3]);
+                known[axis].push(Slope { slope, doubt });
+            }
+        }
+        known
+    }
+}
+
+/// By how much a gradient is further off than it may be, as a share of what it may be, or 0; and
+/// what the differences tell.
+fn compared(stated: Vec3, known: &[Vec<Slope>; 3]) -> (f64, Vec3) {
+    let told = [0, 1, 2].map(|axis| best(&known[axis]));
+    let found = Vec3::from(told.map(|told| told.slope as f32));
+    let length = f64::from(found.length());
+    let excess = |axis: usize| {
+        let off = (f64::from(stated[axis]) - told[axis].slope).abs();
+        let allowed = told[axis].doubt + TOLERANCE * length;
+        // What is no number is off too, whatever is allowed.
+        if off <= allowed {
+            0.0
+        } else {
+            (off / allowed).max(1.0)
+        }
+    };
+    let most = [0, 1, 2].map(excess).into_iter().fold(0.0, f64::max);
+    (most, found)
+}
+
+/// The slope that is told best, of those over all distances, the widest first. A ripple may look
+/// flat over a wide one, and rounding over a narrow one: what a narrower one says or leaves open
+/// is doubt, and what a wider one says that its own doubt does not cover.
+fn best(slopes: &[Slope]) -> Slope {
+    let nothing = Slope {
+        slope: 0.0,
+        doubt: f64::INFINITY,
+    };
+    let held = |(index, one): (usize, &Slope)| {
+        let others = slopes.iter().enumerate().map(|(other_index, other)| {
+            let off = (one.slope - other.slope).abs();
+            off + if other_index > index {
+                other.doubt
+            } else {
+                -other.doubt
+            }
+        });
+        Slope {
+            slope: one.slope,
+            doubt: one.doubt + others.fold(0.0, f64::max),
+        }
+    };
+    let better = |best: Slope, next: Slope| {
+        if next.doubt < best.doubt { next } else { best }
+    };
+    slopes.iter().enumerate().map(held).fold(nothing, better)
+}

@@ -1,0 +1,76 @@
+//! Single flights of waves against the exact reference.
+
+use super::tracer;
+use echomarch::reference::ExactScene;
+use echomarch::trace::Wave;
+use echomarch::{Profile, Scene, Settings};
+use glam::Vec3;
+
+/// Units in the last place of the largest coordinate by which a ray may be off: what placing
+/// surfaces, flying and landing cost.
+const ROUNDINGS: f64 = 8.0;
+
+/// Where a wave may end otherwise than its exact twin: the twin of a ray that is this much off.
+fn rounding(scene: &Scene) -> f64 {
+    let far = |place: Vec3| f64::from((place - scene.listener.position).abs().max_element());
+    let places = scene.surfaces.iter().map(|surface| {
+        let extent = match surface.shape.is_basic() {
+            true => 0.0,
+            false => surface.shape.properties().bounds.half_size().max_element(),
+        };
+        far(surface.position) + if extent.is_finite() { extent } else { 0.0 }
+    });
+    let largest = places.fold(far(scene.source.position), f64::max);
+    ROUNDINGS * f64::from(f32::EPSILON) * largest
+}
+
+/// Traces one flight in each profile and compares it with the exact one.
+pub fn compare(scene: &Scene, directions: &[Vec3], profiles: &[Profile]) {
+    let exact = ExactScene::new(scene).unwrap();
+    let start = scene.source.position.as_dvec3();
+    let ear = scene.listener.position.as_dvec3();
+    let mut tracer = tracer();
+    for &profile in profiles {
+        let settings = Settings::of(profile).with_iterations(1);
+        let states = tracer
+            .trace_directions(scene, &settings, directions)
+            .unwrap();
+        let waves = &states[1];
+        let context = |wave: &Wave| format!("{}, {profile}: {wave:?}", scene.name);
+        for wave in waves {
+            assert_eq!(wave.step_limit_reached, 0, "{}", context(wave));
+            let d = wave.start_direction.as_dvec3();
+            let truth = exact.trace(start, d, 1);
+            let place = wave.position.as_dvec3();
+            if wave.status < 0.0 && truth.status < 0 {
+                continue;
+            }
+            let reach = (truth.point - ear).abs().max_element();
+            let off = rounding(scene).max(ROUNDINGS * f64::from(f32::EPSILON) * reach);
+            let near = place.distance(truth.point) <= off;
+            if wave.status as i32 == truth.status && near {
+                assert!(exact.surface_distance(place) > -off, "{}", context(wave));
+                continue;
+            }
+            // It hangs on a rounding, or one is a long way along the surface: then rays beside
+            // it end on either side of it, and the place lies on a surface all the same.
+            let (one, other) = d.any_orthonormal_pair();
+            let aside = [one, -one, other, -other].map(|side| {
+                let twin = exact.trace(start + off * side, d, 1);
+                (twin.status, twin.point.distance(truth.point))
+            });
+            let as_twin = aside.iter().any(|twin| twin.0 == wave.status as i32);
+            let spread = aside.iter().map(|twin| twin.1).fold(0.0, f64::max);
+            let off_surfaces = wave.status <= 0.0;
+            let on_surface = off_surfaces || exact.surface_distance(place).abs() <= off;
+            let same = wave.status as i32 == truth.status
+                && place.distance(truth.point) <= off + 2.0 * spread;
+            let other = wave.status as i32 != truth.status && as_twin;
+            assert!(
+                on_surface && (same || other),
+                "{} for {truth:?}",
+                context(wave)
+            );
+        }
+    }
+}
