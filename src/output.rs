@@ -200,7 +200,16 @@ fn temporary_named(target: &Path, begin: &OsStr, end: &str) -> io::Result<NamedT
     // The error of the call alone: tempfile's names the temporary file, which nobody asked for.
     builder
         .tempfile_in(folder_of(target))
-        .map_err(|error| io::Error::from(error.kind()))
+        .map_err(|error| refused_in(folder_of(target), error.kind()))
+}
+
+/// Why no file can be made in a folder; where the folder is missing, that it is.
+fn refused_in(folder: &Path, kind: io::ErrorKind) -> io::Error {
+    if kind == io::ErrorKind::NotFound && !folder.exists() {
+        let text = format!("there is no folder {}", folder.display());
+        return io::Error::new(kind, text);
+    }
+    kind.into()
 }
 
 /// Makes a folder if need be and proves that files can be written in it: to be called
@@ -278,7 +287,12 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         assert!(check_file(folder.path()).is_err());
         assert!(check_file(Path::new("/dev/null")).is_err());
-        assert!(check_file(&folder.path().join("absent/file.csv")).is_err());
+        let absent = folder.path().join("absent");
+        let refused = check_file(&absent.join("file.csv"))
+            .unwrap_err()
+            .to_string();
+        let told = format!("there is no folder {}", absent.display());
+        assert!(refused.ends_with(&told), "{refused}");
         assert!(check_file(&folder.path().join("file.csv")).is_ok());
     }
 }

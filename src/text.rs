@@ -13,6 +13,20 @@ const MOST_LINES: usize = 10;
 #[cfg(feature = "cli")]
 const MOST_CHARACTERS: usize = 1000;
 
+/// Of some words the one that a mistyped word is most like, if any is: case, spaces and
+/// underscores apart at most a third of it is mistyped.
+pub(crate) fn nearest<'a>(
+    typed: &str,
+    known: impl IntoIterator<Item = impl Into<&'a str>>,
+) -> Option<&'a str> {
+    let plain = |word: &str| word.to_lowercase().replace([' ', '_'], "-");
+    let typed = plain(typed);
+    let known = known.into_iter().map(Into::into);
+    let measured = known.map(|word| (strsim::damerau_levenshtein(&typed, &plain(word)), word));
+    let (wrong, nearest) = measured.min()?;
+    (3 * wrong <= nearest.len()).then_some(nearest)
+}
+
 /// The text in one line, for a terminal: what is not seen as it stands (escape codes and other
 /// controls, ends of lines, changes of direction, spaces of no width) is spelled out as in Rust.
 pub(crate) fn in_a_line(text: &str) -> Cow<'_, str> {

@@ -29,6 +29,9 @@ fn report(scene: &str, settings: &[Settings]) -> AccuracyReport {
         scene: Scene::builtin(scene).unwrap(),
         cases: settings.iter().map(case).collect(),
         limit_directions: 20_000,
+        compared_waves: WAVES,
+        twin_seeds: 2,
+        chaos_pairs: 16_384,
         slope_waves: vec![256, 1024],
     };
     let options = AccuracyOptions {

@@ -14,21 +14,22 @@ use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Examples:
-  echomarch accuracy                         four scenes, and the targets
+  echomarch accuracy                         four scenes, and the targets: about 4 minutes
   echomarch accuracy -o out                  the same; CSV, JSON and the plot in out/
+  echomarch accuracy corner --error 0.01     one scene: about a minute
   echomarch accuracy my.ron --error 0.005    a scene of yours, without the targets
   echomarch accuracy --full -o out           every setting in every built-in scene: hours";
 
 const LEGEND: &str = "\
 ms: median time of a frame. M/s: millions of waves × iterations a second. eval: evaluations a wave
 and iteration, of the distance and, in hybrid and march, of all fields that are marched; where
-surfaces lie in cells, of those in the cell. Waves one by one: the first 65,536 at most. status,
-sequence: share of waves that end otherwise than the exact ones, or meet other surfaces. end: metres
-from the exact wave's end (median, 99 %, largest); within: the same, 99 % and largest, of waves
-within the horizon of chaos. Hits: heard, less those of the exact waves, by order of reflection,
-without waves that thesis hears after they died. limit bias: the mean less the limit of many waves;
-twin bias: against the exact panning of the same waves; spread: over the seeds; rms: root of the
-mean square error from the limit, MSE = (mean − limit)² + spread²; efficiency: 1 / (MSE × seconds).";
+surfaces lie in cells, of those in the cell. status, sequence: share of the waves compared that end
+otherwise than the exact ones, or meet other surfaces. end: metres from the exact wave's end
+(median, 99 %, largest); within: the same, 99 % and largest, of waves within the horizon of chaos.
+Hits: heard, less those of the exact waves, by order of reflection, without waves that thesis hears
+after they died. limit bias: the mean less the limit of many waves; twin bias: against the exact
+panning of the same waves, with its standard error; spread: over the seeds; rms: root of the mean
+square error from the limit, MSE = (mean − limit)² + spread²; efficiency: 1 / (MSE × seconds).";
 
 /// Arguments of `accuracy`.
 #[derive(Args, Debug)]
@@ -96,21 +97,22 @@ fn options(arguments: &Arguments, common: &Common) -> anyhow::Result<AccuracyOpt
 }
 
 fn print_report(report: &AccuracyReport) -> anyhow::Result<()> {
-    print::line(&format!(
+    print::prose(&format!(
         "{} (times: {}, median of {}; {:.0} s in all)",
         report.renderer, report.clock, report.seeds, report.seconds
     ))?;
     for scene in &report.scenes {
-        print::line(&format!("\n## {}\n", scene.scene))?;
-        print::line(&surfaces(scene))?;
+        print::prose(&format!("\n## {}\n", scene.scene))?;
+        print::prose(&surfaces(scene))?;
         print_limits(scene)?;
         print_chaos(scene)?;
-        print::line(&format!("\n{}\n", waves_table(scene)))?;
-        print::line(&format!("{}\n", panning_table(scene)))?;
+        print::prose(&compared(scene))?;
+        print::prose(&format!("\n{}\n", waves_table(scene)))?;
+        print::prose(&format!("{}\n", panning_table(scene)))?;
         print_slopes(scene)?;
-        print::line(&recommendation(scene, report.stated_error))?;
+        print::prose(&recommendation(scene, report.stated_error))?;
     }
-    print::line(&format!("\n{LEGEND}"))?;
+    print::prose(&format!("\n{LEGEND}"))?;
     print_targets(report)
 }
 
@@ -132,9 +134,17 @@ fn surfaces(scene: &SceneReport) -> String {
     told
 }
 
+/// Of how many waves and seeds the exact ones were traced.
+fn compared(scene: &SceneReport) -> String {
+    let rows = || scene.rows.iter();
+    let waves = rows().map(|row| row.waves.compared).max().unwrap_or(0);
+    let seeds = rows().map(|row| row.panning.twin_seeds).max().unwrap_or(0);
+    format!("compared one by one: {waves} waves a row at most; twin bias: of {seeds} seeds")
+}
+
 fn print_limits(scene: &SceneReport) -> anyhow::Result<()> {
     for limit in &scene.limits {
-        print::line(&format!(
+        print::prose(&format!(
             "{} iterations, exactly: pan {:+.5} ± {:.5}, {:.3} % of the waves heard ({} directions)",
             limit.iterations,
             limit.pan,
@@ -149,14 +159,14 @@ fn print_limits(scene: &SceneReport) -> anyhow::Result<()> {
 fn print_chaos(scene: &SceneReport) -> anyhow::Result<()> {
     let chaos = &scene.chaos;
     let Some(growth) = chaos.growth else {
-        return print::line("chaos: none, no wave meets two curved surfaces");
+        return print::prose("chaos: none, no wave meets two curved surfaces");
     };
     let by_hit: Vec<String> = chaos
         .steps
         .iter()
         .map(|step| format!("{:.1e} ({} waves)", step.separation, step.pairs))
         .collect();
-    print::line(&format!(
+    print::prose(&format!(
         "chaos: separations in metres a radian at the 1st, 2nd … curved surface: {}",
         by_hit.join(", ")
     ))?;
@@ -172,7 +182,7 @@ fn print_chaos(scene: &SceneReport) -> anyhow::Result<()> {
         .iter()
         .map(|(iterations, share)| format!("{share:.3} % in {iterations}"))
         .collect();
-    print::line(&format!(
+    print::prose(&format!(
         "       × {growth:.1} a curved hit; f32 rounding is 1 cm after {horizon:.1} of them; \
          waves past that horizon: {} iterations",
         beyond.join(", ")
@@ -272,7 +282,7 @@ fn panning_cells(row: &Row) -> [String; 12] {
         off.join(" "),
         format!("{:+.4}", panning.mean),
         format!("{:+.4}", panning.limit_bias),
-        format!("{:+.4}", panning.twin_bias),
+        format!("{:+.4} ± {:.4}", panning.twin_bias, panning.twin_bias_error),
         format!("{:.4}", panning.spread),
         format!("{:.4}", panning.rms),
         format!("{:.0}", panning.efficiency),
@@ -298,7 +308,7 @@ fn print_slopes(scene: &SceneReport) -> anyhow::Result<()> {
             (Some(power), None) => format!("∝ waves^{power:.2}"),
             (None, _) => "follows no law".to_owned(),
         };
-        print::line(&format!(
+        print::prose(&format!(
             "hybrid, {} directions: rms panning error {law} ({}{left_out})",
             slope.directions,
             points.join(", ")
@@ -348,7 +358,7 @@ fn print_targets(report: &AccuracyReport) -> anyhow::Result<()> {
             verdict.to_owned(),
         ]);
     }
-    print::line(&format!("\n## Against its targets\n\n{printed}"))
+    print::prose(&format!("\n## Against its targets\n\n{printed}"))
 }
 
 fn short(value: f64) -> String {

@@ -88,7 +88,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
 }
 
 fn print_report(report: &CostReport) -> anyhow::Result<()> {
-    print::line(&format!(
+    print::prose(&format!(
         "{}: {} waves, {} iterations, profile {}, {} directions, seeds from {}\n\
          {} (times: {}, median of {} pairs)",
         report.scene,
@@ -107,22 +107,22 @@ fn print_report(report: &CostReport) -> anyhow::Result<()> {
         false => "Surfaces, left out one at a time",
     };
     let followed = report.followed;
-    print::line(&format!(
+    print::prose(&format!(
         "\n## {what}\n\n{}\n",
         surfaces_table(&report.surfaces)
     ))?;
-    print::line(&format!("met: of {followed} waves"))?;
+    print::prose(&format!("met: of {followed} waves"))?;
     if report.surfaces.iter().any(|row| row.leaves_cells) {
-        print::line("*: without it the others no longer lie in cells, and are unrolled")?;
+        print::prose("*: without it the others no longer lie in cells, and are unrolled")?;
     }
-    print::line(&format!(
+    print::prose(&format!(
         "\n## Options, changed one at a time\n\n{}",
         options_table(&report.options)
     ))?;
     print_shader(report)?;
-    print::line(&format!("\n{LEGEND}\n"))?;
+    print::prose(&format!("\n{LEGEND}\n"))?;
     for sentence in &report.advice {
-        print::line(sentence)?;
+        print::prose(sentence)?;
     }
     Ok(())
 }
@@ -133,7 +133,7 @@ fn print_noise(report: &CostReport) -> anyhow::Result<()> {
         || "without bound, for an ear hears nothing by some seed".to_owned(),
         |level| format!("{level:.2} dB"),
     );
-    print::line(&format!(
+    print::prose(&format!(
         "with everything: frame {:.2} ms, march {:.2} ms; against itself {}\n\
          {:.1} waves heard; another seed changes that by {:.2} %, the pan by {:.4}, the level by {level}",
         report.control_total.base_ms,
@@ -211,7 +211,7 @@ fn print_shader(report: &CostReport) -> anyhow::Result<()> {
         (false, true) => format!("{} (not in the scene!)", feature.name),
     };
     let features: Vec<String> = shader.features.iter().map(tell).collect();
-    print::line(&format!(
+    print::prose(&format!(
         "\n## The shader of the march\n\n{} lines in {} functions; a scene of one plane has {} in {}\n\
          shapes and operators in it: {}",
         shader.lines,
@@ -231,7 +231,7 @@ fn print_shader(report: &CostReport) -> anyhow::Result<()> {
             shader.unused_functions.join(", ")
         ),
     };
-    print::line(&format!("{verdict}; {unused}"))
+    print::prose(&format!("{verdict}; {unused}"))
 }
 
 fn saves(timing: &Timing) -> String {

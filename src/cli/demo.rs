@@ -10,6 +10,7 @@ use crate::error::Error;
 use crate::gpu::Api;
 use crate::output::check_file;
 use crate::text;
+use anyhow::bail;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -129,6 +130,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     let options = options(arguments, common)?;
     common.scene_with(&arguments.scene, &arguments.values)?;
     check_outputs(arguments)?;
+    check_device(&arguments.sound)?;
     super::interrupt::ask_from_now_on();
     match run_demo(options) {
         Ok(report) => print_report(&report, common),
@@ -237,6 +239,41 @@ fn check_outputs(arguments: &Arguments) -> anyhow::Result<()> {
         file.as_deref().map_or(Ok(()), check_file)?;
     }
     Ok(())
+}
+
+/// Refuses a device that is not there, and a recording of nothing: before a window is opened.
+#[cfg(feature = "audio")]
+fn check_device(sound: &SoundOptions) -> anyhow::Result<()> {
+    if sound.device.is_none() && sound.record.is_none() {
+        return Ok(());
+    }
+    let devices = crate::audio::live::list_devices();
+    if devices.is_empty() {
+        bail!("there is no sound device: nothing can be played or recorded");
+    }
+    let Some(wanted) = &sound.device else {
+        return Ok(());
+    };
+    if devices
+        .iter()
+        .any(|of| of.name == *wanted || of.id == *wanted)
+    {
+        return Ok(());
+    }
+    let known: Vec<&str> = devices.iter().map(|device| device.name.as_str()).collect();
+    let known = known.join(", ");
+    Err(BadInput(format!(
+        "no sound device is called {wanted:?}; there are: {known}"
+    ))
+    .into())
+}
+
+#[cfg(not(feature = "audio"))]
+fn check_device(sound: &SoundOptions) -> anyhow::Result<()> {
+    if sound.device.is_none() && sound.record.is_none() {
+        return Ok(());
+    }
+    bail!("built without sound: nothing can be played or recorded")
 }
 
 fn to_output(line: &str) {

@@ -38,8 +38,12 @@ pub struct Arguments {
         value_name = "N", value_parser = count::<u32>)]
     runs: u32,
     /// Profiles to set side by side, separated by commas
-    #[arg(long, value_delimiter = ',', value_name = "NAMES",
-          default_values_t = [Profile::Thesis, Profile::March, Profile::Hybrid])]
+    #[arg(
+        long,
+        value_delimiter = ',',
+        value_name = "NAMES",
+        default_value = "thesis,march,hybrid"
+    )]
     profiles: Vec<Profile>,
     /// Chooses the random directions
     #[arg(
@@ -80,21 +84,22 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
 }
 
 fn print_tables(report: &FiguresReport) -> anyhow::Result<()> {
-    print::line(&format!(
+    print::prose(&format!(
         "{} (times: {}, median of {}; seed {})",
         report.renderer, report.clock, report.runs, report.seed
     ))?;
     for table in &report.tables {
-        print::line(&format!(
+        print::prose(&format!(
             "\nFigure {}: {} scene, {} iterations",
             table.figure, table.scene, table.iterations
         ))?;
-        print::line(&as_table(table).to_string())?;
+        print::prose(&as_table(table).to_string())?;
     }
-    print::line(
-        "\nms: median time of a frame, and of its parts. zero: share of all passes that end at\n\
-         distance 0. step limit: marches that reached it. se: difference of the hits in standard\n\
-         errors, √(ours + thesis).",
+    print::prose(
+        "\nms: median time of a frame; init, march, pan, read: of its parts, read is the copy to the\n\
+         processor. hits: waves that reached the listener. se: their difference from the thesis in\n\
+         standard errors, √(ours + thesis). zero: share of all iterations that end at distance 0.\n\
+         step limit: marches that reached it.",
     )
 }
 

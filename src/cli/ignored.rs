@@ -108,6 +108,10 @@ pub fn check(matches: &ArgMatches) -> Result<(), BadInput> {
             return Err(BadInput(text));
         }
     }
+    if let Some(twice) = set_twice(given) {
+        let text = format!("--set {twice} is given twice: the first would change nothing");
+        return Err(BadInput(text));
+    }
     let rules = IGNORED.iter().filter(|rule| rule.command == path);
     for rule in rules.filter(|rule| (rule.when)(given)) {
         let wanted = |id: &&str| match rule.options {
@@ -127,6 +131,14 @@ pub fn check(matches: &ArgMatches) -> Result<(), BadInput> {
         }
     }
     Ok(())
+}
+
+/// The named value that is set a second time.
+fn set_twice(given: &ArgMatches) -> Option<&str> {
+    let sets = given.try_get_many::<(String, f32)>("set").ok().flatten()?;
+    let names: Vec<&str> = sets.map(|(name, _)| name.as_str()).collect();
+    let is_again = |at: &usize| names[..*at].contains(&names[*at]);
+    (0..names.len()).find(is_again).map(|at| names[at])
 }
 
 /// Whether an option was typed: not, if the subcommand has none of that name.

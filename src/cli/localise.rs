@@ -12,8 +12,8 @@ use crate::experiment::localise::form::{self, Form, FormOptions, WriteError};
 use crate::experiment::localise::score::{Group, ScoreReport, score};
 use crate::experiment::localise::statistics::{ErrorFigures, LEAST_DRAWN};
 use crate::experiment::localise::{
-    self, LocaliseOptions, LocaliseReport, MOST_TRIALS, MOST_WORK, OpenCase, ROOMS, SOUNDS,
-    markdown, plot_svg, write_csv, write_score_csv,
+    self, LocaliseOptions, LocaliseReport, MOST_TRIALS, MOST_WORK, OpenCase, markdown, plot_svg,
+    write_csv, write_score_csv,
 };
 use crate::output::{check_file, prepare_folder, write_whole};
 use crate::scene::Scene;
@@ -47,6 +47,10 @@ Examples:
   echomarch localise score --json anna.json bert.json
   echomarch localise score -o out answers-*.json";
 
+/// The rooms and sounds that are taken without a choice.
+const SCENES: &str = "corner,obstacles";
+const ALL_SOUNDS: &str = "speech,sine:500";
+
 /// Arguments of `localise`.
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
@@ -69,10 +73,10 @@ enum Command {
 #[derive(Args, Debug)]
 struct Stimuli {
     /// Built-in scenes or scene files, separated by commas
-    #[arg(long, value_delimiter = ',', value_name = "NAMES", default_values_t = ROOMS.map(str::to_owned))]
+    #[arg(long, value_delimiter = ',', value_name = "NAMES", default_value = SCENES)]
     scenes: Vec<String>,
     /// Sounds, separated by commas
-    #[arg(long, value_delimiter = ',', value_name = "SOUNDS", default_values_t = SOUNDS.map(str::to_owned))]
+    #[arg(long, value_delimiter = ',', value_name = "SOUNDS", default_value = ALL_SOUNDS)]
     sounds: Vec<String>,
     /// How the panning value becomes two levels, for every profile alike: linear (the thesis),
     /// constant-power
@@ -86,8 +90,12 @@ struct RunArguments {
     #[command(flatten)]
     stimuli: Stimuli,
     /// Profiles, separated by commas
-    #[arg(long, value_delimiter = ',', value_name = "NAMES",
-          default_values_t = [Profile::Thesis, Profile::March, Profile::Hybrid])]
+    #[arg(
+        long,
+        value_delimiter = ',',
+        value_name = "NAMES",
+        default_value = "thesis,march,hybrid"
+    )]
     profiles: Vec<Profile>,
     /// Numbers of waves, separated by commas [default: 64 … 1048576, each four times as many]
     #[arg(long, value_delimiter = ',', value_name = "N", value_parser = count::<u32>)]
@@ -112,14 +120,19 @@ struct FormArguments {
     #[command(flatten)]
     stimuli: Stimuli,
     /// Profiles, separated by commas
-    #[arg(long, visible_alias = "profile", value_delimiter = ',', value_name = "NAMES",
-          default_values_t = [Profile::Hybrid])]
+    #[arg(
+        long,
+        visible_alias = "profile",
+        value_delimiter = ',',
+        value_name = "NAMES",
+        default_value = "hybrid"
+    )]
     profiles: Vec<Profile>,
     /// Numbers of waves, separated by commas
-    #[arg(long, value_delimiter = ',', value_name = "N", default_values_t = [4096, 65_536], value_parser = count::<u32>)]
+    #[arg(long, value_delimiter = ',', value_name = "N", default_value = "4096,65536", value_parser = count::<u32>)]
     waves: Vec<u32>,
     /// Numbers of iterations, separated by commas
-    #[arg(long, value_delimiter = ',', value_name = "N", default_values_t = [4, 8], value_parser = count::<u32>)]
+    #[arg(long, value_delimiter = ',', value_name = "N", default_value = "4,8", value_parser = count::<u32>)]
     iterations: Vec<u32>,
     /// Seed of the trials' numbers, and of the start directions of the waves
     #[arg(long, default_value_t = 1, value_name = "N", value_parser = count::<u32>)]
@@ -336,11 +349,11 @@ fn tell_form(arguments: &FormArguments, common: &Common, form: &Form) -> anyhow:
         false => "with its sounds beside it in sounds/",
     };
     let trials = form.trials.len();
-    print::line(&format!(
+    print::prose(&format!(
         "{page}: {trials} trials, {sounds}; open it in a browser"
     ))?;
     if unheard > 0 {
-        print::line(&format!(
+        print::prose(&format!(
             "  in {unheard} of them no wave arrived: they are in the middle"
         ))?;
     }
@@ -385,9 +398,9 @@ fn print_score(report: &ScoreReport) -> anyhow::Result<()> {
             line.trials.to_string(),
         ]);
     }
-    print::line(&printed.to_string())?;
+    print::prose(&printed.to_string())?;
     if report.groups.is_empty() {
-        return print::line("\nNo trial is answered.");
+        return print::prose("\nNo trial is answered.");
     }
     let mut printed = print::table(
         6,
@@ -415,10 +428,11 @@ fn print_score(report: &ScoreReport) -> anyhow::Result<()> {
     for group in &report.groups {
         printed.add_row(group_cells(group));
     }
-    print::line(&format!(
+    print::prose(&format!(
         "\n{printed}\n\nErrors: median absolute, in degrees, of the click's azimuth folded to the \
-         front. Interval: 95 %, by a\nbootstrap over people; it and the spread need \
-         {LEAST_DRAWN} people. Observer: what it answers to the same sounds,\nby their levels \
+         front. Interval: 95 %, by a \
+         bootstrap over people; it and the spread need \
+         {LEAST_DRAWN} people. Observer: what it answers to the same sounds, by their levels \
          alone. Silent: no wave was heard, and the sound was in the middle."
     ))
 }
@@ -459,4 +473,17 @@ fn group_cells(group: &Group) -> Vec<String> {
     cells.push(format!("{:.0} %", 100.0 * group.clicked_behind));
     cells.push(format!("{:.1}", group.confidence));
     cells
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiment::localise::{ROOMS, SOUNDS};
+
+    /// Protects the help: it names the scenes and sounds of the experiment, as they are typed.
+    #[test]
+    fn the_defaults_are_those_of_the_experiment() {
+        assert_eq!(SCENES, ROOMS.join(","));
+        assert_eq!(ALL_SOUNDS, SOUNDS.join(","));
+    }
 }

@@ -14,6 +14,42 @@ pub fn line(text: &str) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// Prints text for people to read: lines wider than a terminal go on in the next. Tables stay as
+/// they are.
+pub fn prose(text: &str) -> anyhow::Result<()> {
+    line(&folded(text))
+}
+
+/// The text with its lines broken at blanks so that they fit a terminal, but for those of tables.
+fn folded(text: &str) -> String {
+    let lines = text.split('\n').map(|line| match line.starts_with('|') {
+        true => line.to_owned(),
+        false => fold_line(line),
+    });
+    lines.collect::<Vec<_>>().join("\n")
+}
+
+/// One line, broken at blanks; what follows is as far in as its text is.
+fn fold_line(line: &str) -> String {
+    let words = line.trim_start_matches(' ');
+    let indent = " ".repeat(line.len() - words.len());
+    let (mut text, mut width) = (indent.clone(), indent.len());
+    for (at, word) in words.split(' ').enumerate() {
+        let needed = word.chars().count();
+        if at > 0 && width + 1 + needed > WIDTH {
+            text += "\n";
+            text += &indent;
+            width = indent.len();
+        } else if at > 0 {
+            text.push(' ');
+            width += 1;
+        }
+        text += word;
+        width += needed;
+    }
+    text
+}
+
 /// Tells something on standard error: every message of the program goes through here, and
 /// none is longer than 10 lines and 1,000 characters.
 pub fn tell(message: &str) {
@@ -125,9 +161,11 @@ impl fmt::Display for Wide {
     }
 }
 
-/// Prints a document of Markdown whose tables may be wider than a terminal.
+/// Prints a document of Markdown whose tables may be wider than a terminal, and so its
+/// paragraphs, which are filled anew.
 pub fn markdown(text: &str) -> anyhow::Result<()> {
     let mut rows: Vec<Vec<String>> = Vec::new();
+    let text = &paragraphs(text);
     for text in text.lines().chain([""]) {
         if let Some(cells) = text.strip_prefix('|') {
             let cells = cells.trim_end_matches('|').split('|');
@@ -137,9 +175,25 @@ pub fn markdown(text: &str) -> anyhow::Result<()> {
         if !rows.is_empty() {
             line(&from_markdown(std::mem::take(&mut rows)).to_string())?;
         }
-        line(text)?;
+        prose(text)?;
     }
     Ok(())
+}
+
+/// The document with each paragraph in one line.
+fn paragraphs(text: &str) -> String {
+    let mut out = String::new();
+    let stands_alone = |line: &str| line.is_empty() || line.starts_with(['#', '|', '-', '!']);
+    let mut joins = false;
+    for line in text.lines() {
+        let is_alone = stands_alone(line);
+        if !out.is_empty() {
+            out.push(if joins && !is_alone { ' ' } else { '\n' });
+        }
+        out.push_str(line);
+        joins = !is_alone;
+    }
+    out
 }
 
 /// The rows of a table, of which the first are its headings and a line.
@@ -172,6 +226,27 @@ pub fn progress(quiet: bool, total: u64, unit: &str) -> ProgressBar {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Protects terminals from long lines: all fit, no word is lost, tables and indents stay.
+    #[test]
+    fn prose_is_folded() {
+        let words: Vec<String> = (0..60).map(|at| format!("word{at}")).collect();
+        let long = words.join(" ");
+        let table = format!("| {long} |");
+        let text = folded(&format!("short\n\n{long}\n  {long}\n{table}"));
+        let (prose, last) = text.rsplit_once('\n').unwrap();
+        assert_eq!(last, table);
+        assert!(
+            prose.lines().all(|line| line.chars().count() <= WIDTH),
+            "{text}"
+        );
+        assert_eq!(prose.split_whitespace().count(), 1 + 2 * words.len());
+        let indented = prose.lines().filter(|line| line.starts_with("  word"));
+        assert!(indented.count() > 2, "{text}");
+        assert_eq!(folded("  a  b\n"), "  a  b\n");
+        let text = paragraphs("# A\n\none\ntwo\n\n| a |\n| b |\nthree\nfour\n- x\n- y");
+        assert_eq!(text, "# A\n\none two\n\n| a |\n| b |\nthree four\n- x\n- y");
+    }
 
     /// Protects terminals from wide tables, and whoever reads them from lost columns: each part
     /// fits, begins with the columns that say what a row is, and all cells are there.

@@ -86,29 +86,28 @@ fn no_such_case(name: &str, all: &[Case]) -> String {
 fn print_table(report: &VerifyReport) -> anyhow::Result<()> {
     let headings = [
         "case",
-        "what is hard",
-        "exact",
-        "bound",
         "hybrid",
         "march",
         "thesis",
+        "bound",
+        "exact",
+        "what is hard",
     ];
-    // All of them say what a row is: it stays together, its cells broken into lines.
-    let mut printed = print::table(headings.len(), &headings);
+    let mut printed = print::table(1, &headings);
     for case in &report.cases {
         printed.add_row(cells(case));
     }
-    print::line(&printed.to_string())?;
+    print::prose(&printed.to_string())?;
     let passes = Profile::ALL
         .map(|profile| format!("{profile} {}", report.passes(profile)))
         .join(", ");
-    print::line(&format!(
+    print::prose(&format!(
         "\n{}: of {} cases pass: {passes}.\n\n\
          spread: within twice what a start {:.1e} off (of the extent, and in radians) does to \
-         the exact end,\nand {:.1e} of the extent, plus a unit in the last place of a world \
-         coordinate, which reading back as f32\ncosts. error: the largest among right waves, as \
-         a share of the extent or, if that is longer, of the way.\noff: waves with other objects \
-         or an end outside the bound; lost: dead, and should not be; heard of: of\nthose that \
+         the exact end, and {:.1e} of the extent, plus a unit in the last place of a world \
+         coordinate, which reading back as f32 costs. error: the largest among right waves, as \
+         a share of the extent or, if that is longer, of the way. off: waves with other objects \
+         or an end outside the bound; lost: dead, and should not be; heard of: of those that \
          should be heard; median: of distances from the exact end.",
         report.renderer,
         report.cases.len(),
@@ -124,11 +123,11 @@ fn cells(case: &CaseReport) -> [String; 7] {
     };
     [
         case.name.clone(),
-        case.hard.clone(),
-        case.exact.clone(),
-        case.bound.clone(),
         verdict(Profile::Hybrid),
         verdict(Profile::March),
         verdict(Profile::Thesis),
+        case.bound.clone(),
+        case.exact.clone(),
+        case.hard.clone(),
     ]
 }

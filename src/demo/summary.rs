@@ -94,7 +94,8 @@ impl App {
     }
 }
 
-/// Whether source and listener stand alike, but for the rounding of degrees.
+/// Whether source and listener stand alike, but for the rounding of degrees, among surfaces that
+/// are alike wherever their files lie: a saved scene may name them from another folder.
 fn stands_as(a: &Scene, b: &Scene) -> bool {
     let (one, other) = (&a.listener, &b.listener);
     let turn = (one.yaw - other.yaw).sin().abs() + (one.pitch - other.pitch).sin().abs();
@@ -102,5 +103,44 @@ fn stands_as(a: &Scene, b: &Scene) -> bool {
         && one.position == other.position
         && one.radius == other.radius
         && turn < 1e-4
-        && a.surfaces == b.surfaces
+        && a.surfaces.len() == b.surfaces.len()
+        && a.surfaces
+            .iter()
+            .zip(&b.surfaces)
+            .all(|(a, b)| a.is_alike(b))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+
+    /// Protects the `trace` call of a scene that was saved into another folder: the surfaces' files
+    /// are then named otherwise, and are the same.
+    #[test]
+    fn a_scene_in_another_folder_stands_as_its_base() {
+        let folder = tempfile::tempdir().unwrap();
+        let text = "Scene(surfaces: [Surface(shape: Union([Field(file: \"f.glsl\", lipschitz: 1, \
+            size: (2, 2, 2)), Sphere(radius: 1)]))], source: Source(position: (0, 0, 5)), \
+            listener: Listener(position: (5, 0, 0), radius: 1))";
+        let field = "float field(vec3 p) { return p.x; }";
+        let scene = |at: &str, field: &str| {
+            let folder = folder.path().join(at);
+            fs::create_dir_all(&folder).unwrap();
+            fs::write(folder.join("f.glsl"), field).unwrap();
+            fs::write(folder.join("a.ron"), text).unwrap();
+            Scene::from_file(&folder.join("a.ron")).unwrap()
+        };
+        let one = scene("one", field);
+        let other = scene("other", field);
+        assert_ne!(one.surfaces, other.surfaces);
+        assert!(stands_as(&one, &other));
+        assert!(!stands_as(
+            &one,
+            &scene("third", "float field(vec3 p) { return p.y; }")
+        ));
+        let mut moved = other;
+        moved.surfaces[0].position.x = 1.0;
+        assert!(!stands_as(&one, &moved));
+    }
 }

@@ -124,20 +124,25 @@ fn unknown(name: &str) -> SceneError {
     }
 }
 
-/// The built-in scene whose name is most like this one, if any is: case, spaces and underscores
-/// apart at most a third of it is mistyped.
+/// The built-in scene whose name is most like this one, or has it as a word or a beginning.
 fn nearest(name: &str) -> Option<&'static str> {
     let plain = name.to_lowercase().replace([' ', '_'], "-");
-    let known = BUILTIN_NAMES.into_iter();
-    let typed = known.map(|known| (strsim::damerau_levenshtein(&plain, known), known));
-    let (wrong, nearest) = typed.min()?;
-    let begins = BUILTIN_NAMES.into_iter().find(|known| {
+    let has = |known: &&str| {
         let is_part = plain.len() >= 3 && known.starts_with(&plain);
         is_part || known.split('-').any(|word| word == plain)
-    });
-    match 3 * wrong <= nearest.len() {
-        true => Some(nearest),
-        false => begins,
+    };
+    let mistyped = crate::text::nearest(name, BUILTIN_NAMES);
+    mistyped.or_else(|| BUILTIN_NAMES.into_iter().find(has))
+}
+
+/// What may be meant by a file that is not there: the built-in scene of its name, as a clause.
+pub(super) fn built_in_of(path: &Path) -> String {
+    let is_alone = path.components().count() == 1;
+    let stem = path.file_stem().and_then(|stem| stem.to_str());
+    let known = stem.and_then(|stem| BUILTIN_NAMES.into_iter().find(|known| *known == stem));
+    match known.filter(|_| is_alone) {
+        Some(name) => format!("; the built-in scene is called {name}"),
+        None => String::new(),
     }
 }
 

@@ -1,6 +1,7 @@
 //! What can be wrong with a scene.
 
-use std::path::PathBuf;
+use crate::input::InputError;
+use std::path::{Path, PathBuf};
 
 /// A scene that cannot be used, and why.
 #[derive(Debug, thiserror::Error)]
@@ -20,12 +21,12 @@ pub enum SceneError {
         nearest: Option<&'static str>,
     },
     /// The file cannot be read.
-    #[error("cannot read the scene file {}: {source}", path.display())]
+    #[error("cannot read the scene file {}: {source}{}", path.display(), may_be_meant(source, path))]
     Unreadable {
         /// The file.
         path: PathBuf,
         /// Why.
-        source: crate::input::InputError,
+        source: InputError,
     },
     /// The text is not a scene.
     #[error("{origin}:{line}:{column}: {message}")]
@@ -94,7 +95,10 @@ pub enum SceneError {
         known: String,
     },
     /// A named value that the scene does not use.
-    #[error("scene {scene:?} has no value named {name:?}; it has: {known}")]
+    #[error(
+        "scene {scene:?} has no value named {name:?}; it has: {known}{}",
+        nearest.as_ref().map_or_else(String::new, |name| format!("; did you mean {name}?"))
+    )]
     UnknownValue {
         /// The scene's name.
         scene: String,
@@ -102,6 +106,8 @@ pub enum SceneError {
         name: String,
         /// The names there are.
         known: String,
+        /// The name that is nearly that one, if there is one.
+        nearest: Option<String>,
     },
     /// A number that makes no sense where it stands.
     #[error("scene {scene:?}: {what} must be {must}, not {value}")]
@@ -115,6 +121,16 @@ pub enum SceneError {
         /// What it is.
         value: String,
     },
+}
+
+/// A clause on what may be meant by a file that is not there.
+fn may_be_meant(why: &InputError, path: &Path) -> String {
+    match why {
+        InputError::Io(error) if error.kind() == std::io::ErrorKind::NotFound => {
+            super::builtin::built_in_of(path)
+        }
+        _ => String::new(),
+    }
 }
 
 impl SceneError {

@@ -6,6 +6,7 @@
 
 use super::shape::{Numbers, Parameter};
 use super::{Quantity, Scene, SceneError, Shape, Surface};
+use crate::text::nearest;
 use glam::{EulerRot, Quat, Vec3};
 use std::collections::{BTreeMap, HashMap, HashSet};
 
@@ -226,6 +227,7 @@ impl Scene {
             return Err(SceneError::UnknownValue {
                 scene: self.name.clone(),
                 name: name.clone(),
+                nearest: nearest(name, names.iter().map(String::as_str)).map(str::to_owned),
                 known: match names.len() {
                     0 => "none".to_owned(),
                     _ => names.join(", "),

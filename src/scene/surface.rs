@@ -58,6 +58,16 @@ impl Surface {
         self
     }
 
+    /// Whether the two are alike but for where the files lie that they name.
+    #[cfg(feature = "demo")]
+    pub(crate) fn is_alike(&self, other: &Surface) -> bool {
+        let at_one_place = Surface {
+            shape: other.shape.clone(),
+            ..self.clone()
+        };
+        at_one_place == *other && self.shape.is_alike(&other.shape)
+    }
+
     /// Whether its rotation stands in the shader text at all.
     pub fn has_rotation(&self) -> bool {
         self.turns || self.rotation != Quat::IDENTITY

@@ -5,7 +5,7 @@ use crate::text::csv_cell;
 use std::io::{self, Write};
 
 /// The first line: times in milliseconds, distances in metres, shares from 0 to 1.
-pub const COLUMNS: [&str; 39] = [
+pub const COLUMNS: [&str; 41] = [
     "scene",
     "setting",
     "profile",
@@ -39,6 +39,8 @@ pub const COLUMNS: [&str; 39] = [
     "pan_limit",
     "pan_limit_bias",
     "pan_twin_bias",
+    "pan_twin_bias_error",
+    "pan_twin_seeds",
     "pan_spread",
     "pan_rms",
     "efficiency",
@@ -128,6 +130,8 @@ fn panning(scene: &SceneReport, row: &Row) -> Vec<String> {
             .unwrap_or_default(),
         format!("{:.4e}", panning.limit_bias),
         format!("{:.4e}", panning.twin_bias),
+        format!("{:.4e}", panning.twin_bias_error),
+        panning.twin_seeds.to_string(),
         format!("{:.4e}", panning.spread),
         format!("{:.4e}", panning.rms),
         format!("{:.5e}", panning.efficiency),

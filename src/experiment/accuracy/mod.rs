@@ -5,8 +5,8 @@
 //!
 //! - *Waves*: each wave against the exact one ([`ExactScene`](crate::reference::ExactScene),
 //!   closed form in `f64`) of the same start direction: status, surfaces met, metres
-//!   between the ends. Taken over at most 65,536 waves of seed 1; more have the same
-//!   distribution. A wave whose exact twin dies has no end and no error; one that dies
+//!   between the ends. Taken over at most [`Plan::compared_waves`] waves of seed 1; more have
+//!   the same distribution. A wave whose exact twin dies has no end and no error; one that dies
 //!   alone counts where it says that it is.
 //! - *Panning*: over at least 16 seeds, against the same start directions followed exactly
 //!   (twin bias) and against the limit of many waves (limit bias, mean square error,
@@ -54,12 +54,6 @@ use crate::scene::Scene;
 use crate::trace::{Directions, Settings, Tracer};
 use std::time::Instant;
 use truth::Truth;
-
-/// Waves that are compared one by one.
-const COMPARED: u32 = 65_536;
-
-/// Pairs of waves that chaos is measured on.
-const CHAOS_PAIRS: u64 = 16_384;
 
 /// What to run.
 #[derive(Clone, Debug)]
@@ -168,13 +162,21 @@ fn run_scene(
     let most = iterations.clone().max().unwrap_or(1);
     truth.find_limits(most.max(COMPARED_ITERATIONS));
     progress.step();
-    let pairs = lattice(CHAOS_PAIRS, false);
+    let pairs = lattice(plan.chaos_pairs, false);
     let chaos = chaos::measure(scene, &truth.exact, &pairs, most);
     progress.step();
     let mut rows = vec![None; plan.cases.len()];
     for group in by_waves(&plan.cases) {
         let cases: Vec<Case> = group.iter().map(|&i| plan.cases[i].clone()).collect();
-        let measured = run_group(tracer, &mut truth, &chaos, &cases, options.seeds, progress)?;
+        let measured = run_group(
+            tracer,
+            &mut truth,
+            &chaos,
+            plan,
+            &cases,
+            options.seeds,
+            progress,
+        )?;
         for (index, row) in group.into_iter().zip(measured) {
             rows[index] = Some(row);
         }
@@ -214,6 +216,7 @@ fn run_group(
     tracer: &mut Tracer,
     truth: &mut Truth,
     chaos: &Chaos,
+    plan: &Plan,
     cases: &[Case],
     seeds: u32,
     progress: &mut Progress,
@@ -221,7 +224,7 @@ fn run_group(
     let mut waves = Vec::new();
     for case in cases {
         let few = case.settings.clone();
-        let few = few.with_waves(case.settings.waves.min(COMPARED));
+        let few = few.with_waves(case.settings.waves.min(plan.compared_waves));
         let errors = measure::wave_errors(tracer, truth, chaos, &few)?;
         let evaluations = measure::evaluations_per_segment(tracer, truth, &few)?;
         let summed = case.settings.sum_on_gpu;
@@ -231,7 +234,7 @@ fn run_group(
     }
     let step = &mut || progress.step();
     let mut frames = panning::run_in_turns(tracer, truth, cases, seeds, step)?;
-    panning::find_twins(tracer, truth, cases, &mut frames)?;
+    panning::find_twins(tracer, truth, cases, plan.twin_seeds, &mut frames)?;
     progress.step();
     let measured = cases.iter().zip(waves).zip(frames);
     let row =

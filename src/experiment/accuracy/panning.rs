@@ -53,7 +53,7 @@ pub fn run_in_turns(
     Ok(frames)
 }
 
-/// Adds the exact panning of the same start directions to each frame.
+/// Adds the exact panning of the same start directions to each of the first `seeds` frames.
 ///
 /// # Errors
 /// Those of [`Tracer::frame`].
@@ -61,6 +61,7 @@ pub fn find_twins(
     tracer: &mut Tracer,
     truth: &mut Truth,
     cases: &[Case],
+    seeds: u32,
     frames: &mut [Frames],
 ) -> Result<(), Error> {
     for (case, frames) in cases.iter().zip(frames) {
@@ -68,7 +69,7 @@ pub fn find_twins(
             .iter()
             .filter(|c| c.settings.directions == case.settings.directions);
         let most = alike.map(|c| c.settings.iterations).max().unwrap_or(1);
-        for seed in 1..=frames.pans.len() as u32 {
+        for seed in 1..=seeds.min(frames.pans.len() as u32) {
             let settings = case.settings.clone().with_seed(seed);
             let pan = truth.pan_of_twins(tracer, &settings, most)?;
             frames.exact_pans.push(pan);
@@ -102,14 +103,17 @@ impl Frames {
         let frames = self.pans.len().max(1) as f64;
         let mean_pan = mean(self.pans.iter().copied()).unwrap_or(0.0);
         let pairs = self.pans.iter().zip(&self.exact_pans);
-        let twin_bias = mean(pairs.map(|(pan, exact)| pan - exact));
+        let differences: Vec<f64> = pairs.map(|(pan, exact)| pan - exact).collect();
+        let twin_bias = mean(differences.iter().copied()).unwrap_or(0.0);
         let variance = self.mean_square(mean_pan);
         let mean_square = self.mean_square(limit);
         let seconds = 1e-3 * median(self.total_ms.iter().copied());
         PanningError {
             mean: mean_pan,
             limit_bias: mean_pan - limit,
-            twin_bias: twin_bias.unwrap_or(0.0),
+            twin_bias,
+            twin_seeds: differences.len() as u32,
+            twin_bias_error: standard_error(&differences, twin_bias),
             spread: (variance * frames / (frames - 1.0).max(1.0)).sqrt(),
             rms: mean_square.sqrt(),
             efficiency: efficiency(mean_square, seconds),
@@ -120,6 +124,19 @@ impl Frames {
     /// Mean square error of the panning.
     pub fn mean_square(&self, limit: f64) -> f64 {
         mean(self.pans.iter().map(|pan| (pan - limit).powi(2))).unwrap_or(0.0)
+    }
+}
+
+/// Of the mean of these values; 0 of fewer than two.
+fn standard_error(values: &[f64], mean_value: f64) -> f64 {
+    let squares: f64 = values
+        .iter()
+        .map(|value| (value - mean_value).powi(2))
+        .sum();
+    let count = values.len() as f64;
+    match values.len() {
+        0 | 1 => 0.0,
+        _ => (squares / (count - 1.0) / count).sqrt(),
     }
 }
 
@@ -161,6 +178,9 @@ mod tests {
         };
         let error = frames.panning(0.2);
         assert!((error.twin_bias - 0.1).abs() < 1e-12);
+        assert_eq!(error.twin_seeds, 2);
+        assert!(error.twin_bias_error < 1e-12);
+        assert!((standard_error(&[0.0, 2.0], 1.0) - 1.0).abs() < 1e-12);
         assert!(error.limit_bias.abs() < 1e-12);
         assert!((error.spread - 0.02f64.sqrt()).abs() < 1e-12);
         assert!((error.rms - 0.1).abs() < 1e-12);

@@ -2,8 +2,9 @@
 //!
 //! The truth of a few basic shapes is a handful of formulas a flight. That of a field is a march in
 //! `f64` of some hundred evaluations, and of many surfaces each is asked, so that a thousand flights
-//! take a hundred times as long. Such scenes get the short sweep, and fewer directions for the
-//! limit; how sure it is stands beside it.
+//! take a hundred times as long. Such scenes get the short sweep, and of all that the truth is asked
+//! for less: directions for the limit, waves that are compared one by one, seeds of the twin bias.
+//! How sure each figure is then stands beside it.
 
 use super::sweep::{Case, full, quick, short};
 use crate::scene::glsl::has_cells;
@@ -19,6 +20,20 @@ pub const DEFAULT_SCENES: [&str; 4] = [ROOMS[0], ROOMS[1], "cave", "glasshouse"]
 const SLOPE_POWERS: std::ops::RangeInclusive<u32> = 10..=18;
 const SHORT_SLOPE_POWERS: std::ops::RangeInclusive<u32> = 10..=14;
 
+/// Waves of a row that are compared one by one.
+const COMPARED: u32 = 65_536;
+const SHORT_COMPARED: u32 = 8192;
+
+/// Pairs of waves that chaos is measured on.
+const CHAOS_PAIRS: u64 = 16_384;
+const SHORT_CHAOS_PAIRS: u64 = 1024;
+
+/// Directions for the limit of many waves, where the truth takes long.
+const SHORT_LIMIT_DIRECTIONS: u64 = 100_000;
+
+/// Seeds that the twin bias is taken over, where the truth takes long.
+const SHORT_TWIN_SEEDS: u32 = 3;
+
 /// A scene with what is run in it.
 #[derive(Clone, Debug)]
 pub struct Plan {
@@ -28,6 +43,12 @@ pub struct Plan {
     pub cases: Vec<Case>,
     /// Directions for the limit of many waves.
     pub limit_directions: u64,
+    /// Waves of a row that are compared one by one, at the most.
+    pub compared_waves: u32,
+    /// Seeds that the twin bias is taken over, the first ones, at the most.
+    pub twin_seeds: u32,
+    /// Pairs of waves that chaos is measured on.
+    pub chaos_pairs: u64,
     /// Numbers of waves for the slope of the panning error.
     pub slope_waves: Vec<u32>,
 }
@@ -35,15 +56,25 @@ pub struct Plan {
 impl Plan {
     /// One thing at a time; the short sweep where the truth takes long.
     pub fn quick(scene: Scene) -> Plan {
-        let (cases, limit_directions, powers) = match is_slow(&scene) {
-            true => (short(), 400_000, SHORT_SLOPE_POWERS),
-            false => (quick(), 4_000_000, SLOPE_POWERS),
-        };
+        if is_slow(&scene) {
+            return Plan::short(scene);
+        }
         Plan {
+            cases: quick(),
+            limit_directions: 4_000_000,
+            ..Plan::full(scene)
+        }
+    }
+
+    fn short(scene: Scene) -> Plan {
+        Plan {
+            cases: short(),
+            limit_directions: SHORT_LIMIT_DIRECTIONS,
+            compared_waves: SHORT_COMPARED,
+            twin_seeds: SHORT_TWIN_SEEDS,
+            chaos_pairs: SHORT_CHAOS_PAIRS,
+            slope_waves: counts(SHORT_SLOPE_POWERS),
             scene,
-            cases,
-            limit_directions,
-            slope_waves: powers.step_by(2).map(|power| 1 << power).collect(),
         }
     }
 
@@ -53,9 +84,17 @@ impl Plan {
             scene,
             cases: full(),
             limit_directions: 16_000_000,
-            slope_waves: SLOPE_POWERS.step_by(2).map(|power| 1 << power).collect(),
+            compared_waves: COMPARED,
+            twin_seeds: u32::MAX,
+            chaos_pairs: CHAOS_PAIRS,
+            slope_waves: counts(SLOPE_POWERS),
         }
     }
+}
+
+/// Every second power of two.
+fn counts(powers: std::ops::RangeInclusive<u32>) -> Vec<u32> {
+    powers.step_by(2).map(|power| 1 << power).collect()
 }
 
 /// Whether the exact waves of a scene take long.

@@ -206,6 +206,10 @@ pub struct PanningError {
     pub limit_bias: f64,
     /// Mean difference from the exact panning of the same start directions.
     pub twin_bias: f64,
+    /// Seeds that the twin bias is taken over, the first ones.
+    pub twin_seeds: u32,
+    /// Standard error of the twin bias.
+    pub twin_bias_error: f64,
     /// Standard deviation over the seeds, estimated with one less than there are.
     pub spread: f64,
     /// Root of the mean square difference from the limit.

@@ -118,20 +118,19 @@ pub fn quick() -> Vec<Case> {
 pub fn short() -> Vec<Case> {
     let mut cases = Vec::new();
     for profile in Profile::ALL {
-        let default = Case::new("default", Settings::of(profile).with_waves(BASE_WAVES));
-        let iterations = default.settings.iterations;
-        cases.push(default.clone());
-        let base = resized(&default, QUICK_WAVES, iterations);
+        let base = Case::new("default", Settings::of(profile).with_waves(QUICK_WAVES));
+        let iterations = base.settings.iterations;
+        cases.push(base.clone());
         match profile {
             Profile::Hybrid => {
-                cases.extend([4, 8].map(|many| resized(&base, QUICK_WAVES, many)));
+                cases.push(resized(&base, QUICK_WAVES, 4));
                 cases.push(other_passes(&base));
                 let lattice = turned(&base, Directions::Fibonacci);
                 let waves = [1024, 4096, 16_384];
                 cases.extend(waves.map(|waves| resized(&lattice, waves, iterations)));
             }
-            Profile::March => cases.extend([base.clone(), other_passes(&base)]),
-            Profile::Thesis => cases.extend([base.clone(), at_distance(&base, CAREFUL)]),
+            Profile::March => (),
+            Profile::Thesis => cases.push(at_distance(&base, CAREFUL)),
         }
     }
     named(cases)

@@ -5,14 +5,13 @@
 use super::report::{Cell, LocaliseReport, SceneReport};
 use super::shown::{first_sound, measured};
 use super::statistics::{ErrorFigures, Figure, LEAST_DRAWN};
-use plotters::coord::Shift;
+use crate::experiment::log_plot::{Panel, PlotError, Stroke, draw_legend};
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
-type PlotError = Box<dyn std::error::Error + Send + Sync>;
-type Panel<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-
-const WIDTH: u32 = 1320;
+const WIDTH: u32 = 1560;
+/// Pixels of the plots of a row; the legend has the rest.
+const PLOTS_WIDTH: u32 = 1230;
 const TITLE_HEIGHT: u32 = 48;
 const ROW_HEIGHT: u32 = 360;
 
@@ -93,7 +92,7 @@ pub fn plot_svg(report: &LocaliseReport) -> Result<String, PlotError> {
     Ok(svg)
 }
 
-fn plot_open(panel: &Panel, report: &LocaliseReport) -> Result<(), PlotError> {
+fn plot_open(row: &Panel, report: &LocaliseReport) -> Result<(), PlotError> {
     let line = |open: &super::OpenReport| {
         let (heard, colour) = match (open.iterations, open.ground) {
             (1, _) => ("", colour(&open.profile)),
@@ -115,7 +114,9 @@ fn plot_open(panel: &Panel, report: &LocaliseReport) -> Result<(), PlotError> {
         "azimuth of the source, degrees",
         "error from source, degrees",
     );
-    plot_lines(panel, caption, axes, false, &lines)
+    let (plot, legend) = row.split_horizontally(PLOTS_WIDTH);
+    plot_lines(&plot, caption, axes, false, &lines)?;
+    draw_legend(&legend, &entries(&lines))
 }
 
 fn plot_scene(row: &Panel, scene: &SceneReport) -> Result<(), PlotError> {
@@ -125,7 +126,8 @@ fn plot_scene(row: &Panel, scene: &SceneReport) -> Result<(), PlotError> {
     ) else {
         return Ok(());
     };
-    let panels = row.split_evenly((1, 3));
+    let (plots, legend) = row.split_horizontally(PLOTS_WIDTH);
+    let panels = plots.split_evenly((1, 3));
     let name = &scene.scene;
     let by_waves = |error: fn(&Cell) -> Option<ErrorFigures>| {
         lines(scene, |cell| {
@@ -156,7 +158,8 @@ fn plot_scene(row: &Panel, scene: &SceneReport) -> Result<(), PlotError> {
     });
     let caption = format!("{name}, {waves} waves");
     let axes = ("iterations", "error from source, degrees");
-    plot_lines(&panels[2], &caption, axes, true, &by_iterations)
+    plot_lines(&panels[2], &caption, axes, true, &by_iterations)?;
+    draw_legend(&legend, &entries(&by_iterations))
 }
 
 /// A line a profile through the cells that `pick` wants.
@@ -171,6 +174,20 @@ fn lines(scene: &SceneReport, pick: impl Fn(&Cell) -> Option<Point>) -> Vec<Line
             .collect(),
     };
     COLOURS.into_iter().map(line).collect()
+}
+
+/// What the lines mean that have points.
+fn entries(lines: &[Line]) -> Vec<(String, Stroke)> {
+    let shown = lines.iter().filter(|line| !line.points.is_empty());
+    let entry = |line: &Line| {
+        let stroke = Stroke {
+            colour: line.colour,
+            width: line.width,
+            dash: None,
+        };
+        (line.name.clone(), stroke)
+    };
+    shown.map(entry).collect()
 }
 
 /// One panel; `by_powers`: counts, a step of the axis a doubling.
@@ -218,16 +235,6 @@ fn plot_lines(
     for line in lines.iter().filter(|line| !line.points.is_empty()) {
         draw_line(&mut chart, line, place)?;
     }
-    chart
-        .configure_series_labels()
-        .position(if by_powers {
-            SeriesLabelPosition::UpperRight
-        } else {
-            SeriesLabelPosition::UpperMiddle
-        })
-        .background_style(WHITE.mix(0.85))
-        .border_style(BLACK.mix(0.2))
-        .draw()?;
     Ok(())
 }
 
@@ -242,10 +249,7 @@ fn draw_line(chart: &mut Chart, line: &Line, place: impl Fn(f64) -> f64) -> Resu
     let joined = joined.map(|points| points.iter().filter_map(spot).collect::<Vec<_>>());
     let joined = joined.filter(|points| points.len() > 1);
     let joined = joined.map(|points| PathElement::new(points, stroke));
-    chart
-        .draw_series(joined)?
-        .label(&line.name)
-        .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], stroke));
+    chart.draw_series(joined)?;
     let dots = |hollow: bool| {
         let wanted = line
             .points

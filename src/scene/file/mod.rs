@@ -6,6 +6,8 @@
 
 mod attached;
 mod base;
+mod form;
+mod hints;
 mod numbers;
 mod reader;
 mod surface;
@@ -19,6 +21,7 @@ use crate::input::read_text;
 use crate::text::in_a_line;
 use attached::Attached;
 use base::{BasedFile, Chain};
+pub(crate) use form::Form;
 use glam::Vec3;
 pub(crate) use numbers::{
     Angle, Factor, Length, Lipschitz, Metres, Number, Plain, Radius, Share, Side, Size, Unit,
@@ -142,19 +145,20 @@ fn parse(text: &str, files: &Attached, chain: &Chain) -> Result<Scene, SceneErro
         Err(error) => error,
     };
     if !base::has_base(text, &error.code) {
-        return Err(from_ron(files, &error));
+        return Err(from_ron(files, text, &error));
     }
     let file: BasedFile = options()
         .from_str(text)
-        .map_err(|error| from_ron(files, &error))?;
+        .map_err(|error| from_ron(files, text, &error))?;
     file.scene(text, files, chain)
 }
 
-fn from_ron(files: &Attached, error: &ron::error::SpannedError) -> SceneError {
+fn from_ron(files: &Attached, text: &str, error: &ron::error::SpannedError) -> SceneError {
     let start = error.span.start;
-    let message = match &error.code {
-        ron::Error::ExceededRecursionLimit => "shapes are nested too deeply here".to_owned(),
-        code => code.to_string(),
+    let message = match (&error.code, hints::about_shape(text, error)) {
+        (_, Some(hint)) => hint,
+        (ron::Error::ExceededRecursionLimit, _) => "shapes are nested too deeply here".to_owned(),
+        (code, None) => code.to_string(),
     };
     malformed(files, start.line, start.col, &message)
 }

@@ -11,7 +11,7 @@ use super::{
     capped_cylinder, capsule, cone, cuboid, cylinder, ellipsoid, half_space, height_field,
     hyperboloid, paraboloid, plane, prism, quadric, room, rounded_box, sphere, torus, user,
 };
-use crate::scene::file::{FromFile, Operands, Reader, Variant};
+use crate::scene::file::{Form, FromFile, Operands, Reader, Variant};
 use crate::scene::{SceneError, Shape};
 use serde::de::{Deserialize, Deserializer, EnumAccess, Visitor};
 use std::fmt;
@@ -82,6 +82,14 @@ macro_rules! parts {
                 match self {
                     $($(#[$attr])* ShapeFile::$part(file) => file.read(reader),)*
                 }
+            }
+        }
+
+        /// How the shape or operator of this name is written in a scene file.
+        pub(crate) fn form_of(name: &str) -> Option<Form> {
+            match name {
+                $($(#[$attr])* $name => Form::of::<$module::File>(),)*
+                _ => None,
             }
         }
 
@@ -186,6 +194,11 @@ macro_rules! every_part {
 pub(crate) use every_part;
 
 every_part!(all_parts);
+
+/// The names of all shapes and operators in scene files.
+pub(crate) fn shape_names() -> &'static [&'static str] {
+    NAMES
+}
 
 /// Reads the name of a shape or operator, and what belongs to it.
 struct Tree;

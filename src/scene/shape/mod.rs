@@ -45,7 +45,7 @@ mod user;
 mod user_field;
 
 pub(crate) use check::halton;
-pub(crate) use list::{ShapeFile, every_part};
+pub(crate) use list::{ShapeFile, every_part, form_of, shape_names};
 pub(crate) use part::{Numbers, Part};
 use quadric::Quadric;
 
@@ -152,6 +152,22 @@ impl Shape {
         let nodes = self.nodes().into_iter();
         let lengths = nodes.map(|tree| tree.node.part().own_length());
         lengths.fold(0.0, f64::max)
+    }
+
+    /// Whether the two are alike but for where the files lie that they name.
+    #[cfg(feature = "demo")]
+    pub(crate) fn is_alike(&self, other: &Shape) -> bool {
+        let nodes_are_alike = match (&self.node, &other.node) {
+            (Node::User(one), Node::User(other)) => one.field.has_text_of(&other.field),
+            (Node::HeightField(one), Node::HeightField(other)) => {
+                one.size == other.size && one.image.has_heights_of(&other.image)
+            }
+            (one, other) => one == other,
+        };
+        let mut children = self.children.iter().zip(&other.children);
+        nodes_are_alike
+            && self.children.len() == other.children.len()
+            && children.all(|(one, other)| one.is_alike(other))
     }
 
     /// Every number of the tree that may move.

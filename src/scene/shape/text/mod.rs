@@ -11,6 +11,7 @@
 
 mod check;
 mod condition;
+mod endless;
 mod preprocess;
 mod tokens;
 mod words;
@@ -55,6 +56,7 @@ pub(super) fn read(text: &str) -> Result<Text, Refusal> {
     let tokens = preprocess::preprocess(&tokens)?;
     let tokens = check::leave_out_precisions(&tokens);
     let states_gradient = check::check(&tokens)?;
+    endless::check(&tokens)?;
     Ok(Text {
         states_gradient,
         code: written(&tokens, end),

@@ -1,0 +1,92 @@
+//! How a shape or an operator is written in a scene file, as the type that reads it says.
+
+use serde::de::{self, Deserialize, Deserializer, Visitor};
+use serde::forward_to_deserialize_any;
+use std::fmt;
+
+/// What stands behind the name of a shape or an operator.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Form {
+    /// Numbers and children by their names: `Torus(ring: …, tube: …)`.
+    Fields(&'static [&'static str]),
+    /// One value: `Union([…])`, `Complement(…)`.
+    Value,
+    /// Nothing: `Plane`.
+    NameAlone,
+}
+
+impl Form {
+    /// What `F` asks for when it is read; nothing where it takes what comes.
+    pub fn of<'de, F: Deserialize<'de>>() -> Option<Form> {
+        F::deserialize(Asked).err().and_then(|answer| answer.0)
+    }
+
+    /// A part of this form and name as it is written; `is_list`: whether its value is a list.
+    pub fn written(self, name: &str, is_list: bool) -> String {
+        match self {
+            Form::Fields(fields) => format!("{name}({}: …)", fields.join(": …, ")),
+            Form::Value if is_list => format!("{name}([…])"),
+            Form::Value => format!("{name}(…)"),
+            Form::NameAlone => format!("{name}, with nothing behind it"),
+        }
+    }
+}
+
+/// Reads nothing, and tells what was asked for.
+struct Asked;
+
+/// What was asked for, as the error that ends the reading.
+#[derive(Debug)]
+struct Answer(Option<Form>);
+
+impl fmt::Display for Answer {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("nothing is read")
+    }
+}
+
+impl std::error::Error for Answer {}
+
+impl de::Error for Answer {
+    fn custom<T: fmt::Display>(_: T) -> Answer {
+        Answer(None)
+    }
+}
+
+impl<'de> Deserializer<'de> for Asked {
+    type Error = Answer;
+
+    fn deserialize_any<V: Visitor<'de>>(self, _: V) -> Result<V::Value, Answer> {
+        Err(Answer(None))
+    }
+
+    fn deserialize_struct<V: Visitor<'de>>(
+        self,
+        _: &'static str,
+        fields: &'static [&'static str],
+        _: V,
+    ) -> Result<V::Value, Answer> {
+        Err(Answer(Some(Form::Fields(fields))))
+    }
+
+    fn deserialize_newtype_struct<V: Visitor<'de>>(
+        self,
+        _: &'static str,
+        _: V,
+    ) -> Result<V::Value, Answer> {
+        Err(Answer(Some(Form::Value)))
+    }
+
+    fn deserialize_unit_struct<V: Visitor<'de>>(
+        self,
+        _: &'static str,
+        _: V,
+    ) -> Result<V::Value, Answer> {
+        Err(Answer(Some(Form::NameAlone)))
+    }
+
+    forward_to_deserialize_any! {
+        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf
+        option unit seq tuple tuple_struct map enum identifier ignored_any
+    }
+}

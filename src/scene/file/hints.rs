@@ -1,0 +1,128 @@
+//! What is wrong with a shape in a scene file, in the words of scene files.
+//!
+//! RON's own errors tell where they are found and what a parser would have liked there. Whoever
+//! writes `Sphere(1)` wants to know how a sphere is written.
+
+use super::form::Form;
+use crate::scene::shape::{form_of, shape_names};
+use crate::text::nearest;
+use ron::error::{Error, Position, SpannedError};
+
+/// The sentence for an error in this text that is about a shape or an operator.
+pub(super) fn about_shape(text: &str, error: &SpannedError) -> Option<String> {
+    match &error.code {
+        Error::NoSuchEnumVariant { found, outer, .. } if outer.as_deref() == Some("Shape") => {
+            Some(no_such_shape(found))
+        }
+        Error::ExpectedArray
+        | Error::ExpectedComma
+        | Error::ExpectedStructLike
+        | Error::ExpectedNamedStructLike(_)
+        | Error::InvalidIdentifier(_)
+        | Error::SuggestRawIdentifier(_) => {
+            let (before, behind) = text.split_at(offset(text, error.span.start)?);
+            how_written(before, behind, error.code == Error::ExpectedArray)
+        }
+        _ => None,
+    }
+}
+
+fn no_such_shape(found: &str) -> String {
+    let told = format!("there is no shape or operator {found}");
+    match nearest(found, shape_names().iter().copied()) {
+        Some(nearest) => format!("{told}; did you mean {nearest}?"),
+        None => format!("{told}; there are {}", shape_names().join(", ")),
+    }
+}
+
+/// How the shape is written whose name stands before the error.
+fn how_written(before: &str, behind: &str, is_list: bool) -> Option<String> {
+    let before = before.trim_end();
+    let named = before.strip_suffix(['(', '[', '{']).unwrap_or(before);
+    let named = named.trim_end();
+    let begin = named.rfind(|c: char| !c.is_alphanumeric());
+    let name = &named[begin.map_or(0, |at| at + 1)..];
+    let form = form_of(name)?;
+    let has_bracket = behind.trim_start().starts_with(['(', '[', '{']);
+    if form == Form::NameAlone && !has_bracket {
+        // Something else is missing behind it.
+        return None;
+    }
+    Some(format!("{name} is written {}", form.written(name, is_list)))
+}
+
+/// Bytes before a place in a text.
+fn offset(text: &str, place: Position) -> Option<usize> {
+    let mut lines = text.split_inclusive('\n');
+    let above = lines.by_ref().take(place.line.checked_sub(1)?);
+    let start: usize = above.map(str::len).sum();
+    let line = lines.next()?;
+    let at = line.char_indices().nth(place.col.checked_sub(1)?);
+    Some(start + at.map_or(line.len(), |(at, _)| at))
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::scene::Scene;
+
+    fn told(shape: &str) -> String {
+        let text = format!(
+            "Scene(surfaces: [\n Surface(shape: {shape})], source: Source(position: (0, 0, 0)), \
+             listener: Listener(position: (5, 0, 0), radius: 1))"
+        );
+        Scene::from_ron(&text, "scene").unwrap_err().to_string()
+    }
+
+    /// Protects whoever writes a shape otherwise than it is written.
+    #[test]
+    fn a_shape_is_told_by_its_name_and_how_it_is_written() {
+        for (shape, sentence) in [
+            ("Sphere(1)", "Sphere is written Sphere(radius: …)"),
+            ("Sphere", "Sphere is written Sphere(radius: …)"),
+            ("Box(1, 2, 3)", "Box is written Box(size: …)"),
+            ("Torus[1]", "Torus is written Torus(ring: …, tube: …)"),
+            (
+                "Translate(of: Sphere(1), by: (0, 0, 0))",
+                "Sphere is written Sphere(radius: …)",
+            ),
+            ("Union(of: [Plane])", "Union is written Union([…])"),
+            ("Union", "Union is written Union("),
+            ("Plane(1)", "Plane is written Plane, with nothing behind it"),
+        ] {
+            let said = told(shape);
+            assert!(said.contains(sentence), "{shape}: {said}");
+            assert!(said.starts_with("scene:2:"), "{shape}: {said}");
+        }
+    }
+
+    /// Protects whoever mistypes a shape: the nearest is named, or else all are.
+    #[test]
+    fn the_nearest_shape_is_suggested() {
+        for (shape, nearest) in [
+            ("Tours(ring: 1, tube: 2)", "Torus"),
+            ("sphere(radius: 1)", "Sphere"),
+            ("Elipsoid(radii: (1, 1, 1))", "Ellipsoid"),
+            ("SmoothUnoin(of: [], radius: 1)", "SmoothUnion"),
+        ] {
+            let said = told(shape);
+            assert!(said.contains(&format!("did you mean {nearest}?")), "{said}");
+            assert!(
+                !said.contains("enum") && !said.contains("variant"),
+                "{said}"
+            );
+        }
+        let said = told("Teapot");
+        assert!(
+            said.contains("there are Plane, ") && said.contains("Scale"),
+            "{said}"
+        );
+    }
+
+    /// Protects other errors from a hint that would lead astray.
+    #[test]
+    fn what_is_no_error_of_a_shape_is_told_as_it_was() {
+        for shape in ["Plane position: (0, 0, 0)", "Sphere(radius: one)"] {
+            assert!(!told(shape).contains("is written"), "{}", told(shape));
+        }
+    }
+}
