@@ -71,7 +71,7 @@ pub struct AccuracyOptions {
 }
 
 impl AccuracyOptions {
-    /// One thing at a time: some five minutes for the default scenes on two cores.
+    /// One thing at a time: some four minutes for the default scenes on two cores.
     pub fn quick(scenes: Vec<Scene>) -> AccuracyOptions {
         AccuracyOptions {
             plans: scenes.into_iter().map(Plan::quick).collect(),

@@ -7,7 +7,7 @@
 //! How sure each figure is then stands beside it.
 
 use super::sweep::{Case, full, quick, short};
-use crate::scene::glsl::has_cells;
+use crate::kernel::Layout;
 use crate::scene::{Scene, Surface};
 
 /// The scenes of the thesis' tables, which the targets are of.
@@ -29,10 +29,10 @@ const CHAOS_PAIRS: u64 = 16_384;
 const SHORT_CHAOS_PAIRS: u64 = 1024;
 
 /// Directions for the limit of many waves, where the truth takes long.
-const SHORT_LIMIT_DIRECTIONS: u64 = 100_000;
+const SHORT_LIMIT_DIRECTIONS: u64 = 200_000;
 
 /// Seeds that the twin bias is taken over, where the truth takes long.
-const SHORT_TWIN_SEEDS: u32 = 3;
+const SHORT_TWIN_SEEDS: u32 = 4;
 
 /// A scene with what is run in it.
 #[derive(Clone, Debug)]
@@ -68,7 +68,7 @@ impl Plan {
 
     fn short(scene: Scene) -> Plan {
         Plan {
-            cases: short(),
+            cases: short(Layout::of(&scene).has_cells()),
             limit_directions: SHORT_LIMIT_DIRECTIONS,
             compared_waves: SHORT_COMPARED,
             twin_seeds: SHORT_TWIN_SEEDS,
@@ -100,7 +100,7 @@ fn counts(powers: std::ops::RangeInclusive<u32>) -> Vec<u32> {
 /// Whether the exact waves of a scene take long.
 fn is_slow(scene: &Scene) -> bool {
     let is_field = |surface: &Surface| surface.shape.field().is_some();
-    has_cells(scene) || scene.surfaces.iter().any(is_field)
+    Layout::of(scene).has_cells() || scene.surfaces.iter().any(is_field)
 }
 
 #[cfg(test)]

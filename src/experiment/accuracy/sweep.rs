@@ -26,8 +26,14 @@ const EVERYWHERE: f32 = 1e6;
 /// Waves of each profile's defaults, and of rows that change anything else.
 pub const BASE_WAVES: u32 = 65_536;
 
-/// The same in the quick sweep: at 16 seeds a row, more would not fit in its five minutes.
+/// The same in the quick sweep: at 16 seeds a row, more would take too long.
 pub const QUICK_WAVES: u32 = 32_768;
+
+/// The same in the short sweep.
+pub const SHORT_WAVES: u32 = 16_384;
+
+/// Waves of `thesis` in the short sweep of a scene whose surfaces lie in cells.
+const SHORT_THESIS_WAVES: u32 = 1024;
 
 /// Settings with a name.
 #[derive(Clone, Debug, PartialEq)]
@@ -114,23 +120,27 @@ pub fn quick() -> Vec<Case> {
 }
 
 /// One thing at a time, but only what a scene of marched fields or of cells has an answer of its
-/// own to.
-pub fn short() -> Vec<Case> {
+/// own to. Where surfaces lie in cells a wave of `thesis` takes some thirty times as long as one of
+/// `hybrid`, so that there are few of them, and only its defaults.
+pub fn short(in_cells: bool) -> Vec<Case> {
     let mut cases = Vec::new();
     for profile in Profile::ALL {
-        let base = Case::new("default", Settings::of(profile).with_waves(QUICK_WAVES));
+        let base = Case::new("default", Settings::of(profile).with_waves(SHORT_WAVES));
         let iterations = base.settings.iterations;
-        cases.push(base.clone());
         match profile {
             Profile::Hybrid => {
-                cases.push(resized(&base, QUICK_WAVES, 4));
+                cases.push(base.clone());
+                cases.push(resized(&base, SHORT_WAVES, 4));
                 cases.push(other_passes(&base));
                 let lattice = turned(&base, Directions::Fibonacci);
                 let waves = [1024, 4096, 16_384];
                 cases.extend(waves.map(|waves| resized(&lattice, waves, iterations)));
             }
-            Profile::March => (),
-            Profile::Thesis => cases.push(at_distance(&base, CAREFUL)),
+            Profile::March => cases.push(base),
+            Profile::Thesis if in_cells => {
+                cases.push(resized(&base, SHORT_THESIS_WAVES, iterations));
+            }
+            Profile::Thesis => cases.extend([base.clone(), at_distance(&base, CAREFUL)]),
         }
     }
     named(cases)
@@ -276,7 +286,7 @@ mod tests {
     /// Protects the sweep from settings that cannot be traced, and from doing work twice.
     #[test]
     fn every_case_is_valid_and_there_once() {
-        for cases in [short(), quick(), full()] {
+        for cases in [short(false), short(true), quick(), full()] {
             for (index, case) in cases.iter().enumerate() {
                 assert!(case.settings.validate().is_ok(), "{}", case.label);
                 let later = &cases[index + 1..];
@@ -291,8 +301,13 @@ mod tests {
         let full = full();
         let quick = quick();
         assert!(quick.iter().all(|case| full.contains(case)));
-        let short = short();
-        assert!(short.iter().all(|case| quick.contains(case)) && short.len() < quick.len() / 2);
+        for short in [short(false), short(true)] {
+            let is_known = |case: &Case| quick.iter().any(|it| it.label == case.label);
+            assert!(short.iter().all(is_known) && short.len() < quick.len() / 2);
+            for profile in Profile::ALL {
+                assert!(short.iter().any(|case| case.settings.profile == profile));
+            }
+        }
     }
 
     /// Protects "fused" from settings that the tracer does not follow: what fits a pass is told

@@ -3,7 +3,7 @@
 //! RON's own errors tell where they are found and what a parser would have liked there. Whoever
 //! writes `Sphere(1)` wants to know how a sphere is written.
 
-use super::form::Form;
+use crate::scene::notation::Form;
 use crate::scene::shape::{form_of, shape_names};
 use crate::text::nearest;
 use ron::error::{Error, Position, SpannedError};
