@@ -38,6 +38,8 @@ pub use distance::distance_parts;
 pub use link::{Part, link};
 pub use loops::{Loops, loops};
 pub use placement::{Placed, Placement, uniform_count};
+#[cfg(glsl_at_run_time)]
+pub(crate) use source::read_at_run_time;
 pub(crate) use source::source;
 pub use source::{Source, join};
 pub(crate) use user::{USER_FILE, user_sources};
