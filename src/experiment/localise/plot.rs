@@ -9,7 +9,7 @@ use crate::experiment::log_plot::{Panel, PlotError, Stroke, draw_legend};
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
-const WIDTH: u32 = 1560;
+const WIDTH: u32 = 1640;
 /// Pixels of the plots of a row; the legend has the rest.
 const PLOTS_WIDTH: u32 = 1230;
 const TITLE_HEIGHT: u32 = 48;
@@ -19,7 +19,7 @@ const ROW_HEIGHT: u32 = 360;
 const COLOURS: [(&str, RGBColor); 3] = [
     ("thesis", RGBColor(213, 94, 0)),
     ("march", RGBColor(0, 114, 178)),
-    ("hybrid", RGBColor(0, 158, 115)),
+    ("hybrid", RGBColor(0, 200, 140)),
 ];
 const GROUND: RGBColor = RGBColor(120, 120, 120);
 const BARE: RGBColor = RGBColor(204, 121, 167);
@@ -232,7 +232,13 @@ fn plot_lines(
         .bold_line_style(BLACK.mix(0.15))
         .light_line_style(BLACK.mix(0.04))
         .draw()?;
-    for line in lines.iter().filter(|line| !line.points.is_empty()) {
+    let mut shown: Vec<&Line> = lines
+        .iter()
+        .filter(|line| !line.points.is_empty())
+        .collect();
+    // A wide line below a narrow one is seen on either side of it.
+    shown.sort_by_key(|line| std::cmp::Reverse(line.width));
+    for line in shown {
         draw_line(&mut chart, line, place)?;
     }
     Ok(())
