@@ -1,6 +1,6 @@
 //! The shader programs of a frame, each compiled once for what its text depends on.
 
-use super::{Directions, Profile, Settings, trial};
+use super::{Algorithm, Directions, Settings, trial};
 use crate::error::Error;
 use crate::gpu::{Context, Program, ProgramCache};
 use crate::scene::Scene;
@@ -16,7 +16,7 @@ const PROGRAMS_KEPT: NonZeroUsize = NonZeroUsize::new(12).unwrap();
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 enum Key {
     Initialise(Directions),
-    March(Structure, Options),
+    March(Structure, MarchText),
     Pan,
     SumContributions,
     Sum,
@@ -24,11 +24,17 @@ enum Key {
 
 /// Settings that are in the text of a march.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-struct Options {
-    profile: Profile,
-    exact_normals: bool,
-    landing: bool,
+struct MarchText {
+    algorithm: AlgorithmText,
     count_evaluations: bool,
+}
+
+/// The algorithm, with those of its options that are in its text.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+enum AlgorithmText {
+    Hybrid,
+    March { exact_normals: bool, landing: bool },
+    Thesis,
 }
 
 /// Programs by what their text depends on.
@@ -63,13 +69,13 @@ impl Programs {
         scene: &Scene,
         settings: &Settings,
     ) -> Result<Rc<Program>, Error> {
-        let options = Options::of(settings);
-        let key = Key::March(glsl::structure(scene), options);
+        let text = MarchText::of(settings);
+        let key = Key::March(glsl::structure(scene), text);
         self.cache.get_or_compile(key, || {
             // What is checked once for a structure.
             scene.check()?;
-            let label = format!("march ({}) of {}", settings.profile, scene.name);
-            let text = glsl::join(&march_sources(scene, options));
+            let label = format!("march ({}) of {}", settings.profile(), scene.name);
+            let text = glsl::join(&march_sources(scene, text));
             trial::ensure(scene, &[&text])?;
             Ok(Program::fragment(context, &label, &text)?)
         })
@@ -110,14 +116,17 @@ impl Programs {
     }
 }
 
-impl Options {
-    /// Of the thesis' and the closed-form text nothing depends on normals and landing.
-    fn of(settings: &Settings) -> Options {
-        let is_march = settings.profile == Profile::March;
-        Options {
-            profile: settings.profile,
-            exact_normals: is_march && settings.exact_normals,
-            landing: is_march && settings.landing,
+impl MarchText {
+    fn of(settings: &Settings) -> MarchText {
+        MarchText {
+            algorithm: match &settings.algorithm {
+                Algorithm::Hybrid(_) => AlgorithmText::Hybrid,
+                Algorithm::March(march) => AlgorithmText::March {
+                    exact_normals: march.variant.difference_normals.is_none(),
+                    landing: march.variant.landing,
+                },
+                Algorithm::Thesis(_) => AlgorithmText::Thesis,
+            },
             count_evaluations: settings.count_evaluations,
         }
     }
@@ -141,7 +150,7 @@ pub enum Pass {
 pub fn shader_text(scene: &Scene, settings: &Settings, pass: Pass) -> String {
     glsl::join(&match pass {
         Pass::Initialise => initialise_sources(settings.directions),
-        Pass::March => march_sources(scene, Options::of(settings)),
+        Pass::March => march_sources(scene, MarchText::of(settings)),
         Pass::Pan => pan_sources(),
     })
 }
@@ -164,39 +173,42 @@ fn pan_sources() -> Vec<Source> {
 }
 
 /// The fragment shader of a march pass, `#version` apart.
-fn march_sources(scene: &Scene, options: Options) -> Vec<Source> {
-    let counters = match options.count_evaluations {
+fn march_sources(scene: &Scene, text: MarchText) -> Vec<Source> {
+    let counters = match text.count_evaluations {
         true => source!("counters_evaluations.glsl"),
         false => source!("counters.glsl"),
     };
     let mut roots = vec![source!("wave.glsl"), counters];
-    let parts = match options.profile {
-        Profile::Thesis => {
-            roots.push(source!("iterate_thesis.glsl"));
-            glsl::distance_parts(scene)
-        }
-        Profile::March => {
-            roots.push(Source::new("options", defines(options, scene)));
-            roots.push(source!("iterate_march.glsl"));
-            glsl::ahead_parts(scene, !options.exact_normals)
-        }
-        Profile::Hybrid => {
-            let marches = u8::from(glsl::marches_fields(scene, false));
-            let options = format!("#define MARCHES_FIELDS {marches}\n");
-            roots.push(Source::new("options", options));
+    let parts = match text.algorithm {
+        AlgorithmText::Hybrid => {
+            let marches_fields = glsl::marches_fields(scene, false);
+            roots.push(defines(&[("MARCHES_FIELDS", marches_fields)]));
             roots.push(source!("iterate_hybrid.glsl"));
             glsl::closed_form_parts(scene)
+        }
+        AlgorithmText::March {
+            exact_normals,
+            landing,
+        } => {
+            roots.push(defines(&[
+                ("EXACT_NORMALS", exact_normals),
+                ("LANDING", landing),
+                ("MARCHES_FIELDS", glsl::marches_fields(scene, true)),
+            ]));
+            roots.push(source!("iterate_march.glsl"));
+            glsl::ahead_parts(scene, !exact_normals)
+        }
+        AlgorithmText::Thesis => {
+            roots.push(source!("iterate_thesis.glsl"));
+            glsl::distance_parts(scene)
         }
     };
     roots.push(source!("iterate.frag"));
     glsl::link(roots, parts)
 }
 
-fn defines(options: Options, scene: &Scene) -> String {
-    format!(
-        "#define EXACT_NORMALS {}\n#define LANDING {}\n#define MARCHES_FIELDS {}\n",
-        u8::from(options.exact_normals),
-        u8::from(options.landing),
-        u8::from(glsl::marches_fields(scene, true))
-    )
+/// What the preprocessor is told: each name as 1 or 0.
+fn defines(options: &[(&str, bool)]) -> Source {
+    let line = |(name, is_set): &(&str, bool)| format!("#define {name} {}\n", u8::from(*is_set));
+    Source::new("options", options.iter().map(line).collect::<String>())
 }
