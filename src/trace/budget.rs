@@ -10,10 +10,8 @@
 use super::{
     Algorithm, MAX_COPY_STEPS, MAX_FIELD_STEPS, MAX_STEPS, MarchOptions, Settings, ThesisOptions,
 };
+use crate::kernel::{self, Cells, Layout, Lists, Loops};
 use crate::scene::Scene;
-use crate::scene::cells::{Cells, Lists};
-use crate::scene::glsl::{self, Loops};
-use crate::scene::layout::Layout;
 
 /// Turns of all loops of a shader together at the most.
 const MOST_TURNS: u64 = 65_535;
@@ -54,11 +52,11 @@ impl Budget {
 
     /// The same for who has the scene's cells, with the lists that [`lists`] names.
     pub(super) fn with_cells(scene: &Scene, settings: &Settings, cells: Option<&Cells>) -> Budget {
-        let loops = glsl::loops(scene, cells, lists(settings));
+        let loops = kernel::loops(scene, cells, lists(settings));
         let asked = settings.iterations_per_pass;
         match &settings.algorithm {
-            Algorithm::Hybrid(_) => hybrid(&loops, glsl::marches_fields(scene, false), asked),
-            Algorithm::March(of) => march(of, &loops, glsl::marches_fields(scene, true), asked),
+            Algorithm::Hybrid(_) => hybrid(&loops, kernel::marches_fields(scene, false), asked),
+            Algorithm::March(of) => march(of, &loops, kernel::marches_fields(scene, true), asked),
             Algorithm::Thesis(of) => thesis(of, settings.max_distance, &loops, asked),
         }
     }
@@ -208,7 +206,7 @@ mod tests {
         assert_eq!(march.steps, MAX_STEPS);
         let share = f64::from(march.field_steps) / f64::from(hybrid.field_steps);
         assert!(share > 0.9 && share < 1.0, "{march:?}, {hybrid:?}");
-        let loops = glsl::loops(&menger, None, Lists::Touching);
+        let loops = kernel::loops(&menger, None, Lists::Touching);
         let turns = u64::from(march.steps) * (1 + loops.ahead)
             + u64::from(march.field_steps) * (FIELD_TURNS + loops.all_fields);
         assert!(turns + loops.landing < MOST_TURNS, "{turns} turns");

@@ -28,6 +28,7 @@ mod trial;
 mod user_fields;
 mod waves;
 
+pub use crate::kernel::Directions;
 pub use budget::Budget;
 pub use error::TraceError;
 pub use frame::{Frame, Milliseconds};
@@ -45,8 +46,8 @@ pub(crate) use scene_data::SceneData;
 #[cfg(feature = "experiment")]
 pub(crate) use settings::MarchVariant;
 pub use settings::{
-    Algorithm, Directions, HybridOptions, MARCHES_PER_PASS, MAX_COPY_STEPS, MAX_FIELD_STEPS,
-    MAX_ITERATIONS, MAX_STEPS, MAX_WAVES, MarchOptions, Profile, Settings, ThesisOptions,
+    Algorithm, HybridOptions, MARCHES_PER_PASS, MAX_COPY_STEPS, MAX_FIELD_STEPS, MAX_ITERATIONS,
+    MAX_STEPS, MAX_WAVES, MarchOptions, Profile, Settings, ThesisOptions,
 };
 pub use tracer::{HeardPaths, Tracer};
 pub use trial::{FieldTrial, TrialCommand, answer_field_trial};

@@ -8,13 +8,12 @@ mod algorithm;
 mod variant;
 
 use super::TraceError;
+use crate::kernel::Directions;
 pub use algorithm::{Algorithm, HybridOptions, MarchOptions, Profile, ThesisOptions};
 use serde::Serialize;
 use std::fmt;
 #[cfg(feature = "experiment")]
 pub(crate) use variant::MarchVariant;
-
-use std::str::FromStr;
 
 /// The most waves in one frame: 2^24, a 4096 x 4096 texture pair.
 pub const MAX_WAVES: u32 = 1 << 24;
@@ -52,17 +51,6 @@ const THESIS_MAX_DISTANCE: f32 = 300.0;
 /// The largest distance that may be asked for, in metres: its square and the square of
 /// what a wave moves on the way are still finite in `f32`.
 const MAX_DISTANCE: f32 = 1e15;
-
-/// How the start directions are chosen.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
-#[serde(rename_all = "lowercase")]
-#[non_exhaustive]
-pub enum Directions {
-    /// Independent and uniform over the sphere, as the thesis has them.
-    Random,
-    /// A spherical Fibonacci lattice, turned at random as a whole.
-    Fibonacci,
-}
 
 /// Everything about a frame that is not the scene: what all algorithms share, and the
 /// [`Algorithm`] with its own options.
@@ -231,28 +219,6 @@ impl Settings {
         let per_pass = self.iterations_per_pass;
         in_range("iterations in a pass", per_pass, MAX_ITERATIONS)?;
         self.algorithm.validate(self.max_distance)
-    }
-}
-
-impl fmt::Display for Directions {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(match self {
-            Directions::Random => "random",
-            Directions::Fibonacci => "fibonacci",
-        })
-    }
-}
-
-impl FromStr for Directions {
-    type Err = String;
-    fn from_str(name: &str) -> Result<Directions, String> {
-        match name {
-            "random" => Ok(Directions::Random),
-            "fibonacci" => Ok(Directions::Fibonacci),
-            _ => Err(format!(
-                "there are no directions {name:?}; there are: random, fibonacci"
-            )),
-        }
     }
 }
 
