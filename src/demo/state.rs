@@ -2,7 +2,7 @@
 
 use super::DemoOptions;
 use super::values::{ValueSlider, value_sliders};
-use super::walk::{Walker, Wish, carried};
+use super::walk::{MoveInput, Walker, carried};
 use crate::audio::PanningLaw;
 use crate::scene::{Scene, SceneError};
 use crate::trace::{MAX_ITERATIONS, MAX_WAVES, Profile, Settings};
@@ -60,7 +60,7 @@ impl Choices {
     /// Changes to another algorithm: with its own constants as they were when it was left,
     /// and with the waves, iterations and directions of now.
     pub fn set_profile(&mut self, profile: Profile) {
-        if profile == self.settings.profile {
+        if profile == self.settings.profile() {
             return;
         }
         let known = self.others.remove(&profile);
@@ -71,10 +71,10 @@ impl Choices {
             seed: old.seed,
             directions: old.directions,
             sum_on_gpu: old.sum_on_gpu,
-            ..known.unwrap_or_else(|| Settings::of(profile))
+            ..known.unwrap_or_else(|| Settings::new(profile))
         };
         let old = std::mem::replace(&mut self.settings, new);
-        self.others.insert(old.profile, old);
+        self.others.insert(old.profile(), old);
     }
 
     /// Doubles or halves the number of waves, as often as `steps` says; from now on it no
@@ -93,7 +93,7 @@ impl Choices {
 
     /// From pan to gains: as chosen, or else as the algorithm is heard by.
     pub fn law(&self) -> PanningLaw {
-        let usual = PanningLaw::for_profile(self.settings.profile);
+        let usual = PanningLaw::for_profile(self.settings.profile());
         self.chosen_law.unwrap_or(usual)
     }
 
@@ -209,7 +209,7 @@ impl World {
     }
 
     /// Lets time pass: paths go on, the walker walks, what is carried comes along.
-    pub fn pass(&mut self, wish: &Wish, seconds: f64) {
+    pub fn pass(&mut self, input: &MoveInput, seconds: f64) {
         if !self.paused {
             self.seconds += seconds;
         }
@@ -221,9 +221,9 @@ impl World {
         if let Some(walker) = &self.walker {
             walker.place(&mut self.now.listener);
         }
-        if !wish.is_rest() {
+        if !input.is_rest() {
             let mut walker = Walker::of(&self.now.listener);
-            walker.walk(&self.now, wish, seconds as f32);
+            walker.walk(&self.now, input, seconds as f32);
             self.stand(walker);
         }
         if self.carrying {
@@ -273,6 +273,7 @@ impl World {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::trace::{Algorithm, ThesisOptions};
 
     /// Protects a change of algorithm: its own constants, the same waves.
     #[test]
@@ -283,12 +284,13 @@ mod tests {
         choices.set_profile(Profile::Thesis);
         let expected = Settings::thesis().with_waves(1000).with_seed(5);
         assert_eq!(choices.settings, expected);
-        choices.settings.min_distance = 0.01;
+        let fine: Algorithm = ThesisOptions::default().with_min_distance(0.01).into();
+        choices.settings.algorithm = fine;
         choices.change_waves(2);
         choices.set_profile(Profile::March);
         assert_eq!(choices.settings.waves, 4000);
         choices.set_profile(Profile::Thesis);
-        assert_eq!(choices.settings.min_distance, 0.01);
+        assert_eq!(choices.settings.algorithm, fine);
         choices.change_iterations(-100);
         assert_eq!(
             (choices.settings.waves, choices.settings.iterations),
@@ -315,22 +317,22 @@ mod tests {
     #[test]
     fn a_moving_source_moves_until_it_is_picked_up() {
         let mut world = World::load("open-field").unwrap();
-        world.pass(&Wish::default(), 2.0);
+        world.pass(&MoveInput::default(), 2.0);
         assert!(world.now.source.position.x.abs() < 1e-4);
         world.paused = true;
-        world.pass(&Wish::default(), 1.0);
+        world.pass(&MoveInput::default(), 1.0);
         assert!(world.now.source.position.x.abs() < 1e-4);
         assert!(world.source.is_none() && world.walker.is_none());
         world.paused = false;
         world.pick_up_or_put_down();
-        world.pass(&Wish::default(), 0.1);
+        world.pass(&MoveInput::default(), 0.1);
         let held = world.now.source.position;
         world.pick_up_or_put_down();
-        world.pass(&Wish::default(), 1.0);
+        world.pass(&MoveInput::default(), 1.0);
         assert_eq!(world.now.source.position, held);
         assert!((held - world.now.listener.position).z < -2.0);
         world.start_over();
-        world.pass(&Wish::default(), 0.0);
+        world.pass(&MoveInput::default(), 0.0);
         assert_eq!(world.now.source.position.x, -8.0);
     }
 }

@@ -4,7 +4,9 @@ use super::Bench;
 use super::change::Change;
 use super::pair::{Case, Timing, pair};
 use crate::error::Error;
-use crate::trace::{Directions, Profile, Settings, Tracer};
+use crate::trace::{
+    Algorithm, Directions, MARCHES_PER_PASS, MarchVariant, Profile, Settings, ThesisOptions, Tracer,
+};
 use serde::Serialize;
 
 /// One setting changed.
@@ -50,54 +52,37 @@ pub(super) fn variants(asked: &Settings) -> Vec<Variant> {
             });
         }
     };
-    for profile in Profile::ALL.into_iter().filter(|&p| p != asked.profile) {
-        add(&format!("--profile {profile}"), of_profile(asked, profile));
-    }
-    let single = asked.iterations_per_pass == 1;
-    let per_pass = match single {
-        true => asked.iterations.min(Settings::march().iterations_per_pass),
-        false => 1,
-    };
-    if asked.iterations > 1 {
-        let name = format!("--iterations-per-pass {per_pass}");
-        let iterations_per_pass = per_pass;
-        let settings = asked.clone();
+    let same = || asked.clone();
+    for profile in Profile::ALL.into_iter().filter(|&p| p != asked.profile()) {
         add(
-            &name,
-            Settings {
-                iterations_per_pass,
-                ..settings
-            },
+            &format!("--profile {profile}"),
+            same().with_profile(profile),
         );
     }
-    let mut settings = asked.clone();
-    settings.sum_on_gpu = !asked.sum_on_gpu;
-    add(
-        switch("--sum-on-gpu", "sum on the CPU", asked.sum_on_gpu),
-        settings,
-    );
-    let mut settings = asked.clone();
-    settings.count_evaluations = !asked.count_evaluations;
-    add(
-        switch(
-            COUNTING,
-            "not counting evaluations",
-            asked.count_evaluations,
-        ),
-        settings,
-    );
-    add("half the waves", asked.clone().with_waves(asked.waves / 2));
+    if asked.iterations > 1 {
+        let per_pass = match asked.iterations_per_pass {
+            1 => asked.iterations.min(MARCHES_PER_PASS),
+            _ => 1,
+        };
+        let name = format!("--iterations-per-pass {per_pass}");
+        add(&name, same().with_iterations_per_pass(per_pass));
+    }
+    let is_on = asked.sum_on_gpu;
+    let name = switch("--sum-on-gpu", "sum on the CPU", is_on);
+    add(name, same().with_sum_on_gpu(!is_on));
+    let is_on = asked.count_evaluations;
+    let name = switch(COUNTING, "not counting evaluations", is_on);
+    add(name, same().with_count_evaluations(!is_on));
+    add("half the waves", same().with_waves(asked.waves / 2));
     let half = asked.iterations / 2;
-    add("half the iterations", asked.clone().with_iterations(half));
-    let mut settings = asked.clone();
-    let is_lattice = asked.directions == Directions::Fibonacci;
-    settings.directions = match is_lattice {
-        true => Directions::Random,
-        false => Directions::Fibonacci,
+    add("half the iterations", same().with_iterations(half));
+    let other = match asked.directions {
+        Directions::Random => Directions::Fibonacci,
+        Directions::Fibonacci => Directions::Random,
     };
     add(
-        switch("--directions fibonacci", "--directions random", is_lattice),
-        settings,
+        &format!("--directions {other}"),
+        same().with_directions(other),
     );
     all.extend(of_march(asked));
     all
@@ -107,52 +92,34 @@ fn switch<'a>(on: &'a str, off: &'a str, is_on: bool) -> &'a str {
     if is_on { off } else { on }
 }
 
-/// The options that only `march` has, beside a march.
-fn of_march(asked: &Settings) -> Vec<Variant> {
-    let is_march = asked.profile == Profile::March;
+/// The worsened ways of `march`, beside a march.
+fn of_march(asked: &Settings) -> [Variant; 2] {
+    let is_march = asked.profile() == Profile::March;
     let march = match is_march {
         true => asked.clone(),
-        false => of_profile(asked, Profile::March),
+        false => asked.clone().with_profile(Profile::March),
     };
-    let mut normals = march.clone();
-    normals.exact_normals = !march.exact_normals;
-    let mut landing = march.clone();
-    landing.landing = !march.landing;
-    let of = match landing.landing {
-        true => Settings::march(),
-        false => Settings::thesis(),
+    let thesis = ThesisOptions::default();
+    let variant = |name: &str, change: &dyn Fn(&mut MarchVariant)| {
+        let mut settings = march.clone();
+        if let Algorithm::March(march) = &mut settings.algorithm {
+            change(&mut march.variant);
+        }
+        Variant {
+            name: name.to_owned(),
+            against: (!is_march).then(|| march.clone()),
+            settings,
+        }
     };
-    landing.min_distance = of.min_distance;
-    let variant = |name: &str, settings| Variant {
-        name: name.to_owned(),
-        against: (!is_march).then(|| march.clone()),
-        settings,
-    };
-    let normals_name = switch(
-        "--difference-normals",
-        "exact normals",
-        !march.exact_normals,
-    );
-    let landing_name = switch("--no-landing", "with landing", !march.landing);
-    let both = [
-        variant(normals_name, normals),
-        variant(landing_name, landing),
-    ];
-    let is_valid = |variant: &Variant| variant.settings.validate().is_ok();
-    both.into_iter().filter(is_valid).collect()
-}
-
-/// Another profile's own defaults, for the same waves.
-fn of_profile(asked: &Settings, profile: Profile) -> Settings {
-    Settings {
-        directions: asked.directions,
-        sum_on_gpu: asked.sum_on_gpu,
-        count_evaluations: asked.count_evaluations,
-        ..Settings::of(profile)
-            .with_waves(asked.waves)
-            .with_iterations(asked.iterations)
-            .with_seed(asked.seed)
-    }
+    [
+        variant("difference normals", &|v| {
+            v.difference_normals = Some(thesis.normal_step);
+        }),
+        variant("no landing", &|v| {
+            v.landing = false;
+            v.shell = thesis.min_distance;
+        }),
+    ]
 }
 
 /// Measures every variant beside what it is compared with.
@@ -177,7 +144,9 @@ pub(super) fn measure(
         );
         let against = variant.against.as_ref();
         rows.push(OptionRow {
-            against: against.map_or(AS_ASKED.to_owned(), |s| format!("--profile {}", s.profile)),
+            against: against.map_or(AS_ASKED.to_owned(), |s| {
+                format!("--profile {}", s.profile())
+            }),
             name: variant.name,
             march: frames.march(bench.control_percent),
             total: frames.total(bench.control_total_percent),
@@ -197,8 +166,9 @@ mod tests {
     #[test]
     fn every_variant_is_another_and_valid() {
         for profile in Profile::ALL {
-            let mut asked = Settings::of(profile).with_waves(1000);
-            asked.sum_on_gpu = true;
+            let asked = Settings::new(profile)
+                .with_waves(1000)
+                .with_sum_on_gpu(true);
             let all = variants(&asked);
             assert_eq!(all.len(), 10, "{profile}");
             for variant in &all {

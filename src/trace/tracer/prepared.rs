@@ -2,9 +2,9 @@
 
 use super::super::budget::Budget;
 use super::super::waves::{STATUS_DEAD, STATUS_STARTED};
-use super::super::{Grid, Profile, Settings};
+use super::super::{Algorithm, Grid, MarchOptions, Settings};
 use crate::gpu::Program;
-use crate::kernel::{Placed, Placement};
+use crate::kernel::{OriginRebasing, RebasedScene};
 use crate::scene::Scene;
 use glam::{Vec3, Vec4};
 use std::rc::Rc;
@@ -58,28 +58,28 @@ struct Uniforms {
 
 impl PreparedFrame {
     /// The coordinates of a frame's shaders.
-    pub fn placement(scene: &Scene, settings: &Settings) -> Placement {
-        match settings.profile {
-            Profile::Thesis => Placement::world(),
-            Profile::March | Profile::Hybrid => Placement::anchored(scene),
+    pub fn rebasing(scene: &Scene, settings: &Settings) -> OriginRebasing {
+        match &settings.algorithm {
+            Algorithm::Thesis(_) => OriginRebasing::world(),
+            Algorithm::March(_) | Algorithm::Hybrid(_) => OriginRebasing::at_listener(scene),
         }
     }
 
-    /// Of a scene whose surfaces lie in the shaders' coordinates as `placed` says.
+    /// Of a scene whose surfaces lie in the shaders' coordinates as `rebased` says.
     pub fn new(
         scene: &Scene,
         settings: &Settings,
-        (placement, placed): (&Placement, &Placed),
+        (rebasing, rebased): (&OriginRebasing, &RebasedScene),
         budget: Budget,
         programs: FramePrograms,
         began: Instant,
     ) -> PreparedFrame {
         let listener = &scene.listener;
         let uniforms = Uniforms {
-            surfaces: placed.uniform_values(),
-            source: placement.place(scene.source.position),
-            start_status: start_status(scene, settings.profile, placed),
-            listener: placement.place(listener.position).extend(listener.radius),
+            surfaces: rebased.uniform_values(),
+            source: rebasing.place(scene.source.position),
+            start_status: start_status(scene, settings, rebased),
+            listener: rebasing.place(listener.position).extend(listener.radius),
             listener_right: listener.right(),
         };
         PreparedFrame {
@@ -88,7 +88,7 @@ impl PreparedFrame {
             budget,
             programs,
             began,
-            origin: placement.anchor,
+            origin: rebasing.origin,
             uniforms,
             evaluation_seconds: scene.evaluation_seconds(),
         }
@@ -111,15 +111,27 @@ impl PreparedFrame {
         set_grid(program, self.grid);
         program.set_vec4_array("uSurfaces", &self.uniforms.surfaces);
         program.set_vec4("uListener", self.uniforms.listener);
-        program.set_f32("uMinDistance", settings.min_distance);
         program.set_f32("uMaxDistance", settings.max_distance);
-        program.set_f32("uStartOffset", settings.start_offset);
-        program.set_f32("uNormalStep", settings.normal_step);
-        program.set_f32("uLipschitz", settings.lipschitz);
-        program.set_f32("uDistanceFactor", settings.distance_factor);
         program.set_i32("uStepLimit", self.budget.steps as i32);
         program.set_i32("uFieldSteps", self.budget.field_steps as i32);
         program.set_i32("uCopySteps", self.budget.copy_steps as i32);
+        match &settings.algorithm {
+            Algorithm::Hybrid(_) => (),
+            Algorithm::March(MarchOptions { variant }) => {
+                program.set_f32("uShell", variant.shell);
+                program.set_f32("uLipschitz", variant.lipschitz);
+                program.set_f32("uDistanceFactor", variant.distance_factor);
+                program.set_f32(
+                    "uNormalStep",
+                    variant.difference_normals.unwrap_or_default(),
+                );
+            }
+            Algorithm::Thesis(thesis) => {
+                program.set_f32("uMinDistance", thesis.min_distance);
+                program.set_f32("uStartOffset", thesis.start_offset);
+                program.set_f32("uNormalStep", thesis.normal_step);
+            }
+        }
     }
 
     /// Sets the uniforms of the panning pass.
@@ -163,12 +175,12 @@ impl PreparedFrame {
 }
 
 /// The thesis marches waves even out of a solid; elsewhere a source in a solid sends none.
-fn start_status(scene: &Scene, profile: Profile, placed: &Placed) -> f32 {
-    if profile == Profile::Thesis {
+fn start_status(scene: &Scene, settings: &Settings, rebased: &RebasedScene) -> f32 {
+    if matches!(settings.algorithm, Algorithm::Thesis(_)) {
         return STATUS_STARTED;
     }
     let nearest = scene.surface_distance(scene.source.position);
-    match -nearest.distance > placed.slack(nearest.object) {
+    match -nearest.distance > rebased.error_bound(nearest.object) {
         true => STATUS_DEAD,
         false => STATUS_STARTED,
     }
