@@ -4,7 +4,7 @@ use super::Bench;
 use super::change::Change;
 use super::pair::{Case, Timing, pair};
 use crate::error::Error;
-use crate::trace::{Directions, Profile, Settings, Tracer};
+use crate::trace::{Profile, Settings, Tracer};
 use serde::Serialize;
 
 /// One setting changed.
@@ -27,9 +27,6 @@ pub struct OptionRow {
 /// What [`OptionRow::against`] says of the settings that were asked for.
 pub(super) const AS_ASKED: &str = "as asked";
 
-/// The row of a setting that is for measurements, and no way to save time.
-pub(super) const COUNTING: &str = "counting evaluations";
-
 /// Settings that are changed in one thing.
 pub(super) struct Variant {
     name: String,
@@ -38,7 +35,8 @@ pub(super) struct Variant {
     settings: Settings,
 }
 
-/// The variants of settings; what makes no sense for them is left out.
+/// The variants of settings; what makes no sense for them is left out, and so is what differs by
+/// less than a busy processor does from run to run (docs/cost.md).
 pub(super) fn variants(asked: &Settings) -> Vec<Variant> {
     let mut all = Vec::new();
     let mut add = |name: &str, settings: Settings| {
@@ -70,52 +68,20 @@ pub(super) fn variants(asked: &Settings) -> Vec<Variant> {
             },
         );
     }
-    let mut settings = asked.clone();
-    settings.sum_on_gpu = !asked.sum_on_gpu;
-    add(
-        switch("--sum-on-gpu", "sum on the CPU", asked.sum_on_gpu),
-        settings,
-    );
-    let mut settings = asked.clone();
-    settings.count_evaluations = !asked.count_evaluations;
-    add(
-        switch(
-            COUNTING,
-            "not counting evaluations",
-            asked.count_evaluations,
-        ),
-        settings,
-    );
     add("half the waves", asked.clone().with_waves(asked.waves / 2));
     let half = asked.iterations / 2;
     add("half the iterations", asked.clone().with_iterations(half));
-    let mut settings = asked.clone();
-    let is_lattice = asked.directions == Directions::Fibonacci;
-    settings.directions = match is_lattice {
-        true => Directions::Random,
-        false => Directions::Fibonacci,
-    };
-    add(
-        switch("--directions fibonacci", "--directions random", is_lattice),
-        settings,
-    );
     all.extend(of_march(asked));
     all
 }
 
-fn switch<'a>(on: &'a str, off: &'a str, is_on: bool) -> &'a str {
-    if is_on { off } else { on }
-}
-
-/// The options that only `march` has, beside a march.
-fn of_march(asked: &Settings) -> Vec<Variant> {
+/// The option that only `march` has, beside a march.
+fn of_march(asked: &Settings) -> Option<Variant> {
     let is_march = asked.profile == Profile::March;
     let march = match is_march {
         true => asked.clone(),
         false => of_profile(asked, Profile::March),
     };
-    let mut normals = march.clone();
-    normals.exact_normals = !march.exact_normals;
     let mut landing = march.clone();
     landing.landing = !march.landing;
     let of = match landing.landing {
@@ -123,23 +89,15 @@ fn of_march(asked: &Settings) -> Vec<Variant> {
         false => Settings::thesis(),
     };
     landing.min_distance = of.min_distance;
-    let variant = |name: &str, settings| Variant {
-        name: name.to_owned(),
-        against: (!is_march).then(|| march.clone()),
-        settings,
+    let name = match landing.landing {
+        true => "with landing",
+        false => "--no-landing",
     };
-    let normals_name = switch(
-        "--difference-normals",
-        "exact normals",
-        !march.exact_normals,
-    );
-    let landing_name = switch("--no-landing", "with landing", !march.landing);
-    let both = [
-        variant(normals_name, normals),
-        variant(landing_name, landing),
-    ];
-    let is_valid = |variant: &Variant| variant.settings.validate().is_ok();
-    both.into_iter().filter(is_valid).collect()
+    landing.validate().is_ok().then(|| Variant {
+        name: name.to_owned(),
+        against: (!is_march).then_some(march),
+        settings: landing,
+    })
 }
 
 /// Another profile's own defaults, for the same waves.
@@ -200,7 +158,7 @@ mod tests {
             let mut asked = Settings::of(profile).with_waves(1000);
             asked.sum_on_gpu = true;
             let all = variants(&asked);
-            assert_eq!(all.len(), 10, "{profile}");
+            assert_eq!(all.len(), 6, "{profile}");
             for variant in &all {
                 let beside = variant.against.as_ref().unwrap_or(&asked);
                 assert!(variant.settings != *beside, "{}", variant.name);
