@@ -5,7 +5,7 @@ pub mod flights;
 
 use echomarch::gpu::{Api, Context, ContextOptions};
 use echomarch::{Scene, Settings, Tracer};
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Quat, Vec3};
 use std::f64::consts::TAU;
 
 /// Runs `test` once on every API, each on a thread of its own.
@@ -42,6 +42,21 @@ pub fn thesis(waves: u32, iterations: u32) -> Settings {
 /// A scene that a test needs and that must be there.
 pub fn builtin(name: &str) -> Scene {
     Scene::builtin(name).unwrap()
+}
+
+/// The scene in a mirror: left is right.
+pub fn mirrored(scene: &Scene) -> Scene {
+    let mirror = |v: Vec3| v * Vec3::new(-1.0, 1.0, 1.0);
+    let mut mirrored = scene.clone();
+    mirrored.source.position = mirror(scene.source.position);
+    mirrored.listener.position = mirror(scene.listener.position);
+    mirrored.listener.yaw = -scene.listener.yaw;
+    for surface in &mut mirrored.surfaces {
+        surface.position = mirror(surface.position);
+        let [x, y, z, w] = surface.rotation.to_array();
+        surface.rotation = Quat::from_xyzw(x, -y, -z, w);
+    }
+    mirrored
 }
 
 /// SplitMix64 (Steele et al. 2014): the same numbers on every machine.

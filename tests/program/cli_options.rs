@@ -1,0 +1,254 @@
+//! What a person types and what comes back: numbers, names, options that do nothing, tables.
+
+use crate::common::cli::{argument, command, json, refuse, stderr, stdout, succeed};
+use serde_json::Value;
+
+/// Protects numbers as people write them: grouped digits and powers of ten mean what they say.
+#[test]
+fn counts_may_be_grouped_or_powers_of_ten() {
+    let trace = |waves| json(&["trace", "corner", "--waves", waves, "--iterations", "2"]);
+    let counted = |waves| {
+        let report: Value = trace(waves);
+        (report["waves"].clone(), report["listener_hits"].clone())
+    };
+    assert_eq!(counted("65_536"), counted("65536"));
+    assert_eq!(counted("1e4"), counted("10000"));
+    assert_eq!(counted("1e4").0, 10_000);
+    for waves in ["1.5", "1e-1", "_1", "ten"] {
+        let output = crate::common::cli::echomarch(&["trace", "corner", "--waves", waves]);
+        assert_eq!(output.status.code(), Some(2), "{waves}");
+    }
+}
+
+/// Protects whoever mistypes a scene's name: the nearest is named.
+#[test]
+fn a_scene_that_is_nearly_right_is_suggested() {
+    refuse(&["trace", "cornr"], "did you mean corner?");
+    refuse(
+        &["view", "open_field", "-o", "/dev/null.png"],
+        "did you mean open-field?",
+    );
+}
+
+/// Protects from pixels taken for metres: what was called --height says what it is called now.
+#[test]
+fn heights_in_pixels_and_in_metres_have_names_of_their_own() {
+    let folder = tempfile::tempdir().unwrap();
+    let picture = folder.path().join("p.png");
+    let picture = argument(&picture);
+    refuse(
+        &["slice", "corner", "-o", picture, "--height", "2"],
+        "--cut-height is the height of the cut in metres",
+    );
+    refuse(
+        &["view", "corner", "-o", picture, "--height", "200"],
+        "--image-height is the picture's in pixels",
+    );
+    let help = succeed(&["view", "--help"]);
+    assert!(!stdout(&help).contains(" --height"));
+    let size = ["--image-width", "64", "--image-height", "32"];
+    let report = json(&[&["view", "corner", "-o", picture], &size[..]].concat());
+    assert_eq!(
+        (&report["width"], &report["height"]),
+        (&64.into(), &32.into())
+    );
+    let size = ["--image-width", "64", "--cut-height", "-0.5"];
+    let report = json(&[&["slice", "corner", "-o", picture], &size[..]].concat());
+    assert_eq!(report["width"], 64);
+}
+
+/// Protects from options that are believed to do something: what would change nothing is refused.
+#[test]
+fn options_that_change_nothing_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let picture = folder.path().join("p.png");
+    let text = folder.path().join("t.frag");
+    let slice = ["slice", "corner", "-o", argument(&picture)];
+    let refused: [(&[&str], &str); 17] = [
+        (&["trace", "corner", "--min-distance", "0.01"], "hybrid"),
+        (&["trace", "corner", "--no-landing"], "march"),
+        (&["info", "--gpu", "0"], "--gpu has no effect on info"),
+        (&["info", "--gl", "gles"], "--gl has no effect on info"),
+        (&["shader", "corner", "--gpu", "0"], "--gpu has no effect"),
+        (
+            &["shader", "corner", "--json", "-o", argument(&text)],
+            "--json has no effect",
+        ),
+        (
+            &["shader", "corner", "--pass", "pan", "--profile", "march"],
+            "--profile changes nothing",
+        ),
+        (
+            &["shader", "corner", "--pass", "view", "--count-evaluations"],
+            "--count-evaluations changes nothing",
+        ),
+        (
+            &["shader", "corner", "--directions", "fibonacci"],
+            "--directions changes nothing",
+        ),
+        (&[&slice[..], &["--waves", "9"]].concat(), "--waves has no"),
+        (&[&slice[..], &["--sum-on-gpu"]].concat(), "--sum-on-gpu"),
+        (&[&slice[..], &["--seed", "7"]].concat(), "without --paths"),
+        (
+            &[&slice[..], &["--profile", "march"]].concat(),
+            "without --paths",
+        ),
+        (
+            &["localise", "score", "a.json", "--gl", "gles"],
+            "it traces nothing",
+        ),
+        (
+            &["localise", "score", "a.json", "--gpu", "1"],
+            "it traces nothing",
+        ),
+        (
+            &[
+                "trace",
+                "corner",
+                "--profile",
+                "thesis",
+                "--difference-normals",
+            ],
+            "march",
+        ),
+        (
+            &["cost", "corner", "--min-distance", "0.01"],
+            "--min-distance has no effect",
+        ),
+    ];
+    for (arguments, told) in refused {
+        refuse(arguments, told);
+    }
+    assert!(!picture.exists() && !text.exists());
+    let followed = ["--paths", "5", "--seed", "7", "--profile", "march"];
+    succeed(&[&slice[..], &followed].concat());
+    succeed(&[
+        "shader",
+        "corner",
+        "--pass",
+        "initialise",
+        "--directions",
+        "fibonacci",
+    ]);
+}
+
+/// Protects the window's list of sound devices from options that are for the window.
+#[cfg(feature = "demo")]
+#[test]
+fn a_list_of_devices_takes_no_other_option() {
+    refuse(&["demo", "corner", "--list-devices"], "opens no window");
+    refuse(
+        &["demo", "--list-devices", "--waves", "9"],
+        "--waves has no effect on demo: --list-devices opens no window",
+    );
+}
+
+/// Protects loudness: a source in front is as loud as one at the side unless the thesis' law is
+/// asked for, or its algorithm.
+#[test]
+fn the_panning_law_follows_the_profile_until_it_is_chosen() {
+    let trace = |more: &[&str]| json(&[&["trace", "corner", "--waves", "4096"], more].concat());
+    let law = |more: &[&str]| trace(more)["law"].as_str().unwrap().to_owned();
+    assert_eq!(law(&[]), "constant-power");
+    assert_eq!(law(&["--profile", "march"]), "constant-power");
+    assert_eq!(law(&["--profile", "thesis"]), "linear");
+    assert_eq!(law(&["--law", "linear"]), "linear");
+    let chosen = ["--profile", "thesis", "--law", "constant-power"];
+    assert_eq!(law(&chosen), "constant-power");
+    let gains = |more: &[&str]| -> [f64; 2] {
+        let report = trace(more);
+        [0, 1].map(|ear| report["gains"][ear].as_f64().unwrap())
+    };
+    let [left, right] = gains(&[]);
+    assert!(
+        (left * left + right * right - 1.0).abs() < 1e-6,
+        "{left} {right}"
+    );
+    let [left, right] = gains(&["--law", "linear"]);
+    assert!((left + right - 1.0).abs() < 1e-6, "{left} {right}");
+}
+
+/// Protects who renders a first sound: it can be localised, and the law is told.
+#[test]
+fn render_plays_speech_by_the_law_of_the_profile() {
+    let folder = tempfile::tempdir().unwrap();
+    let wav = folder.path().join("out.wav");
+    let render = |more: &[&str]| {
+        let short = ["--seconds", "0.2", "--waves", "1024", "-o", argument(&wav)];
+        json(&[&["render", "corner"], &short[..], more].concat())
+    };
+    let report = render(&[]);
+    assert_eq!(
+        (&report["sound"], &report["law"]),
+        (&"speech:0".into(), &"constant-power".into())
+    );
+    assert_eq!(render(&["--profile", "thesis"])["law"], "linear");
+    assert_eq!(render(&["--law", "linear"])["law"], "linear");
+}
+
+/// A file of answers with one trial, answered.
+fn answered() -> Value {
+    serde_json::json!({
+        "format": "echomarch-localise-answers", "version": 2, "experiment": "00c0ffee",
+        "session": "0123456789abcdef", "participant": "p1", "order": [1],
+        "started": "2026-11-20T19:50:00.000Z", "saved": "2026-11-20T20:00:00.000Z",
+        "trials": [{
+            "number": 1,
+            "stimulus": {
+                "scene": "whispering-gallery", "yaw_deg": 0.0, "sound": "speech",
+                "law": "constant-power", "profile": "hybrid", "waves": 1048576,
+                "iterations": 16, "seed": 1, "pan": -0.1, "hits": 60,
+                "source_azimuth_deg": -48.0, "source_lateral_deg": -48.0,
+                "observer_lateral_deg": -8.0,
+            },
+            "answer": {
+                "right_m": -2.0, "ahead_m": 2.0, "azimuth_deg": -45.0, "side": "left",
+                "confidence": 3, "plays": 2, "seconds": 6.5,
+                "answered": "2026-11-20T20:00:00.000Z",
+            },
+        }],
+    })
+}
+
+/// Protects terminals: no table is wider than 100 columns.
+#[test]
+fn tables_fit_a_terminal() {
+    let folder = tempfile::tempdir().unwrap();
+    let answers = folder.path().join("a.json");
+    std::fs::write(&answers, answered().to_string()).unwrap();
+    let runs: [&[&str]; 5] = [
+        &["figures", "--max-waves", "256", "--runs", "1"],
+        &["cost", "corner", "--waves", "1024", "--runs", "1"],
+        &["verify", "--case", "grazing"],
+        &["localise", "score", argument(&answers)],
+        &["info"],
+    ];
+    for arguments in runs {
+        let output = succeed(arguments);
+        for line in stdout(&output).lines().filter(|line| line.starts_with('|')) {
+            assert!(line.chars().count() <= 100, "{arguments:?}: {line}");
+        }
+    }
+}
+
+/// Protects who has no sound server from what libraries write about it.
+#[cfg(all(feature = "demo", feature = "audio"))]
+#[test]
+fn libraries_write_nothing_about_a_missing_sound_server() {
+    let folder = tempfile::tempdir().unwrap();
+    let nowhere = folder.path().join("nowhere");
+    let output = command()
+        .args(["demo", "--list-devices"])
+        .env("XDG_RUNTIME_DIR", folder.path())
+        .env("HOME", folder.path())
+        .env("PULSE_SERVER", format!("unix:{}", nowhere.display()))
+        .env("PULSE_RUNTIME_PATH", &nowhere)
+        .output()
+        .unwrap();
+    assert!(output.status.success());
+    assert_eq!(stderr(&output), "");
+    for line in stdout(&output).lines() {
+        assert!(line.starts_with("* ") || line.starts_with("  ") || line == "no sound devices");
+        assert!(!line.contains("(null)"), "{line}");
+    }
+}

@@ -1,0 +1,222 @@
+//! What things cost, and what could be left out: the report agrees with itself, and with what
+//! is known of the scene. No time is asserted: other work on the machine would fail it.
+
+use crate::common::cli::{argument, command, echomarch, json, stderr, stdout, succeed};
+use crate::common::{builtin, tracer};
+use echomarch::experiment::cost::{
+    CostOptions, CostReport, MOST_SURFACES, ShaderReport, Verdict, measure,
+};
+use echomarch::glam::Vec3;
+use echomarch::scene::BUILTIN_NAMES;
+use echomarch::scene::shape::{Cuboid, Room, Sphere};
+use echomarch::trace::Pass;
+use echomarch::{Listener, Node, Profile, Scene, Settings, Source, Surface};
+
+/// The function that nothing calls: it stands in a file that every pass takes whole. Compilers
+/// drop it.
+const UNCALLED: [&str; 1] = ["reachedListener"];
+
+const RUNS: CostOptions = CostOptions { runs: 2 };
+
+fn report(scene: &Scene, settings: &Settings) -> CostReport {
+    measure(&mut tracer(), scene, settings, &RUNS, &mut |_, _| ()).unwrap()
+}
+
+/// A room with source and listener, and a ball outside of its walls.
+fn room_and_ball_behind() -> Scene {
+    let room = Node::Room(Room {
+        size: Vec3::new(10.0, 4.0, 8.0),
+    });
+    let ball = Surface::new(Node::Sphere(Sphere { radius: 1.0 }));
+    Scene {
+        name: "behind".into(),
+        surfaces: vec![
+            Surface::new(room).named("room"),
+            ball.at(Vec3::X * 20.0).named("ball"),
+        ],
+        source: Source::at(Vec3::new(-3.0, 0.5, 1.0)),
+        listener: Listener::at(Vec3::new(3.0, 0.0, -1.0), 0.5),
+    }
+}
+
+/// Protects the point of it all: what no wave can meet can be left out, and the room cannot.
+#[test]
+fn a_ball_behind_a_wall_can_be_left_out_and_the_room_not() {
+    for profile in [Profile::Hybrid, Profile::March] {
+        let settings = Settings::of(profile).with_waves(4096).with_iterations(4);
+        let report = report(&room_and_ball_behind(), &settings);
+        let [room, ball] = &report.surfaces[..] else {
+            panic!("{:?}", report.surfaces);
+        };
+        assert_eq!(ball.verdict, Verdict::CanBeLeftOut);
+        assert_eq!(ball.met, 0);
+        // The march may come nearer to the wall in other steps where the ball lies ahead, and
+        // then lands off by a rounding.
+        let rounding = if profile == Profile::March { 1e-7 } else { 0.0 };
+        assert!(ball.change.unwrap().pan.rms <= rounding);
+        assert_eq!(room.verdict, Verdict::IsHeard);
+        // Whatever is not heard at once is off to a wall.
+        assert!(room.met_percent > 90.0, "{}", room.met_percent);
+        assert!(ball.lines.unwrap() > 0);
+        let advice = report.advice.join(" ");
+        assert!(advice.contains("Surface 2 (ball)"), "{advice}");
+        assert!(advice.contains("changes nothing beyond noise"), "{advice}");
+    }
+}
+
+/// Protects the corner's rows: both surfaces are met and heard, every option has its row, and
+/// what cannot change a bit does not.
+#[test]
+fn the_report_of_the_corner_agrees_with_itself() {
+    let settings = Settings::hybrid().with_waves(8192);
+    let scene = builtin("corner");
+    let mut steps = Vec::new();
+    let mut progress = |done, total| steps.push((done, total));
+    let report = measure(&mut tracer(), &scene, &settings, &RUNS, &mut progress).unwrap();
+    let rows = (report.surfaces.len() + report.options.len() + 1) as u64;
+    assert_eq!(steps.last(), Some(&(rows, rows)));
+    assert_eq!(report.followed, 8192);
+    for row in &report.surfaces {
+        assert!(row.met > 0 && row.met <= report.followed);
+        assert_eq!(row.verdict, Verdict::IsHeard, "{}", row.name);
+        let march = row.march.unwrap();
+        assert!(march.base_ms > 0.0 && march.changed_ms > 0.0 && march.spread_ms >= 0.0);
+    }
+    let option = |name: &str| {
+        let row = report.options.iter().find(|row| row.name == name);
+        row.unwrap_or_else(|| panic!("no row {name}"))
+    };
+    for same in ["--iterations-per-pass 1", "counting evaluations"] {
+        let change = option(same).change.unwrap();
+        assert_eq!((change.heard_percent.rms, change.pan.rms), (0.0, 0.0));
+        assert!(option(same).within_noise);
+    }
+    assert!(option("--sum-on-gpu").change.unwrap().pan.rms < 1e-4);
+    assert!(!option("--profile thesis").within_noise);
+    assert!(!option("half the iterations").within_noise);
+    assert_eq!(option("--no-landing").against, "--profile march");
+    assert!(option("half the waves").change.unwrap().heard_percent.rms < 20.0);
+    assert!(!report.advice.is_empty());
+}
+
+/// Protects scenes at the edge: one surface, silence, and more surfaces than have rows.
+#[test]
+fn one_surface_silence_and_many_are_told() {
+    let settings = Settings::hybrid().with_waves(1024).with_iterations(2);
+    let mut scene = room_and_ball_behind();
+    scene.surfaces.truncate(1);
+    let alone = report(&scene, &settings);
+    assert_eq!(alone.surfaces[0].verdict, Verdict::LeavesNothing);
+    assert_eq!(alone.surfaces[0].march, None);
+
+    let wall = Surface::new(Node::Cuboid(Cuboid {
+        size: Vec3::new(1.0, 9.0, 9.0),
+    }));
+    scene.surfaces.push(wall.named("wall"));
+    let silent = report(&scene, &settings);
+    assert_eq!(silent.surfaces[1].verdict, Verdict::NothingHeard);
+    assert!(silent.advice[0].contains("Nothing is heard"));
+
+    scene.surfaces.truncate(1);
+    for index in 0..MOST_SURFACES {
+        let ball = Surface::new(Node::Sphere(Sphere { radius: 0.05 }));
+        let place = Vec3::new(-4.0 + 0.25 * index as f32, -1.5, 3.0);
+        scene.surfaces.push(ball.at(place));
+    }
+    let many = report(&scene, &settings);
+    assert!(many.by_kind);
+    let kinds: Vec<usize> = many.surfaces.iter().map(|row| row.surfaces.len()).collect();
+    assert_eq!(kinds, [1, MOST_SURFACES]);
+    assert!(many.surfaces[1].leaves_cells);
+}
+
+/// Protects a promise: no scene pays for a feature that it does not use. What has functions in
+/// a shader is in the scene, or is called by what is; and but for a few lines all is called.
+#[test]
+fn no_built_in_scene_has_the_text_of_a_feature_that_it_lacks() {
+    for name in BUILTIN_NAMES {
+        let scene = builtin(name);
+        for profile in Profile::ALL {
+            let settings = Settings::of(profile);
+            let shader = ShaderReport::of(&scene, &settings);
+            assert_eq!(shader.strangers(), [""; 0], "{name}, {profile}");
+            assert!(!shader.features.is_empty(), "{name}, {profile}");
+            let uncalled = shader.unused_functions.iter().map(String::as_str);
+            let new: Vec<&str> = uncalled.filter(|f| !UNCALLED.contains(f)).collect();
+            assert_eq!(new, [""; 0], "{name}, {profile}");
+            assert!(shader.functions >= shader.least_functions.min(10));
+        }
+    }
+}
+
+/// Protects the same from the other side: a feature that leaves a scene leaves its text.
+#[test]
+fn a_feature_that_leaves_takes_its_text_along() {
+    let settings = Settings::hybrid();
+    let text = |scene: &Scene| echomarch::trace::shader_text(scene, &settings, Pass::March);
+    let mut scene = room_and_ball_behind();
+    let both = ShaderReport::of(&scene, &settings);
+    scene.surfaces.pop();
+    let room = ShaderReport::of(&scene, &settings);
+    assert!(both.lines > room.lines && both.functions > room.functions);
+    assert!(!text(&scene).contains("Sphere"));
+    let names: Vec<&str> = room.features.iter().map(|f| f.name.as_str()).collect();
+    assert_eq!(names, ["Room"]);
+}
+
+/// Protects what machines read: the fields are there, and the CSV has a line a row.
+#[test]
+fn the_program_prints_json_and_writes_csv() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("cost.csv");
+    let arguments = ["cost", "corner", "--waves", "2048", "--runs", "1"];
+    let report = json(&[&arguments[..], &["-o", argument(&file)]].concat());
+    for field in ["renderer", "clock", "noise", "control", "shader", "advice"] {
+        assert!(!report[field].is_null(), "{field}");
+    }
+    let surfaces = report["surfaces"].as_array().unwrap();
+    let options = report["options"].as_array().unwrap();
+    assert_eq!(surfaces.len(), 2);
+    for field in [
+        "name", "met", "march", "total", "change", "verdict", "lines",
+    ] {
+        assert!(!surfaces[0][field].is_null(), "{field}");
+    }
+    assert_eq!(surfaces[0]["verdict"], "is_heard");
+    for field in ["base_ms", "changed_ms", "saved_percent", "spread_ms"] {
+        assert!(options[0]["total"][field].is_number(), "{field}");
+    }
+    let written = std::fs::read_to_string(&file).unwrap();
+    assert_eq!(written.lines().count(), 2 + surfaces.len() + options.len());
+
+    let output = succeed(&arguments);
+    assert!(stdout(&output).contains("## The shader of the march"));
+    let notes = stderr(&output);
+    assert!(notes.starts_with("renderer: ") && notes.lines().count() == 1);
+}
+
+/// Protects what is typed wrongly: one sentence and exit code 2, and no file.
+#[test]
+fn bad_input_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let wrong: [&[&str]; 6] = [
+        &["cost"],
+        &["cost", "nowhere"],
+        &["cost", "corner", "--runs", "0"],
+        &["cost", "corner", "--waves", "0"],
+        &["cost", "corner", "-o", "cost.txt"],
+        &["cost", "corner", "--profile", "hybrid", "--no-landing"],
+    ];
+    for arguments in wrong {
+        let output = command()
+            .args(arguments)
+            .current_dir(folder.path())
+            .output()
+            .unwrap();
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert_eq!(stdout(&output), "", "{arguments:?}");
+    }
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+    let help = echomarch(&["cost", "--help"]);
+    assert!(stdout(&help).contains("echomarch cost corner"));
+}

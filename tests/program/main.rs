@@ -1,0 +1,18 @@
+//! The program as a person uses it: commands, files from strangers, the form, the window.
+#![cfg(feature = "cli")]
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod bad_input;
+mod browser;
+mod cli;
+mod cli_options;
+mod cost;
+mod demo_scenes;
+mod demo_window;
+mod localise;
+mod localise_form;
+mod localise_score;
+mod strangers_fields;
+mod strangers_files;

@@ -1,0 +1,286 @@
+//! Many surfaces in cells: nothing is missed, whatever lies in them and wherever a wave comes
+//! from, in every profile.
+
+use crate::common::tracer;
+use echomarch::scene::shape::{Capsule, Cuboid, Cylinder, Ellipsoid, Plane, Sphere, Torus};
+use echomarch::scene::{Node, Shape};
+use echomarch::{Listener, Scene, Settings, Source, Surface, Tracer};
+use glam::{Quat, Vec3};
+use std::f32::consts::FRAC_PI_2;
+
+/// What plain sphere tracing on the CPU, over all surfaces and without cells, meets from
+/// `origin` along `direction`: the object's number, or -1; `None` for a line that grazes.
+fn truth(scene: &Scene, origin: Vec3, direction: Vec3) -> Option<f32> {
+    /// A distance that counts as a surface, in metres: some roundings, for a line may pass by
+    /// closer than a tenth of a millimetre. And one that is a close call.
+    const TOUCH: f32 = 2e-5;
+    const CLOSE: f32 = 5e-3;
+    const FAR: f32 = 600.0;
+    let mut t = 0.0;
+    let mut receding = None;
+    for _ in 0..20_000 {
+        let nearest = scene.distance(origin + t * direction);
+        if nearest.distance < TOUCH {
+            // What it touches it has to go into; else it may pass by within the touch.
+            let beyond = scene.distance(origin + (t + CLOSE) * direction);
+            return (beyond.distance < 0.0).then_some(nearest.object as f32);
+        }
+        if nearest.distance < CLOSE {
+            receding = Some(receding.map_or(nearest.distance, |d: f32| d.min(nearest.distance)));
+        } else if receding.is_some() {
+            return None;
+        }
+        t += nearest.distance;
+        if t > FAR {
+            return Some(-1.0);
+        }
+    }
+    None
+}
+
+fn scene(surfaces: Vec<Surface>, source: Vec3) -> Scene {
+    Scene {
+        name: "cells".into(),
+        surfaces,
+        source: Source::at(source),
+        listener: Listener::at(Vec3::new(0.0, 60.0, 90.0), 1.0),
+    }
+}
+
+fn profiles() -> Vec<(&'static str, Settings)> {
+    let shell = Settings {
+        min_distance: 0.1,
+        ..Settings::march()
+    };
+    let near = Settings {
+        min_distance: 1e-3,
+        max_distance: 700.0,
+        ..Settings::thesis()
+    };
+    vec![
+        ("hybrid", Settings::hybrid()),
+        ("march", Settings::march()),
+        ("march in a shell", shell),
+        ("thesis", near),
+    ]
+}
+
+/// Traces one segment of each wave, and compares what it met with the truth.
+fn compare(tracer: &mut Tracer, what: &str, scene: &Scene) {
+    for (profile, settings) in profiles() {
+        let settings = settings.with_waves(1024).with_iterations(1);
+        let (frame, waves) = tracer.frame_with_waves(scene, &settings).unwrap();
+        assert_eq!(frame.counts.step_limit_reached, 0, "{what}, {profile}");
+        let mut hits = 0;
+        for wave in &waves {
+            let Some(object) = truth(scene, scene.source.position, wave.start_direction) else {
+                continue;
+            };
+            hits += u32::from(object > 0.0);
+            // Within its minimum distance the thesis takes a line for a hit.
+            if profile == "thesis" && object < 0.0 {
+                continue;
+            }
+            let direction = wave.start_direction;
+            assert_eq!(wave.status, object, "{what}, {profile}, along {direction}");
+        }
+        assert!(hits > 3, "{what}: only {hits} waves meet anything");
+    }
+}
+
+/// Surfaces of one shape on a lattice of 6 by 6, 4 m apart.
+fn lattice(height: f32, shape: &(impl Into<Shape> + Clone)) -> Vec<Surface> {
+    let place =
+        |index: usize| Vec3::new((index % 6) as f32 * 4.0, height, (index / 6) as f32 * 4.0);
+    let surface = |index| Surface::new(shape.clone()).at(place(index));
+    (0..36).map(surface).collect()
+}
+
+/// Forty of one shape, anywhere in a cube of 30 m.
+fn scattered(shape: &(impl Into<Shape> + Clone)) -> Vec<Surface> {
+    let mut random = crate::common::Random(7);
+    let mut number = || 30.0 * random.unit() as f32;
+    let mut place = || Vec3::new(number(), number(), number());
+    (0..40)
+        .map(|_| Surface::new(shape.clone()).at(place()))
+        .collect()
+}
+
+/// Protects shapes in cells, basic and fields, from within the grid and from outside of it.
+#[test]
+fn scattered_shapes_are_all_met() {
+    let mut tracer = tracer();
+    let shapes = [
+        Node::Sphere(Sphere { radius: 0.6 }),
+        Node::Cuboid(Cuboid {
+            size: Vec3::new(0.5, 1.5, 1.0),
+        }),
+        Node::Torus(Torus {
+            ring: 0.7,
+            tube: 0.3,
+        }),
+        Node::Capsule(Capsule {
+            radius: 0.4,
+            height: 1.0,
+        }),
+    ];
+    for shape in &shapes {
+        for source in [Vec3::new(14.0, 15.5, 15.0), Vec3::new(-8.0, 15.0, 15.0)] {
+            let what = format!("{} from {source}", shape.name());
+            compare(&mut tracer, &what, &scene(scattered(shape), source));
+        }
+    }
+}
+
+/// Protects columns: endless pillars, and what ends on one side only.
+#[test]
+fn pillars_are_all_met() {
+    let mut tracer = tracer();
+    let pillar = Node::Cylinder(Cylinder { radius: 0.5 });
+    for source in [Vec3::new(2.0, 1.0, 2.0), Vec3::new(-9.0, 1.0, 2.0)] {
+        let what = format!("pillars from {source}");
+        compare(&mut tracer, &what, &scene(lattice(0.0, &pillar), source));
+    }
+    let cut = Shape::intersection([
+        Node::Cylinder(Cylinder { radius: 0.5 }).into(),
+        Node::Plane(Plane).into(),
+    ]);
+    let cut = lattice(-8.0, &cut);
+    compare(
+        &mut tracer,
+        "cut pillars",
+        &scene(cut, Vec3::new(2.0, -12.0, 2.0)),
+    );
+    let lying: Vec<Surface> = lattice(6.0, &pillar)
+        .into_iter()
+        .map(|mut surface| {
+            let Vec3 { x, z, .. } = surface.position;
+            surface.position = Vec3::new(0.0, x, z);
+            surface.turned(Quat::from_rotation_z(FRAC_PI_2))
+        })
+        .collect();
+    compare(
+        &mut tracer,
+        "lying pillars",
+        &scene(lying, Vec3::new(3.0, 10.0, 10.0)),
+    );
+}
+
+/// Protects lists that are kept from frame to frame: what a tracer sees after things have
+/// moved, also far away and back, is what a fresh one sees.
+#[test]
+fn moved_surfaces_are_met_where_they_are() {
+    let mut kept = tracer();
+    let mut scene = scene(
+        scattered(&Node::Sphere(Sphere { radius: 0.6 })),
+        Vec3::splat(15.0),
+    );
+    for step in 0..12 {
+        let index = (step * 7) % scene.surfaces.len();
+        scene.surfaces[index].position += match step {
+            4 => Vec3::X * 400.0,
+            5 => Vec3::Y * -3.0,
+            _ => Vec3::new(1.5, -0.7, 0.4),
+        };
+        for settings in [Settings::hybrid(), Settings::march(), Settings::thesis()] {
+            let settings = settings.with_waves(2048).with_iterations(4);
+            let (_, seen) = kept.frame_with_waves(&scene, &settings).unwrap();
+            let (_, fresh) = tracer().frame_with_waves(&scene, &settings).unwrap();
+            let differ = seen
+                .iter()
+                .zip(&fresh)
+                .filter(|(a, b)| a.status != b.status);
+            // Lists in another grid are in another order, and a tie may fall otherwise.
+            assert!(differ.count() <= 2, "step {step}, {}", settings.profile);
+        }
+    }
+}
+
+/// A scene whose surfaces are unrolled, and the same with each surface twice, so many that they
+/// lie in cells: the distances are the same everywhere.
+fn alone_and_twice(surfaces: &[Surface]) -> [Scene; 2] {
+    let source = Vec3::new(-3.0, 0.1, 0.2);
+    let mut alone = scene(surfaces.to_vec(), source);
+    alone.listener = Listener::at(Vec3::new(0.0, 3.0, 0.0), 0.5);
+    let mut twice = alone.clone();
+    twice.surfaces.extend_from_slice(surfaces);
+    [alone, twice]
+}
+
+/// Sets of 15 small surfaces, far smaller together than the thesis' minimum distance is wide.
+fn small_sets() -> Vec<(&'static str, Vec<Surface>)> {
+    let mut random = crate::common::Random(11);
+    let mut set = |shape: Node, turned: bool| -> Vec<Surface> {
+        let mut number = || 0.4 * random.signed() as f32;
+        let mut place = || Vec3::new(number(), number(), number());
+        let mut surface = |_| {
+            let surface = Surface::new(shape.clone()).at(place());
+            match turned {
+                true => surface.turned(Quat::from_rotation_y(place().x)),
+                false => surface,
+            }
+        };
+        (0..15).map(&mut surface).collect()
+    };
+    let ellipsoid = Node::Ellipsoid(Ellipsoid {
+        radii: Vec3::new(0.05, 0.02, 0.03),
+    });
+    let size = Vec3::new(0.05, 0.1, 0.02);
+    vec![
+        ("balls", set(Node::Sphere(Sphere { radius: 0.03 }), false)),
+        ("boxes", set(Node::Cuboid(Cuboid { size }), true)),
+        ("ellipsoids", set(ellipsoid, false)),
+        (
+            "pillars",
+            set(Node::Cylinder(Cylinder { radius: 0.03 }), false),
+        ),
+    ]
+}
+
+/// Protects the thesis' profile in cells: every bit of its waves is what unrolled text gives,
+/// from wherever they come. No box about the surfaces stands in for them.
+#[test]
+fn the_thesis_sees_the_same_with_cells_and_without() {
+    let mut tracer = tracer();
+    for (what, surfaces) in small_sets() {
+        let [alone, twice] = alone_and_twice(&surfaces);
+        for (min_distance, iterations) in [(0.1, 1), (0.1, 3), (0.5, 3), (1e-3, 1)] {
+            let settings = Settings {
+                min_distance,
+                ..Settings::thesis()
+                    .with_waves(20_000)
+                    .with_iterations(iterations)
+            };
+            let (_, expected) = tracer.frame_with_waves(&alone, &settings).unwrap();
+            let (_, found) = tracer.frame_with_waves(&twice, &settings).unwrap();
+            let differ = expected.iter().zip(&found).find(|(a, b)| a != b);
+            assert_eq!(differ, None, "{what}, {min_distance} m");
+            let is_met = |n: &u32| found.iter().any(|wave| wave.status == *n as f32);
+            let met = (1..=15).filter(is_met).count();
+            let enough = iterations > 1 || met >= 3;
+            assert!(enough, "{what}, {min_distance} m: only {met} are met");
+        }
+    }
+}
+
+/// Protects difference normals of `march` in cells: they ask for distances a step beside the
+/// place that is met, where another cell may be.
+#[test]
+fn difference_normals_are_the_same_with_cells_and_without() {
+    let mut tracer = tracer();
+    for (what, surfaces) in small_sets() {
+        let [alone, twice] = alone_and_twice(&surfaces);
+        let settings = Settings {
+            exact_normals: false,
+            normal_step: 1e-3,
+            ..Settings::march().with_waves(20_000).with_iterations(1)
+        };
+        let (_, expected) = tracer.frame_with_waves(&alone, &settings).unwrap();
+        let (_, found) = tracer.frame_with_waves(&twice, &settings).unwrap();
+        let far = expected
+            .iter()
+            .zip(&found)
+            .filter(|(a, b)| a.status == b.status && a.direction.distance(b.direction) > 0.05);
+        assert_eq!(far.count(), 0, "{what}");
+    }
+}

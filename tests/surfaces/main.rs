@@ -1,0 +1,18 @@
+//! What exists: scene files, shapes and operators, their shaders, and waves at hard surfaces.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod cells;
+mod distance_functions;
+mod endless_repeats;
+mod fields;
+mod hard_cases;
+mod implicit_scenes;
+mod marched_fields;
+mod properties;
+mod reference_exact;
+mod scene_format;
+mod shader_text;
+mod touching_boxes;
+mod user_fields;

@@ -1,0 +1,126 @@
+//! Frames in steps: begun, advanced, and collected later.
+
+use crate::common::{builtin, for_each_api};
+use echomarch::{Profile, Scene, Settings, Tracer};
+
+/// Begins a frame and draws all of it, but does not collect it.
+fn begin_and_draw(tracer: &mut Tracer, scene: &Scene, settings: &Settings) {
+    tracer.frame_begin(scene, settings).unwrap();
+    assert!(tracer.frame_advance(f64::INFINITY).unwrap());
+}
+
+/// Protects the read-back through a pixel buffer: bit for bit what a frame that waits answers, summed on either
+/// side, and a frame that waits is not disturbed by one begun before it.
+#[test]
+fn a_frame_begun_is_the_frame_that_waits() {
+    for_each_api(|context| {
+        let mut tracer = Tracer::new(context).unwrap();
+        let scene = builtin("corner");
+        for sum_on_gpu in [false, true] {
+            // Odd counts leave texels without a wave; the second is larger than the first.
+            for waves in [1000, 4099, 64] {
+                let mut settings = Settings::default().with_waves(waves).with_iterations(6);
+                settings.sum_on_gpu = sum_on_gpu;
+                begin_and_draw(&mut tracer, &scene, &settings);
+                let late = tracer.frame_wait().unwrap().unwrap();
+                begin_and_draw(&mut tracer, &scene, &settings);
+                let now = tracer.frame(&scene, &settings).unwrap();
+                assert_eq!((late.panning, late.counts), (now.panning, now.counts));
+                let begun = tracer.frame_wait().unwrap().unwrap();
+                assert_eq!((begun.panning, begun.counts), (now.panning, now.counts));
+                // Nor by one of another size.
+                begin_and_draw(&mut tracer, &scene, &settings);
+                let other = settings.clone().with_waves(2 * waves);
+                assert!(tracer.frame(&scene, &other).unwrap().panning != now.panning);
+                let begun = tracer.frame_wait().unwrap().unwrap();
+                assert_eq!((begun.panning, begun.counts), (now.panning, now.counts));
+                assert!(now.counts.travelling > 0);
+                assert!(late.milliseconds.march > 0.0);
+            }
+        }
+    });
+}
+
+/// Protects callers that poll: one frame is given once, and none where none was begun.
+#[test]
+fn a_frame_is_collected_once() {
+    for_each_api(|context| {
+        let mut tracer = Tracer::new(context).unwrap();
+        assert!(tracer.frame_poll().unwrap().is_none());
+        assert!(tracer.frame_wait().unwrap().is_none());
+        let settings = Settings::default().with_waves(256);
+        begin_and_draw(&mut tracer, &builtin("shoebox"), &settings);
+        let frame = loop {
+            assert!(tracer.is_frame_pending());
+            if let Some(frame) = tracer.frame_poll().unwrap() {
+                break frame;
+            }
+        };
+        assert!(frame.counts.listener_hits > 0);
+        assert!(!tracer.is_frame_pending());
+        assert!(tracer.frame_poll().unwrap().is_none());
+    });
+}
+
+/// Protects frames that are spread over many pictures: bit for bit what the frame in one piece answers, whatever is
+/// drawn between the parts, and as the scene stood when it was begun.
+#[test]
+fn a_frame_in_parts_is_the_frame_in_one_piece() {
+    for_each_api(|context| {
+        let mut tracer = Tracer::new(context).unwrap();
+        let mut other = tracer.with_shared_programs().unwrap();
+        let mut parts = 0;
+        for profile in [Profile::Thesis, Profile::March, Profile::Hybrid] {
+            for sum_on_gpu in [false, true] {
+                let mut settings = Settings::of(profile).with_waves(4099).with_iterations(5);
+                settings.sum_on_gpu = sum_on_gpu;
+                let mut scene = builtin("corner");
+                let whole = tracer.frame(&scene, &settings).unwrap();
+                tracer.frame_begin(&scene, &settings).unwrap();
+                scene.source.position.x += 1.0;
+                loop {
+                    assert!(tracer.is_frame_pending() && tracer.frame_marching_for().is_some());
+                    assert!(tracer.frame_poll().unwrap().is_none());
+                    // With the same programs, and other uniforms.
+                    other
+                        .frame(&scene, &settings.clone().with_waves(64))
+                        .unwrap();
+                    parts += 1;
+                    // No time at all: one row after the other.
+                    if tracer.frame_advance(0.0).unwrap() {
+                        break;
+                    }
+                }
+                let late = tracer.frame_wait().unwrap().unwrap();
+                assert_eq!((late.panning, late.counts), (whole.panning, whole.counts));
+                assert!(late.milliseconds.march > 0.0);
+                assert!(!tracer.is_frame_pending());
+            }
+        }
+        assert!(parts > 6 * 16, "{parts} parts");
+    });
+}
+
+/// Protects callers that cannot wait for all parts, or no longer want them: waiting traces what is left, and any
+/// other frame gives them up.
+#[test]
+fn a_frame_in_parts_may_be_waited_for_or_given_up() {
+    for_each_api(|context| {
+        let mut tracer = Tracer::new(context).unwrap();
+        let (scene, settings) = (builtin("corner"), Settings::default().with_waves(4099));
+        assert!(tracer.frame_advance(1.0).unwrap());
+        let whole = tracer.frame(&scene, &settings).unwrap();
+        tracer.frame_begin(&scene, &settings).unwrap();
+        tracer.frame_advance(0.0).unwrap();
+        let waited = tracer.frame_wait().unwrap().unwrap();
+        assert_eq!(
+            (waited.panning, waited.counts),
+            (whole.panning, whole.counts)
+        );
+        tracer.frame_begin(&scene, &settings).unwrap();
+        let other = settings.clone().with_waves(100);
+        let now = tracer.frame(&scene, &other).unwrap();
+        assert!(!tracer.is_frame_pending() && now.panning != whole.panning);
+        assert!(tracer.frame_wait().unwrap().is_none());
+    });
+}

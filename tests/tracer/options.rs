@@ -1,0 +1,189 @@
+//! Options that must not change what is computed, or only by a stated amount: fused passes,
+//! the sum on the GPU, other start directions; and the profiles on every API.
+
+use crate::common::{builtin, for_each_api, tracer};
+use echomarch::experiment::median;
+use echomarch::trace::Directions;
+use echomarch::{Profile, Settings};
+use std::collections::HashSet;
+
+/// Protects fused passes: however many iterations run in one pass, every wave ends with the
+/// same bits. The state between two iterations is 32 bits a number in a texture and in a
+/// register alike.
+#[test]
+fn fused_passes_change_no_bit() {
+    let mut tracer = tracer();
+    for name in ["corner", "obstacles", "open-pillars"] {
+        for profile in Profile::ALL {
+            let of = |iterations_per_pass| Settings {
+                iterations_per_pass,
+                ..Settings::of(profile).with_waves(10_000).with_iterations(7)
+            };
+            let scene = builtin(name);
+            let (_, single) = tracer.frame_with_waves(&scene, &of(1)).unwrap();
+            for per_pass in [3, 7, 100] {
+                let (_, fused) = tracer.frame_with_waves(&scene, &of(per_pass)).unwrap();
+                assert!(
+                    single == fused,
+                    "{name}, {profile}: {per_pass} iterations a pass"
+                );
+            }
+        }
+    }
+}
+
+/// Protects the two ways of the thesis that `march` can be told to go: without a landing
+/// ends are off by the shell, but not by much more; with difference normals a wave in
+/// hundreds takes another way, where differences straddle an edge.
+#[test]
+fn the_thesis_ways_of_march_do_what_they_say() {
+    let mut tracer = tracer();
+    let right = Settings::march().with_waves(20_000);
+    let (_, landed) = tracer.frame_with_waves(&builtin("corner"), &right).unwrap();
+    let no_landing = Settings {
+        landing: false,
+        min_distance: 1e-3,
+        ..right.clone()
+    };
+    let (_, short) = tracer
+        .frame_with_waves(&builtin("corner"), &no_landing)
+        .unwrap();
+    let pairs = landed.iter().zip(&short);
+    let off = median(pairs.map(|(a, b)| a.position.distance(b.position).into()));
+    // 8 hits, each up to 1 mm short.
+    assert!((1e-4..8e-3).contains(&off), "{off} m");
+
+    let differences = Settings {
+        exact_normals: false,
+        ..right
+    };
+    let (_, other) = tracer
+        .frame_with_waves(&builtin("corner"), &differences)
+        .unwrap();
+    let changed = landed
+        .iter()
+        .zip(&other)
+        .filter(|(a, b)| a.status != b.status);
+    let changed = changed.count();
+    assert!((1..200).contains(&changed), "{changed} of 20000");
+}
+
+/// Protects the sum on the GPU. Counts are whole numbers below 2^24: exact. Contributions
+/// are added by blocks of 64 in `f32`: at most 64 roundings a level, relative 64 × 2^-24 =
+/// 4e-6 each, and four levels for a million waves.
+#[test]
+fn the_sum_on_the_gpu_is_that_on_the_cpu() {
+    for_each_api(|context| {
+        let mut tracer = echomarch::Tracer::new(context).unwrap();
+        for waves in [1, 63, 64, 65, 1000, 65_537, 1 << 20] {
+            for profile in [Profile::Thesis, Profile::Hybrid] {
+                let on_cpu = Settings::of(profile).with_waves(waves).with_iterations(4);
+                let on_gpu = Settings {
+                    sum_on_gpu: true,
+                    ..on_cpu.clone()
+                };
+                let cpu = tracer.frame(&builtin("corner"), &on_cpu).unwrap();
+                let gpu = tracer.frame(&builtin("corner"), &on_gpu).unwrap();
+                assert_eq!(cpu.counts, gpu.counts, "{waves} waves, {profile}");
+                let sums = [
+                    (cpu.panning.left, gpu.panning.left),
+                    (cpu.panning.right, gpu.panning.right),
+                ];
+                for (cpu, gpu) in sums {
+                    assert!((cpu - gpu).abs() <= 1.6e-5 * cpu, "{waves}: {cpu}, {gpu}");
+                }
+            }
+        }
+    });
+}
+
+/// Protects the lattice: unit vectors that spread evenly. Of N waves a share of the sphere
+/// holds its share of them within far less than the √N of random ones.
+#[test]
+fn fibonacci_directions_are_even() {
+    let mut tracer = tracer();
+    let settings = Settings {
+        directions: Directions::Fibonacci,
+        ..Settings::hybrid().with_waves(65_536).with_iterations(1)
+    };
+    let (_, waves) = tracer
+        .frame_with_waves(&builtin("shoebox"), &settings)
+        .unwrap();
+    let directions: Vec<_> = waves.iter().map(|wave| wave.start_direction).collect();
+    assert!(directions.iter().all(|d| (d.length() - 1.0).abs() < 5e-7));
+    for axis in [
+        glam::Vec3::X,
+        glam::Vec3::Y,
+        glam::Vec3::new(0.6, 0.0, -0.8),
+    ] {
+        for height in [0.9_f32, 0.5, 0.0, -0.7] {
+            // Archimedes: the cap above a height holds (1 - height) / 2 of the sphere.
+            let expected = 65_536.0 * 0.5 * (1.0 - height);
+            let found = directions.iter().filter(|d| d.dot(axis) > height).count() as f32;
+            // Along a cap's rim of 2πr the lattice is off by a few of the points that the
+            // rim passes: of the order of N^(1/4) = 16; random directions by √N / 2 = 128.
+            assert!((found - expected).abs() < 40.0, "{axis}, {height}: {found}");
+        }
+    }
+}
+
+/// Protects the lattice at high counts: a phase taken in floats would leave the last of
+/// four million waves on a few azimuths.
+#[test]
+fn fibonacci_azimuths_do_not_collapse() {
+    let mut tracer = tracer();
+    let waves = 1 << 22;
+    let settings = Settings {
+        directions: Directions::Fibonacci,
+        ..Settings::hybrid().with_waves(waves).with_iterations(1)
+    };
+    let (_, waves) = tracer
+        .frame_with_waves(&builtin("shoebox"), &settings)
+        .unwrap();
+    let last = &waves[waves.len() - 4096..];
+    let bits = |d: glam::Vec3| d.to_array().map(f32::to_bits);
+    let distinct: HashSet<_> = last.iter().map(|w| bits(w.start_direction)).collect();
+    assert_eq!(distinct.len(), last.len());
+}
+
+/// Protects seeds: another one turns the lattice, the same one gives the same bits.
+#[test]
+fn seeds_turn_the_lattice() {
+    let mut tracer = tracer();
+    let mut first = |seed| {
+        let settings = Settings {
+            directions: Directions::Fibonacci,
+            ..Settings::hybrid().with_waves(64).with_seed(seed)
+        };
+        let frame = tracer.frame_with_waves(&builtin("corner"), &settings);
+        frame.unwrap().1[0].start_direction
+    };
+    assert_eq!(first(1), first(1));
+    assert!(first(1).distance(first(2)) > 0.01);
+}
+
+/// Protects the profiles on every API: the same waves reach the listener, but for those
+/// where drivers may round differently (one renderer here: none).
+#[test]
+fn profiles_agree_on_every_api() {
+    let reference: Vec<u64> = hits(&mut tracer());
+    for_each_api(|context| {
+        let mut tracer = echomarch::Tracer::new(context).unwrap();
+        let ours = hits(&mut tracer);
+        for (ours, reference) in ours.iter().zip(&reference) {
+            assert!(ours.abs_diff(*reference) <= 1 + reference / 1000);
+        }
+    });
+}
+
+fn hits(tracer: &mut echomarch::Tracer) -> Vec<u64> {
+    let mut all = Vec::new();
+    for name in echomarch::scene::BUILTIN_NAMES {
+        for profile in [Profile::March, Profile::Hybrid] {
+            let settings = Settings::of(profile).with_waves(20_000);
+            let frame = tracer.frame(&builtin(name), &settings).unwrap();
+            all.push(frame.counts.listener_hits);
+        }
+    }
+    all
+}
