@@ -52,7 +52,7 @@
 //! | --- | --- | --- |
 //! | `audio` | yes | live output through a sound card, in [`audio`] |
 //! | `picture` | with `experiment`, `demo` | pictures and plans of scenes as PNG |
-//! | `experiment` | with `cli` | the experiments: tables as data, CSV and SVG |
+//! | `experiment` | with `cli` | the experiments and their reports |
 //! | `demo` | yes | the window, as a module; needs no crate of the command line |
 //! | `cli` | yes | the program `echomarch`; its subcommand `demo` with the feature `demo` |
 //!

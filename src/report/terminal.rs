@@ -8,7 +8,7 @@ use comfy_table::{CellAlignment, ColumnConstraint, ContentArrangement, Width, pr
 const BETWEEN: usize = 3;
 
 /// Characters that a column of words is given at least, if it has as many.
-const LEAST_WORDS: usize = 20;
+const LEAST_WORDS: usize = 18;
 
 /// Characters up to which a word is not broken.
 const LONGEST_WORD: usize = 40;

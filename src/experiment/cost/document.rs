@@ -7,7 +7,8 @@ const LEGEND: &str = "Each row changes one thing: a surface is left out, an opti
     waves that meet the surface. saves: what that saves of a frame's time (negative: it costs), \
     the median of the pairs ± half the distance between their quartiles; noise: no more than the \
     clock makes of no difference. heard: the change of the waves heard; pan; level: at the ear at \
-    which it changes more; each the root mean square of a single frame. What is no more than \
+    which it changes more (silence: one hears nothing); each the root mean square of a single \
+    frame. What is no more than \
     another seed changes in all three is not heard. Two things that can each be left out may be \
     heard together.";
 
@@ -38,7 +39,7 @@ impl<'a> Line<'a> {
         Line {
             scene: &report.scene,
             section: "noise",
-            name: "nothing, but another seed",
+            name: "everything, beside itself; another seed",
             against: "",
             march: Some(&report.control),
             total: Some(&report.control_total),
@@ -82,6 +83,9 @@ impl<'a> Line<'a> {
 
     /// What is changed, and what it is set beside where that is not what was asked for.
     fn change(&self) -> String {
+        if self.verdict.is_none() {
+            return "another seed".to_owned();
+        }
         let against = match self.against {
             "" | super::options::AS_ASKED => String::new(),
             other => format!(", beside {other}"),
@@ -106,7 +110,7 @@ impl<'a> Line<'a> {
             Heard::Change(None) => Cell::None,
             Heard::Change(Some(change)) => {
                 let level = change.level_db;
-                level.map_or("an ear is silent".into(), |level| level.rms.into())
+                level.map_or("silence".into(), |level| level.rms.into())
             }
         }
     }
@@ -149,7 +153,7 @@ impl Row for Line<'_> {
         columns.push(Column::for_people("saves", Line::saves).unit("%"));
         columns.extend(heard());
         columns.push(Column::for_programs("within_noise", Line::within_noise));
-        columns.push(Column::for_people("", Line::said).text());
+        columns.push(Column::for_people("verdict", Line::said).text());
         columns
     }
 }
