@@ -29,7 +29,8 @@
 //! # Modules
 //! | module | what it holds |
 //! | --- | --- |
-//! | [`scene`] | surfaces, source, listener, paths; RON files; distances; the scene as GLSL |
+//! | [`scene`] | surfaces, source, listener, paths; RON files; distances |
+//! | [`kernel`] | what the GPU is told: shader text, data and key of a scene |
 //! | [`trace`] | settings, the [`Tracer`], one [`Frame`], [`Panning`] |
 //! | [`audio`] | sounds, panning laws, mixer, WAV files; live sound (feature `audio`) |
 //! | [`offline`] | a moving scene to sound, without a sound card |
@@ -72,6 +73,7 @@ pub mod error;
 pub mod experiment;
 pub mod gpu;
 pub mod input;
+pub mod kernel;
 pub mod offline;
 pub mod output;
 #[cfg(feature = "picture")]

@@ -6,7 +6,7 @@ use super::print;
 use crate::audio::PanningLaw;
 use crate::error::Error;
 use crate::gpu::{Api, Context, ContextOptions};
-use crate::scene::layout::Layout;
+use crate::kernel::Layout;
 use crate::scene::{Scene, SceneError};
 use crate::trace::{Budget, Directions, Profile, Settings, Tracer};
 use clap::Args;

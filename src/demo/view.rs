@@ -8,9 +8,9 @@ use crate::error::Error;
 use crate::gpu::{
     Context, GpuTimer, Picture, Program, ProgramCache, WindowContext, full_screen_pass_rows,
 };
+use crate::kernel::{self, Lists};
 use crate::picture::SOURCE_SHARE;
-use crate::scene::cells::Lists;
-use crate::scene::{Scene, glsl};
+use crate::scene::Scene;
 use crate::trace::{SceneData, UserFields, check_surfaces};
 use glam::Vec2;
 use std::num::NonZeroUsize;
@@ -49,7 +49,7 @@ type Shown = (Scene, [u32; 2]);
 /// Draws the picture and keeps what can be used again.
 pub struct View {
     context: Context,
-    programs: ProgramCache<glsl::Structure>,
+    programs: ProgramCache<kernel::Structure>,
     data: SceneData,
     timer: GpuTimer,
     coarse: Option<Picture>,
@@ -219,9 +219,9 @@ impl View {
             let label = format!("the view of {}", scene.name);
             Ok::<_, Error>(Program::fragment(context, &label, &text)?)
         };
-        let structure = glsl::structure(scene);
+        let structure = kernel::structure(scene);
         let program = self.programs.get_or_compile(structure, compile)?;
-        let placement = glsl::Placement::world();
+        let placement = kernel::Placement::world();
         let placed = placement.apply(scene);
         self.data.set(scene, &placement, &placed, Lists::Near)?;
         self.data.set_uniforms(&program);
@@ -239,10 +239,10 @@ impl View {
 /// The fragment shader of the picture, `#version` apart.
 pub fn shader_text(scene: &Scene) -> String {
     let roots = vec![
-        glsl::source!("view/colour.glsl"),
-        glsl::source!("view/walk.frag"),
+        kernel::source!("view/colour.glsl"),
+        kernel::source!("view/walk.frag"),
     ];
-    glsl::join(&glsl::link(roots, glsl::distance_parts(scene)))
+    kernel::join(&kernel::link(roots, kernel::distance_parts(scene)))
 }
 
 /// Pixels that are foreseen to be drawn in so many seconds: only of users' fields is it known

@@ -232,6 +232,7 @@ mod tests {
     use crate::gpu::{Api, Texture};
     use std::cell::Cell;
     use std::ffi::{CStr, c_void};
+    use std::rc::Rc;
 
     thread_local! {
         /// What the driver of [`Resetting`] says of resets.
@@ -270,7 +271,7 @@ mod tests {
     /// will: of a reset the next look tells, whether the fence says that the texels are there or not.
     #[test]
     fn a_reset_is_told() {
-        let driver = Box::new(Resetting(OsMesa::new().unwrap()));
+        let driver = Rc::new(Resetting(OsMesa::new().unwrap()));
         let context = Context::from_backend(driver, Api::OsMesa).unwrap();
         let texture = Texture::new(&context, 2, 2).unwrap();
         let target = RenderTarget::new(&context, &[&texture]).unwrap();

@@ -54,8 +54,8 @@ pub struct Context {
 }
 
 /// What the clones of a context share.
-pub(super) struct Inner {
-    pub(super) backend: Box<dyn Backend>,
+struct Inner {
+    backend: Rc<dyn Backend>,
     gl: glow::Context,
     vertex_array: glow::VertexArray,
     api: Api,
@@ -73,7 +73,7 @@ type ResetStatus = unsafe extern "system" fn() -> u32;
 impl Drop for Inner {
     fn drop(&mut self) {
         // The vertex array goes with the context.
-        current::release_before_drop(self);
+        current::release();
     }
 }
 
@@ -86,7 +86,7 @@ impl Context {
     pub fn headless(options: &ContextOptions) -> Result<Context, GpuError> {
         if options.api == Api::OsMesa {
             return match options.gpu {
-                None | Some(0) => Context::from_backend(Box::new(OsMesa::new()?), Api::OsMesa),
+                None | Some(0) => Context::from_backend(Rc::new(OsMesa::new()?), Api::OsMesa),
                 Some(asked) => Err(GpuError::NoSuchGpu { asked, found: 1 }),
             };
         }
@@ -97,14 +97,14 @@ impl Context {
                 found: devices.len(),
             })?;
             return Context::from_backend(
-                Box::new(Egl::on_device(device, options.api)?),
+                Rc::new(Egl::on_device(device, options.api)?),
                 options.api,
             );
         }
         let mut reasons = Vec::new();
         for (index, device) in devices.iter().enumerate() {
             let context = Egl::on_device(device, options.api)
-                .and_then(|egl| Context::from_backend(Box::new(egl), options.api));
+                .and_then(|egl| Context::from_backend(Rc::new(egl), options.api));
             match context {
                 Ok(context) => {
                     return Ok(Context {
@@ -131,7 +131,7 @@ impl Context {
     }
 
     /// Takes over a context that a library made, and leaves it current.
-    pub(super) fn from_backend(backend: Box<dyn Backend>, api: Api) -> Result<Context, GpuError> {
+    pub(super) fn from_backend(backend: Rc<dyn Backend>, api: Api) -> Result<Context, GpuError> {
         current::release();
         backend
             .make_current()
@@ -139,7 +139,8 @@ impl Context {
         match describe(backend, api) {
             Ok(inner) => {
                 let inner = Rc::new(inner);
-                current::make(&inner).map_err(|reason| GpuError::NoContext { api, reason })?;
+                current::make(&inner.backend)
+                    .map_err(|reason| GpuError::NoContext { api, reason })?;
                 Ok(Context {
                     inner,
                     passed_over: Rc::default(),
@@ -193,7 +194,7 @@ impl Context {
     /// Where the context cannot be made current none is; then GL calls do nothing, and [`check`](Context::check)
     /// reports it.
     pub fn gl(&self) -> &glow::Context {
-        let _ = current::make(&self.inner);
+        let _ = current::make(&self.inner.backend);
         &self.inner.gl
     }
 
@@ -203,7 +204,7 @@ impl Context {
     /// The first of them, named after what was being done: [`GpuError::OutOfMemory`], [`GpuError::ContextLost`] or
     /// [`GpuError::Gl`].
     pub fn check(&self, what: &str) -> Result<(), GpuError> {
-        current::make(&self.inner).map_err(|reason| GpuError::ContextLost { reason })?;
+        current::make(&self.inner.backend).map_err(|reason| GpuError::ContextLost { reason })?;
         // SAFETY: the context is current.
         let next = || unsafe { self.inner.gl.get_error() };
         let first = next();
@@ -234,7 +235,7 @@ impl Context {
     /// # Errors
     /// [`GpuError::ContextLost`] if it cannot be made current.
     pub(crate) fn enter(&self) -> Result<current::Entered, GpuError> {
-        current::enter(&self.inner).map_err(|reason| GpuError::ContextLost { reason })
+        current::enter(&self.inner.backend).map_err(|reason| GpuError::ContextLost { reason })
     }
 
     /// Asks the driver whether it has lost the context, where it can tell: of contexts that were made to be told
@@ -243,7 +244,7 @@ impl Context {
     /// # Errors
     /// [`GpuError::ContextLost`] if it has.
     pub(super) fn check_not_lost(&self) -> Result<(), GpuError> {
-        current::make(&self.inner).map_err(|reason| GpuError::ContextLost { reason })?;
+        current::make(&self.inner.backend).map_err(|reason| GpuError::ContextLost { reason })?;
         // SAFETY: the context is current, and has the extension that the function is of.
         let status = self.inner.reset_status.map(|ask| unsafe { ask() });
         match status {
@@ -304,7 +305,7 @@ fn is_software(renderer: &str) -> bool {
 }
 
 /// Loads GL through a backend that is current, and asks for all that is known of it. A failure gives the backend back.
-fn describe(backend: Box<dyn Backend>, api: Api) -> Result<Inner, (Box<dyn Backend>, GpuError)> {
+fn describe(backend: Rc<dyn Backend>, api: Api) -> Result<Inner, (Rc<dyn Backend>, GpuError)> {
     let gl = load(&*backend);
     // SAFETY: the context is current, and the strings and numbers asked for exist in every version.
     let (renderer, vendor, version, shading_language) = unsafe {

@@ -3,7 +3,6 @@
 //! EGL and OSMesa each remember the context that they made current last, but share Mesa's slot for the one that
 //! calls go to. So a context is always released by its own library before the other's is made current; otherwise
 //! EGL would take its context for current still, and its calls would go to OSMesa's in silence.
-
 //!
 //! A program may have contexts of its own, which echomarch does not know: so the library is asked each time whether the
 //! context is still the current one, and [`Entered`] puts back what was current before.
@@ -16,7 +15,7 @@ use std::sync::OnceLock;
 use glutin::api::egl::Egl;
 use glutin::api::egl::display::Display;
 
-use super::context::Inner;
+use super::backend::Backend;
 
 /// EGL's functions, once there was a context by way of it.
 static EGL: OnceLock<&'static Egl> = OnceLock::new();
@@ -31,17 +30,20 @@ pub(super) fn knows_egl(display: &Display) {
 }
 
 thread_local! {
-    static CURRENT: RefCell<Weak<Inner>> = const { RefCell::new(Weak::new()) };
+    static CURRENT: RefCell<Option<Weak<dyn Backend>>> = const { RefCell::new(None) };
 }
 
 /// Makes the context current on this thread, unless it is.
 ///
 /// # Errors
 /// What the library answered; then no context is current, and GL calls do nothing.
-pub(super) fn make(context: &Rc<Inner>) -> Result<(), String> {
+pub(super) fn make(context: &Rc<dyn Backend>) -> Result<(), String> {
     CURRENT
         .try_with(|current| {
-            if current.borrow().as_ptr() == Rc::as_ptr(context) && context.backend.is_current() {
+            let last = last_made(current);
+            let is_last =
+                last.is_some_and(|last| std::ptr::addr_eq(Rc::as_ptr(&last), Rc::as_ptr(context)));
+            if is_last && context.is_current() {
                 return Ok(());
             }
             release_in(current);
@@ -49,37 +51,32 @@ pub(super) fn make(context: &Rc<Inner>) -> Result<(), String> {
             if let Some(foreign) = Foreign::of_egl() {
                 foreign.release();
             }
-            context.backend.make_current()?;
-            *current.borrow_mut() = Rc::downgrade(context);
+            context.make_current()?;
+            *current.borrow_mut() = Some(Rc::downgrade(context));
             Ok(())
         })
         // The thread is ending and its slot is gone.
-        .unwrap_or_else(|_| context.backend.make_current())
+        .unwrap_or_else(|_| context.make_current())
 }
 
-/// Makes no context current on this thread.
+/// Makes no context current on this thread. To be called before one is destroyed, too: the driver may itself switch to
+/// the one it destroys and back again, and OSMesa cannot switch back to one of EGL's.
 pub(super) fn release() {
     // Where the slot is gone the thread is ending, and takes the current context along.
     let _ = CURRENT.try_with(release_in);
 }
 
-/// Makes no context current, before this one is destroyed: the driver may itself switch to the one it destroys and
-/// back again, and OSMesa cannot switch back to one of EGL's.
-pub(super) fn release_before_drop(dropped: &Inner) {
-    let _ = CURRENT.try_with(|current| {
-        // Its last reference is gone, so the weak one no longer leads to it.
-        if std::ptr::eq(current.borrow().as_ptr(), dropped) {
-            dropped.backend.release();
-        }
-        release_in(current);
-    });
+fn release_in(current: &RefCell<Option<Weak<dyn Backend>>>) {
+    let last = last_made(current);
+    current.replace(None);
+    if let Some(last) = last {
+        last.release();
+    }
 }
 
-fn release_in(current: &RefCell<Weak<Inner>>) {
-    let previous = current.replace(Weak::new());
-    if let Some(previous) = previous.upgrade() {
-        previous.backend.release();
-    }
+/// The context that was made current last, while it lives.
+fn last_made(current: &RefCell<Option<Weak<dyn Backend>>>) -> Option<Rc<dyn Backend>> {
+    current.borrow().as_ref().and_then(Weak::upgrade)
 }
 
 /// A context of EGL's that echomarch did not make, as it was current.
@@ -141,9 +138,9 @@ pub(crate) struct Entered {
 ///
 /// # Errors
 /// Those of [`make`].
-pub(super) fn enter(context: &Rc<Inner>) -> Result<Entered, String> {
-    let known = CURRENT.try_with(|current| current.borrow().upgrade());
-    let is_known = known.ok().flatten().is_some_and(|c| c.backend.is_current());
+pub(super) fn enter(context: &Rc<dyn Backend>) -> Result<Entered, String> {
+    let known = CURRENT.try_with(last_made).ok().flatten();
+    let is_known = known.is_some_and(|context| context.is_current());
     let foreign = if is_known { None } else { Foreign::of_egl() };
     // Dropped if the context cannot be made current, which puts it back too.
     let entered = Entered { foreign };

@@ -1,6 +1,7 @@
 //! The devices that contexts can be made on.
 
 use std::fmt;
+use std::rc::Rc;
 
 use super::egl::{self, Egl};
 use super::{Api, Context, ContextOptions, GpuError, Limits};
@@ -73,7 +74,7 @@ pub fn list_gpus(api: Api) -> Result<Vec<GpuInfo>, GpuError> {
         .enumerate()
         .map(|(index, device)| {
             let context = Egl::on_device(&device, api)
-                .and_then(|egl| Context::from_backend(Box::new(egl), api));
+                .and_then(|egl| Context::from_backend(Rc::new(egl), api));
             GpuInfo {
                 index,
                 outcome: context.map(|context| describe(&context)),

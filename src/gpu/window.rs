@@ -133,7 +133,7 @@ impl WindowDisplay {
             _window: window,
             _connection: self.connection,
         });
-        let backend = Box::new(WindowBackend(drawing.clone()));
+        let backend = Rc::new(WindowBackend(drawing.clone()));
         let context = Context::from_backend(backend, Api::Gl)?;
         Ok(WindowContext { context, drawing })
     }

@@ -3,8 +3,8 @@
 use super::PictureError;
 use crate::error::Error;
 use crate::gpu::{Context, Picture, Program, full_screen_pass_rows};
-use crate::scene::cells::Lists;
-use crate::scene::{Scene, glsl};
+use crate::kernel::{self, Lists};
+use crate::scene::Scene;
 use crate::trace::{SceneData, UserFields, check_surfaces};
 use image::RgbaImage;
 
@@ -22,15 +22,15 @@ pub(super) struct Shader {
 pub(super) fn program(
     context: &Context,
     scene: &Scene,
-    shader: glsl::Source,
+    shader: kernel::Source,
 ) -> Result<Shader, Error> {
-    scene.check()?;
+    kernel::check(scene)?;
     check_surfaces(context, scene)?;
     let label = format!("{} of {}", shader.name, scene.name);
     let text = text(scene, shader);
     UserFields::default().check(context, scene, || text.clone())?;
     let program = Program::fragment(context, &label, &text)?;
-    let placement = glsl::Placement::world();
+    let placement = kernel::Placement::world();
     let placed = placement.apply(scene);
     let mut data = SceneData::new(context)?;
     data.set(scene, &placement, &placed, Lists::Near)?;
@@ -42,9 +42,9 @@ pub(super) fn program(
 }
 
 /// The fragment shader around the distance functions of `scene`, `#version` apart.
-fn text(scene: &Scene, shader: glsl::Source) -> String {
-    let roots = vec![glsl::source!("view/colour.glsl"), shader];
-    glsl::join(&glsl::link(roots, glsl::distance_parts(scene)))
+fn text(scene: &Scene, shader: kernel::Source) -> String {
+    let roots = vec![kernel::source!("view/colour.glsl"), shader];
+    kernel::join(&kernel::link(roots, kernel::distance_parts(scene)))
 }
 
 /// A kind of picture.
@@ -57,10 +57,10 @@ pub enum Kind {
 }
 
 impl Kind {
-    pub(super) fn source(self) -> glsl::Source {
+    pub(super) fn source(self) -> kernel::Source {
         match self {
-            Kind::View => glsl::source!("view/first_person.frag"),
-            Kind::Slice => glsl::source!("view/slice.frag"),
+            Kind::View => kernel::source!("view/first_person.frag"),
+            Kind::Slice => kernel::source!("view/slice.frag"),
         }
     }
 }

@@ -1,6 +1,5 @@
 //! Scenes that cannot be traced, and scenes that can but hardly mean to.
 
-use super::layout::{Layout, MOST_UNROLLED};
 use super::{Motion, Node, Scene, SceneError, Surface};
 use crate::scene::shape::{Cuboid, Cylinder, Room, Sphere};
 use glam::Vec3;
@@ -108,7 +107,6 @@ impl Scene {
             let checked = surface.shape.check();
             checked.map_err(|why| self.bad_field(&surface.label(index), why))?;
         }
-        self.check_unrolled()?;
         self.at_checked_times(Scene::check_growth)
     }
 
@@ -198,19 +196,6 @@ impl Scene {
             }
         }
         Ok(())
-    }
-
-    /// What stands in a shader one by one must compile in seconds.
-    fn check_unrolled(&self) -> Result<(), SceneError> {
-        let layout = Layout::of(self);
-        let unrolled = layout.loose.iter().chain(&layout.kinds);
-        let pieces: usize = unrolled.map(|&index| self.surfaces[index].nodes()).sum();
-        if pieces <= MOST_UNROLLED {
-            return Ok(());
-        }
-        let what =
-            "what its shader holds one by one (surfaces, and shapes and operators within them)";
-        Err(self.bad_number(what, "at most 512", pieces))
     }
 
     /// What is odd about the scene as it stands, although it can be traced.

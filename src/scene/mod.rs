@@ -2,24 +2,21 @@
 //!
 //! A [`Scene`] is plain data. It is read from a RON file ([`Scene::load`]),
 //! taken from the built-in ones ([`Scene::builtin`]) or written in Rust, and it
-//! knows nothing of OpenGL: [`glsl`] turns it into shader text and uniform
-//! values, [`Scene::distance`] is the same signed distance function on the CPU.
+//! knows nothing of OpenGL: [`crate::kernel`] turns it into shader text and
+//! numbers, [`Scene::distance`] is the same signed distance function on the CPU.
 //!
 //! World axes: x to the right, y up, z towards the viewer (right-handed).
 //! World units are metres, angles are radians in code and degrees in files.
 
 mod builtin;
-pub mod cells;
 mod check;
 mod distance;
 mod error;
 mod file;
-pub mod glsl;
-pub mod layout;
 mod motion;
 mod named;
+mod notation;
 mod path;
-mod seal;
 pub mod shape;
 mod surface;
 mod watch;

@@ -1,7 +1,7 @@
 //! A surface: a shape, and where it stands.
 
-use super::{Driver, Shape};
-use glam::{Quat, Vec3};
+use super::{Bounds3, Driver, Shape};
+use glam::{DMat3, Quat, Vec3};
 
 /// A shape placed in the world.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,6 +56,17 @@ impl Surface {
     pub fn named(mut self, name: impl Into<String>) -> Surface {
         self.name = Some(name.into());
         self
+    }
+
+    /// What holds its solid, in world metres.
+    pub fn bounds(&self) -> Bounds3 {
+        let own = self.shape.properties().bounds;
+        let turned = if self.has_rotation() {
+            own.turned(DMat3::from_quat(self.rotation.as_dquat()))
+        } else {
+            own
+        };
+        turned.moved(self.position.as_dvec3())
     }
 
     /// Whether its rotation stands in the shader text at all.

@@ -8,10 +8,8 @@
 //! at the step limit is counted and reported.
 
 use super::{MAX_COPY_STEPS, MAX_FIELD_STEPS, MAX_STEPS, Profile, Settings};
+use crate::kernel::{self, Cells, Layout, Lists, Loops};
 use crate::scene::Scene;
-use crate::scene::cells::{Cells, Lists};
-use crate::scene::glsl::{self, Loops};
-use crate::scene::layout::Layout;
 
 /// Turns of all loops of a shader together at the most.
 const MOST_TURNS: u64 = 65_535;
@@ -52,8 +50,8 @@ impl Budget {
 
     /// The same for who has the scene's cells, with the lists that [`lists`] names.
     pub(super) fn with_cells(scene: &Scene, settings: &Settings, cells: Option<&Cells>) -> Budget {
-        let loops = glsl::loops(scene, cells, lists(settings));
-        let marches_fields = glsl::marches_fields(scene, settings.profile == Profile::March);
+        let loops = kernel::loops(scene, cells, lists(settings));
+        let marches_fields = kernel::marches_fields(scene, settings.profile == Profile::March);
         match settings.profile {
             Profile::Thesis => thesis(settings, &loops),
             Profile::March => march(settings, &loops, marches_fields),
@@ -208,7 +206,7 @@ mod tests {
         assert_eq!(march.steps, MAX_STEPS);
         let share = f64::from(march.field_steps) / f64::from(hybrid.field_steps);
         assert!(share > 0.9 && share < 1.0, "{march:?}, {hybrid:?}");
-        let loops = glsl::loops(&menger, None, Lists::Touching);
+        let loops = kernel::loops(&menger, None, Lists::Touching);
         let turns = u64::from(march.steps) * (1 + loops.ahead)
             + u64::from(march.field_steps) * (FIELD_TURNS + loops.all_fields);
         assert!(turns + loops.landing < MOST_TURNS, "{turns} turns");

@@ -2,8 +2,8 @@
 
 use super::{Grid, TraceError};
 use crate::gpu::Context;
+use crate::kernel;
 use crate::scene::Scene;
-use crate::scene::glsl;
 
 /// Uniform vectors that any of the shaders needs at the most beside those of the surfaces.
 const OWN_UNIFORM_VECTORS: usize = 16;
@@ -25,7 +25,7 @@ pub(super) fn check_waves(context: &Context, grid: Grid) -> Result<(), TraceErro
 
 /// Surfaces that do not fit in the uniforms are told before anything is compiled.
 pub(crate) fn check_surfaces(context: &Context, scene: &Scene) -> Result<(), TraceError> {
-    let needed = glsl::uniform_count(scene) + OWN_UNIFORM_VECTORS;
+    let needed = kernel::uniform_count(scene) + OWN_UNIFORM_VECTORS;
     let limit = context.limits().max_fragment_uniform_vectors as usize;
     if needed <= limit {
         return Ok(());

@@ -28,6 +28,7 @@ mod trial;
 mod user_fields;
 mod waves;
 
+pub use crate::kernel::Directions;
 pub use budget::Budget;
 pub use error::TraceError;
 pub use frame::{Frame, Milliseconds};
@@ -43,8 +44,8 @@ pub use reload::{Reload, Reloading};
 #[cfg(feature = "picture")]
 pub(crate) use scene_data::SceneData;
 pub use settings::{
-    Directions, MARCHES_PER_PASS, MAX_COPY_STEPS, MAX_FIELD_STEPS, MAX_ITERATIONS, MAX_STEPS,
-    MAX_WAVES, Profile, Settings,
+    MARCHES_PER_PASS, MAX_COPY_STEPS, MAX_FIELD_STEPS, MAX_ITERATIONS, MAX_STEPS, MAX_WAVES,
+    Profile, Settings,
 };
 pub use tracer::{HeardPaths, Tracer};
 pub use trial::{FieldTrial, TrialCommand, answer_field_trial};

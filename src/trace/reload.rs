@@ -3,6 +3,7 @@
 use super::trial::Trial;
 use super::{Pass, Settings, Tracer, shader_text};
 use crate::error::Error;
+use crate::kernel;
 use crate::scene::{Scene, SceneError, SceneWatch};
 
 /// A scene that is read again when its files change, and only taken when it can be traced:
@@ -133,7 +134,7 @@ fn begin_trial(
     settings: &Settings,
     others: &[ProgramOf],
 ) -> Result<Option<Trial>, Error> {
-    scene.check()?;
+    kernel::check(scene)?;
     let mut programs = vec![shader_text(scene, settings, Pass::March)];
     programs.extend(others.iter().map(|program| program(scene)));
     let programs: Vec<&str> = programs.iter().map(String::as_str).collect();

@@ -4,10 +4,8 @@
 
 use crate::error::Error;
 use crate::gpu::{Context, DataTexture, Program};
+use crate::kernel::{self, CellData, Cells, Layout, Lists, Placed, Placement};
 use crate::scene::Scene;
-use crate::scene::cells::{Cells, Lists};
-use crate::scene::glsl::{self, CellData, Placed, Placement};
-use crate::scene::layout::Layout;
 
 /// What the shaders of a scene read by index.
 pub(crate) struct SceneData {
@@ -19,7 +17,7 @@ pub(crate) struct SceneData {
 impl SceneData {
     pub fn new(context: &Context) -> Result<SceneData, Error> {
         Ok(SceneData {
-            texture: DataTexture::new(context, glsl::DATA_WIDTH)?,
+            texture: DataTexture::new(context, kernel::DATA_WIDTH)?,
             cells: None,
             placed: None,
         })
@@ -40,7 +38,7 @@ impl SceneData {
             }
             cells => *cells = Cells::new(scene, &layout),
         }
-        let mut data = glsl::scene_data(scene);
+        let mut data = kernel::scene_data(scene);
         self.placed = self.cells.as_mut().map(|cells| {
             cells.prepare(lists);
             CellData::append(&mut data, &layout, placement, placed, cells, lists)

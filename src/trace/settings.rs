@@ -1,6 +1,7 @@
 //! How to trace: the thesis' constants, and the numbers a user may change.
 
 use super::TraceError;
+use crate::kernel::Directions;
 use std::fmt;
 use std::str::FromStr;
 
@@ -53,16 +54,6 @@ pub enum Profile {
     March,
     /// Figures 8 and 9 of the thesis as they stand, with all they get wrong.
     Thesis,
-}
-
-/// How the start directions are chosen.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum Directions {
-    /// Independent and uniform over the sphere, as the thesis has them.
-    Random,
-    /// A spherical Fibonacci lattice, turned at random as a whole.
-    Fibonacci,
 }
 
 /// Everything about a frame that is not the scene.
@@ -259,28 +250,6 @@ impl fmt::Display for Profile {
             Profile::March => "march",
             Profile::Thesis => "thesis",
         })
-    }
-}
-
-impl fmt::Display for Directions {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(match self {
-            Directions::Random => "random",
-            Directions::Fibonacci => "fibonacci",
-        })
-    }
-}
-
-impl FromStr for Directions {
-    type Err = String;
-    fn from_str(name: &str) -> Result<Directions, String> {
-        match name {
-            "random" => Ok(Directions::Random),
-            "fibonacci" => Ok(Directions::Fibonacci),
-            _ => Err(format!(
-                "there are no directions {name:?}; there are: random, fibonacci"
-            )),
-        }
     }
 }
 

@@ -23,7 +23,7 @@ use crate::gpu::{
     Context, DataTexture, GpuError, Program, RenderTarget, Texture, full_screen_pass_rows,
     log_errors,
 };
-use crate::scene::glsl::{self, USER_FILE};
+use crate::kernel::{self, USER_FILE};
 use crate::scene::{Scene, UserField, UserSamples, halton};
 use glam::{Vec3, Vec4};
 use std::sync::Arc;
@@ -101,7 +101,7 @@ impl UserFields {
         for field in scene.user_fields() {
             TraceError::check_text(field)?;
         }
-        scene.check()?;
+        kernel::check(scene)?;
         trial::ensure(scene, &[&program()])?;
         let known = self.checked.len();
         let checked = self.check_new(context, scene);
@@ -155,7 +155,7 @@ pub(super) fn check(context: &Context, field: &UserField) -> Result<(), Error> {
     };
     TraceError::check_text(field)?;
     let label = field.file.display().to_string();
-    let text = glsl::join(&glsl::user_sources(field));
+    let text = kernel::join(&kernel::user_sources(field));
     let program = match Program::fragment(context, &label, &text) {
         Ok(program) => program,
         Err(GpuError::Compile { log, .. } | GpuError::Link { log, .. }) => {

@@ -3,7 +3,7 @@
 
 use crate::common::{builtin, for_each_api};
 use echomarch::gpu::{Context, Program, RenderTarget, Texture, full_screen_pass};
-use echomarch::scene::glsl;
+use echomarch::kernel;
 use echomarch::scene::shape::{Cuboid, Cylinder, Plane, Room, Sphere};
 use echomarch::{Listener, Node, Scene, Source, Surface};
 use glam::{EulerRot, Quat, Vec3};
@@ -153,9 +153,9 @@ void main() {
 ";
 
 fn shader(context: &Context, scene: &Scene) -> Program {
-    let roots = vec![glsl::Source::new("evaluate", EVALUATE)];
-    let sources = glsl::link(roots, glsl::distance_parts(scene));
-    Program::fragment(context, "evaluate", &glsl::join(&sources)).unwrap()
+    let roots = vec![kernel::Source::new("evaluate", EVALUATE)];
+    let sources = kernel::link(roots, kernel::distance_parts(scene));
+    Program::fragment(context, "evaluate", &kernel::join(&sources)).unwrap()
 }
 
 fn evaluate(context: &Context, program: &Program, scene: &Scene, points: &[Vec3]) -> Vec<Answer> {
@@ -168,7 +168,7 @@ fn evaluate(context: &Context, program: &Program, scene: &Scene, points: &[Vec3]
     let output = Texture::new(context, width, height).unwrap();
     let target = RenderTarget::new(context, &[&output]).unwrap();
     program.set_texture("uPoints", 0, &input);
-    let values = glsl::Placement::world().apply(scene).uniform_values();
+    let values = kernel::Placement::world().apply(scene).uniform_values();
     program.set_vec4_array("uSurfaces", &values);
     let listener = scene.listener.position.extend(scene.listener.radius);
     program.set_vec4("uListener", listener);
@@ -223,12 +223,12 @@ fn every_shape_is_in_the_list() {
 #[test]
 fn shaders_and_cpu_agree_on_every_shape() {
     for_each_api(|context| {
-        let mut compiled: Vec<(glsl::Structure, Program)> = Vec::new();
+        let mut compiled: Vec<(kernel::Structure, Program)> = Vec::new();
         for surface in surfaces() {
             let points = points(&surface);
             let scene = scene_of(surface);
             let surface = &scene.surfaces[0];
-            let structure = glsl::structure(&scene);
+            let structure = kernel::structure(&scene);
             if !compiled.iter().any(|(known, _)| *known == structure) {
                 compiled.push((structure.clone(), shader(context, &scene)));
             }

@@ -6,7 +6,7 @@
 //! limit; how sure it is stands beside it.
 
 use super::sweep::{Case, full, quick, short};
-use crate::scene::glsl::has_cells;
+use crate::kernel::Layout;
 use crate::scene::{Scene, Surface};
 
 /// The scenes of the thesis' tables, which the targets are of.
@@ -61,7 +61,7 @@ impl Plan {
 /// Whether the exact waves of a scene take long.
 fn is_slow(scene: &Scene) -> bool {
     let is_field = |surface: &Surface| surface.shape.field().is_some();
-    has_cells(scene) || scene.surfaces.iter().any(is_field)
+    Layout::of(scene).has_cells() || scene.surfaces.iter().any(is_field)
 }
 
 #[cfg(test)]

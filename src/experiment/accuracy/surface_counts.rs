@@ -1,8 +1,7 @@
 //! How many surfaces of a scene lie in cells, and how many are marched.
 
+use crate::kernel::{Layout, is_marched};
 use crate::scene::Scene;
-use crate::scene::glsl::is_marched;
-use crate::scene::layout::Layout;
 use serde::Serialize;
 
 /// How the surfaces of a scene are met.

@@ -5,8 +5,8 @@ use super::change::Change;
 use super::pair::{Case, Timing, pair};
 use super::shader::ShaderReport;
 use crate::error::Error;
+use crate::kernel::Layout;
 use crate::scene::Scene;
-use crate::scene::layout::Layout;
 use crate::trace::{Settings, Tracer};
 use serde::Serialize;
 

@@ -11,10 +11,9 @@
 //! The surfaces are always those of the base, so that a chain of files holds one list of them
 //! in memory.
 
-use super::attached::Attached;
-use super::numbers::{FixedRadius, Name};
 use super::{ListenerFile, SourceFile, malformed, options, text_of};
 use crate::scene::builtin::{self, Named};
+use crate::scene::notation::{Attached, FixedRadius, Name};
 use crate::scene::{Scene, SceneError};
 use ron::value::RawValue;
 use serde::Deserialize;

@@ -4,33 +4,20 @@
 //! the plain [`Scene`] at once. Every number is checked while it is read, so that
 //! an error points at its line and column. See `docs/scene-format.md`.
 
-mod attached;
 mod base;
-mod numbers;
-mod reader;
 mod surface;
-mod variant;
-mod words;
 #[cfg(feature = "demo")]
 mod write;
 
 use super::{Key, Listener, Path, Scene, SceneError, Source};
 use crate::input::read_text;
+use crate::scene::notation::{Attached, Degrees, Finite, FixedRadius, Name, Point};
 use crate::text::in_a_line;
-use attached::Attached;
 use base::{BasedFile, Chain};
 use glam::Vec3;
-pub(crate) use numbers::{
-    Angle, Factor, Length, Lipschitz, Metres, Number, Plain, Radius, Share, Side, Size, Unit,
-    Vector,
-};
-use numbers::{Degrees, Finite, FixedRadius, Name, Point};
-pub(crate) use reader::{FromFile, Operands, ReadNumbers, Reader};
 use serde::Deserialize;
 use std::path;
 use surface::SurfaceFile;
-pub(crate) use variant::Variant;
-pub(crate) use words::{Axis, Corners, MirrorAxes, Sheets};
 
 pub(super) use base::bases_of;
 #[cfg(feature = "demo")]

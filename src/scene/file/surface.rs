@@ -1,8 +1,6 @@
 //! One surface of a scene file.
 
-use super::attached::Attached;
-use super::numbers::{Angle, Metres, Name, Vector};
-use super::reader::{ReadNumbers, Reader};
+use crate::scene::notation::{Angle, Attached, Metres, Name, ReadNumbers, Reader, Vector};
 use crate::scene::shape::ShapeFile;
 use crate::scene::{SceneError, Surface};
 use glam::{EulerRot, Quat, Vec3};

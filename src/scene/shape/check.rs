@@ -3,8 +3,9 @@
 use super::{Node, Shape, User};
 use glam::DVec3;
 
-/// Nodes of one tree at the most.
-const MOST_NODES: usize = crate::scene::layout::MOST_UNROLLED;
+/// Nodes of one tree at the most: a shader takes more memory and time to compile than they do. A
+/// field of 4,000 nodes took llvmpipe more than 7 GB.
+pub(crate) const MOST_NODES: usize = 512;
 
 /// Points at which a stated Lipschitz constant is tried.
 const TRIES: usize = 4096;

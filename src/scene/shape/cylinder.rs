@@ -2,7 +2,8 @@
 
 use super::part::Parameters;
 use super::{CappedCylinder, Parameter, Part, Properties, Rotate, Shape};
-use crate::scene::file::{Axis, FromFile, Length, Number, Radius, Reader};
+use crate::scene::notation::{Axis, Length, Number, Radius, Reader};
+use crate::scene::shape::FromFile;
 use crate::scene::{Quantity, SceneError};
 use glam::{DVec2, DVec3, Vec3};
 use serde::Deserialize;

@@ -3,7 +3,8 @@
 use super::cuboid::box_value;
 use super::part::{Numbers, Parameters};
 use super::{Bounds3, HeightImage, Parameter, Part, Properties, Shape};
-use crate::scene::file::{FromFile, ReadNumbers, Reader, Side, Vector};
+use crate::scene::notation::{ReadNumbers, Reader, Side, Vector};
+use crate::scene::shape::FromFile;
 use crate::scene::{Quantity, SceneError};
 use glam::{DVec2, DVec3, Vec3};
 use serde::Deserialize;

@@ -2,7 +2,8 @@
 
 use super::part::{Numbers, Parameters};
 use super::{Bounds3, Parameter, Part, Properties, Quadric, Shape};
-use crate::scene::file::{FromFile, Length, Number, Reader, Sheets};
+use crate::scene::notation::{Length, Number, Reader, Sheets};
+use crate::scene::shape::FromFile;
 use crate::scene::{Quantity, SceneError};
 use glam::DVec3;
 use serde::Deserialize;

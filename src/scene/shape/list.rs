@@ -11,7 +11,8 @@ use super::{
     capped_cylinder, capsule, cone, cuboid, cylinder, ellipsoid, half_space, height_field,
     hyperboloid, paraboloid, plane, prism, quadric, room, rounded_box, sphere, torus, user,
 };
-use crate::scene::file::{FromFile, Operands, Reader, Variant};
+use crate::scene::notation::{Reader, Variant};
+use crate::scene::shape::{FromFile, Operands};
 use crate::scene::{SceneError, Shape};
 use serde::de::{Deserialize, Deserializer, EnumAccess, Visitor};
 use std::fmt;

@@ -36,6 +36,7 @@ mod plane;
 mod prism;
 mod properties;
 mod quadric;
+mod read;
 mod room;
 mod rounded_box;
 mod sphere;
@@ -44,10 +45,11 @@ mod torus;
 mod user;
 mod user_field;
 
-pub(crate) use check::halton;
+pub(crate) use check::{MOST_NODES, halton};
 pub(crate) use list::{ShapeFile, every_part};
 pub(crate) use part::{Numbers, Part};
 use quadric::Quadric;
+pub(crate) use read::{FromFile, Operands};
 
 pub use bounds::Bounds3;
 pub use capped_cylinder::CappedCylinder;

@@ -219,17 +219,17 @@ macro_rules! numbers {
             $($children: $operands,)?
             $(
                 $(#[serde($default)])?
-                $field: <$kind as $crate::scene::file::ReadNumbers>::Said<$crate::scene::file::$unit>,
+                $field: <$kind as $crate::scene::notation::ReadNumbers>::Said<$crate::scene::notation::$unit>,
             )*
         }
 
-        impl $crate::scene::file::FromFile for File {
+        impl $crate::scene::shape::FromFile for File {
             fn read(
                 self,
-                reader: &mut $crate::scene::file::Reader,
+                reader: &mut $crate::scene::notation::Reader,
             ) -> Result<$crate::scene::Shape, $crate::scene::SceneError> {
                 let part = $part {
-                    $($field: <$kind as $crate::scene::file::ReadNumbers>::read(
+                    $($field: <$kind as $crate::scene::notation::ReadNumbers>::read(
                         self.$field,
                         stringify!($field),
                         reader,
@@ -237,19 +237,19 @@ macro_rules! numbers {
                 };
                 #[allow(unused_mut, unused_assignments)]
                 let mut children = Vec::new();
-                $(children = $crate::scene::file::Operands::read(self.$children, reader)?;)?
+                $(children = $crate::scene::shape::Operands::read(self.$children, reader)?;)?
                 Ok($crate::scene::Shape { node: part.into(), children })
             }
         }
 
         impl $crate::scene::shape::part::Parameters for $part {
             fn parameters_mut(&mut self) -> Vec<$crate::scene::shape::Parameter<'_>> {
-                use $crate::scene::file::Unit;
+                use $crate::scene::notation::Unit;
                 let mut all = Vec::new();
                 $($crate::scene::shape::part::Numbers::add_to(
                     &mut self.$field,
                     stringify!($field),
-                    $crate::scene::file::$unit::QUANTITY,
+                    $crate::scene::notation::$unit::QUANTITY,
                     &mut all,
                 );)*
                 all
@@ -270,10 +270,10 @@ macro_rules! no_numbers {
         #[derive(serde::Deserialize)]
         pub(crate) struct File;
 
-        impl $crate::scene::file::FromFile for File {
+        impl $crate::scene::shape::FromFile for File {
             fn read(
                 self,
-                _: &mut $crate::scene::file::Reader,
+                _: &mut $crate::scene::notation::Reader,
             ) -> Result<$crate::scene::Shape, $crate::scene::SceneError> {
                 Ok($crate::scene::Shape::from($part))
             }
@@ -290,12 +290,12 @@ macro_rules! no_numbers {
         #[derive(serde::Deserialize)]
         pub(crate) struct File($operands);
 
-        impl $crate::scene::file::FromFile for File {
+        impl $crate::scene::shape::FromFile for File {
             fn read(
                 self,
-                reader: &mut $crate::scene::file::Reader,
+                reader: &mut $crate::scene::notation::Reader,
             ) -> Result<$crate::scene::Shape, $crate::scene::SceneError> {
-                let children = $crate::scene::file::Operands::read(self.0, reader)?;
+                let children = $crate::scene::shape::Operands::read(self.0, reader)?;
                 Ok($crate::scene::Shape::over($part, children))
             }
         }

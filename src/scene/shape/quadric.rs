@@ -7,7 +7,8 @@
 
 use super::part::{Numbers, Parameters};
 use super::{Bounds3, Parameter, Part, Properties, Shape};
-use crate::scene::file::{FromFile, Number, Plain, Reader};
+use crate::scene::notation::{Number, Plain, Reader};
+use crate::scene::shape::FromFile;
 use crate::scene::{Quantity, SceneError};
 use glam::DVec3;
 use serde::Deserialize;

@@ -4,9 +4,10 @@ use super::promises::trees;
 use super::table::{Entry, entries, scene_of, surfaces, to_local, to_world};
 use crate::common::{Random, context};
 use echomarch::gpu::{Api, Context, DataTexture, Program, RenderTarget, Texture, full_screen_pass};
+use echomarch::kernel;
 use echomarch::reference::ExactScene;
 use echomarch::scene::shape::Ellipsoid;
-use echomarch::scene::{Exactness, Motion, Node, glsl};
+use echomarch::scene::{Exactness, Motion, Node};
 use echomarch::{Scene, Surface};
 use glam::{DVec3, Vec3};
 use proptest::strategy::{Strategy, ValueTree};
@@ -23,7 +24,7 @@ pub struct Asked {
 }
 
 impl Asked {
-    fn new(context: &Context, scene: &Scene, parts: Vec<glsl::Part>, ask: String) -> Asked {
+    fn new(context: &Context, scene: &Scene, parts: Vec<kernel::Part>, ask: String) -> Asked {
         let main = "
 uniform highp sampler2D uPoints;
 uniform highp sampler2D uDirections;
@@ -36,15 +37,15 @@ void main() {
 ";
         let counters = "#define COUNT_EVALUATIONS(n)\nconst float STATUS_LISTENER = 0.0;\n";
         let roots = vec![
-            glsl::Source::new("counters", counters),
-            glsl::Source::new("ask", ask + main),
+            kernel::Source::new("counters", counters),
+            kernel::Source::new("ask", ask + main),
         ];
-        let text = glsl::join(&glsl::link(roots, parts));
+        let text = kernel::join(&kernel::link(roots, parts));
         let program = Program::fragment(context, "ask", &text)
             .unwrap_or_else(|error| panic!("{error}\n{:#?}", scene.surfaces));
-        let mut data = DataTexture::new(context, glsl::DATA_WIDTH).unwrap();
-        data.set(&glsl::scene_data(scene)).unwrap();
-        let values = glsl::Placement::world().apply(scene).uniform_values();
+        let mut data = DataTexture::new(context, kernel::DATA_WIDTH).unwrap();
+        data.set(&kernel::scene_data(scene)).unwrap();
+        let values = kernel::Placement::world().apply(scene).uniform_values();
         program.set_vec4_array("uSurfaces", &values);
         let listener = scene.listener.position.extend(scene.listener.radius);
         program.set_vec4("uListener", listener);
@@ -168,10 +169,10 @@ fn asked(context: &Context, scene: &Scene) -> Asked {
             offset
         };
         ask += &format!("float VALUE{number}(vec3 q) {{ return field{number}({place}); }}\n");
-        first += glsl::uniform_count(&scene_of(vec![surface.clone()]));
+        first += kernel::uniform_count(&scene_of(vec![surface.clone()]));
     }
     ask += &field_calls(scene.surfaces.len());
-    let parts = glsl::ahead_parts(scene, false);
+    let parts = kernel::ahead_parts(scene, false);
     Asked::new(context, scene, parts, ask)
 }
 
@@ -333,14 +334,14 @@ fn closed_forms_meet_what_a_march_meets() {
     let (mut tried, mut left_out, mut most) = (0, 0, 0f64);
     for (entry, surface) in pairs(entries()) {
         let scene = scene_of(vec![surface.clone()]);
-        if glsl::marches_fields(&scene, false) {
+        if kernel::marches_fields(&scene, false) {
             continue;
         }
         let exact = ExactScene::new(&scene).unwrap();
         let mut ask = String::from("vec4 answer(int which, vec3 p, vec3 d) {\n");
         ask += "    float object;\n    float t = nearestHit(p, d, -1.0, NO_HIT, object);\n";
         ask += "    return vec4(t, object, 0.0, 0.0);\n}\n";
-        let asked = Asked::new(&context, &scene, glsl::closed_form_parts(&scene), ask);
+        let asked = Asked::new(&context, &scene, kernel::closed_form_parts(&scene), ask);
         let mut random = Random(23);
         let mut lines: Vec<(Vec3, Vec3)> = Vec::new();
         for _ in 0..400 {

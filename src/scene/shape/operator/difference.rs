@@ -3,7 +3,8 @@
 use super::part::never_moves;
 use super::{Part, Properties, Shape, ShapeFile, merged};
 use crate::scene::SceneError;
-use crate::scene::file::{FromFile, Operands, Reader};
+use crate::scene::notation::Reader;
+use crate::scene::shape::{FromFile, Operands};
 use glam::DVec3;
 use serde::Deserialize;
 

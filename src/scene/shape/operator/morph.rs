@@ -1,7 +1,8 @@
 //! Between two fields.
 
 use super::{Parameter, Parameters, Part, Properties, Shape, ShapeFile, hull, merged};
-use crate::scene::file::{FromFile, Number, Operands, Reader, Share};
+use crate::scene::notation::{Number, Reader, Share};
+use crate::scene::shape::{FromFile, Operands};
 use crate::scene::{Quantity, SceneError};
 use glam::DVec3;
 use serde::Deserialize;

@@ -12,7 +12,8 @@
 
 use super::part::Numbers;
 use super::{Bounds3, Exactness, Node, Parameter, Parameters, Part, Properties, Shape, ShapeFile};
-use crate::scene::file::{FromFile, Metres, Operands, ReadNumbers, Reader, Vector};
+use crate::scene::notation::{Metres, ReadNumbers, Reader, Vector};
+use crate::scene::shape::{FromFile, Operands};
 use crate::scene::{Quantity, SceneError};
 use glam::{DVec3, Vec3};
 use serde::Deserialize;

@@ -120,7 +120,8 @@ macro_rules! turning {
     ($(#[$doc:meta])* $part:ident $name:literal about $axis:literal, a metre of $along:literal) => {
         use super::turning::{Turning, check_stated};
         use super::{Parameter, Parameters, Part, Properties, Shape, ShapeFile};
-        use crate::scene::file::{Angle, FromFile, Lipschitz, Number, Operands, Reader};
+        use crate::scene::notation::{Angle, Lipschitz, Number, Reader};
+        use crate::scene::shape::{FromFile, Operands};
         use crate::scene::{Quantity, SceneError};
         use glam::DVec3;
         use serde::Deserialize;

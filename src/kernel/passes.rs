@@ -1,0 +1,161 @@
+//! The fragment shaders of a frame's passes, and what the text of each depends on.
+
+use super::structure::{Structure, structure};
+use super::text::{
+    Source, ahead_parts, closed_form_parts, distance_parts, field, join, link, source,
+};
+use crate::scene::{Scene, Surface};
+use std::fmt;
+use std::str::FromStr;
+
+/// What the text of a pass depends on: passes of the same key share their programs.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Key {
+    Initialise(Directions),
+    March(Structure, MarchText),
+    Pan,
+    /// The first pass of the sum on the GPU.
+    SumContributions,
+    /// Its further passes.
+    Sum,
+}
+
+/// How the start directions are chosen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Directions {
+    /// Independent and uniform over the sphere, as the thesis has them.
+    Random,
+    /// A spherical Fibonacci lattice, turned at random as a whole.
+    Fibonacci,
+}
+
+/// Settings that are in the text of a march.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct MarchText {
+    pub algorithm: Algorithm,
+    /// Whether evaluations are counted in place of what the counters hold otherwise.
+    pub count_evaluations: bool,
+}
+
+/// How a wave finds what it meets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Algorithm {
+    Thesis,
+    March {
+        /// Normals from gradients; else from differences.
+        exact_normals: bool,
+        /// Whether the point met is put onto the surface.
+        landing: bool,
+    },
+    Hybrid,
+}
+
+impl Key {
+    /// The key of a scene's march.
+    pub fn march(scene: &Scene, text: MarchText) -> Key {
+        Key::March(structure(scene), text)
+    }
+}
+
+/// The text of the pass that starts the waves.
+pub(crate) fn initialise_text(directions: Directions) -> String {
+    let mut sources = vec![source!("wave.glsl")];
+    sources.extend(match directions {
+        Directions::Random => vec![source!("direction/random.glsl")],
+        Directions::Fibonacci => vec![
+            source!("common/turn.glsl"),
+            source!("direction/fibonacci.glsl"),
+        ],
+    });
+    sources.push(source!("initialise.frag"));
+    join(&sources)
+}
+
+/// The text of the march through a scene, which should have been [checked](super::check).
+pub(crate) fn march_text(scene: &Scene, text: MarchText) -> String {
+    let counters = match text.count_evaluations {
+        true => source!("counters_evaluations.glsl"),
+        false => source!("counters.glsl"),
+    };
+    let mut roots = vec![source!("wave.glsl"), counters];
+    let parts = match text.algorithm {
+        Algorithm::Thesis => {
+            roots.push(source!("iterate_thesis.glsl"));
+            distance_parts(scene)
+        }
+        Algorithm::March {
+            exact_normals,
+            landing,
+        } => {
+            let defines = format!(
+                "#define EXACT_NORMALS {}\n#define LANDING {}\n#define MARCHES_FIELDS {}\n",
+                u8::from(exact_normals),
+                u8::from(landing),
+                u8::from(marches_fields(scene, true))
+            );
+            roots.push(Source::new("options", defines));
+            roots.push(source!("iterate_march.glsl"));
+            ahead_parts(scene, !exact_normals)
+        }
+        Algorithm::Hybrid => {
+            let marches = u8::from(marches_fields(scene, false));
+            let defines = format!("#define MARCHES_FIELDS {marches}\n");
+            roots.push(Source::new("options", defines));
+            roots.push(source!("iterate_hybrid.glsl"));
+            closed_form_parts(scene)
+        }
+    };
+    roots.push(source!("iterate.frag"));
+    join(&link(roots, parts))
+}
+
+/// The text of the panning pass.
+pub(crate) fn pan_text() -> String {
+    join(&[source!("wave.glsl"), source!("pan.frag")])
+}
+
+/// The text of the first pass of the sum on the GPU.
+pub(crate) fn sum_contributions_text() -> String {
+    join(&[source!("wave.glsl"), source!("sum_contributions.frag")])
+}
+
+/// The text of its further passes.
+pub(crate) fn sum_text() -> String {
+    join(&[source!("sum.frag")])
+}
+
+/// Whether a march must take fields: all of them, or those alone that have no closed form.
+pub fn marches_fields(scene: &Scene, all: bool) -> bool {
+    let is_field = |surface: &Surface| surface.shape.field().is_some();
+    let takes = if all { is_field } else { is_marched };
+    scene.surfaces.iter().any(takes)
+}
+
+/// Whether every profile has to march to a surface: a field without a closed form.
+pub(crate) fn is_marched(surface: &Surface) -> bool {
+    let field = surface.shape.field();
+    field.is_some_and(|field| !field::has_closed_form(field))
+}
+
+impl fmt::Display for Directions {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Directions::Random => "random",
+            Directions::Fibonacci => "fibonacci",
+        })
+    }
+}
+
+impl FromStr for Directions {
+    type Err = String;
+    fn from_str(name: &str) -> Result<Directions, String> {
+        match name {
+            "random" => Ok(Directions::Random),
+            "fibonacci" => Ok(Directions::Fibonacci),
+            _ => Err(format!(
+                "there are no directions {name:?}; there are: random, fibonacci"
+            )),
+        }
+    }
+}

@@ -1,0 +1,157 @@
+//! The numbers behind the text: where things are, as the shader is told.
+//!
+//! The thesis' profile gets world coordinates as they are. The others get them relative
+//! to an *anchor* (the listener), so that a scene far from the world's origin loses no
+//! bits, and with box faces that are covered by another solid *sealed*: pushed into that
+//! solid, so that rounding at the seam cannot open a gap between the two.
+
+use super::layout::Layout;
+use super::seal::sealed;
+use super::values::push_values;
+use crate::scene::shape::{Cuboid, Cylinder, Room, Sphere};
+use crate::scene::{Node, Scene, Shape, Surface};
+use glam::{Vec3, Vec4};
+
+/// How world coordinates become a shader's.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Placement {
+    /// World position of the shader's origin in metres.
+    pub anchor: Vec3,
+    /// Whether covered faces are sealed.
+    pub seals: bool,
+}
+
+/// A scene's surfaces in a shader's coordinates.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Placed {
+    surfaces: Vec<Surface>,
+    slacks: Vec<f32>,
+    /// Indices of the surfaces whose values are uniforms.
+    loose: Vec<usize>,
+}
+
+impl Placement {
+    /// World coordinates as they are.
+    pub fn world() -> Placement {
+        Placement {
+            anchor: Vec3::ZERO,
+            seals: false,
+        }
+    }
+
+    /// Relative to the scene's listener, with covered faces sealed.
+    pub fn anchored(scene: &Scene) -> Placement {
+        Placement {
+            anchor: scene.listener.position,
+            seals: true,
+        }
+    }
+
+    /// A world point in the shader's coordinates.
+    pub fn place(&self, point: Vec3) -> Vec3 {
+        (point.as_dvec3() - self.anchor.as_dvec3()).as_vec3()
+    }
+
+    /// The place of a surface in the shader's coordinates. What repeats without end is moved by
+    /// whole periods, so that places near the listener are near the surface's origin, too, and
+    /// lose no bits to how far that is; but not where world coordinates stay as they are.
+    fn place_surface(&self, surface: &Surface) -> Vec3 {
+        let field = surface.shape.field().filter(|_| self.seals);
+        let periods = field.map(Shape::periods).unwrap_or_default();
+        let rotation = surface.rotation.as_dquat().normalize();
+        let far = surface.position.as_dvec3() - self.anchor.as_dvec3();
+        let near = periods.into_iter().fold(far, |place, period| {
+            let period = rotation * period;
+            place - period * (place.dot(period) / period.length_squared()).round()
+        });
+        near.as_vec3()
+    }
+
+    /// The surfaces in the shader's coordinates.
+    pub fn apply(&self, scene: &Scene) -> Placed {
+        let place = |surface: &Surface| surface.clone().at(self.place_surface(surface));
+        let surfaces: Vec<Surface> = scene.surfaces.iter().map(place).collect();
+        // Of the surfaces before sealing: a seal adds size where no wave comes.
+        let slacks: Vec<f32> = surfaces.iter().map(slack).collect();
+        let surfaces = if self.seals {
+            sealed(&surfaces, &slacks)
+        } else {
+            surfaces
+        };
+        Placed {
+            surfaces,
+            slacks,
+            loose: Layout::of(scene).loose,
+        }
+    }
+}
+
+impl Placed {
+    /// The values of `uSurfaces`: for each unrolled surface its position (and radius, or
+    /// slack), then its half size and slack if it has one, then the inverse of its rotation
+    /// if it has one, then the numbers of its field that move.
+    pub fn uniform_values(&self) -> Vec<Vec4> {
+        let mut all = Vec::new();
+        for &index in &self.loose {
+            push_values(&self.surfaces[index], self.slacks[index], false, &mut all);
+        }
+        all
+    }
+
+    /// Appends the values of one surface (by its index) as the text of its kind reads them.
+    pub(super) fn push_data(&self, index: usize, values: &mut Vec<Vec4>) {
+        push_values(&self.surfaces[index], self.slacks[index], true, values);
+    }
+
+    /// What rounding may do to the distance to a surface (numbered from 1), in metres.
+    pub fn slack(&self, object: u32) -> f32 {
+        let index = (object as usize).checked_sub(1);
+        index.and_then(|i| self.slacks.get(i)).map_or(0.0, |s| *s)
+    }
+}
+
+/// Eight units in the last place, as a share of the largest number that goes into a
+/// distance: sums of three squares, a root and a product lose about half of that. The
+/// same as in `glsl/common/rounding.glsl`.
+const ROUNDING: f32 = 8.0 * f32::EPSILON;
+
+/// What rounding may do to a distance that is computed with a place, in metres.
+pub(super) fn rounding_of(place: Vec3) -> f32 {
+    ROUNDING * place.abs().max_element()
+}
+
+/// What rounding may do to the distance to a surface, in metres; of a box or a room never so
+/// much that a thin one would vanish in it.
+fn slack(surface: &Surface) -> f32 {
+    const SHARE_OF_THICKNESS: f32 = 0.25;
+    let place = surface.position.abs().max_element();
+    match surface.shape.node {
+        Node::Plane(_) => ROUNDING * place,
+        Node::Cuboid(Cuboid { size }) | Node::Room(Room { size }) => (ROUNDING
+            * (place + 0.5 * size.max_element()))
+        .min(SHARE_OF_THICKNESS * size.min_element()),
+        Node::Sphere(Sphere { radius }) | Node::Cylinder(Cylinder { radius }) => {
+            (ROUNDING * (place + radius)).min(SHARE_OF_THICKNESS * radius)
+        }
+        _ => ROUNDING * (place + surface.shape.extent() as f32),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::ROUNDING;
+
+    /// Protects the one idea of rounding that Rust and GLSL share.
+    #[test]
+    fn rounding_is_the_same_in_the_shader() {
+        let text = include_str!(concat!(
+            env!("CARGO_MANIFEST_DIR"),
+            "/glsl/common/rounding.glsl"
+        ));
+        let line = text
+            .lines()
+            .find(|line| line.starts_with("const float ROUNDING"));
+        let value = line.and_then(|line| line.split(['=', ';']).nth(1));
+        assert_eq!(value.map(|v| v.trim().parse()), Some(Ok(ROUNDING)));
+    }
+}

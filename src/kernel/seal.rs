@@ -1,0 +1,255 @@
+//! Covered faces of boxes, sealed.
+//!
+//! A block that stands against a wall shares a plane with it. Where the two meet, a ray
+//! that rounding put a hair to the wrong side would enter the block by the face that lies
+//! in the wall, which no wave can reach. Such a face is pushed on into the solid that
+//! covers it: the air keeps its shape, and the seam is gone.
+//!
+//! What a push adds to a box is a slab between two parallel faces. It is added only when
+//! one convex solid holds all eight corners of the slab, and so all of it: no air is lost.
+//! The slab is that of the box as it has grown so far. Walls of rooms and planes come
+//! first, so that a box that stands between floor and ceiling and against another such box
+//! finds it grown as tall.
+//!
+//! Where boxes of one width stand on each other, the slab's sides would lie in the faces of
+//! its cover: waves that hit the cover there would be told to have hit the box. So a long
+//! push has to end deep inside of its cover; any other is only as long as rounding asks for.
+
+use crate::scene::shape::{Cuboid, Room};
+use crate::scene::{Bounds3, Node, Shape, Surface};
+use glam::{DVec3, Vec3};
+
+/// A face of a box: its axis, and −1 or 1 for the lower and the upper one.
+type Face = (usize, f32);
+
+/// The same surfaces, with the covered faces of boxes pushed into what covers them.
+/// `slacks` says for each surface, in metres, how far off rounding may put it.
+pub(super) fn sealed(surfaces: &[Surface], slacks: &[f32]) -> Vec<Surface> {
+    let is_half_space = |shape: &Shape| matches!(shape.node, Node::Plane(_) | Node::Room(_));
+    let against_walls = round(surfaces, slacks, is_half_space);
+    let is_solid = |shape: &Shape| shape.is_convex() && !is_half_space(shape);
+    round(&against_walls, slacks, is_solid)
+}
+
+/// Seals every box against those of the surfaces whose shape is `wanted`.
+fn round(surfaces: &[Surface], slacks: &[f32], wanted: impl Fn(&Shape) -> bool) -> Vec<Surface> {
+    let mut grown = surfaces.to_vec();
+    let near = Neighbours::new(surfaces, slacks, wanted);
+    for (index, surface) in surfaces.iter().enumerate() {
+        if !matches!(surface.shape.node, Node::Cuboid(_)) {
+            continue;
+        }
+        let covers = near.touching(index);
+        for axis in 0..3 {
+            for side in [-1.0, 1.0] {
+                let against = |cover: &usize| {
+                    let slack = slacks[index].max(slacks[*cover]);
+                    push(&grown[index], (axis, side), &surfaces[*cover], slack)
+                };
+                let by = covers.iter().map(against).fold(0.0, f32::max);
+                grown[index] = pushed(&grown[index], (axis, side), by);
+            }
+        }
+    }
+    grown
+}
+
+/// Which of the possible covers touch a box: found along x, so that many boxes that stand
+/// apart cost no more than sorting them.
+struct Neighbours {
+    bounds: Vec<Bounds3>,
+    /// Covers by their least x.
+    by_start: Vec<usize>,
+    /// Covers without a least x: walls and what has no end.
+    endless: Vec<usize>,
+    /// The greatest width of a cover along x.
+    widest: f64,
+}
+
+impl Neighbours {
+    fn new(surfaces: &[Surface], slacks: &[f32], wanted: impl Fn(&Shape) -> bool) -> Neighbours {
+        let with_slack = |(surface, slack): (&Surface, &f32)| {
+            surface
+                .bounds()
+                .grown(DVec3::splat(2.0 * f64::from(*slack)))
+        };
+        let bounds: Vec<Bounds3> = surfaces.iter().zip(slacks).map(with_slack).collect();
+        let covers = (0..surfaces.len()).filter(|&index| wanted(&surfaces[index].shape));
+        let ends = |index: &usize| (bounds[*index].max.x - bounds[*index].min.x).is_finite();
+        let (mut by_start, endless): (Vec<usize>, Vec<usize>) = covers.partition(ends);
+        by_start.sort_by(|&a, &b| bounds[a].min.x.total_cmp(&bounds[b].min.x));
+        let width = |&index: &usize| bounds[index].max.x - bounds[index].min.x;
+        let widest = by_start.iter().map(width).fold(0.0, f64::max);
+        Neighbours {
+            bounds,
+            by_start,
+            endless,
+            widest,
+        }
+    }
+
+    /// The covers that may touch a surface, in the order of the surfaces.
+    fn touching(&self, index: usize) -> Vec<usize> {
+        let own = self.bounds[index];
+        let start = |cover: &usize| self.bounds[*cover].min.x;
+        let from = self
+            .by_start
+            .partition_point(|c| start(c) < own.min.x - self.widest);
+        let to = self.by_start.partition_point(|c| start(c) <= own.max.x);
+        let near = self.by_start[from..to].iter().chain(&self.endless);
+        let touches =
+            |&&cover: &&usize| cover != index && !own.common(self.bounds[cover]).is_empty();
+        let mut touching: Vec<usize> = near.filter(touches).copied().collect();
+        touching.sort_unstable();
+        touching
+    }
+}
+
+/// How far a face of a box can be pushed on into one solid, in metres: as far as the box is
+/// long, or a power of two less, if the solid holds what that adds with something to spare;
+/// else just past rounding, if the solid holds that; else not at all.
+fn push(surface: &Surface, face: Face, cover: &Surface, slack: f32) -> f32 {
+    /// The last try is 2^-12 of the box's length: less hardly helps more than a short push.
+    const TRIES: i32 = 13;
+    /// Length of a short push in slacks: the face is then well out of the reach of a wave
+    /// that rounding put to the wrong side of the seam.
+    const SHORT: f32 = 4.0;
+    let Node::Cuboid(Cuboid { size }) = surface.shape.node else {
+        return 0.0;
+    };
+    let near = corners(surface, size, face, 0.0);
+    if !holds_all(cover, &near, &[], slack, slack) {
+        return 0.0;
+    }
+    let short = SHORT * slack;
+    let holds = |by: f32, most: f32| {
+        let far = corners(surface, size, face, by);
+        holds_all(cover, &near, &far, slack, most)
+    };
+    let mut lengths = (0..TRIES).map(|halvings| size.max_element() * 0.5_f32.powi(halvings));
+    let long = lengths.find(|&by| by > short && holds(by, -short));
+    match long {
+        Some(by) => by,
+        None if holds(short, slack) => short,
+        None => 0.0,
+    }
+}
+
+/// The box with one face pushed outwards.
+fn pushed(surface: &Surface, (axis, side): Face, by: f32) -> Surface {
+    let Node::Cuboid(Cuboid { size }) = surface.shape.node else {
+        return surface.clone();
+    };
+    let mut bigger = size;
+    bigger[axis] += by;
+    let mut shift = Vec3::ZERO;
+    shift[axis] = 0.5 * side * by;
+    Surface {
+        shape: Node::Cuboid(Cuboid { size: bigger }).into(),
+        position: surface.position + surface.rotation * shift,
+        ..surface.clone()
+    }
+}
+
+/// The corners of a face, moved outwards by a length.
+fn corners(surface: &Surface, size: Vec3, (axis, side): Face, by: f32) -> [Vec3; 4] {
+    let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+    [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)].map(|(along_u, along_v)| {
+        let mut corner = Vec3::ZERO;
+        corner[axis] = side * (0.5 * size[axis] + by);
+        corner[u] = along_u * 0.5 * size[u];
+        corner[v] = along_v * 0.5 * size[v];
+        surface.position + surface.rotation * corner
+    })
+}
+
+/// Whether one convex solid holds all points: the near ones within `slack`, the far ones
+/// with a distance of `most` at the most. Of a room each wall is a solid of its own.
+fn holds_all(solid: &Surface, near: &[Vec3], far: &[Vec3], slack: f32, most: f32) -> bool {
+    let held_by = |distance: &dyn Fn(Vec3) -> f32| {
+        near.iter().all(|&point| distance(point) <= slack)
+            && far.iter().all(|&point| distance(point) <= most)
+    };
+    let Node::Room(Room { size }) = solid.shape.node else {
+        return held_by(&|point| solid.distance(point));
+    };
+    let inverse = solid.rotation.conjugate();
+    let mut walls = (0..3).flat_map(|axis| [(axis, -1.0), (axis, 1.0)]);
+    walls.any(|(axis, side)| {
+        held_by(&|point| {
+            let local = inverse * (point - solid.position);
+            0.5 * size[axis] - side * local[axis]
+        })
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Scene;
+    use proptest::prelude::*;
+
+    fn sealed_by(surfaces: &[Surface], slack: f32) -> Vec<Surface> {
+        sealed(surfaces, &vec![slack; surfaces.len()])
+    }
+
+    fn distance(surfaces: &[Surface], point: Vec3) -> f32 {
+        let all = surfaces.iter().map(|surface| surface.distance(point));
+        all.fold(f32::INFINITY, f32::min)
+    }
+
+    /// Protects the seams of the thesis' scenes: what is covered is pushed away.
+    #[test]
+    fn covered_faces_move_and_others_do_not() {
+        let corner = Scene::builtin("corner").unwrap();
+        let sealed = sealed_by(&corner.surfaces, 1e-5);
+        assert_eq!(sealed[0], corner.surfaces[0]);
+        let Node::Cuboid(Cuboid { size }) = sealed[1].shape.node else {
+            panic!("the block is a box");
+        };
+        let low = sealed[1].position - 0.5 * size;
+        let high = sealed[1].position + 0.5 * size;
+        // Its west face (x = 0) and south face (z = 0) look into the room.
+        assert_eq!((low.x, high.z), (0.0, 0.0));
+        assert!(high.x > 20.0 && low.z < -20.0 && low.y < -15.0 && high.y > 15.0);
+    }
+
+    /// Protects seams between two boxes: the long wall of obstacles stands against the
+    /// block, and both against floor and ceiling.
+    #[test]
+    fn a_wall_is_sealed_against_the_block_it_stands_at() {
+        let obstacles = Scene::builtin("obstacles").unwrap();
+        let sealed = sealed_by(&obstacles.surfaces, 1e-5);
+        assert!(sealed[2].distance(Vec3::new(2.0, 0.0, -0.2)) < 0.0);
+        assert!(sealed[4].distance(Vec3::new(-15.2, 0.0, 0.0)) < 0.0);
+    }
+
+    proptest! {
+        /// Protects the air: of boxes on a grid, which cover each other in all ways, sealing
+        /// turns no point of air into solid and none of solid into air.
+        #[test]
+        fn sealing_keeps_the_shape_of_the_air(
+            boxes in prop::collection::vec((0..3i32, 0..3i32, 0..3i32, 1..3i32, 1..3i32, 1..3i32), 1..6),
+            in_a_room in any::<bool>(),
+        ) {
+            let mut surfaces: Vec<Surface> = boxes
+                .iter()
+                .map(|&(x, y, z, width, height, depth)| {
+                    let size = Vec3::new(width as f32, height as f32, depth as f32);
+                    let low = Vec3::new(x as f32, y as f32, z as f32);
+                    Surface::new(Node::Cuboid(Cuboid { size })).at(low + 0.5 * size)
+                })
+                .collect();
+            if in_a_room {
+                let size = Vec3::splat(4.0);
+                surfaces.push(Surface::new(Node::Room(Room { size })).at(Vec3::splat(2.0)));
+            }
+            let sealed = sealed_by(&surfaces, 1e-6);
+            for index in 0..11 * 11 * 11 {
+                let cell = Vec3::new((index % 11) as f32, (index / 11 % 11) as f32, (index / 121) as f32);
+                let point = 0.5 * cell - Vec3::splat(0.25);
+                prop_assert_eq!(distance(&surfaces, point) > 0.0, distance(&sealed, point) > 0.0, "{}", point);
+            }
+        }
+    }
+}

@@ -1,0 +1,128 @@
+//! What the text of a surface and of its field depends on.
+
+use crate::scene::shape::{HeightField, Hyperboloid, Mirror, Repeat, User};
+use crate::scene::{Copies, HeightImage, Node, Shape, Surface, UserField};
+use std::hash::{Hash, Hasher};
+use std::sync::Arc;
+
+/// What the text of one surface, or of one kind, depends on.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(super) struct SurfaceStructure {
+    name: &'static str,
+    has_rotation: bool,
+    /// Whether a wave that leaves it passes it over: a driven number may change that.
+    convex: bool,
+    field: Option<Signature>,
+}
+
+impl SurfaceStructure {
+    pub fn unrolled(surface: &Surface) -> SurfaceStructure {
+        let moving = |field: &Shape| surface.moving_nodes(field);
+        SurfaceStructure::new(surface, moving)
+    }
+
+    /// Of a surface whose numbers are all data.
+    pub fn as_data(surface: &Surface) -> SurfaceStructure {
+        SurfaceStructure::new(surface, |field| vec![true; field.nodes().len()])
+    }
+
+    fn new(surface: &Surface, moving: impl Fn(&Shape) -> Vec<bool>) -> SurfaceStructure {
+        let field = surface.shape.field();
+        SurfaceStructure {
+            name: surface.shape.name(),
+            has_rotation: surface.has_rotation(),
+            convex: surface.shape.is_convex(),
+            field: field.map(|field| signature(field, &moving(field))),
+        }
+    }
+}
+
+/// Two fields with the same signature have the same text: the tree, its literals, and which
+/// nodes move.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+struct Signature {
+    nodes: Vec<NodeSignature>,
+}
+
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+struct NodeSignature {
+    name: &'static str,
+    operands: usize,
+    choices: [u32; 3],
+    /// Bits of the literals; `None` for a node that moves.
+    literals: Option<Vec<u32>>,
+    asset: Option<Asset>,
+}
+
+/// A large thing that the text depends on.
+#[derive(Clone, Debug)]
+enum Asset {
+    Image(Arc<HeightImage>),
+    User(Arc<UserField>),
+}
+
+/// See [`Signature`].
+fn signature(field: &Shape, moving: &[bool]) -> Signature {
+    let nodes = field.nodes().into_iter().zip(moving);
+    Signature {
+        nodes: nodes.map(|(node, moves)| of_node(node, *moves)).collect(),
+    }
+}
+
+fn of_node(field: &Shape, moves: bool) -> NodeSignature {
+    let bits = |numbers: Vec<f64>| {
+        let literals = numbers.into_iter().map(|number| (number as f32).to_bits());
+        literals.collect()
+    };
+    NodeSignature {
+        name: field.node.name(),
+        operands: field.children.len(),
+        choices: choices(field),
+        literals: (!moves).then(|| bits(field.shader_numbers())),
+        asset: match &field.node {
+            Node::HeightField(HeightField { image, .. }) => Some(Asset::Image(Arc::clone(image))),
+            Node::User(User { field }) => Some(Asset::User(Arc::clone(field))),
+            _ => None,
+        },
+    }
+}
+
+/// What is no number, and yet in the text.
+fn choices(field: &Shape) -> [u32; 3] {
+    match &field.node {
+        Node::Mirror(Mirror { axes }) => axes.map(u32::from),
+        Node::Hyperboloid(Hyperboloid { two_sheets, .. }) => [u32::from(*two_sheets), 0, 0],
+        Node::Repeat(Repeat { count, .. }) => {
+            let copies = field.copies().unwrap_or([Copies::None; 3]);
+            // Counts are below 2^24, copies at most 64.
+            let capped = u32::from(field.cap().is_some()) << 7;
+            let evaluated = |axis: usize| match copies[axis] {
+                Copies::None => 0,
+                copies => copies.count(),
+            };
+            [0, 1, 2].map(|axis| (count[axis] << 8) | capped | evaluated(axis))
+        }
+        _ => [0; 3],
+    }
+}
+
+impl PartialEq for Asset {
+    fn eq(&self, other: &Asset) -> bool {
+        match (self, other) {
+            (Asset::Image(a), Asset::Image(b)) => Arc::ptr_eq(a, b) || a == b,
+            (Asset::User(a), Asset::User(b)) => Arc::ptr_eq(a, b) || a == b,
+            _ => false,
+        }
+    }
+}
+
+impl Eq for Asset {}
+
+impl Hash for Asset {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        match self {
+            Asset::Image(image) => image.size().hash(state),
+            Asset::User(user) => user.text.hash(state),
+        }
+    }
+}

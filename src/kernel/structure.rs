@@ -1,0 +1,30 @@
+//! What the shader text of a scene depends on: the key of its programs.
+
+use super::assets::Assets;
+use super::layout::Layout;
+use super::signature::SurfaceStructure;
+use crate::scene::Scene;
+
+/// What the shader text of a scene depends on: each surface's shape, whether it has a
+/// rotation, and of a field what does not move; of surfaces in cells only which kinds there
+/// are. Two scenes of one structure share their programs.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Structure {
+    /// Unrolled surfaces by their index.
+    loose: Vec<(usize, SurfaceStructure)>,
+    kinds: Vec<SurfaceStructure>,
+    /// Where the heights of the images lie, in the order of the text.
+    images: Vec<usize>,
+}
+
+/// The text's structure; see [`Structure`].
+pub fn structure(scene: &Scene) -> Structure {
+    let layout = Layout::of(scene);
+    let unrolled = |&index: &usize| (index, SurfaceStructure::unrolled(&scene.surfaces[index]));
+    let as_data = |&index: &usize| SurfaceStructure::as_data(&scene.surfaces[index]);
+    Structure {
+        loose: layout.loose.iter().map(unrolled).collect(),
+        kinds: layout.kinds.iter().map(as_data).collect(),
+        images: Assets::of(scene).places(&layout, scene),
+    }
+}

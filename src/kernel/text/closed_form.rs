@@ -1,0 +1,82 @@
+//! Where a line meets each surface: no march at all, but for fields without a closed form.
+
+use super::field::{gradient_text, hit_text, normal_text, value_text};
+use super::fields_ahead::{Marched, fields_ahead};
+use super::land::land_text;
+use super::link::Part;
+use super::named::Named;
+use super::of_kind::of_kind;
+use super::scene_text::Text;
+use crate::scene::Scene;
+
+/// `nearestHit(p, d, last, limit, object)` and `land(object, d, p, normal)` of a scene; where
+/// fields have no closed form `marchFields(p, d, last, limit, object, limitReached)` for these.
+pub fn closed_form_parts(scene: &Scene) -> Vec<Part> {
+    let text = Text::new(scene);
+    let marched = |named: &Named| Marched::Others.takes(named);
+    let mut parts = text.parts();
+    text.add_fields(&mut parts, |named| named.has_closed_form(), hit_text);
+    text.add_fields(&mut parts, marched, value_text);
+    text.add_fields(&mut parts, |_| true, gradient_text);
+    text.add_fields(&mut parts, |_| true, normal_text);
+    let functions = hit_of_kind(&text) + &nearest_hit(&text) + &land_text(&text);
+    text.add(&mut parts, "the scene", functions);
+    parts.extend(fields_ahead(&text, Marched::Others));
+    parts
+}
+
+/// What `hitInCells` calls for the surfaces in cells.
+fn hit_of_kind(text: &Text) -> String {
+    of_kind(
+        text,
+        "// Where a line meets a surface in cells, by its kind and the place of its values.\n\
+         float hitOfKind(float kind, int data, vec3 p, vec3 d, bool left, float limit) {\n",
+        |named| named.has_closed_form(),
+        |named| {
+            let hit = named.hit("p", "d", "limit");
+            format!("return {};", named.unless_left("left", "NO_HIT", &hit))
+        },
+        "    return NO_HIT;\n",
+    )
+}
+
+fn nearest_hit(text: &Text) -> String {
+    let mut out = String::from(
+        "// How far from p along d the next object is, and its number. A convex surface is\n\
+         // not met by the wave that leaves it (last). Where nothing is met before limit the\n\
+         // distance is limit and the number means nothing; it is GIVEN_UP where a step limit\n\
+         // left open what comes first.\n\
+         float nearestHit(vec3 p, vec3 d, float last, float limit, out float object) {\n    \
+         float nearest = min(hitListener(p, d), limit);\n    object = 0.0;\n",
+    );
+    if text.all().any(Named::has_step_limit) {
+        out.push_str("    copySteps = uCopySteps;\n");
+    }
+    let closed: Vec<&Named> = text.loose.iter().filter(|n| n.has_closed_form()).collect();
+    if !closed.is_empty() {
+        out.push_str("    float candidate;\n");
+    }
+    let (limited, others): (Vec<&Named>, Vec<&Named>) =
+        closed.into_iter().partition(|named| named.has_step_limit());
+    for named in others {
+        out += &candidate(named);
+    }
+    if text.kinds.iter().any(Named::has_closed_form) {
+        out.push_str("    hitInCells(p, d, last, nearest, object);\n");
+    }
+    // A step limit counts only where nothing else is met before.
+    for named in limited {
+        out += &candidate(named);
+    }
+    out + "    return nearest;\n}\n\n"
+}
+
+fn candidate(named: &Named) -> String {
+    let hit = named.hit("p", "d", "nearest");
+    let hit = named.unless_left(&named.left(), "NO_HIT", &hit);
+    format!(
+        "    // {}\n    candidate = {hit};\n    \
+         if (candidate < nearest) {{ nearest = candidate; object = {}.0; }}\n",
+        named.label, named.tag
+    )
+}

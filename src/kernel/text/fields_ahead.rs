@@ -1,0 +1,176 @@
+//! The fields that are marched: their least value, and the gradient of one of them.
+
+use super::field::{free_text, is_bounded};
+use super::link::Part;
+use super::link::parts;
+use super::named::Named;
+use super::of_kind::of_kind;
+use super::scene_text::Text;
+use super::source::source;
+use std::fmt::Write;
+
+/// Which fields of a scene a march has to take.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::kernel) enum Marched {
+    /// All of them.
+    All,
+    /// Those without a closed form.
+    Others,
+}
+
+impl Marched {
+    pub fn takes(self, named: &Named) -> bool {
+        named.field().is_some() && (self == Marched::All || !named.has_closed_form())
+    }
+}
+
+/// `fieldsAhead(p, d, last, object, reach, within)`, `fieldsFree(p, d, last, slack)`,
+/// `fieldGradient(p, object, slack)` and the march that calls them; nothing where nothing is
+/// marched.
+pub(super) fn fields_ahead(text: &Text, marched: Marched) -> Vec<Part> {
+    if !text.all().any(|named| marched.takes(named)) {
+        return Vec::new();
+    }
+    let in_cells = text.kinds.iter().any(|named| marched.takes(named));
+    let mut all = Vec::new();
+    if any_is_bounded(text, marched) {
+        text.add_fields(&mut all, |named| marched.takes(named), free_text);
+        text.add(&mut all, "the bounds of kinds", free_of_kind(text, marched));
+    }
+    if in_cells {
+        let kinds = field_of_kind(text, marched) + &gradient_of_kind(text, marched);
+        text.add(&mut all, "the kinds of fields", kinds);
+    }
+    let functions = value(text, marched, in_cells)
+        + &free(text, marched, in_cells)
+        + &gradient(text, marched, in_cells);
+    text.add(&mut all, "the fields", functions);
+    all.extend(parts(source!("common/march_fields.glsl")));
+    all
+}
+
+/// Whether anything is known of one of the fields but its value.
+fn any_is_bounded(text: &Text, marched: Marched) -> bool {
+    text.all()
+        .any(|named| marched.takes(named) && named.field().is_some_and(is_bounded))
+}
+
+fn field_of_kind(text: &Text, marched: Marched) -> String {
+    of_kind(
+        text,
+        "// The value of a field in cells, by its kind and the place of its numbers.\n\
+         float fieldOfKind(float kind, int data, vec3 p, bool left) {\n",
+        |named| marched.takes(named),
+        |named| {
+            let value = named.distance("p");
+            format!("return {};", named.unless_left("left", "1e30", &value))
+        },
+        "    return 1e30;\n",
+    )
+}
+
+fn free_of_kind(text: &Text, marched: Marched) -> String {
+    of_kind(
+        text,
+        "// How far along d from p it leaves the way free.\n\
+         float freeOfKind(float kind, int data, vec3 p, vec3 d, float slack) {\n",
+        |named| marched.takes(named),
+        |named| format!("return {};", named.free("p", "d", "slack")),
+        "    return 0.0;\n",
+    )
+}
+
+fn gradient_of_kind(text: &Text, marched: Marched) -> String {
+    of_kind(
+        text,
+        "// Its gradient, and what rounding may do to its value.\n\
+         vec3 fieldGradientOfKind(float kind, int data, vec3 p, out float slack) {\n    \
+         slack = 0.0;\n",
+        |named| marched.takes(named),
+        gradient_statement,
+        "    return vec3(0.0);\n",
+    )
+}
+
+fn gradient_statement(named: &Named) -> String {
+    let gradient = named.field_gradient(&named.point("p")) + ".xyz";
+    format!(
+        "slack = {}; return {};",
+        named.slack(),
+        named.outward(&gradient)
+    )
+}
+
+fn value(text: &Text, marched: Marched, in_cells: bool) -> String {
+    let mut out = String::from(
+        "// The least value of the fields that a wave at p along d can meet, and whose it is. It\n\
+         // holds as far as reach along d; as far as within the same fields are asked. A convex one\n\
+         // that the wave leaves is out of its way.\n\
+         float fieldsAhead(vec3 p, vec3 d, float last, out float object, out float reach, out float within) {\n    \
+         float nearest = 1e30;\n    reach = 1e30;\n    within = 1e30;\n    object = -1.0;\n    float candidate;\n",
+    );
+    for named in text.loose.iter().filter(|named| marched.takes(named)) {
+        let value = named.unless_left(&named.left(), "1e30", &named.distance("p"));
+        let _ = writeln!(
+            out,
+            "    // {}\n    candidate = {value};\n    \
+             if (candidate < nearest) {{ nearest = candidate; object = {}.0; }}",
+            named.label, named.tag
+        );
+    }
+    if in_cells {
+        out.push_str("    fieldsInCells(p, d, last, nearest, object, reach, within);\n");
+    }
+    out + "    return nearest;\n}\n\n"
+}
+
+fn free(text: &Text, marched: Marched, in_cells: bool) -> String {
+    if !any_is_bounded(text, marched) {
+        return String::from(
+            "// Nothing is known of the fields but their values.\n\
+             float fieldsFree(vec3 p, vec3 d, float last, float slack) { return 0.0; }\n\n",
+        );
+    }
+    let mut out = String::from(
+        "// How far along d from p no field is met for sure, where slack is what rounding may do\n\
+         // to their values.\n\
+         float fieldsFree(vec3 p, vec3 d, float last, float slack) {\n    \
+         float way = NO_END;\n    float candidate;\n",
+    );
+    for named in text.loose.iter().filter(|named| marched.takes(named)) {
+        let value = named.unless_left(&named.left(), "NO_END", &named.distance("p"));
+        let free = named.free("p", "d", "slack");
+        let _ = writeln!(
+            out,
+            "    // {}\n    candidate = {value};\n    \
+             if (candidate < way) {{ way = min(way, max(candidate, {free})); }}",
+            named.label
+        );
+    }
+    if in_cells {
+        out.push_str("    fieldsFreeInCells(p, d, last, slack, way);\n");
+    }
+    out + "    return way;\n}\n\n"
+}
+
+fn gradient(text: &Text, marched: Marched, in_cells: bool) -> String {
+    let mut out = String::from(
+        "// The gradient of one of them, and what rounding may do to its value.\n\
+         vec3 fieldGradient(vec3 p, float object, out float slack) {\n    slack = 0.0;\n",
+    );
+    for named in text.loose.iter().filter(|named| marched.takes(named)) {
+        let (number, statement) = (&named.tag, gradient_statement(named));
+        let label = &named.label;
+        let _ = writeln!(
+            out,
+            "    if (object == {number}.0) {{ {statement} }} // {label}"
+        );
+    }
+    if in_cells {
+        out.push_str(
+            "    if (object > 0.0) {\n        vec4 entry = entryOf(object);\n        \
+             return fieldGradientOfKind(entry.y, int(entry.z), p, slack);\n    }\n",
+        );
+    }
+    out + "    return vec3(0.0);\n}\n\n"
+}

@@ -1,0 +1,31 @@
+//! A scene as shader text.
+//!
+//! Only the shapes and operators that occur in the scene are in the text: one evaluation a
+//! surface, unrolled, or for many surfaces one a kind. Three texts can be had, by what a wave
+//! needs to know:
+//!
+//! - [`distance_parts`]: the signed distance to everything (the thesis' march, pictures);
+//! - [`ahead_parts`]: the distance to what can be met ahead, and its gradient;
+//! - [`closed_form_parts`]: where a line meets each surface, without a march.
+
+mod ahead;
+mod closed_form;
+mod distance;
+pub(super) mod field;
+pub(super) mod fields_ahead;
+mod land;
+mod library;
+mod link;
+pub(super) mod named;
+mod of_kind;
+pub(super) mod scene_text;
+mod source;
+mod user;
+
+pub use ahead::ahead_parts;
+pub use closed_form::closed_form_parts;
+pub use distance::distance_parts;
+pub use link::{Part, link};
+pub(crate) use source::source;
+pub use source::{Source, join};
+pub(crate) use user::{USER_FILE, user_sources};

@@ -1,0 +1,254 @@
+//! One surface, or one kind of surfaces, as the generated text names it.
+
+use super::field::{self, has_closed_form};
+use crate::kernel::assets::Assets;
+use crate::kernel::values::value_count;
+use crate::scene::{Node, Scene, Shape, Surface};
+
+/// A surface that is unrolled, or a kind of surfaces that are data.
+pub(in crate::kernel) struct Named<'a> {
+    pub surface: &'a Surface,
+    /// What its functions are called after: the surface's number, or `Kind` and a number.
+    pub tag: String,
+    /// What a comment calls it.
+    pub label: String,
+    values: Values,
+}
+
+/// Where the values of a surface stand.
+#[derive(Clone, Copy)]
+enum Values {
+    /// In `uSurfaces`, from this vector on.
+    Uniforms(usize),
+    /// In the scene's data, from the vector `data` on.
+    Data,
+}
+
+/// What must not stand in a comment: GLSL's character set is ASCII, and a backslash would
+/// carry the comment on to the next line.
+pub(super) fn no_comment(character: char) -> bool {
+    character == '\\' || !(character.is_ascii_graphic() || character == ' ')
+}
+
+impl<'a> Named<'a> {
+    /// The surface with this index, whose first value is that vector of `uSurfaces`.
+    pub fn surface(scene: &'a Scene, index: usize, first: usize) -> Named<'a> {
+        let surface = &scene.surfaces[index];
+        Named {
+            surface,
+            tag: (index + 1).to_string(),
+            label: surface.label(index).replace(no_comment, " "),
+            values: Values::Uniforms(first),
+        }
+    }
+
+    /// A kind, by one surface of it.
+    pub fn kind(scene: &'a Scene, index: usize, kind: usize) -> Named<'a> {
+        let surface = &scene.surfaces[index];
+        Named {
+            surface,
+            tag: format!("Kind{kind}"),
+            label: format!("kind {kind} ({})", surface.shape.name()),
+            values: Values::Data,
+        }
+    }
+
+    pub fn field(&self) -> Option<&'a Shape> {
+        self.surface.shape.field()
+    }
+
+    /// Whether a line meets it in closed form.
+    pub fn has_closed_form(&self) -> bool {
+        self.field().is_none_or(has_closed_form)
+    }
+
+    /// Whether finding that has a step limit.
+    pub fn has_step_limit(&self) -> bool {
+        self.has_closed_form() && self.field().is_some_and(field::has_step_limit)
+    }
+
+    /// Vectors of values that it takes.
+    pub fn value_count(&self) -> usize {
+        value_count(self.surface, self.is_data())
+    }
+
+    pub fn is_data(&self) -> bool {
+        matches!(self.values, Values::Data)
+    }
+
+    /// What the functions of a kind take beside the point, where its values lie.
+    pub fn data_parameter(&self) -> &'static str {
+        if self.is_data() { ", int data" } else { "" }
+    }
+
+    pub fn data_argument(&self) -> &'static str {
+        if self.is_data() { ", data" } else { "" }
+    }
+
+    /// The n-th vector of its values.
+    pub fn value(&self, n: usize) -> String {
+        match self.values {
+            Values::Uniforms(first) => format!("uSurfaces[{}]", first + n),
+            Values::Data => format!("sceneData(data + {n})"),
+        }
+    }
+
+    /// A world point in the surface's own axes.
+    pub fn point(&self, p: &str) -> String {
+        self.vector(&format!("{p} - {}.xyz", self.value(0)))
+    }
+
+    /// A world direction in the surface's own axes.
+    pub fn vector(&self, v: &str) -> String {
+        match self.rotation() {
+            Some(rotation) => format!("turn({rotation}, {v})"),
+            None => v.to_owned(),
+        }
+    }
+
+    /// A direction of the surface's own axes in the world's.
+    pub fn outward(&self, v: &str) -> String {
+        match self.rotation() {
+            Some(rotation) => format!("turn({rotation} * vec4(-1, -1, -1, 1), {v})"),
+            None => v.to_owned(),
+        }
+    }
+
+    fn rotation(&self) -> Option<String> {
+        let place = match self.surface.shape.node {
+            Node::Cuboid(_) | Node::Room(_) => 2,
+            _ => 1,
+        };
+        self.surface.has_rotation().then(|| self.value(place))
+    }
+
+    /// The first vector of a field's moving numbers.
+    pub fn first_number(&self) -> usize {
+        1 + usize::from(self.surface.has_rotation())
+    }
+
+    /// Which nodes of its field have numbers that move: all of them where they are data.
+    pub fn moving_nodes(&self, field: &Shape) -> Vec<bool> {
+        match self.values {
+            Values::Uniforms(_) => self.surface.moving_nodes(field),
+            Values::Data => vec![true; field.nodes().len()],
+        }
+    }
+
+    /// The size that the shape's functions take last, with a comma before it.
+    pub fn size(&self) -> String {
+        match self.surface.shape.node {
+            Node::Cuboid(_) | Node::Room(_) => format!(", {}.xyz", self.value(1)),
+            Node::Sphere(_) | Node::Cylinder(_) => format!(", {}.w", self.value(0)),
+            _ => String::new(),
+        }
+    }
+
+    /// What rounding may do to the distance to it, in metres.
+    pub fn slack(&self) -> String {
+        match self.surface.shape.node {
+            Node::Cuboid(_) | Node::Room(_) => format!("{}.w", self.value(1)),
+            Node::Sphere(_) | Node::Cylinder(_) => {
+                format!("roundSlack({})", self.value(0))
+            }
+            _ => format!("{}.w", self.value(0)),
+        }
+    }
+
+    pub fn shape(&self) -> &'static str {
+        self.surface.shape.name()
+    }
+
+    /// The signed distance at a world point; of a field, its value.
+    pub fn distance(&self, p: &str) -> String {
+        let point = self.point(p);
+        match self.field() {
+            Some(_) => format!("field{}({point}{})", self.tag, self.data_argument()),
+            None => format!("sd{}({point}{})", self.shape(), self.size()),
+        }
+    }
+
+    /// The distance to a basic shape that a wave at `p` along `d` can still meet.
+    pub fn distance_ahead(&self, p: &str, d: &str) -> String {
+        let (shape, point, vector) = (self.shape(), self.point(p), self.vector(d));
+        let size = match self.surface.shape.node {
+            // With the slack within which rounding decides on the side of a face.
+            Node::Cuboid(_) => format!(", {}", self.value(1)),
+            _ => self.size(),
+        };
+        format!("sd{shape}Ahead({point}, {vector}{size})")
+    }
+
+    /// The gradient of a field at a point of its own axes, with the value last.
+    pub fn field_gradient(&self, q: &str) -> String {
+        format!("gradient{}({q}{})", self.tag, self.data_argument())
+    }
+
+    /// The same for its direction, which is the normal's.
+    pub fn field_normal(&self, q: &str) -> String {
+        match self.field().is_some_and(field::has_differences) {
+            true => format!("normal{}({q}{})", self.tag, self.data_argument()),
+            false => self.field_gradient(q),
+        }
+    }
+
+    /// Where the line of a wave meets it, for what has a closed form. What lies beyond `limit`
+    /// need not be found.
+    pub fn hit(&self, p: &str, d: &str, limit: &str) -> String {
+        let (point, vector) = (self.point(p), self.vector(d));
+        if let Some(field) = self.field() {
+            let limit = match field::takes_limit(field) {
+                true => format!(", {limit}"),
+                false => String::new(),
+            };
+            let (tag, slack, data) = (&self.tag, self.slack(), self.data_argument());
+            return format!("hit{tag}({point}, {vector}, {slack}{limit}{data})");
+        }
+        match self.surface.shape.node {
+            Node::Cuboid(_) => format!("hitBox({point}, {vector}, {})", self.value(1)),
+            _ => format!("hit{}({point}, {vector}{})", self.shape(), self.size()),
+        }
+    }
+
+    /// How far the line of a wave is free of a field that is marched.
+    pub fn free(&self, p: &str, d: &str, slack: &str) -> String {
+        let (point, vector) = (self.point(p), self.vector(d));
+        let slack = format!("max({slack}, {})", self.slack());
+        format!(
+            "free{}({point}, {vector}, {slack}{})",
+            self.tag,
+            self.data_argument()
+        )
+    }
+
+    /// The expression, or `none` for the wave that leaves a convex surface.
+    pub fn unless_left(&self, left: &str, none: &str, expression: &str) -> String {
+        match self.surface.shape.is_convex() {
+            true => format!("{left} ? {none} : {expression}"),
+            false => expression.to_owned(),
+        }
+    }
+
+    /// The condition that a wave leaves this very surface.
+    pub fn left(&self) -> String {
+        format!("last == {}.0", self.tag)
+    }
+
+    /// The text of its field's functions; nothing for a basic shape.
+    pub fn field_functions(&self, write: field::Write, assets: &Assets) -> String {
+        let Some(field) = self.field() else {
+            return String::new();
+        };
+        let moving = self.moving_nodes(field);
+        let first = self.first_number();
+        let value = |n: usize| self.value(first + n);
+        let place = field::Place {
+            tag: &self.tag,
+            parameter: self.data_parameter(),
+            argument: self.data_argument(),
+            moving: &moving,
+            value: &value,
+        };
+        format!("// {}\n{}", self.label, write(field, &place, assets))
+    }
+}

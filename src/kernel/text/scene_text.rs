@@ -1,0 +1,87 @@
+//! What the text of a scene is written from, and what every such text has.
+
+use super::field;
+use super::library::library;
+use super::link::{self, Part};
+use super::named::Named;
+use super::source::Source;
+use crate::kernel::assets::Assets;
+use crate::kernel::layout::Layout;
+use crate::scene::Scene;
+use std::borrow::Cow;
+
+/// What the text of a scene is written from.
+pub(in crate::kernel) struct Text<'a> {
+    /// Unrolled surfaces.
+    pub loose: Vec<Named<'a>>,
+    /// Kinds of the surfaces in cells.
+    pub kinds: Vec<Named<'a>>,
+    assets: Assets,
+}
+
+impl<'a> Text<'a> {
+    pub fn new(scene: &'a Scene) -> Text<'a> {
+        let layout = Layout::of(scene);
+        let mut first = 0;
+        let mut loose = Vec::new();
+        for &index in &layout.loose {
+            let named = Named::surface(scene, index, first);
+            first += named.value_count();
+            loose.push(named);
+        }
+        let kinds = layout.kinds.iter().enumerate();
+        Text {
+            loose,
+            kinds: kinds
+                .map(|(kind, &index)| Named::kind(scene, index, kind))
+                .collect(),
+            assets: Assets::of(scene),
+        }
+    }
+
+    /// Every surface and kind that the text has lines for.
+    pub fn all(&self) -> impl Iterator<Item = &Named<'a>> {
+        self.loose.iter().chain(&self.kinds)
+    }
+
+    /// What every text may call: the library, the users' fields, the values of the surfaces.
+    pub fn parts(&self) -> Vec<Part> {
+        let mut parts = library();
+        parts.extend(field::user_parts(&self.assets));
+        self.add(&mut parts, "the values of the surfaces", self.uniforms());
+        parts
+    }
+
+    /// Adds functions written for the scene.
+    pub fn add(
+        &self,
+        parts: &mut Vec<Part>,
+        name: &'static str,
+        text: impl Into<Cow<'static, str>>,
+    ) {
+        parts.extend(link::parts(Source::new(name, text)));
+    }
+
+    /// Adds a function of each field that is wanted.
+    pub fn add_fields(
+        &self,
+        parts: &mut Vec<Part>,
+        wanted: impl Fn(&Named) -> bool,
+        write: field::Write,
+    ) {
+        let wanted = self.all().filter(|named| wanted(named));
+        let text: String = wanted
+            .map(|named| named.field_functions(write, &self.assets))
+            .collect();
+        self.add(parts, "the surfaces", text);
+    }
+
+    /// The declaration of `uSurfaces`.
+    fn uniforms(&self) -> String {
+        let count: usize = self.loose.iter().map(|named| named.value_count()).sum();
+        match count {
+            0 => String::new(),
+            count => format!("uniform vec4 uSurfaces[{count}];\n\n"),
+        }
+    }
+}

@@ -1,0 +1,65 @@
+//! Pieces of shader text and where they come from.
+
+use std::borrow::Cow;
+use std::fmt::Write;
+
+/// A piece of shader text: the file that it stands in, and from which line on.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Source {
+    /// The file under the repository's root, or what the piece is about.
+    pub name: Cow<'static, str>,
+    /// Number of its first line in that file, from 1.
+    pub line: usize,
+    /// The text itself.
+    pub text: Cow<'static, str>,
+}
+
+impl Source {
+    /// A piece that is no part of a file.
+    pub fn new(name: impl Into<Cow<'static, str>>, text: impl Into<Cow<'static, str>>) -> Source {
+        Source {
+            name: name.into(),
+            line: 1,
+            text: text.into(),
+        }
+    }
+}
+
+/// A [`Source`] out of a file under `glsl/`.
+macro_rules! source {
+    ($file:expr) => {
+        $crate::kernel::Source::new(
+            concat!("glsl/", $file),
+            include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/glsl/", $file)),
+        )
+    };
+}
+pub(crate) use source;
+
+/// Joins sources to one text. Each file has a number by which the driver's messages name it:
+/// in the order in which the files come first, from 1.
+pub fn join(sources: &[Source]) -> String {
+    let mut files: Vec<&str> = Vec::new();
+    let mut text = String::new();
+    let mut before = "";
+    for source in sources {
+        let known = files.iter().position(|name| *name == source.name);
+        let number = 1 + known.unwrap_or_else(|| {
+            files.push(&source.name);
+            files.len() - 1
+        });
+        let Source {
+            name,
+            line,
+            text: part,
+        } = source;
+        // Parts of one file that follow each other are told once where they come from. Writing
+        // to a String cannot fail.
+        if before != name {
+            let _ = writeln!(text, "// {number}: {name}");
+        }
+        before = name;
+        let _ = write!(text, "#line {line} {number}\n{part}\n");
+    }
+    text
+}

@@ -1,0 +1,17 @@
+//! The notation of scene files below surfaces and shapes: numbers with their units, words, what
+//! moves a number, and the files that a scene names.
+
+mod attached;
+mod numbers;
+mod reader;
+mod variant;
+mod words;
+
+pub(crate) use attached::Attached;
+pub(crate) use numbers::{
+    Angle, Degrees, Factor, Finite, FixedRadius, Length, Lipschitz, Metres, Name, Number, Plain,
+    Point, Radius, Share, Side, Size, Unit, Vector,
+};
+pub(crate) use reader::{ReadNumbers, Reader};
+pub(crate) use variant::Variant;
+pub(crate) use words::{Axis, Corners, MirrorAxes, Sheets};

@@ -1,0 +1,106 @@
+//! From the numbers of a file to where they start, and the drivers of those that move.
+
+use super::attached::Attached;
+use super::numbers::{Number, Pair, Unit, Vector};
+use crate::scene::{Driver, SceneError};
+use glam::{Vec2, Vec3};
+
+/// Reads one surface, collecting what moves its numbers.
+pub(crate) struct Reader<'a> {
+    files: &'a Attached,
+    drivers: Vec<Driver>,
+    /// What stands before the names of the numbers that are read: the way down the tree, as
+    /// `1.0.`.
+    at: String,
+}
+
+/// Numbers that stand together, one or a vector's, as a file says them.
+pub(crate) trait ReadNumbers: Sized {
+    /// What the file says.
+    type Said<U: Unit>;
+
+    /// Where they start; what moves them is kept.
+    fn read<U: Unit>(said: Self::Said<U>, name: &str, reader: &mut Reader) -> Self;
+}
+
+impl ReadNumbers for f32 {
+    type Said<U: Unit> = Number<U>;
+
+    fn read<U: Unit>(said: Number<U>, name: &str, reader: &mut Reader) -> f32 {
+        reader.number(name, said)
+    }
+}
+
+impl ReadNumbers for Vec2 {
+    type Said<U: Unit> = Pair<U>;
+
+    fn read<U: Unit>(said: Pair<U>, name: &str, reader: &mut Reader) -> Vec2 {
+        let [x, y] = said.0;
+        Vec2::new(
+            reader.number(&format!("{name}.x"), x),
+            reader.number(&format!("{name}.y"), y),
+        )
+    }
+}
+
+impl ReadNumbers for Vec3 {
+    type Said<U: Unit> = Vector<U>;
+
+    fn read<U: Unit>(said: Vector<U>, name: &str, reader: &mut Reader) -> Vec3 {
+        let [x, y, z] = said.0;
+        Vec3::new(
+            reader.number(&format!("{name}.x"), x),
+            reader.number(&format!("{name}.y"), y),
+            reader.number(&format!("{name}.z"), z),
+        )
+    }
+}
+
+impl<'a> Reader<'a> {
+    /// For a surface whose files are `files`.
+    pub fn new(files: &'a Attached) -> Reader<'a> {
+        Reader {
+            files,
+            drivers: Vec::new(),
+            at: String::new(),
+        }
+    }
+
+    /// The files that the scene names.
+    pub fn files(&self) -> &'a Attached {
+        self.files
+    }
+
+    /// What moves the numbers that were read.
+    pub fn into_drivers(self) -> Vec<Driver> {
+        self.drivers
+    }
+
+    /// Whether something moves one of the numbers whose names begin so.
+    pub fn moves(&self, name: &str) -> bool {
+        let mut drivers = self.drivers.iter();
+        drivers.any(|driver| driver.parameter.starts_with(name))
+    }
+
+    /// A number where it starts; what moves it is kept.
+    pub fn number<U>(&mut self, name: &str, said: Number<U>) -> f32 {
+        if let Some(motion) = said.motion {
+            let parameter = format!("{}{name}", self.at);
+            self.drivers.push(Driver { parameter, motion });
+        }
+        said.start
+    }
+
+    /// Reads what belongs to the child with this index.
+    pub fn within<T>(
+        &mut self,
+        index: usize,
+        read: impl FnOnce(&mut Reader) -> Result<T, SceneError>,
+    ) -> Result<T, SceneError> {
+        let before = self.at.len();
+        self.at.push_str(&format!("{index}."));
+        let result = read(self);
+        self.at.truncate(before);
+        result
+    }
+}

@@ -1,0 +1,23 @@
+//! From what a scene file says to trees.
+
+use super::Shape;
+use crate::scene::SceneError;
+use crate::scene::notation::Reader;
+
+/// What a file says of one shape or operator.
+pub(crate) trait FromFile {
+    /// The tree with it as its root.
+    ///
+    /// # Errors
+    /// What is wrong with the files that it names.
+    fn read(self, reader: &mut Reader) -> Result<Shape, SceneError>;
+}
+
+/// The children of an operator, as a file says them.
+pub(crate) trait Operands {
+    /// Each read in its place.
+    ///
+    /// # Errors
+    /// What is wrong with the files that they name.
+    fn read(self, reader: &mut Reader) -> Result<Vec<Shape>, SceneError>;
+}
