@@ -48,6 +48,8 @@ pub(crate) use passes::{
 pub use passes::{Directions, marches_fields};
 pub use placement::{Placed, Placement};
 pub use structure::{Structure, structure};
+#[cfg(glsl_at_run_time)]
+pub(crate) use text::read_at_run_time;
 #[cfg(feature = "picture")]
 pub(crate) use text::source;
 pub use text::{Part, Source, ahead_parts, closed_form_parts, distance_parts, join, link};

@@ -26,6 +26,8 @@ pub use ahead::ahead_parts;
 pub use closed_form::closed_form_parts;
 pub use distance::distance_parts;
 pub use link::{Part, link};
+#[cfg(glsl_at_run_time)]
+pub(crate) use source::read_at_run_time;
 pub(crate) use source::source;
 pub use source::{Source, join};
 pub(crate) use user::{USER_FILE, user_sources};

@@ -26,6 +26,7 @@ impl Source {
 }
 
 /// A [`Source`] out of a file under `glsl/`.
+#[cfg(not(glsl_at_run_time))]
 macro_rules! source {
     ($file:expr) => {
         $crate::kernel::Source::new(
@@ -34,7 +35,27 @@ macro_rules! source {
         )
     };
 }
+
+/// A [`Source`] out of a file under `glsl/`, read when it is asked for. `scripts/mutate.sh`
+/// builds the tests so (`--cfg glsl_at_run_time`): it changes the files and builds nothing anew.
+#[cfg(glsl_at_run_time)]
+macro_rules! source {
+    ($file:expr) => {
+        $crate::kernel::Source::new(
+            concat!("glsl/", $file),
+            $crate::kernel::read_at_run_time($file),
+        )
+    };
+}
 pub(crate) use source;
+
+/// The text of a file in the folder that the environment variable `ECHOMARCH_GLSL` names.
+#[cfg(glsl_at_run_time)]
+pub(crate) fn read_at_run_time(file: &str) -> String {
+    let folder = std::env::var_os("ECHOMARCH_GLSL").expect("ECHOMARCH_GLSL names the folder");
+    let path = std::path::Path::new(&folder).join(file);
+    std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
 
 /// Joins sources to one text. Each file has a number by which the driver's messages name it:
 /// in the order in which the files come first, from 1.

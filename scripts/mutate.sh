@@ -1,0 +1,136 @@
+#!/usr/bin/env bash
+# Changes the code a statement at a time and runs the tests: what survives is protected by no
+# test. By hand; a file of shaders takes minutes to hours.
+set -euo pipefail
+
+usage() {
+    cat <<'END'
+usage: scripts/mutate.sh glsl [--every N] [FILE...]
+       scripts/mutate.sh rust [ARGUMENT...]
+
+  glsl   changes the shaders (all of glsl/, or the files named) by scripts/mutate/glsl.rules,
+         one change a run of the tests of surfaces and frames; --every N tries each N-th alone
+  rust   runs cargo-mutants over scene, kernel, trace and audio, with these arguments more
+
+What survived stands in target/mutate/survivors.txt (glsl), or in target/mutate/mutants.out.
+docs/mutations.md lists what is known to survive, and why.
+
+examples:
+  scripts/mutate.sh glsl glsl/shape/cylinder.glsl
+  scripts/mutate.sh glsl --every 20
+  scripts/mutate.sh rust --shard 0/50
+END
+}
+
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+# shellcheck source=scripts/lib.sh
+source scripts/lib.sh
+
+readonly WORK="$PWD/target/mutate"
+# Longer than the slowest tests take on two cores that do something else too.
+readonly LONGEST_S=1200
+
+# The mutating program, in an environment of its own.
+provide_universalmutator() {
+    local environment="$WORK/python"
+    if [[ ! -x "$environment/bin/mutate" ]]; then
+        python3 -m venv "$environment"
+        "$environment/bin/pip" install --quiet universalmutator==1.14.1
+    fi
+    readonly MUTATE="$environment/bin/mutate"
+}
+
+# Builds the tests that read the shaders when they run; sets SURFACES and TRACER.
+build_tests() {
+    local built
+    built="$(RUSTFLAGS="--cfg glsl_at_run_time" CARGO_TARGET_DIR="$WORK/build" \
+        cargo test --locked --no-run --test surfaces --test tracer 2>&1 | tee /dev/stderr)"
+    SURFACES="$WORK/build/$(grep -oE 'debug/deps/surfaces-[0-9a-f]+' <<<"$built")"
+    TRACER="$WORK/build/$(grep -oE 'debug/deps/tracer-[0-9a-f]+' <<<"$built")"
+}
+
+# Whether all tests pass with the shaders in ECHOMARCH_GLSL: first those that find the most.
+# Those that compare the shaders' text with what it was would fail at every change.
+tests_pass() {
+    local limited=(timeout "$LONGEST_S")
+    "${limited[@]}" "$TRACER" gpu_against_cpu &&
+        "${limited[@]}" "$SURFACES" fields:: &&
+        "${limited[@]}" "$SURFACES" --skip fields:: --skip shader_text:: &&
+        "${limited[@]}" "$TRACER" --skip gpu_against_cpu
+}
+
+# Tries every N-th change of a file: $1 the file, $2 N.
+try_file() {
+    local file="$1" every="$2" mutant folder count=0
+    folder="$WORK/mutants/${file//\//_}"
+    mkdir -p "$folder"
+    "$MUTATE" "$file" none "$PWD/scripts/mutate/glsl.rules" --only "$PWD/scripts/mutate/glsl.rules" \
+        --noCheck --mutantDir "$folder" >/dev/null
+    for mutant in "$folder"/*; do
+        count=$((count + 1))
+        ((count % every == 0)) || continue
+        try_mutant "$file" "$mutant"
+    done
+    cp "$file" "$ECHOMARCH_GLSL/${file#glsl/}"
+}
+
+try_mutant() {
+    local file="$1" mutant="$2" change
+    cp "$mutant" "$ECHOMARCH_GLSL/${file#glsl/}"
+    change="$(diff "$file" "$mutant" | tail -n +2 || true)"
+    made=$((made + 1))
+    if tests_pass >"$WORK/last.log" 2>&1; then
+        survived=$((survived + 1))
+        printf '%s\n%s\n\n' "$file" "$change" | tee -a "$WORK/survivors.txt"
+    fi
+    say "$file: $made made, $survived survive"
+}
+
+mutate_glsl() {
+    local every=1 file
+    local -a files=()
+    while (($#)); do
+        case "$1" in
+        --every)
+            every="$2"
+            shift
+            ;;
+        *) files+=("$1") ;;
+        esac
+        shift
+    done
+    ((${#files[@]})) || mapfile -t files < <(git ls-files 'glsl/*.glsl' 'glsl/*.frag' ':!glsl/view')
+    mkdir -p "$WORK"
+    : >"$WORK/survivors.txt"
+    provide_universalmutator
+    build_tests
+    export ECHOMARCH_GLSL="$WORK/glsl"
+    rm -rf "$ECHOMARCH_GLSL" "$WORK/mutants"
+    cp -r glsl "$ECHOMARCH_GLSL"
+    tests_pass >"$WORK/last.log" 2>&1 || {
+        complain "the tests fail without a change: see $WORK/last.log"
+        return 1
+    }
+    made=0 survived=0
+    for file in "${files[@]}"; do
+        try_file "$file" "$every"
+    done
+    say "$made changes, $survived survive: $WORK/survivors.txt"
+}
+
+mutate_rust() {
+    need_cargo mutants
+    mkdir -p "$WORK"
+    run cargo mutants --output "$WORK" \
+        -f 'src/scene/**' -f 'src/kernel/**' -f 'src/trace/**' -f 'src/audio/**' "$@"
+}
+
+case "${1:-}" in
+glsl) shift && mutate_glsl "$@" ;;
+rust) shift && mutate_rust "$@" ;;
+-h | --help) usage ;;
+*)
+    usage >&2
+    exit 2
+    ;;
+esac
