@@ -16,11 +16,12 @@ pub(super) fn sentences(report: &CostReport) -> Vec<String> {
                 .to_owned(),
         ];
     }
-    let mut all = vec![of_surfaces(report), of_options(report)];
+    let mut all = vec![of_surfaces(report)];
+    all.extend(of_options(report));
     if report.noise.heard_percent > MUCH_NOISE {
         all.push(format!(
-            "Only {:.0} waves are heard, and another seed changes that by {:.1} %: more --waves \
-             would tell more.",
+            "Only {:.0} waves are heard (by another seed {:.0} % more or fewer): more --waves would \
+             tell more.",
             report.noise.heard, report.noise.heard_percent
         ));
     }
@@ -50,7 +51,7 @@ fn of_surfaces(report: &CostReport) -> String {
         let more = match spares.len() {
             1 => String::new(),
             count => format!(
-                " {} more can be left out just as well, one at a time.",
+                " {} more can be left out as well, one at a time.",
                 count - 1
             ),
         };
@@ -88,7 +89,8 @@ fn in_words(change: Change) -> String {
     )
 }
 
-fn of_options(report: &CostReport) -> String {
+/// None where no option saves time unheard.
+fn of_options(report: &CostReport) -> Option<String> {
     let saves = |row: &&OptionRow| {
         row.against == AS_ASKED
             && row.within_noise
@@ -98,14 +100,14 @@ fn of_options(report: &CostReport) -> String {
     let mut saving: Vec<&OptionRow> = report.options.iter().filter(saves).collect();
     saving.sort_by(|a, b| b.total.saved_percent.total_cmp(&a.total.saved_percent));
     if saving.is_empty() {
-        return "No option tried saves time without a change beyond noise.".to_owned();
+        return None;
     }
     let told: Vec<String> = saving
         .iter()
         .map(|row| format!("{} ({:.0} %)", row.name, row.total.saved_percent))
         .collect();
-    format!(
-        "These save time of a frame and change nothing beyond noise: {}.",
+    Some(format!(
+        "Unheard, and quicker by so much of a frame: {}.",
         told.join(", ")
-    )
+    ))
 }

@@ -3,14 +3,14 @@
 use super::{Change, CostReport, Noise, OptionRow, ShaderReport, SurfaceRow, Timing, Verdict};
 use crate::report::{Cell, Column, Document, Report, Row, Table};
 
-const LEGEND: &str = "Each row changes one thing: a surface is left out, an option is set. met: \
-    waves that meet the surface. saves: what that saves of a frame's time (negative: it costs), \
-    the median of the pairs ± half the distance between their quartiles; noise: no more than the \
-    clock makes of no difference. heard: the change of the waves heard; pan; level: at the ear at \
-    which it changes more (silence: one hears nothing); each the root mean square of a single \
-    frame. What is no more than \
-    another seed changes in all three is not heard. Two things that can each be left out may be \
-    heard together.";
+const LEGEND: &str = "\
+    Each row changes one thing: a surface is left out, an option is set. met: waves that meet \
+    the surface. saves: what that saves of a frame's time (negative: it costs), the median of \
+    the pairs ± half the distance between their quartiles; noise: no more than the clock makes \
+    of no difference. heard: the change of the waves heard; pan; level: at the ear at which it \
+    changes more (silence: one hears nothing); each the root mean square of a single frame. What \
+    is no more than another seed changes in all three is not heard. Two things that can each be \
+    left out may be heard together.";
 
 /// A row of the table.
 struct Line<'a> {
