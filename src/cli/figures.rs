@@ -59,7 +59,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     let profiles = arguments.profiles.iter();
     let options = FiguresOptions {
         profiles: profiles
-            .map(|&p| Settings::of(p).with_seed(arguments.seed))
+            .map(|&p| Settings::new(p).with_seed(arguments.seed))
             .collect(),
         max_waves: arguments.max_waves,
         runs: arguments.runs,

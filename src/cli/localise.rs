@@ -182,7 +182,7 @@ fn run_options(arguments: &RunArguments, common: &Common) -> anyhow::Result<Loca
     }
     check_settings(&options.waves, &options.iterations)?;
     check_work(arguments, &options)?;
-    let open = |case: &OpenCase| options.profiles.contains(&case.settings.profile);
+    let open = |case: &OpenCase| options.profiles.contains(&case.settings.profile());
     options.open.retain(open);
     Ok(options)
 }

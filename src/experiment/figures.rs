@@ -164,7 +164,7 @@ fn figure_row(settings: &Settings, frames: &[Frame], thesis: ThesisRow) -> Figur
     let counts = frames[0].counts;
     let passes = f64::from(settings.waves) * f64::from(settings.iterations);
     FigureRow {
-        profile: settings.profile.to_string(),
+        profile: settings.profile().to_string(),
         waves: settings.waves,
         milliseconds: Milliseconds {
             initialise: part(|m| m.initialise),

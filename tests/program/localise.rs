@@ -292,7 +292,7 @@ fn in_obstacles_the_thesis_hears_next_to_nothing() {
     let mut tracer = tracer();
     let scene = builtin("obstacles");
     let mut hits = |profile, iterations| {
-        let settings = Settings::of(profile).with_waves(262_144);
+        let settings = Settings::new(profile).with_waves(262_144);
         let frame = tracer.frame(&scene, &settings.with_iterations(iterations));
         frame.unwrap().counts.listener_hits
     };

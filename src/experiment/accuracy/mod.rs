@@ -264,12 +264,10 @@ fn run_slopes(
     for directions in [Directions::Random, Directions::Fibonacci] {
         let mut points = Vec::new();
         for &waves in &plan.slope_waves {
-            let mut settings = base.clone().with_waves(waves);
-            settings.directions = directions;
-            settings.sum_on_gpu = true;
+            let settings = base.clone().with_waves(waves).with_directions(directions);
             let case = Case {
                 label: String::new(),
-                settings,
+                settings: settings.with_sum_on_gpu(true),
             };
             let frames = panning::run_in_turns(tracer, truth, &[case], seeds, &mut || ())?;
             points.push((waves, frames[0].mean_square(limit.pan).sqrt()));

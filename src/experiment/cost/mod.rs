@@ -127,7 +127,7 @@ pub fn measure(
         scene: scene.name.clone(),
         renderer: tracer.context().renderer().to_owned(),
         clock: tracer.clock_name().to_owned(),
-        profile: settings.profile.to_string(),
+        profile: settings.profile().to_string(),
         waves: settings.waves,
         iterations: settings.iterations,
         seed: settings.seed,

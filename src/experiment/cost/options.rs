@@ -4,7 +4,7 @@ use super::Bench;
 use super::change::Change;
 use super::pair::{Case, Timing, pair};
 use crate::error::Error;
-use crate::trace::{Profile, Settings, Tracer};
+use crate::trace::{Algorithm, MARCHES_PER_PASS, Profile, Settings, ThesisOptions, Tracer};
 use serde::Serialize;
 
 /// One setting changed.
@@ -48,69 +48,46 @@ pub(super) fn variants(asked: &Settings) -> Vec<Variant> {
             });
         }
     };
-    for profile in Profile::ALL.into_iter().filter(|&p| p != asked.profile) {
-        add(&format!("--profile {profile}"), of_profile(asked, profile));
-    }
-    let single = asked.iterations_per_pass == 1;
-    let per_pass = match single {
-        true => asked.iterations.min(Settings::march().iterations_per_pass),
-        false => 1,
-    };
-    if asked.iterations > 1 {
-        let name = format!("--iterations-per-pass {per_pass}");
-        let iterations_per_pass = per_pass;
-        let settings = asked.clone();
+    let same = || asked.clone();
+    for profile in Profile::ALL.into_iter().filter(|&p| p != asked.profile()) {
         add(
-            &name,
-            Settings {
-                iterations_per_pass,
-                ..settings
-            },
+            &format!("--profile {profile}"),
+            same().with_profile(profile),
         );
     }
-    add("half the waves", asked.clone().with_waves(asked.waves / 2));
+    if asked.iterations > 1 {
+        let per_pass = match asked.iterations_per_pass {
+            1 => asked.iterations.min(MARCHES_PER_PASS),
+            _ => 1,
+        };
+        let name = format!("--iterations-per-pass {per_pass}");
+        add(&name, same().with_iterations_per_pass(per_pass));
+    }
+    add("half the waves", same().with_waves(asked.waves / 2));
     let half = asked.iterations / 2;
-    add("half the iterations", asked.clone().with_iterations(half));
+    add("half the iterations", same().with_iterations(half));
     all.extend(of_march(asked));
     all
 }
 
-/// The option that only `march` has, beside a march.
+/// A march that lands nowhere, beside a march.
 fn of_march(asked: &Settings) -> Option<Variant> {
-    let is_march = asked.profile == Profile::March;
+    let is_march = asked.profile() == Profile::March;
     let march = match is_march {
         true => asked.clone(),
-        false => of_profile(asked, Profile::March),
+        false => asked.clone().with_profile(Profile::March),
     };
-    let mut landing = march.clone();
-    landing.landing = !march.landing;
-    let of = match landing.landing {
-        true => Settings::march(),
-        false => Settings::thesis(),
+    let mut settings = march.clone();
+    let Algorithm::March(options) = &mut settings.algorithm else {
+        return None;
     };
-    landing.min_distance = of.min_distance;
-    let name = match landing.landing {
-        true => "with landing",
-        false => "--no-landing",
-    };
-    landing.validate().is_ok().then(|| Variant {
-        name: name.to_owned(),
+    options.variant.landing = false;
+    options.variant.shell = ThesisOptions::default().min_distance;
+    Some(Variant {
+        name: "no landing".to_owned(),
         against: (!is_march).then_some(march),
-        settings: landing,
+        settings,
     })
-}
-
-/// Another profile's own defaults, for the same waves.
-fn of_profile(asked: &Settings, profile: Profile) -> Settings {
-    Settings {
-        directions: asked.directions,
-        sum_on_gpu: asked.sum_on_gpu,
-        count_evaluations: asked.count_evaluations,
-        ..Settings::of(profile)
-            .with_waves(asked.waves)
-            .with_iterations(asked.iterations)
-            .with_seed(asked.seed)
-    }
 }
 
 /// Measures every variant beside what it is compared with.
@@ -135,7 +112,9 @@ pub(super) fn measure(
         );
         let against = variant.against.as_ref();
         rows.push(OptionRow {
-            against: against.map_or(AS_ASKED.to_owned(), |s| format!("--profile {}", s.profile)),
+            against: against.map_or(AS_ASKED.to_owned(), |s| {
+                format!("--profile {}", s.profile())
+            }),
             name: variant.name,
             march: frames.march(bench.control_percent),
             total: frames.total(bench.control_total_percent),
@@ -155,8 +134,9 @@ mod tests {
     #[test]
     fn every_variant_is_another_and_valid() {
         for profile in Profile::ALL {
-            let mut asked = Settings::of(profile).with_waves(1000);
-            asked.sum_on_gpu = true;
+            let asked = Settings::new(profile)
+                .with_waves(1000)
+                .with_sum_on_gpu(true);
             let all = variants(&asked);
             assert_eq!(all.len(), 6, "{profile}");
             for variant in &all {

@@ -107,7 +107,7 @@ impl LocaliseOptions {
     /// some minutes on two cores.
     pub fn new(scenes: Vec<Scene>, sounds: Vec<SoundSpec>) -> LocaliseOptions {
         let case = |settings, ground| OpenCase { settings, ground };
-        let straight = |profile| case(Settings::of(profile).with_iterations(1), true);
+        let straight = |profile| case(Settings::new(profile).with_iterations(1), true);
         let defaults = [false, true].map(|ground| case(Settings::hybrid(), ground));
         LocaliseOptions {
             scenes,
@@ -159,7 +159,7 @@ impl LocaliseOptions {
                 continue;
             }
             let of = |&profile: &Profile| {
-                let settings = Settings::of(profile);
+                let settings = Settings::new(profile);
                 settings.with_waves(waves).with_iterations(iterations)
             };
             all.extend(self.profiles.iter().map(of));
