@@ -5,7 +5,8 @@
 use super::report::{Cell, LocaliseReport, SceneReport};
 use super::shown::{first_sound, measured};
 use super::statistics::{ErrorFigures, Figure, LEAST_DRAWN};
-use crate::experiment::log_plot::{Panel, PlotError, Stroke, draw_legend};
+use crate::experiment::log_plot::{Panel, Stroke, draw_legend};
+use crate::report::PlotError;
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
@@ -66,7 +67,7 @@ struct Line {
 ///
 /// # Errors
 /// When the drawing fails, which its text says.
-pub fn plot_svg(report: &LocaliseReport) -> Result<String, PlotError> {
+pub(super) fn plot_svg(report: &LocaliseReport) -> Result<String, PlotError> {
     let mut svg = String::new();
     let rows = 1 + report.scenes.len();
     {
