@@ -42,7 +42,7 @@ pub struct Feature {
 const PREFIXES: [&str; 6] = ["sd", "gd", "hit", "project", "gradient", "op"];
 
 /// What they end with after the name.
-const SUFFIXES: [&str; 2] = ["Ahead", "Cap"];
+const SUFFIXES: [&str; 2] = ["Directed", "Cap"];
 
 /// What such functions are called after without being a shape or an operator.
 const HELPERS: [&str; 9] = [
