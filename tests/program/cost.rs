@@ -86,12 +86,10 @@ fn the_report_of_the_corner_agrees_with_itself() {
         let row = report.options.iter().find(|row| row.name == name);
         row.unwrap_or_else(|| panic!("no row {name}"))
     };
-    for same in ["--iterations-per-pass 1", "counting evaluations"] {
-        let change = option(same).change.unwrap();
-        assert_eq!((change.heard_percent.rms, change.pan.rms), (0.0, 0.0));
-        assert!(option(same).within_noise);
-    }
-    assert!(option("--sum-on-gpu").change.unwrap().pan.rms < 1e-4);
+    let same = option("--iterations-per-pass 1");
+    let change = same.change.unwrap();
+    assert_eq!((change.heard_percent.rms, change.pan.rms), (0.0, 0.0));
+    assert!(same.within_noise);
     assert!(!option("--profile thesis").within_noise);
     assert!(!option("half the iterations").within_noise);
     assert_eq!(option("no landing").against, "--profile march");
@@ -190,7 +188,7 @@ fn the_program_prints_json_and_writes_csv() {
     assert_eq!(written.lines().count(), 2 + surfaces.len() + options.len());
 
     let output = succeed(&arguments);
-    assert!(stdout(&output).contains("## The shader of the march"));
+    assert!(stdout(&output).contains("The shader of the march has"));
     let notes = stderr(&output);
     assert!(notes.starts_with("renderer: ") && notes.lines().count() == 1);
 }

@@ -2,11 +2,11 @@
 //! its command line. A machine without GL fails these tests.
 
 use echomarch::experiment::accuracy::{
-    self, AccuracyOptions, AccuracyReport, COLUMNS, Case, DEFAULT_SCENES, Plan, Row, plot_svg,
-    quick, write_csv,
+    self, AccuracyOptions, AccuracyReport, Case, DEFAULT_SCENES, Plan, Row, quick,
 };
 use echomarch::gpu::{Context, ContextOptions};
 use echomarch::reference::ShoeboxImages;
+use echomarch::report::Report;
 use echomarch::trace::Directions;
 use echomarch::{Profile, Scene, Settings, Tracer};
 use glam::Vec3;
@@ -133,16 +133,16 @@ fn a_report_becomes_csv_and_svg() {
     let summed = Settings::hybrid().with_waves(1024).with_sum_on_gpu(true);
     let report = report("corner", &[Settings::thesis().with_waves(1024), summed]);
     let mut csv = Vec::new();
-    write_csv(&report, &mut csv).unwrap();
+    report.table().write_csv(&mut csv).unwrap();
     let csv = String::from_utf8(csv).unwrap();
     let lines: Vec<&str> = csv.lines().collect();
     assert_eq!(lines.len(), 3);
-    assert_eq!(lines[0], COLUMNS.join(","));
+    assert_eq!(lines[0], report.table().names().join(","));
     assert!(
         lines[1].starts_with("corner,thesis,thesis,0.1,8,1024,random,false,false,false,false,")
     );
     assert!(lines[2].starts_with("corner,hybrid,hybrid,,8,1024,random,true,true,true,true,"));
-    let svg = plot_svg(&report).unwrap();
+    let svg = report.plot_svg().unwrap();
     assert!(svg.starts_with("<svg") && svg.contains("Pareto front"));
     let sum_errors = rows(&report).iter().map(|row| row.panning.sum_error);
     let sum_errors: Vec<Option<f64>> = sum_errors.collect();

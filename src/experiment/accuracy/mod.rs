@@ -24,8 +24,9 @@
 //! Sjöberg (2011) measures time alone and judges the sound by ear.
 
 mod chaos;
-mod csv;
+mod columns;
 mod directions;
+mod document;
 mod measure;
 mod panning;
 mod plan;
@@ -37,10 +38,8 @@ mod sweep;
 mod targets;
 mod truth;
 
-pub use csv::{COLUMNS, write_csv};
 pub use directions::{lattice, slope};
 pub use plan::{DEFAULT_SCENES, Plan, ROOMS};
-pub use plot::plot_svg;
 pub use recommend::{ITERATIONS as COMPARED_ITERATIONS, pareto_front};
 pub use report::{
     AccuracyReport, CaseReport, Chaos, ChaosStep, Limit, PanningError, Quantiles, Recommendation,

@@ -7,14 +7,13 @@
 
 mod advice;
 mod change;
-mod csv;
+mod document;
 mod options;
 mod pair;
 mod shader;
 mod surfaces;
 
 pub use change::{Change, Noise, Size};
-pub use csv::write_csv;
 pub use options::OptionRow;
 pub use pair::Timing;
 pub use shader::{Feature, ShaderReport};

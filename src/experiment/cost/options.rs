@@ -4,9 +4,7 @@ use super::Bench;
 use super::change::Change;
 use super::pair::{Case, Timing, pair};
 use crate::error::Error;
-use crate::trace::{
-    Algorithm, Directions, MARCHES_PER_PASS, MarchVariant, Profile, Settings, ThesisOptions, Tracer,
-};
+use crate::trace::{Algorithm, MARCHES_PER_PASS, Profile, Settings, ThesisOptions, Tracer};
 use serde::Serialize;
 
 /// One setting changed.
@@ -29,9 +27,6 @@ pub struct OptionRow {
 /// What [`OptionRow::against`] says of the settings that were asked for.
 pub(super) const AS_ASKED: &str = "as asked";
 
-/// The row of a setting that is for measurements, and no way to save time.
-pub(super) const COUNTING: &str = "counting evaluations";
-
 /// Settings that are changed in one thing.
 pub(super) struct Variant {
     name: String,
@@ -40,7 +35,8 @@ pub(super) struct Variant {
     settings: Settings,
 }
 
-/// The variants of settings; what makes no sense for them is left out.
+/// The variants of settings; what makes no sense for them is left out, and so is what differs by
+/// less than a busy processor does from run to run (docs/cost.md).
 pub(super) fn variants(asked: &Settings) -> Vec<Variant> {
     let mut all = Vec::new();
     let mut add = |name: &str, settings: Settings| {
@@ -67,59 +63,31 @@ pub(super) fn variants(asked: &Settings) -> Vec<Variant> {
         let name = format!("--iterations-per-pass {per_pass}");
         add(&name, same().with_iterations_per_pass(per_pass));
     }
-    let is_on = asked.sum_on_gpu;
-    let name = switch("--sum-on-gpu", "sum on the CPU", is_on);
-    add(name, same().with_sum_on_gpu(!is_on));
-    let is_on = asked.count_evaluations;
-    let name = switch(COUNTING, "not counting evaluations", is_on);
-    add(name, same().with_count_evaluations(!is_on));
     add("half the waves", same().with_waves(asked.waves / 2));
     let half = asked.iterations / 2;
     add("half the iterations", same().with_iterations(half));
-    let other = match asked.directions {
-        Directions::Random => Directions::Fibonacci,
-        Directions::Fibonacci => Directions::Random,
-    };
-    add(
-        &format!("--directions {other}"),
-        same().with_directions(other),
-    );
     all.extend(of_march(asked));
     all
 }
 
-fn switch<'a>(on: &'a str, off: &'a str, is_on: bool) -> &'a str {
-    if is_on { off } else { on }
-}
-
-/// The worsened ways of `march`, beside a march.
-fn of_march(asked: &Settings) -> [Variant; 2] {
+/// A march that lands nowhere, beside a march.
+fn of_march(asked: &Settings) -> Option<Variant> {
     let is_march = asked.profile() == Profile::March;
     let march = match is_march {
         true => asked.clone(),
         false => asked.clone().with_profile(Profile::March),
     };
-    let thesis = ThesisOptions::default();
-    let variant = |name: &str, change: &dyn Fn(&mut MarchVariant)| {
-        let mut settings = march.clone();
-        if let Algorithm::March(march) = &mut settings.algorithm {
-            change(&mut march.variant);
-        }
-        Variant {
-            name: name.to_owned(),
-            against: (!is_march).then(|| march.clone()),
-            settings,
-        }
+    let mut settings = march.clone();
+    let Algorithm::March(options) = &mut settings.algorithm else {
+        return None;
     };
-    [
-        variant("difference normals", &|v| {
-            v.difference_normals = Some(thesis.normal_step);
-        }),
-        variant("no landing", &|v| {
-            v.landing = false;
-            v.shell = thesis.min_distance;
-        }),
-    ]
+    options.variant.landing = false;
+    options.variant.shell = ThesisOptions::default().min_distance;
+    Some(Variant {
+        name: "no landing".to_owned(),
+        against: (!is_march).then_some(march),
+        settings,
+    })
 }
 
 /// Measures every variant beside what it is compared with.
@@ -170,7 +138,7 @@ mod tests {
                 .with_waves(1000)
                 .with_sum_on_gpu(true);
             let all = variants(&asked);
-            assert_eq!(all.len(), 10, "{profile}");
+            assert_eq!(all.len(), 6, "{profile}");
             for variant in &all {
                 let beside = variant.against.as_ref().unwrap_or(&asked);
                 assert!(variant.settings != *beside, "{}", variant.name);

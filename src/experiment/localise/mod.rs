@@ -24,10 +24,10 @@
 //! observer is an addition. The form is not the thesis' own, whose questions are not known.
 
 mod answers;
-mod csv;
+mod columns;
+mod document;
 pub mod form;
 mod listen;
-mod markdown;
 pub mod observer;
 mod open;
 mod plateaus;
@@ -43,15 +43,12 @@ pub use answers::{
     Answer, AnswersError, FORMAT, MOST_CONFIDENT, MOST_TRIALS, Session, StimulusInfo, TrialAnswer,
     VERSION,
 };
-pub use csv::{columns, score_columns, write_csv, write_score_csv};
 pub use listen::{
     Converged, Heard, LoadedSound, converge, facings, listen, observe, source_at, source_towards,
     without_ground,
 };
-pub use markdown::markdown;
 pub use observer::{CENTRE_DEG, Levels, Observer, Side};
 pub use plateaus::AUDIBLE_DEG;
-pub use plot::plot_svg;
 pub use report::{
     Cell, FacingReport, LimitReport, LocaliseReport, OpenDirection, OpenReport, Plateau,
     SceneReport,
