@@ -46,7 +46,7 @@ const SUFFIXES: [&str; 2] = ["Directed", "Cap"];
 
 /// What such functions are called after without being a shape or an operator.
 const HELPERS: [&str; 9] = [
-    "Ball", "Chord", "Corner", "Edge", "InCells", "Kind", "Listener", "OfKind", "OnKind",
+    "Ball", "Chord", "Corner", "Edge", "InCells", "Kind", "Listener", "OfKind", "OntoKind",
 ];
 
 /// Functions that are called otherwise.
