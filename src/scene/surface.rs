@@ -5,6 +5,7 @@ use glam::{DMat3, Quat, Vec3};
 
 /// A shape placed in the world.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Surface {
     /// What reports call it; a number when there is none.
     pub name: Option<String>,
@@ -66,6 +67,12 @@ impl Surface {
             ..self.clone()
         };
         at_one_place == *other && self.shape.is_alike(&other.shape)
+    }
+
+    /// The same surface, whose rotation will change: see [`turns`](Surface::turns).
+    pub fn turning(mut self) -> Surface {
+        self.turns = true;
+        self
     }
 
     /// What holds its solid, in world metres.
