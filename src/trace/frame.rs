@@ -5,7 +5,7 @@ use crate::error::Error;
 use std::time::{Duration, Instant};
 
 /// The result of one traced frame.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Frame {
     /// What arrived at the two ears.
     pub panning: Panning,
