@@ -2,7 +2,7 @@
 //
 // Every surface that has a closed form is solved for where the line of the wave meets it; the
 // nearest wins. There is no march among them, so there is no minimum distance and no start offset,
-// and no step limit but for walks past copies without end (operator/repeat.glsl). Fields without
+// and no step limit but for traversals of copies without end (operator/repeat.glsl). Fields without
 // a closed form are marched, no further than to the nearest of those hits.
 
 uniform float uMaxDistance;   // a wave counts as dead beyond this, metres; far below NO_HIT
@@ -13,7 +13,7 @@ bool finished(float status) {
 
 void iterate(inout vec4 origin, inout vec4 direction) {
     float object;
-    float t = nearestHit(origin.xyz, direction.xyz, origin.w, uMaxDistance, object);
+    float t = closestHit(origin.xyz, direction.xyz, origin.w, uMaxDistance, object);
     bool limitReached = t < 0.0;
 #if MARCHES_FIELDS
     float fieldMet;
@@ -36,7 +36,7 @@ void iterate(inout vec4 origin, inout vec4 direction) {
         return;
     }
     vec3 normal;
-    land(object, direction.xyz, hit, normal);
+    project(object, direction.xyz, hit, normal);
     origin = vec4(hit, object);
     direction.xyz = mirror(direction.xyz, normal);
 }

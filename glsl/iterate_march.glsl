@@ -6,7 +6,7 @@
 // solid is convex along a line, so its tangent never overshoots; the step is also limited
 // by the distance to every other object, so nothing is jumped over. A convex surface that
 // the wave recedes from is never met on this line, and so it is out of the way
-// (distanceAhead): where several faces lie in one plane, a wave that leaves one of them is
+// (directedDistance): where several faces lie in one plane, a wave that leaves one of them is
 // held up by none. The wave has landed when its distance is rounding: the shell can be wide
 // without a loss of accuracy.
 //
@@ -26,7 +26,7 @@ bool finished(float status) {
 }
 
 float boundedDistance(vec3 p, vec3 d, float last, out float object, out float second) {
-    float nearest = distanceAhead(p, d, last, object, second);
+    float nearest = directedDistance(p, d, last, object, second);
     COUNT_EVALUATIONS(1.0);
     float scale = uDistanceFactor / uLipschitz;
     second *= scale;
@@ -50,10 +50,10 @@ float traceWave(vec3 origin, vec3 direction, float last, out float object, out b
             if (object == STATUS_LISTENER && nearest <= 0.0) {
                 return t;
             }
-            float slack;
-            float closing = -dot(direction, gradientAhead(p, direction, object, slack));
+            float errorBound;
+            float closing = -dot(direction, directedGradient(p, direction, object, errorBound));
             // The point is as coarse as the largest number it was computed from.
-            float rounding = roundingAt(p, max(slack, coarseness));
+            float rounding = roundingAt(p, max(errorBound, coarseness));
             // There is no way back beyond the start: what the wave is in there is met at once.
             bool within = nearest <= rounding && (nearest >= -rounding || t <= 0.0);
             if (closing > 0.0 && within) {
@@ -128,13 +128,13 @@ void iterate(inout vec4 origin, inout vec4 direction) {
         return;
     }
     vec3 normal;
-    vec3 landed = hit;
-    land(object, direction.xyz, landed, normal);
+    vec3 projected = hit;
+    project(object, direction.xyz, projected, normal);
 #if !EXACT_NORMALS
     normal = differenceNormal(hit);
 #endif
 #if LANDING
-    hit = landed;
+    hit = projected;
 #endif
     origin = vec4(hit, object);
     direction = vec4(mirror(direction.xyz, normal), counters);

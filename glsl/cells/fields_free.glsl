@@ -1,5 +1,5 @@
 // How far along d from p the marched fields in its cell leave the way free.
-void fieldsFreeInCells(vec3 p, vec3 d, float last, float slack, inout float way) {
+void fieldsFreeInCells(vec3 p, vec3 d, float last, float errorBound, inout float way) {
     vec4 cell;
     float reach;
     float within;
@@ -8,7 +8,7 @@ void fieldsFreeInCells(vec3 p, vec3 d, float last, float slack, inout float way)
             vec4 entry = listed(cell, i);
             float candidate = fieldOfKind(entry.y, int(entry.z), p, last == entry.x);
             if (candidate < way) {
-                way = min(way, max(candidate, freeOfKind(entry.y, int(entry.z), p, d, slack)));
+                way = min(way, max(candidate, freeOfKind(entry.y, int(entry.z), p, d, errorBound)));
             }
         }
     }

@@ -1,4 +1,4 @@
-// The nearest of the surfaces in cells that the line meets, if it is nearer than what is known.
+// The nearest of the surfaces in cells that the line intersects, if it is nearer than what is known.
 void hitInCells(vec3 p, vec3 d, float last, inout float nearest, inout float object) {
     vec3 inverse = safeInverse(d);
     vec2 span = throughGrid(p, inverse);
@@ -15,7 +15,7 @@ void hitInCells(vec3 p, vec3 d, float last, inout float nearest, inout float obj
             float candidate = hitOfKind(entry.y, int(entry.z), p, d, last == entry.x, nearest);
             if (candidate < nearest) { nearest = candidate; object = entry.x; }
         }
-        vec3 faces = nextFaces(p, inverse, place);
+        vec3 faces = nextCrossings(p, inverse, place);
         t = min(faces.x, min(faces.y, faces.z));
         place += vec3(faces.x == t ? step_.x : 0.0, faces.y == t ? step_.y : 0.0, faces.z == t ? step_.z : 0.0);
         if (any(lessThan(place, vec3(0.0))) || any(greaterThanEqual(place, uCellCount))) {

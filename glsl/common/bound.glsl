@@ -7,10 +7,10 @@
 
 const float NO_END = 1e20;   // beyond every length here, and no overflow where it is scaled
 
-// How far along the line the bound is greater than 0, of a start that slack may have put into
+// How far along the line the bound is greater than 0, of a start that rounding may have put into
 // the solid.
-float freeAlong(vec4 bound, float slack) {
-    if (bound.x < -slack) {
+float freeAlong(vec4 bound, float errorBound) {
+    if (bound.x < -errorBound) {
         return 0.0;
     }
     float value = max(bound.x, 0.0);
@@ -30,24 +30,24 @@ vec4 plainAlong(float value) {
 }
 
 // A bound that reaches no further than the value alone is worth less than that.
-vec4 orPlain(vec4 bound, float slack) {
-    return freeAlong(bound, slack) < bound.x ? plainAlong(bound.x) : bound;
+vec4 orPlain(vec4 bound, float errorBound) {
+    return freeAlong(bound, errorBound) < bound.x ? plainAlong(bound.x) : bound;
 }
 
 // Of the lesser of two values: the lesser's as far as it stays below, or one below both.
-vec4 lowerAlong(vec4 a, vec4 b, float slack) {
+vec4 lowerAlong(vec4 a, vec4 b, float errorBound) {
     vec4 low = a.x < b.x ? a : b;
     vec4 high = a.x < b.x ? b : a;
     float reach = min(a.w, b.w);
     vec4 gap = vec4(high.xy - low.xy, max(high.z - low.z, 0.0), reach);
     vec4 apart = vec4(low.xyz, freeAlong(gap, 0.0));
     vec4 below = vec4(low.x, min(a.y, b.y), max(a.z, b.z), reach);
-    return freeAlong(apart, slack) > freeAlong(below, slack) ? apart : below;
+    return freeAlong(apart, errorBound) > freeAlong(below, errorBound) ? apart : below;
 }
 
 // Of the greater of two values: either's. The one that says more is taken.
-vec4 upperAlong(vec4 a, vec4 b, float slack) {
-    return freeAlong(a, slack) >= freeAlong(b, slack) ? a : b;
+vec4 upperAlong(vec4 a, vec4 b, float errorBound) {
+    return freeAlong(a, errorBound) >= freeAlong(b, errorBound) ? a : b;
 }
 
 // Of a value that is concave as far as a place in the air that is `way` ahead.

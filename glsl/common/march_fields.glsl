@@ -80,10 +80,10 @@ float marchFields(vec3 origin, vec3 d, float last, float limit, out float object
         radius = f;
         float ball = f;
         if (near) {
-            float slack;
-            vec3 gradient = fieldGradient(p, object, slack);
+            float errorBound;
+            vec3 gradient = fieldGradient(p, object, errorBound);
             float closing = -dot(d, gradient);
-            rounding = max(rounding, PLACE * slack);
+            rounding = max(rounding, PLACE * errorBound);
             // Where the value grows slowly, less of it is as far away.
             float touch = rounding * clamp(length(gradient), FLAT, 1.0);
             // It went in on the way here, whatever gradients say (they are coarse at edges):

@@ -1,6 +1,6 @@
 // What rounding may do to a distance, in metres: some units in the last place of the
 // largest number that went into it, be it the wave's position or the surface's own place
-// and size (its slack).
+// and size (its error bound).
 
 const float ROUNDING = 9.5367432e-7;   // 8 * 2^-23
 
@@ -9,11 +9,11 @@ float largest(vec3 v) {
     return max(size.x, max(size.y, size.z));
 }
 
-float roundingAt(vec3 p, float slack) {
-    return max(slack, ROUNDING * largest(p));
+float roundingAt(vec3 p, float errorBound) {
+    return max(errorBound, ROUNDING * largest(p));
 }
 
-// The slack of a ball or a cylinder, from its place and radius.
-float roundSlack(vec4 placeAndRadius) {
+// The error bound of a ball or a cylinder, from its place and radius.
+float roundErrorBound(vec4 placeAndRadius) {
     return ROUNDING * (largest(placeAndRadius.xyz) + placeAndRadius.w);
 }

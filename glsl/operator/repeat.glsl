@@ -42,7 +42,7 @@ float copyReach(float q, float d, float period, float first, float last) {
 // A line past repeated copies that keep apart, each within a box about its middle.
 //
 // Theory. Cell by cell (Amanatides and Woo 1987) a line is taken past every copy. Here it is
-// taken from box to box: along each axis the walk knows the next copy that the line is level
+// taken from box to box: along each axis the traversal knows the next copy that the line is level
 // with, where it comes level with its box, and where it leaves that. Where the line is level with
 // a box along all three axes, it comes into it; else every axis whose box ends before that goes on
 // to the copy that is there, however many lie between. So a line that flies between two layers of
@@ -52,7 +52,7 @@ float copyReach(float q, float d, float period, float first, float last) {
 // goes down it. Numbers are whole, and exact in a float up to 2^24; boxes are grown by what
 // rounding may do to places there, so that none is passed by.
 
-struct CopyWalk {
+struct CopyTraversal {
     vec3 side;      // 1, or -1 where the line goes down an axis
     vec3 start;     // of the line, metres
     vec3 speed;     // metres along each axis a metre of the line
@@ -61,7 +61,7 @@ struct CopyWalk {
     vec3 front;     // of the box about a copy's middle: where the line comes level with it
     vec3 back;      // where it leaves that
     vec3 last;      // the number of the last copy
-    float slack;    // what rounding may do to the start, metres
+    float errorBound;    // what rounding may do to the start, metres
     vec3 copy;      // the copies whose boxes it is level with next
     vec3 met;       // the copy whose box it has come into, numbered along the axes
     float at;       // where, metres along the line
@@ -69,87 +69,87 @@ struct CopyWalk {
 };
 
 // What rounding may do to places that far away.
-vec3 copySlack(CopyWalk walk, vec3 place) {
-    return walk.slack + ROUNDING * (abs(walk.start) + abs(place));
+vec3 copyErrorBound(CopyTraversal traversal, vec3 place) {
+    return traversal.errorBound + ROUNDING * (abs(traversal.start) + abs(place));
 }
 
 // The first copies that the line has not left behind along each axis, after `way` metres.
-vec3 copiesAhead(CopyWalk walk, float way) {
-    vec3 place = walk.start + way * walk.speed;
-    return ceil((place - walk.back - copySlack(walk, place)) / walk.period);
+vec3 copiesAhead(CopyTraversal traversal, float way) {
+    vec3 place = traversal.start + way * traversal.speed;
+    return ceil((place - traversal.back - copyErrorBound(traversal, place)) / traversal.period);
 }
 
-// The walk of the line q + t d past copies from number first to number last in their boxes from
+// The traversal of the line q + t d past copies from number first to number last in their boxes from
 // least to most.
-CopyWalk walkCopies(vec3 q, vec3 d, float slack, vec3 period, vec3 least, vec3 most, vec3 first, vec3 last) {
-    CopyWalk walk;
-    walk.inverse = safeInverse(d);
-    bvec3 up = greaterThan(walk.inverse, vec3(0.0));
-    walk.side = vec3(up.x ? 1.0 : -1.0, up.y ? 1.0 : -1.0, up.z ? 1.0 : -1.0);
-    walk.start = walk.side * q;
-    walk.speed = abs(d);
-    walk.inverse = abs(walk.inverse);
-    walk.period = period;
-    walk.front = vec3(up.x ? least.x : -most.x, up.y ? least.y : -most.y, up.z ? least.z : -most.z);
-    walk.back = vec3(up.x ? most.x : -least.x, up.y ? most.y : -least.y, up.z ? most.z : -least.z);
-    walk.last = vec3(up.x ? last.x : -first.x, up.y ? last.y : -first.y, up.z ? last.z : -first.z);
-    walk.slack = slack;
+CopyTraversal traverseCopies(vec3 q, vec3 d, float errorBound, vec3 period, vec3 least, vec3 most, vec3 first, vec3 last) {
+    CopyTraversal traversal;
+    traversal.inverse = safeInverse(d);
+    bvec3 up = greaterThan(traversal.inverse, vec3(0.0));
+    traversal.side = vec3(up.x ? 1.0 : -1.0, up.y ? 1.0 : -1.0, up.z ? 1.0 : -1.0);
+    traversal.start = traversal.side * q;
+    traversal.speed = abs(d);
+    traversal.inverse = abs(traversal.inverse);
+    traversal.period = period;
+    traversal.front = vec3(up.x ? least.x : -most.x, up.y ? least.y : -most.y, up.z ? least.z : -most.z);
+    traversal.back = vec3(up.x ? most.x : -least.x, up.y ? most.y : -least.y, up.z ? most.z : -least.z);
+    traversal.last = vec3(up.x ? last.x : -first.x, up.y ? last.y : -first.y, up.z ? last.z : -first.z);
+    traversal.errorBound = errorBound;
     vec3 lowest = vec3(up.x ? first.x : -last.x, up.y ? first.y : -last.y, up.z ? first.z : -last.z);
-    walk.copy = max(lowest, copiesAhead(walk, 0.0));
-    walk.met = vec3(0.0);
-    walk.at = 0.0;
-    walk.ended = false;
-    return walk;
+    traversal.copy = max(lowest, copiesAhead(traversal, 0.0));
+    traversal.met = vec3(0.0);
+    traversal.at = 0.0;
+    traversal.ended = false;
+    return traversal;
 }
 
 // On to where the line is next level with boxes along all axes, or may be: whether it comes into the
-// box of the copy walk.met there.
-bool comesIntoBox(inout CopyWalk walk, float limit) {
-    vec3 middle = walk.period * walk.copy;
-    vec3 slack = copySlack(walk, middle);
-    vec3 enters = (middle + walk.front - slack - walk.start) * walk.inverse;
-    vec3 leaves = (middle + walk.back + slack - walk.start) * walk.inverse;
+// box of the copy traversal.met there.
+bool comesIntoBox(inout CopyTraversal traversal, float limit) {
+    vec3 middle = traversal.period * traversal.copy;
+    vec3 errorBound = copyErrorBound(traversal, middle);
+    vec3 enters = (middle + traversal.front - errorBound - traversal.start) * traversal.inverse;
+    vec3 leaves = (middle + traversal.back + errorBound - traversal.start) * traversal.inverse;
     float leave = min(leaves.x, min(leaves.y, leaves.z));
-    walk.at = max(max(enters.x, max(enters.y, enters.z)), 0.0);
-    walk.met = walk.side * walk.copy;
-    walk.ended = walk.at >= limit || any(greaterThan(walk.copy, walk.last));
-    float way = max(walk.at, leave);
-    vec3 next = max(walk.copy + 1.0, copiesAhead(walk, way));
+    traversal.at = max(max(enters.x, max(enters.y, enters.z)), 0.0);
+    traversal.met = traversal.side * traversal.copy;
+    traversal.ended = traversal.at >= limit || any(greaterThan(traversal.copy, traversal.last));
+    float way = max(traversal.at, leave);
+    vec3 next = max(traversal.copy + 1.0, copiesAhead(traversal, way));
     bvec3 left = lessThanEqual(leaves, vec3(way));
-    walk.copy = vec3(left.x ? next.x : walk.copy.x, left.y ? next.y : walk.copy.y, left.z ? next.z : walk.copy.z);
-    return walk.at <= leave && !walk.ended;
+    traversal.copy = vec3(left.x ? next.x : traversal.copy.x, left.y ? next.y : traversal.copy.y, left.z ? next.z : traversal.copy.z);
+    return traversal.at <= leave && !traversal.ended;
 }
 
 // One turn: whether the line comes into a box. False where there are no more before limit. Most
 // boxes are found within three tries, and turns are what a loop has few of.
-bool nextCopy(inout CopyWalk walk, float limit, out bool comes) {
-    comes = comesIntoBox(walk, limit);
-    if (!comes && !walk.ended) {
-        comes = comesIntoBox(walk, limit);
+bool nextCopy(inout CopyTraversal traversal, float limit, out bool comes) {
+    comes = comesIntoBox(traversal, limit);
+    if (!comes && !traversal.ended) {
+        comes = comesIntoBox(traversal, limit);
     }
-    if (!comes && !walk.ended) {
-        comes = comesIntoBox(walk, limit);
+    if (!comes && !traversal.ended) {
+        comes = comesIntoBox(traversal, limit);
     }
-    return !walk.ended;
+    return !traversal.ended;
 }
 
-const int LEAPS = 4;   // turns of a walk past copies that a bound is worth
+const int LEAPS = 4;   // turns of a traversal of copies that a bound is worth
 
 // How far a line is free of the boxes of all copies, as far as so many turns tell.
-float freeOfCopies(CopyWalk walk) {
+float freeOfCopies(CopyTraversal traversal) {
     bool comes = false;
     for (int i = 0; i < LEAPS && !comes; ++i) {
-        if (!nextCopy(walk, NO_END, comes)) {
+        if (!nextCopy(traversal, NO_END, comes)) {
             return NO_END;
         }
     }
-    return walk.at;
+    return traversal.at;
 }
 
-// "The step limit was reached": nothing is known of what the line meets. Less than every hit.
+// "The step limit was reached": nothing is known of what the line intersects. Less than every hit.
 const float GIVEN_UP = -1.0;
 
-uniform int uCopySteps;   // turns of all walks past long rows of copies in one flight at the most
+uniform int uCopySteps;   // turns of all traversals of long rows of copies in one flight at the most
 
 int copySteps;   // turns that are left of these
 

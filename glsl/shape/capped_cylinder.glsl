@@ -13,9 +13,9 @@ vec4 gdCappedCylinder(vec3 p, float radius, float halfHeight) {
     return vec4(outward.x, p.y < 0.0 ? -shares.y : shares.y, outward.y, sdCorner(beyond));
 }
 
-// Where a ray meets a cylinder about y that ends: what it shares of the endless cylinder and
+// Where a ray intersects a cylinder about y that ends: what it shares of the endless cylinder and
 // of the slab.
-float hitCappedCylinder(vec3 p, vec3 d, float radius, float halfHeight, float slack) {
+float hitCappedCylinder(vec3 p, vec3 d, float radius, float halfHeight, float errorBound) {
     float speed = length(d.xz);
     float enter = -NO_HIT;
     float leave = NO_HIT;
@@ -41,7 +41,7 @@ float hitCappedCylinder(vec3 p, vec3 d, float radius, float halfHeight, float sl
     } else if (abs(p.y) >= halfHeight) {
         return NO_HIT;
     }
-    return hitChord(enter, leave, slack);
+    return hitChord(enter, leave, errorBound);
 }
 
 float exitCappedCylinder(vec3 p, vec3 d, float radius, float halfHeight) {

@@ -12,8 +12,8 @@ vec4 gdCapsule(vec3 p, float radius, float halfHeight) {
     return vec4(p / max(apart, 1e-30), apart - radius);
 }
 
-// Where a ray meets a cylinder about y with round ends: the side between the ends, or a ball.
-float hitCapsule(vec3 p, vec3 d, float radius, float halfHeight, float slack) {
+// Where a ray intersects a cylinder about y with round ends: the side between the ends, or a ball.
+float hitCapsule(vec3 p, vec3 d, float radius, float halfHeight, float errorBound) {
     float nearest = NO_HIT;
     float speed = length(d.xz);
     if (speed > 1e-12) {
@@ -23,7 +23,7 @@ float hitCapsule(vec3 p, vec3 d, float radius, float halfHeight, float slack) {
         float under = radius * radius - dot(aside, aside);
         if (along < 0.0 && under > 0.0) {
             float t = (-along - sqrt(under)) / speed;
-            if (t > -slack && abs(p.y + t * d.y) <= halfHeight) {
+            if (t > -errorBound && abs(p.y + t * d.y) <= halfHeight) {
                 nearest = max(t, 0.0);
             }
         }

@@ -44,12 +44,12 @@ vec4 gdCone(vec3 p, float radius, float halfHeight) {
     return vec4(outward.x, normal.y, outward.y, side * off);
 }
 
-// Where a ray meets a cone about y that ends: its side is a quadric of which the part between
+// Where a ray intersects a cone about y that ends: its side is a quadric of which the part between
 // tip and base counts, its base a disc.
-float hitCone(vec3 p, vec3 d, float radius, float halfHeight, float slack) {
+float hitCone(vec3 p, vec3 d, float radius, float halfHeight, float errorBound) {
     float nearest = NO_HIT;
     float below = -halfHeight - p.y;
-    if (d.y > 0.0 && below >= -slack) {
+    if (d.y > 0.0 && below >= -errorBound) {
         float t = max(below, 0.0) / d.y;
         vec2 at = p.xz + t * d.xz;
         if (dot(at, at) <= radius * radius) {
@@ -71,7 +71,7 @@ float hitCone(vec3 p, vec3 d, float radius, float halfHeight, float slack) {
     float c = dot(p.xz, p.xz) - narrowing * tip * tip;
     // A wave that leaves the base is inside of the side's cone, and not on its way into it.
     float beyond = length(p.xz) + slope * tip;
-    if (b < 0.0 && beyond < -2.0 * slack * (1.0 + slope)) {
+    if (b < 0.0 && beyond < -2.0 * errorBound * (1.0 + slope)) {
         return nearest;
     }
     float t = rootFrom(way, root, c, b);

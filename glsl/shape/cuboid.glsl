@@ -28,24 +28,24 @@ vec4 gdBox(vec3 p, vec3 halfSize) {
 // Where a ray from outside meets a solid box: the slab method (Kay and Kajiya 1986).
 // A point that rounding put into the box is on the nearer face of the two along the line:
 // on its way in it meets the box at once, on its way out not at all. A chord shorter than
-// the slack (the box's own, and that of the way to it) is rounding too, not a box.
-float hitBox(vec3 p, vec3 d, vec4 halfSizeAndSlack) {
+// the error bound (the box's own, and that of the way to it) is rounding too, not a box.
+float hitBox(vec3 p, vec3 d, vec4 halfSizeAndErrorBound) {
     vec3 inverse = safeInverse(d);
     vec3 middle = -p * inverse;
-    vec3 reach = halfSizeAndSlack.xyz * abs(inverse);
+    vec3 reach = halfSizeAndErrorBound.xyz * abs(inverse);
     vec3 enters = middle - reach;
     vec3 leaves = middle + reach;
     float enter = max(enters.x, max(enters.y, enters.z));
     float leave = min(leaves.x, min(leaves.y, leaves.z));
     float ahead = max(enter, 0.0);
-    float slack = halfSizeAndSlack.w + ROUNDING * ahead;
-    return leave > ahead + slack && leave + enter > 0.0 ? ahead : NO_HIT;
+    float errorBound = halfSizeAndErrorBound.w + ROUNDING * ahead;
+    return leave > ahead + errorBound && leave + enter > 0.0 ? ahead : NO_HIT;
 }
 
 // Puts a point that is met onto the box, and says the normal there: of the faces that
 // look against the direction d, the one the point is furthest out of. An edge or a
 // vertex belongs to one of its faces, so no normal ever looks along d.
-void landBox(inout vec3 p, vec3 d, vec3 halfSize, out vec3 normal) {
+void projectBox(inout vec3 p, vec3 d, vec3 halfSize, out vec3 normal) {
     vec3 side = vec3(p.x < 0.0 ? -1.0 : 1.0, p.y < 0.0 ? -1.0 : 1.0, p.z < 0.0 ? -1.0 : 1.0);
     vec3 beyond = abs(p) - halfSize;
     vec3 facing = -side * d;
@@ -69,13 +69,13 @@ void landBox(inout vec3 p, vec3 d, vec3 halfSize, out vec3 normal) {
 // Distance to a box that a wave along d can still meet, or NEVER. A wave that is beyond a face
 // and does not come nearer to its plane never meets the box. Where rounding decides on which
 // side of a face it is, it counts as beyond; a wave deeper in the box is beyond the nearest face.
-float sdBoxAhead(vec3 p, vec3 d, vec4 halfSizeAndSlack) {
+float sdBoxDirected(vec3 p, vec3 d, vec4 halfSizeAndErrorBound) {
     const float NEVER = 1e30;
     vec3 away = vec3(p.x < 0.0 ? -d.x : d.x, p.y < 0.0 ? -d.y : d.y, p.z < 0.0 ? -d.z : d.z);
-    vec3 beyond = abs(p) - halfSizeAndSlack.xyz;
+    vec3 beyond = abs(p) - halfSizeAndErrorBound.xyz;
     float furthest = max(beyond.x, max(beyond.y, beyond.z));
-    float slack = halfSizeAndSlack.w;
-    float face = furthest > slack ? 0.0 : min(furthest, -slack);
+    float errorBound = halfSizeAndErrorBound.w;
+    float face = furthest > errorBound ? 0.0 : min(furthest, -errorBound);
     vec3 receding = vec3(
         away.x >= 0.0 ? beyond.x : -NEVER,
         away.y >= 0.0 ? beyond.y : -NEVER,

@@ -33,14 +33,14 @@ float hitCylinder(vec3 p, vec3 d, float radius) {
 }
 
 // Puts a point that is met onto the cylinder, and says the normal there.
-void landCylinder(inout vec3 p, float radius, out vec3 normal) {
+void projectCylinder(inout vec3 p, float radius, out vec3 normal) {
     vec2 outward = normalize(p.xz);
     normal = vec3(outward.x, 0.0, outward.y);
     p.xz = normal.xz * radius;
 }
 
 // Distance to a cylinder that a wave along d can still meet: one that it recedes from is never met.
-float sdCylinderAhead(vec3 p, vec3 d, float radius) {
+float sdCylinderDirected(vec3 p, vec3 d, float radius) {
     const float NEVER = 1e30;
     return dot(p.xz, d.xz) >= 0.0 ? NEVER : length(p.xz) - radius;
 }

@@ -10,7 +10,7 @@ vec4 gdHalfSpace(vec3 p, vec3 normal, float offset) {
 }
 
 // Where a ray from the air meets a half-space.
-float hitHalfSpace(vec3 p, vec3 d, vec3 normal, float offset, float slack) {
+float hitHalfSpace(vec3 p, vec3 d, vec3 normal, float offset, float errorBound) {
     float closing = -dot(normal, d);
     return closing > 0.0 ? max((dot(normal, p) - offset) / closing, 0.0) : NO_HIT;
 }

@@ -41,7 +41,7 @@ vec4 gdHeightField(vec3 p, vec3 halfSize, float inverseGrowth, int first, ivec2 
 
 // Over one cell of its image the height above the ground is a quadratic function along a line.
 // Beyond its box the ground is held at the edge: there the box alone counts.
-vec4 aboveGroundAlong(float side, vec3 p, vec3 d, vec3 halfSize, float inverseGrowth, int first, ivec2 size, float slack) {
+vec4 aboveGroundAlong(float side, vec3 p, vec3 d, vec3 halfSize, float inverseGrowth, int first, ivec2 size, float errorBound) {
     vec3 held = clamp(p, -halfSize, halfSize);
     vec2 cells = vec2(size - 1);
     vec2 metres = 2.0 * halfSize.xz / cells;
@@ -63,7 +63,7 @@ vec4 aboveGroundAlong(float side, vec3 p, vec3 d, vec3 halfSize, float inverseGr
     vec2 way = vec2(
         d.x == 0.0 ? NO_END : (face.x - p.x) / d.x,
         d.z == 0.0 ? NO_END : (face.y - p.z) / d.z);
-    float reach = max(min(way.x, way.y), 0.0) + slack;
+    float reach = max(min(way.x, way.y), 0.0) + errorBound;
     float full = 2.0 * halfSize.y;
     return vec4(
         side * inverseGrowth * (held.y - full * (height - 0.5)),
@@ -72,22 +72,22 @@ vec4 aboveGroundAlong(float side, vec3 p, vec3 d, vec3 halfSize, float inverseGr
         reach);
 }
 
-vec4 alongHeightField(vec3 p, vec3 d, vec3 halfSize, float inverseGrowth, int first, ivec2 size, float slack) {
+vec4 alongHeightField(vec3 p, vec3 d, vec3 halfSize, float inverseGrowth, int first, ivec2 size, float errorBound) {
     float outside = sdBox(p, halfSize);
     vec4 box = vec4(outside, dot(gradientBox(p, halfSize), d), 0.0, NO_END);
-    if (outside > slack) {
+    if (outside > errorBound) {
         return box;
     }
-    vec4 ground = aboveGroundAlong(1.0, p, d, halfSize, inverseGrowth, first, size, slack);
-    return upperAlong(ground, box, slack);
+    vec4 ground = aboveGroundAlong(1.0, p, d, halfSize, inverseGrowth, first, size, errorBound);
+    return upperAlong(ground, box, errorBound);
 }
 
-vec4 alongHeightFieldSolid(vec3 p, vec3 d, vec3 halfSize, float inverseGrowth, int first, ivec2 size, float slack) {
+vec4 alongHeightFieldSolid(vec3 p, vec3 d, vec3 halfSize, float inverseGrowth, int first, ivec2 size, float errorBound) {
     float within = -sdBox(p, halfSize);
     vec4 box = concaveAlong(within, exitBox(p, d, halfSize));
-    if (within < -slack) {
+    if (within < -errorBound) {
         return box;
     }
-    vec4 ground = aboveGroundAlong(-1.0, p, d, halfSize, inverseGrowth, first, size, slack);
-    return lowerAlong(ground, box, slack);
+    vec4 ground = aboveGroundAlong(-1.0, p, d, halfSize, inverseGrowth, first, size, errorBound);
+    return lowerAlong(ground, box, errorBound);
 }

@@ -19,13 +19,13 @@ float hitPlane(vec3 p, vec3 d) {
 }
 
 // Puts a point that is met onto the plane, and says the normal there.
-void landPlane(inout vec3 p, out vec3 normal) {
+void projectPlane(inout vec3 p, out vec3 normal) {
     p.y = 0.0;
     normal = vec3(0.0, 1.0, 0.0);
 }
 
 // Distance to the plane if a wave along d can still meet it: one that it recedes from is never met.
-float sdPlaneAhead(vec3 p, vec3 d) {
+float sdPlaneDirected(vec3 p, vec3 d) {
     const float NEVER = 1e30;
     return d.y >= 0.0 ? NEVER : p.y;
 }

@@ -46,7 +46,7 @@ vec4 gdPrism(vec3 p, vec2 a, vec2 b, vec2 c, float halfDepth) {
     return vec4(shares.x * triangle.xy, p.z < 0.0 ? -shares.y : shares.y, sdCorner(beyond));
 }
 
-// Where a ray meets a triangle a b c of positive sense, extruded along z: it is in where it
+// Where a ray intersects a triangle a b c of positive sense, extruded along z: it is in where it
 // is behind all five planes.
 void hitEdge(vec2 p, vec2 d, vec2 from, vec2 to, inout float enter, inout float leave) {
     vec2 outward = normalize(vec2(to.y - from.y, from.x - to.x));
@@ -61,7 +61,7 @@ void hitEdge(vec2 p, vec2 d, vec2 from, vec2 to, inout float enter, inout float 
     }
 }
 
-float hitPrism(vec3 p, vec3 d, vec2 a, vec2 b, vec2 c, float halfDepth, float slack) {
+float hitPrism(vec3 p, vec3 d, vec2 a, vec2 b, vec2 c, float halfDepth, float errorBound) {
     float enter = -NO_HIT;
     float leave = NO_HIT;
     hitEdge(p.xy, d.xy, a, b, enter, leave);
@@ -75,7 +75,7 @@ float hitPrism(vec3 p, vec3 d, vec2 a, vec2 b, vec2 c, float halfDepth, float sl
     } else if (abs(p.z) >= halfDepth) {
         return NO_HIT;
     }
-    return hitChord(enter, leave, slack);
+    return hitChord(enter, leave, errorBound);
 }
 
 float exitEdge(vec2 p, vec2 d, vec2 from, vec2 to) {

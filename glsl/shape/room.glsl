@@ -9,7 +9,7 @@ float sdRoom(vec3 p, vec3 halfSize) {
 
 // Distance to the three walls ahead along d, and where it grows: a wall behind cannot be
 // met, and so the wall that a wave leaves is out of its way.
-float sdRoomAhead(vec3 p, vec3 d, vec3 halfSize) {
+float sdRoomDirected(vec3 p, vec3 d, vec3 halfSize) {
     vec3 ahead = vec3(d.x < 0.0 ? -p.x : p.x, d.y < 0.0 ? -p.y : p.y, d.z < 0.0 ? -p.z : p.z);
     vec3 within = halfSize - ahead;
     const float NEVER = 1e30;
@@ -17,10 +17,10 @@ float sdRoomAhead(vec3 p, vec3 d, vec3 halfSize) {
     return min(within.x, min(within.y, within.z));
 }
 
-vec3 gradientRoomAhead(vec3 p, vec3 d, vec3 halfSize) {
-    vec3 landed = p;
+vec3 gradientRoomDirected(vec3 p, vec3 d, vec3 halfSize) {
+    vec3 projected = p;
     vec3 normal;
-    landRoom(landed, d, halfSize, normal);
+    projectRoom(projected, d, halfSize, normal);
     return normal;
 }
 
@@ -35,7 +35,7 @@ vec4 gdRoom(vec3 p, vec3 halfSize) {
     return least == within.y ? vec4(0.0, side.y, 0.0, least) : vec4(0.0, 0.0, side.z, least);
 }
 
-// Where a ray meets the walls of a box from its inside: the nearest of the three walls
+// Where a ray intersects the walls of a box from its inside: the nearest of the three walls
 // ahead. It always meets one, so a wave cannot leak; a wall behind is never met, so a wave
 // cannot meet the wall it leaves.
 float hitRoom(vec3 p, vec3 d, vec3 halfSize) {
@@ -47,7 +47,7 @@ float hitRoom(vec3 p, vec3 d, vec3 halfSize) {
 
 // Puts a point that is met onto the nearest of the three walls ahead along d, and says
 // the normal there, which looks into the room.
-void landRoom(inout vec3 p, vec3 d, vec3 halfSize, out vec3 normal) {
+void projectRoom(inout vec3 p, vec3 d, vec3 halfSize, out vec3 normal) {
     vec3 ahead = vec3(d.x < 0.0 ? -1.0 : 1.0, d.y < 0.0 ? -1.0 : 1.0, d.z < 0.0 ? -1.0 : 1.0);
     vec3 within = halfSize - ahead * p;
     // A wall along which the wave moves is not ahead.

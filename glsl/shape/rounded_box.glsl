@@ -10,7 +10,7 @@ vec4 gdRoundedBox(vec3 p, vec3 core, float rounding) {
 }
 
 // Where a line leaves a rounded box through a flat part of its faces; 0 for the rounded ones.
-float exitRoundedBox(vec3 p, vec3 d, vec3 core, float rounding, float slack) {
+float exitRoundedBox(vec3 p, vec3 d, vec3 core, float rounding, float errorBound) {
     float way = exitBox(p, d, core + rounding);
-    return sdRoundedBox(p + way * d, core, rounding) <= slack ? way : 0.0;
+    return sdRoundedBox(p + way * d, core, rounding) <= errorBound ? way : 0.0;
 }

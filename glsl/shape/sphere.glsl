@@ -19,13 +19,13 @@ float hitSphere(vec3 p, vec3 d, float radius) {
 }
 
 // Puts a point that is met onto the ball, and says the normal there.
-void landSphere(inout vec3 p, float radius, out vec3 normal) {
+void projectSphere(inout vec3 p, float radius, out vec3 normal) {
     normal = normalize(p);
     p = normal * radius;
 }
 
 // Distance to a ball that a wave along d can still meet: one that it recedes from is never met.
-float sdSphereAhead(vec3 p, vec3 d, float radius) {
+float sdSphereDirected(vec3 p, vec3 d, float radius) {
     const float NEVER = 1e30;
     return dot(p, d) >= 0.0 ? NEVER : length(p) - radius;
 }

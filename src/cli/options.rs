@@ -72,7 +72,7 @@ impl Common {
 
     /// Tells of more surfaces than a shader is quickly made of.
     fn note_many(&self, scene: &Scene) {
-        let unrolled = Layout::of(scene).loose.len();
+        let unrolled = Layout::of(scene).unrolled.len();
         if unrolled > MANY_SURFACES {
             self.note(&format!(
                 "note: {unrolled} surfaces that lie in no cells: compiling their shader the first time can take long"

@@ -4,7 +4,7 @@ use super::adapt::{Control, SCALES, step_of};
 use super::display::Connection;
 use super::files::Files;
 use super::follower::{Before, Coming, Follower};
-use super::keys::{Held, action};
+use super::keys::{PressedKeys, action};
 use super::latency::Latency;
 use super::mouse::Mouse;
 use super::overlay::Plan;
@@ -57,7 +57,7 @@ pub(super) struct App {
     pub follower: Option<Follower>,
     /// Scene files that can be chosen.
     pub files: Files,
-    pub held: Held,
+    pub pressed: PressedKeys,
     pub mouse_looks: bool,
     mouse: Mouse,
     /// Where the pointer is, in pixels.
@@ -120,7 +120,7 @@ impl App {
             coming: None,
             follower: None,
             files,
-            held: Held::default(),
+            pressed: PressedKeys::default(),
             mouse_looks: false,
             mouse: Mouse::default(),
             pointer: None,
@@ -234,18 +234,18 @@ impl App {
             return;
         };
         if event.state == ElementState::Released {
-            self.held.release(key);
+            self.pressed.release(key);
             return;
         }
-        if event.repeat || self.held.is_down(key) {
+        if event.repeat || self.pressed.is_down(key) {
             return;
         }
-        self.held.press(key);
+        self.pressed.press(key);
         if is_synthetic {
             return;
         }
-        let asked = action(key, self.held.control());
-        if asked.is_some() || !self.held.wish().is_rest() {
+        let asked = action(key, self.pressed.control());
+        if asked.is_some() || !self.pressed.input().is_rest() {
             self.latency.input(self.looked);
         }
         if let Some(asked) = asked {
@@ -376,7 +376,7 @@ impl ApplicationHandler for App {
                 self.scale_control.forget();
             }
             WindowEvent::Focused(false) => {
-                self.held.clear();
+                self.pressed.clear();
                 self.look_by_mouse(false);
             }
             // A key that goes up always counts, whoever saw it go down.

@@ -4,7 +4,7 @@ use super::DemoError;
 use super::adapt::{MOST_WAVES, SCALES, scale_costs, step_of, wave_ladder};
 use super::app::{App, Stage};
 use super::error::sentence;
-use super::overlay::{self, Facts};
+use super::overlay::{self, HudState};
 use super::report::FrameTimes;
 use super::view::Drawn;
 use crate::picture::{RgbaImage, save_png};
@@ -56,7 +56,7 @@ impl App {
         self.last = began;
         self.reread(stage);
         self.try_new(stage)?;
-        self.world.pass(&self.held.wish(), passed);
+        self.world.pass(&self.pressed.input(), passed);
         let size = stage.window.size();
         self.window = size;
         if size[0] == 0 || size[1] == 0 {
@@ -269,7 +269,7 @@ impl App {
         let renderer = stage.window.gl.context().renderer().to_owned();
         let refusal = self.refusal().map(str::to_owned);
         let trying = self.trying();
-        let facts = Facts {
+        let hud = HudState {
             world: &self.world,
             files: self.files.all(),
             heard: self.heard.as_ref(),
@@ -297,7 +297,7 @@ impl App {
         let mut actions = Vec::new();
         stage
             .window
-            .draw_panels(|ui| actions.extend(overlay::draw(ui, &facts, chosen, plan)));
+            .draw_panels(|ui| actions.extend(overlay::draw(ui, &hud, chosen, plan)));
         times.overlay = milliseconds(drawing);
         // What still lies under no panel is the picture.
         let on_picture = |at: &[f64; 2]| !stage.window.is_panel_at(*at);

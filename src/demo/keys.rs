@@ -1,6 +1,6 @@
 //! Which key does what: the one list that the window follows and shows.
 
-use super::walk::Wish;
+use super::walk::MoveInput;
 use crate::trace::Profile;
 use std::collections::HashSet;
 use winit::keyboard::KeyCode;
@@ -136,9 +136,9 @@ pub fn action(key: KeyCode, control: bool) -> Option<Action> {
 
 /// The keys that are held down.
 #[derive(Clone, Debug, Default)]
-pub struct Held(HashSet<KeyCode>);
+pub struct PressedKeys(HashSet<KeyCode>);
 
-impl Held {
+impl PressedKeys {
     /// A key goes down. With a control key it is a command and holds nothing, whichever of
     /// the two goes up first.
     pub fn press(&mut self, key: KeyCode) {
@@ -173,14 +173,14 @@ impl Held {
     }
 
     /// What the walker wants.
-    pub fn wish(&self) -> Wish {
+    pub fn input(&self) -> MoveInput {
         if self.control() {
-            return Wish::default();
+            return MoveInput::default();
         }
         let axis = |more: KeyCode, less: KeyCode| {
             f32::from(self.0.contains(&more)) - f32::from(self.0.contains(&less))
         };
-        Wish {
+        MoveInput {
             forward: axis(KeyCode::KeyW, KeyCode::KeyS),
             right: axis(KeyCode::KeyD, KeyCode::KeyA),
             up: axis(KeyCode::KeyE, KeyCode::KeyQ),
@@ -198,20 +198,23 @@ mod tests {
     /// Protects saving by Ctrl+S from walking backwards, and opposite keys from each other.
     #[test]
     fn held_keys_make_a_wish() {
-        let mut held = Held::default();
-        held.press(KeyCode::KeyS);
-        held.press(KeyCode::ArrowLeft);
-        assert_eq!((held.wish().forward, held.wish().turn), (-1.0, -1.0));
-        held.press(KeyCode::KeyW);
-        assert_eq!(held.wish().forward, 0.0);
-        held.press(KeyCode::ControlLeft);
-        assert!(held.wish().is_rest());
-        assert_eq!(action(KeyCode::KeyS, held.control()), Some(Action::Save));
-        held.press(KeyCode::KeyD);
-        held.release(KeyCode::ControlLeft);
-        assert_eq!(held.wish().right, 0.0);
-        held.clear();
-        assert!(held.wish().is_rest() && !held.control());
+        let mut pressed = PressedKeys::default();
+        pressed.press(KeyCode::KeyS);
+        pressed.press(KeyCode::ArrowLeft);
+        assert_eq!(
+            (pressed.input().forward, pressed.input().turn),
+            (-1.0, -1.0)
+        );
+        pressed.press(KeyCode::KeyW);
+        assert_eq!(pressed.input().forward, 0.0);
+        pressed.press(KeyCode::ControlLeft);
+        assert!(pressed.input().is_rest());
+        assert_eq!(action(KeyCode::KeyS, pressed.control()), Some(Action::Save));
+        pressed.press(KeyCode::KeyD);
+        pressed.release(KeyCode::ControlLeft);
+        assert_eq!(pressed.input().right, 0.0);
+        pressed.clear();
+        assert!(pressed.input().is_rest() && !pressed.control());
     }
 
     /// Protects the keys 1, 2 and 3 from the help's order, which names them.

@@ -58,7 +58,7 @@ pub use latency::Parts as Latency;
 pub use options::{DemoOptions, OPENING_SCENE};
 pub use report::{FrameTimes, Memory, PanAt, Report, Reread, Standing};
 pub use sound::SoundStatus;
-pub use walk::{BODY, Walker, Wish};
+pub use walk::{BODY, MoveInput, Walker};
 
 /// Opens the window and stays until it is closed.
 ///

@@ -2,7 +2,7 @@
 
 use super::DemoOptions;
 use super::values::{ValueSlider, value_sliders};
-use super::walk::{Walker, Wish, carried};
+use super::walk::{MoveInput, Walker, carried};
 use crate::audio::PanningLaw;
 use crate::scene::{Scene, SceneError};
 use crate::trace::{MAX_ITERATIONS, MAX_WAVES, Profile, Settings};
@@ -209,7 +209,7 @@ impl World {
     }
 
     /// Lets time pass: paths go on, the walker walks, what is carried comes along.
-    pub fn pass(&mut self, wish: &Wish, seconds: f64) {
+    pub fn pass(&mut self, input: &MoveInput, seconds: f64) {
         if !self.paused {
             self.seconds += seconds;
         }
@@ -221,9 +221,9 @@ impl World {
         if let Some(walker) = &self.walker {
             walker.place(&mut self.now.listener);
         }
-        if !wish.is_rest() {
+        if !input.is_rest() {
             let mut walker = Walker::of(&self.now.listener);
-            walker.walk(&self.now, wish, seconds as f32);
+            walker.walk(&self.now, input, seconds as f32);
             self.stand(walker);
         }
         if self.carrying {
@@ -315,22 +315,22 @@ mod tests {
     #[test]
     fn a_moving_source_moves_until_it_is_picked_up() {
         let mut world = World::load("open-field").unwrap();
-        world.pass(&Wish::default(), 2.0);
+        world.pass(&MoveInput::default(), 2.0);
         assert!(world.now.source.position.x.abs() < 1e-4);
         world.paused = true;
-        world.pass(&Wish::default(), 1.0);
+        world.pass(&MoveInput::default(), 1.0);
         assert!(world.now.source.position.x.abs() < 1e-4);
         assert!(world.source.is_none() && world.walker.is_none());
         world.paused = false;
         world.pick_up_or_put_down();
-        world.pass(&Wish::default(), 0.1);
+        world.pass(&MoveInput::default(), 0.1);
         let held = world.now.source.position;
         world.pick_up_or_put_down();
-        world.pass(&Wish::default(), 1.0);
+        world.pass(&MoveInput::default(), 1.0);
         assert_eq!(world.now.source.position, held);
         assert!((held - world.now.listener.position).z < -2.0);
         world.start_over();
-        world.pass(&Wish::default(), 0.0);
+        world.pass(&MoveInput::default(), 0.0);
         assert_eq!(world.now.source.position.x, -8.0);
     }
 }

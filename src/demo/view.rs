@@ -221,12 +221,13 @@ impl View {
         };
         let structure = kernel::structure(scene);
         let program = self.programs.get_or_compile(structure, compile)?;
-        let placement = kernel::Placement::world();
-        let placed = placement.apply(scene);
-        self.data.set(scene, &placement, &placed, Lists::Near)?;
+        let rebasing = kernel::OriginRebasing::world();
+        let rebased = rebasing.apply(scene);
+        self.data
+            .set(scene, &rebasing, &rebased, Lists::NearestCandidates)?;
         self.data.set_uniforms(&program);
         self.data.bind(&program, 0);
-        program.set_vec4_array("uSurfaces", &placed.uniform_values());
+        program.set_vec4_array("uSurfaces", &rebased.uniform_values());
         Ok(program)
     }
 

@@ -1,6 +1,6 @@
 //! Walking through a scene: no step ends in a wall, and a step against one slides along it.
 //!
-//! Knows no window and no keys: a [`Wish`] and a time go in, a new pose comes out.
+//! Knows no window and no keys: a [`MoveInput`] and a time go in, a new pose comes out.
 
 use crate::scene::{Listener, Scene};
 use glam::Vec3;
@@ -29,7 +29,7 @@ const LONGEST: f32 = 0.1;
 
 /// What the walker wants, each −1 … 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Wish {
+pub struct MoveInput {
     /// Along the gaze, level.
     pub forward: f32,
     /// To the right.
@@ -44,10 +44,10 @@ pub struct Wish {
     pub run: bool,
 }
 
-impl Wish {
+impl MoveInput {
     /// Whether nothing is wanted.
     pub fn is_rest(&self) -> bool {
-        let Wish {
+        let MoveInput {
             forward,
             right,
             up,
@@ -57,7 +57,7 @@ impl Wish {
         } = *self;
         [forward, right, up, turn, tilt]
             .iter()
-            .all(|&wish| wish == 0.0)
+            .all(|&input| input == 0.0)
     }
 }
 
@@ -96,14 +96,17 @@ impl Walker {
     }
 
     /// Does what is wished for `seconds`, in the air of `scene`.
-    pub fn walk(&mut self, scene: &Scene, wish: &Wish, seconds: f32) {
+    pub fn walk(&mut self, scene: &Scene, input: &MoveInput, seconds: f32) {
         let seconds = seconds.clamp(0.0, LONGEST);
-        self.look(wish.turn * TURNING * seconds, wish.tilt * TURNING * seconds);
+        self.look(
+            input.turn * TURNING * seconds,
+            input.tilt * TURNING * seconds,
+        );
         let (sin, cos) = self.yaw.sin_cos();
         let ahead = Vec3::new(sin, 0.0, -cos);
         let right = Vec3::new(cos, 0.0, sin);
-        let way = ahead * wish.forward + right * wish.right + Vec3::Y * wish.up;
-        let speed = if wish.run { RUNNING } else { WALKING };
+        let way = ahead * input.forward + right * input.right + Vec3::Y * input.up;
+        let speed = if input.run { RUNNING } else { WALKING };
         self.step(scene, way.clamp_length_max(1.0) * speed * seconds);
     }
 
@@ -169,12 +172,12 @@ pub fn carried(scene: &Scene) -> Vec3 {
 mod tests {
     use super::*;
 
-    fn walked(wish: Wish, yaw: f32, seconds: f32) -> Walker {
+    fn walked(input: MoveInput, yaw: f32, seconds: f32) -> Walker {
         let scene = Scene::builtin("corner").unwrap();
         let mut walker = Walker::of(&scene.listener);
         walker.yaw = yaw;
         for _ in 0..(seconds * 30.0) as usize {
-            walker.walk(&scene, &wish, 1.0 / 30.0);
+            walker.walk(&scene, &input, 1.0 / 30.0);
         }
         walker
     }
@@ -182,15 +185,15 @@ mod tests {
     /// Protects the direction of keys: forward is along the gaze, right is to its right.
     #[test]
     fn a_walker_goes_where_the_gaze_and_the_keys_say() {
-        let ahead = Wish {
+        let ahead = MoveInput {
             forward: 1.0,
-            ..Wish::default()
+            ..MoveInput::default()
         };
         let back = walked(ahead, std::f32::consts::PI, 1.0);
         assert!((back.position - Vec3::new(10.0, 0.0, 11.5)).length() < 1e-3);
-        let aside = Wish {
+        let aside = MoveInput {
             right: -1.0,
-            ..Wish::default()
+            ..MoveInput::default()
         };
         let left = walked(aside, 0.0, 1.0);
         assert!((left.position - Vec3::new(6.5, 0.0, 8.0)).length() < 1e-3);
@@ -200,10 +203,10 @@ mod tests {
     /// it, the eye stays out, and slides along it where it is met at a slant.
     #[test]
     fn walls_stop_a_walker_who_slides_along() {
-        let at_the_wall = Wish {
+        let at_the_wall = MoveInput {
             forward: 1.0,
             run: true,
-            ..Wish::default()
+            ..MoveInput::default()
         };
         let stopped = walked(at_the_wall, 0.0, 10.0);
         assert!((stopped.position.z - BODY).abs() < 0.01, "{stopped:?}");
@@ -225,16 +228,16 @@ mod tests {
             for heading in 0..12 {
                 let mut walker = Walker::of(&scene.listener);
                 walker.yaw = heading as f32 * 0.53;
-                let wish = Wish {
+                let input = MoveInput {
                     forward: 1.0,
                     up: if heading % 3 == 0 { -1.0 } else { 0.0 },
                     run: true,
-                    ..Wish::default()
+                    ..MoveInput::default()
                 };
                 let start = scene.surface_distance(walker.position).distance;
                 let least = start.min(BODY - SLACK);
                 for _ in 0..200 {
-                    walker.walk(&scene, &wish, 0.05);
+                    walker.walk(&scene, &input, 0.05);
                     let clear = scene.surface_distance(walker.position).distance;
                     assert!(clear >= least, "{name}, heading {heading}: {clear}");
                 }
@@ -250,14 +253,14 @@ mod tests {
         for heading in 0..4 {
             let mut walker = Walker::of(&scene.listener);
             walker.yaw = heading as f32 * 1.6;
-            let wish = Wish {
+            let input = MoveInput {
                 forward: 1.0,
                 run: true,
-                ..Wish::default()
+                ..MoveInput::default()
             };
             let start = scene.surface_distance(walker.position).distance;
             for _ in 0..120 * 30 {
-                walker.walk(&scene, &wish, 1.0 / 30.0);
+                walker.walk(&scene, &input, 1.0 / 30.0);
             }
             let clear = scene.surface_distance(walker.position).distance;
             assert!(

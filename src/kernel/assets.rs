@@ -51,7 +51,7 @@ impl Assets {
         if self.images.is_empty() {
             return Vec::new();
         }
-        let surfaces = layout.loose.iter().chain(&layout.kinds);
+        let surfaces = layout.unrolled.iter().chain(&layout.instanced);
         let fields = surfaces.map(|&index| &scene.surfaces[index].shape);
         let images = fields.flat_map(Shape::nodes).filter_map(|f| match &f.node {
             Node::HeightField(HeightField { image, .. }) => self.image(image),

@@ -1,9 +1,9 @@
 //! Cells of space, each with the surfaces that matter in it.
 //!
-//! Two lists a cell. *Touching*: the surfaces whose solid reaches into it; a line through
-//! the cell can meet no other. *Near*: the surfaces that are the nearest one to some point
-//! of it; a distance there needs no other. With the middle c of a cell and its half
-//! diagonal r, the distance d of a surface and the least such distance u obey
+//! Two lists a cell. *Overlapping*: the surfaces whose solid reaches into it; a line through
+//! the cell can meet no other. *Nearest candidates*: the surfaces that are the
+//! nearest one to some point of it; a distance there needs no other. With the middle c of a
+//! cell and its half diagonal r, the distance d of a surface and the least such distance u obey
 //! d(x) ≥ d(c) − r and min d(x) ≤ u + r, so that only surfaces with d(c) ≤ u + 2 r are near.
 //!
 //! A distance from outside of the grid asks *groups* of surfaces instead (`groups.rs`).
@@ -60,9 +60,9 @@ pub struct Cells {
     grid: Grid,
     /// The surfaces that lie in cells, as they were when the lists were made.
     known: Vec<Member>,
-    touching: Vec<Vec<u32>>,
-    near: Option<Vec<Near>>,
-    /// Made with the near lists.
+    overlapping: Vec<Vec<u32>>,
+    near: Option<Vec<Candidates>>,
+    /// Made with the lists of nearest candidates.
     groups: Vec<Group>,
 }
 
@@ -79,7 +79,7 @@ struct Member {
 
 /// A cell's list of near surfaces (indices into the members), and what it was made by.
 #[derive(Clone, Debug, Default)]
-struct Near {
+struct Candidates {
     members: Vec<u32>,
     least: f64,
 }
@@ -88,9 +88,9 @@ struct Near {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Lists {
     /// What a line through the cell can meet.
-    Touching,
+    Overlapping,
     /// What a distance in the cell needs.
-    Near,
+    NearestCandidates,
 }
 
 impl Cells {
@@ -100,16 +100,16 @@ impl Cells {
             return None;
         }
         let known = members(scene, layout);
-        let grid = Grid::around(&known, layout.columns);
+        let grid = Grid::around(&known, layout.unbounded_axes);
         let mut cells = Cells {
             layout: layout.clone(),
             grid,
             known,
-            touching: Vec::new(),
+            overlapping: Vec::new(),
             near: None,
             groups: Vec::new(),
         };
-        cells.touching = vec![Vec::new(); cells.grid.cells()];
+        cells.overlapping = vec![Vec::new(); cells.grid.cells()];
         for member in 0..cells.known.len() {
             cells.put(member);
         }
@@ -142,7 +142,7 @@ impl Cells {
             let surface = &scene.surfaces[self.known[place].index as usize];
             self.known[place] = Member::new(self.known[place].index, surface);
         }
-        self.grid.inner = hull(&self.known, self.layout.columns);
+        self.grid.inner = hull(&self.known, self.layout.unbounded_axes);
         if !self.grid.has_room() {
             return self.renew(scene, layout);
         }
@@ -169,12 +169,12 @@ impl Cells {
         &self.grid
     }
 
-    /// Groups of all surfaces in cells. Near lists must be prepared before.
+    /// Groups of all surfaces in cells. Lists of nearest candidates must be prepared before.
     pub fn groups(&self) -> &[Group] {
         &self.groups
     }
 
-    /// The length of the longest list. Near lists must be prepared before.
+    /// The length of the longest list. Lists of nearest candidates must be prepared before.
     pub fn longest(&self, which: Lists) -> usize {
         let mut longest = 0;
         self.for_each_list(which, |_, list| longest = longest.max(list.len()));
@@ -183,20 +183,20 @@ impl Cells {
 
     /// Makes the lists that are only made when they are asked for.
     pub fn prepare(&mut self, which: Lists) {
-        if which == Lists::Near && self.near.is_none() {
+        if which == Lists::NearestCandidates && self.near.is_none() {
             self.make_near();
         }
     }
 
     /// Calls `visit` with each cell (x runs fastest, then y, then z) and the indices of its
-    /// surfaces in the scene. Near lists must be prepared before.
+    /// surfaces in the scene. Lists of nearest candidates must be prepared before.
     pub fn for_each_list(&self, which: Lists, mut visit: impl FnMut(usize, &[u32])) {
         let near = self.near.as_deref().unwrap_or_default();
         let mut list = Vec::new();
         for cell in 0..self.grid.cells() {
             let members = match which {
-                Lists::Near => near.get(cell).map_or(&[][..], |near| &near.members),
-                Lists::Touching => &self.touching[cell],
+                Lists::NearestCandidates => near.get(cell).map_or(&[][..], |near| &near.members),
+                Lists::Overlapping => &self.overlapping[cell],
             };
             list.clear();
             list.extend(
@@ -210,8 +210,8 @@ impl Cells {
 
     fn put(&mut self, place: usize) {
         for (cell, bounds) in self.touched(place) {
-            if self.known[place].reaches_into(bounds, self.layout.columns) {
-                let list = &mut self.touching[cell];
+            if self.known[place].reaches_into(bounds, self.layout.unbounded_axes) {
+                let list = &mut self.overlapping[cell];
                 let at = list.partition_point(|&other| (other as usize) < place);
                 list.insert(at, place as u32);
             }
@@ -220,7 +220,7 @@ impl Cells {
 
     fn take_out(&mut self, place: usize) {
         for (cell, _) in self.touched(place) {
-            self.touching[cell].retain(|&other| other as usize != place);
+            self.overlapping[cell].retain(|&other| other as usize != place);
         }
     }
 
@@ -239,7 +239,7 @@ impl Cells {
         cells
     }
 
-    /// Makes all near lists.
+    /// Makes all lists of nearest candidates.
     fn make_near(&mut self) {
         let all: Vec<u32> = (0..self.known.len() as u32).collect();
         let blocks = self.grid.blocks();
@@ -258,7 +258,7 @@ impl Cells {
             };
             block.iter().map(near).collect::<Vec<_>>()
         };
-        let mut near = vec![Near::default(); self.grid.cells()];
+        let mut near = vec![Candidates::default(); self.grid.cells()];
         for (cell, list) in on_all_cores(&blocks, of_block).into_iter().flatten() {
             near[cell] = list;
         }
@@ -266,7 +266,7 @@ impl Cells {
         self.groups = groups::groups(&self.known);
     }
 
-    /// Makes the near lists again that something that moved was in, or gets into.
+    /// Makes the lists of nearest candidates again that something that moved was in, or gets into.
     fn renew_near(&mut self, moved: &[usize]) {
         let Some(near) = &self.near else {
             return;
@@ -274,11 +274,11 @@ impl Cells {
         let stale = |cell: &usize| {
             let list = &near[*cell];
             let bounds = self.grid.padded(self.grid.at(*cell));
-            let reach = list.least + 2.0 * radius(bounds, self.layout.columns);
+            let reach = list.least + 2.0 * radius(bounds, self.layout.unbounded_axes);
             moved.iter().any(|&place| {
                 let member = &self.known[place];
                 list.members.contains(&(place as u32))
-                    || member.least_value(bounds, self.layout.columns) <= reach
+                    || member.least_value(bounds, self.layout.unbounded_axes) <= reach
             })
         };
         let all: Vec<u32> = (0..self.known.len() as u32).collect();
@@ -296,21 +296,21 @@ impl Cells {
     }
 
     /// Those of the candidates that are the nearest to some place of a box.
-    fn near_to(&self, bounds: Bounds3, candidates: &[u32]) -> Near {
-        let columns = self.layout.columns;
+    fn near_to(&self, bounds: Bounds3, candidates: &[u32]) -> Candidates {
+        let unbounded_axes = self.layout.unbounded_axes;
         let mut least = f64::INFINITY;
         let distances: Vec<f64> = candidates
             .iter()
             .map(|&place| {
                 let member = &self.known[place as usize];
-                least = least.min(member.most_distance(bounds, columns));
-                member.least_value(bounds, columns)
+                least = least.min(member.most_distance(bounds, unbounded_axes));
+                member.least_value(bounds, unbounded_axes)
             })
             .collect();
-        let reach = least + 2.0 * radius(bounds, columns);
+        let reach = least + 2.0 * radius(bounds, unbounded_axes);
         let with = candidates.iter().zip(distances);
         let members = with.filter(|(_, distance)| *distance <= reach);
-        Near {
+        Candidates {
             members: members.map(|(place, _)| *place).collect(),
             least,
         }
@@ -329,27 +329,27 @@ impl Member {
     }
 
     /// Whether its value at the middle of a box says the distance there: not where there are
-    /// columns and it has ends.
-    fn is_told_by_value(&self, columns: [bool; 3]) -> bool {
-        let column = (0..3).find(|&axis| columns[axis]);
+    /// unbounded axes and it has ends.
+    fn is_told_by_value(&self, unbounded_axes: [bool; 3]) -> bool {
+        let column = (0..3).find(|&axis| unbounded_axes[axis]);
         column.is_none_or(|axis| {
-            columns.iter().filter(|c| **c).count() == 1
+            unbounded_axes.iter().filter(|c| **c).count() == 1
                 && matches!(self.surface.shape.node, Node::Cylinder(_))
                 && self.bounds.min[axis].is_infinite()
         })
     }
 
-    fn reaches_into(&self, bounds: Bounds3, columns: [bool; 3]) -> bool {
-        self.least_distance(bounds, columns) <= radius(bounds, columns)
+    fn reaches_into(&self, bounds: Bounds3, unbounded_axes: [bool; 3]) -> bool {
+        self.least_distance(bounds, unbounded_axes) <= radius(bounds, unbounded_axes)
     }
 
     /// Never more than its distance from the middle of a box.
-    fn least_distance(&self, bounds: Bounds3, columns: [bool; 3]) -> f64 {
-        let middle = middle(bounds, columns);
-        if self.is_told_by_value(columns) {
+    fn least_distance(&self, bounds: Bounds3, unbounded_axes: [bool; 3]) -> f64 {
+        let middle = middle(bounds, unbounded_axes);
+        if self.is_told_by_value(unbounded_axes) {
             return f64::from(self.surface.distance(middle.as_vec3()));
         }
-        let mask = BVec3::from_array(columns);
+        let mask = BVec3::from_array(unbounded_axes);
         let flat = Bounds3 {
             min: DVec3::select(mask, DVec3::NEG_INFINITY, self.bounds.min),
             max: DVec3::select(mask, DVec3::INFINITY, self.bounds.max),
@@ -358,19 +358,19 @@ impl Member {
     }
 
     /// Never more than its value there, which for a bound may be less than the distance.
-    fn least_value(&self, bounds: Bounds3, columns: [bool; 3]) -> f64 {
-        match self.exact || self.is_told_by_value(columns) {
-            true => self.least_distance(bounds, columns),
+    fn least_value(&self, bounds: Bounds3, unbounded_axes: [bool; 3]) -> f64 {
+        match self.exact || self.is_told_by_value(unbounded_axes) {
+            true => self.least_distance(bounds, unbounded_axes),
             false => f64::NEG_INFINITY,
         }
     }
 
     /// Never less than that distance.
-    fn most_distance(&self, bounds: Bounds3, columns: [bool; 3]) -> f64 {
-        if !self.is_told_by_value(columns) {
+    fn most_distance(&self, bounds: Bounds3, unbounded_axes: [bool; 3]) -> f64 {
+        if !self.is_told_by_value(unbounded_axes) {
             return f64::INFINITY;
         }
-        let middle = middle(bounds, columns);
+        let middle = middle(bounds, unbounded_axes);
         if self.exact {
             return f64::from(self.surface.distance(middle.as_vec3()));
         }
@@ -381,16 +381,16 @@ impl Member {
     }
 }
 
-/// The middle of a box, 0 along columns.
-fn middle(bounds: Bounds3, columns: [bool; 3]) -> DVec3 {
+/// The middle of a box, 0 along unbounded axes.
+fn middle(bounds: Bounds3, unbounded_axes: [bool; 3]) -> DVec3 {
     let middle = 0.5 * (bounds.min + bounds.max);
-    DVec3::select(BVec3::from_array(columns), DVec3::ZERO, middle)
+    DVec3::select(BVec3::from_array(unbounded_axes), DVec3::ZERO, middle)
 }
 
-/// Half the diagonal of a box, what columns add left out, and what `f32` rounds a distance
+/// Half the diagonal of a box, what unbounded axes add left out, and what `f32` rounds a distance
 /// by.
-fn radius(bounds: Bounds3, columns: [bool; 3]) -> f64 {
-    let flat = |v: DVec3| DVec3::select(BVec3::from_array(columns), DVec3::ZERO, v);
+fn radius(bounds: Bounds3, unbounded_axes: [bool; 3]) -> f64 {
+    let flat = |v: DVec3| DVec3::select(BVec3::from_array(unbounded_axes), DVec3::ZERO, v);
     let half = flat(0.5 * (bounds.max - bounds.min));
     let place = flat(bounds.min.abs().max(bounds.max.abs()));
     half.length() + 8.0 * f64::from(f32::EPSILON) * place.max_element()
@@ -402,11 +402,11 @@ fn members(scene: &Scene, layout: &Layout) -> Vec<Member> {
     members.collect()
 }
 
-/// What holds all members; without end along columns.
-fn hull(members: &[Member], columns: [bool; 3]) -> Bounds3 {
+/// What holds all members; without end along unbounded axes.
+fn hull(members: &[Member], unbounded_axes: [bool; 3]) -> Bounds3 {
     let all = members.iter().map(|m| m.bounds).reduce(Bounds3::hull);
     let hull = all.unwrap_or(Bounds3::EVERYWHERE);
-    let mask = BVec3::from_array(columns);
+    let mask = BVec3::from_array(unbounded_axes);
     Bounds3 {
         min: DVec3::select(mask, DVec3::splat(-ENDLESS), hull.min),
         max: DVec3::select(mask, DVec3::splat(ENDLESS), hull.max),
@@ -414,23 +414,26 @@ fn hull(members: &[Member], columns: [bool; 3]) -> Bounds3 {
 }
 
 impl Grid {
-    fn around(members: &[Member], columns: [bool; 3]) -> Grid {
-        let inner = hull(members, columns);
+    fn around(members: &[Member], unbounded_axes: [bool; 3]) -> Grid {
+        let inner = hull(members, unbounded_axes);
         let size = inner.max - inner.min;
         let longest = (0..3)
-            .filter(|&axis| !columns[axis])
+            .filter(|&axis| !unbounded_axes[axis])
             .map(|axis| size[axis])
             .fold(0.0, f64::max);
-        let border = DVec3::from_array([0, 1, 2].map(|axis| match columns[axis] {
+        let border = DVec3::from_array([0, 1, 2].map(|axis| match unbounded_axes[axis] {
             true => 0.0,
             false => BORDER * longest.max(1e-3),
         }));
         let outer = inner.grown(border);
         let size = outer.max - outer.min;
-        let along: Vec<f64> = (0..3).filter(|&a| !columns[a]).map(|a| size[a]).collect();
+        let along: Vec<f64> = (0..3)
+            .filter(|&a| !unbounded_axes[a])
+            .map(|a| size[a])
+            .collect();
         let wanted = CELLS_A_SURFACE * members.len() as f64;
         let edge = (along.iter().product::<f64>() / wanted).powf(1.0 / along.len().max(1) as f64);
-        let count = [0, 1, 2].map(|axis| match columns[axis] {
+        let count = [0, 1, 2].map(|axis| match unbounded_axes[axis] {
             true => 1,
             false => (size[axis] / edge).round().clamp(1.0, MOST_CELLS) as u32,
         });
@@ -446,11 +449,11 @@ impl Grid {
     /// Whether the border about the surfaces is still at least half as wide as it was.
     fn has_room(&self) -> bool {
         let end = self.origin + self.cell * self.count.as_dvec3();
-        let columns = self.cell.cmpge(DVec3::splat(2.0 * ENDLESS));
+        let unbounded_axes = self.cell.cmpge(DVec3::splat(2.0 * ENDLESS));
         let border = 0.5 * BORDER / (1.0 + 2.0 * BORDER);
-        let longest = DVec3::select(columns, DVec3::ZERO, end - self.origin).max_element();
+        let longest = DVec3::select(unbounded_axes, DVec3::ZERO, end - self.origin).max_element();
         let free = (self.inner.min - self.origin).min(end - self.inner.max);
-        (0..3).all(|axis| columns.test(axis) || free[axis] >= border * longest)
+        (0..3).all(|axis| unbounded_axes.test(axis) || free[axis] >= border * longest)
     }
 
     fn cells(&self) -> usize {

@@ -11,7 +11,7 @@ use crate::scene::{Scene, SceneError};
 pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
     scene.check()?;
     let layout = Layout::of(scene);
-    let unrolled = layout.loose.iter().chain(&layout.kinds);
+    let unrolled = layout.unrolled.iter().chain(&layout.instanced);
     let nodes = |&index: &usize| scene.surfaces[index].shape.nodes().len();
     let pieces: usize = unrolled.map(nodes).sum();
     if pieces <= MOST_UNROLLED {

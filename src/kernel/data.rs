@@ -10,7 +10,7 @@
 use super::assets::Assets;
 use super::cells::{Cells, ENDLESS, Group, Lists};
 use super::layout::Layout;
-use super::placement::{Placed, Placement, rounding_of};
+use super::rebasing::{OriginRebasing, RebasedScene, rounding_of};
 use crate::scene::Scene;
 use glam::{DVec3, Vec3, Vec4};
 
@@ -39,7 +39,7 @@ pub struct CellData {
     pub count: Vec3,
     /// Index of the first cell in the scene's data.
     pub cells: i32,
-    /// Index of the first group; groups come with near lists alone.
+    /// Index of the first group; groups come with lists of nearest candidates alone.
     pub groups: i32,
     /// How many groups there are.
     pub group_count: i32,
@@ -52,8 +52,8 @@ impl CellData {
     pub fn append(
         data: &mut Vec<Vec4>,
         layout: &Layout,
-        placement: &Placement,
-        placed: &Placed,
+        rebasing: &OriginRebasing,
+        rebased: &RebasedScene,
         cells: &Cells,
         lists: Lists,
     ) -> CellData {
@@ -67,7 +67,7 @@ impl CellData {
             };
             data.push(Vec4::new((index + 1) as f32, kind, place, 0.0));
             if kind >= 0.0 {
-                placed.push_data(index, &mut values);
+                rebased.push_data(index, &mut values);
             }
         }
         data.append(&mut values);
@@ -82,11 +82,11 @@ impl CellData {
             }
         });
         let grid = cells.grid();
-        let anchor = placement.anchor.as_dvec3();
-        let local = |place: DVec3| (place - anchor).as_vec3();
+        let origin = rebasing.origin.as_dvec3();
+        let local = |place: DVec3| (place - origin).as_vec3();
         let groups: &[Group] = match lists {
-            Lists::Near => cells.groups(),
-            Lists::Touching => &[],
+            Lists::NearestCandidates => cells.groups(),
+            Lists::Overlapping => &[],
         };
         let first_group = data.len();
         data.resize(first_group + 2 * groups.len(), Vec4::ZERO);

@@ -3,7 +3,7 @@
 //! A few surfaces are unrolled: each has its own lines of text. Of many, only *kinds* are
 //! in the text (a shape, turned or not), and the surfaces of a kind are data; cells say
 //! which of them can be met where. What has no end cannot lie in a cell, but along an axis
-//! along which most have none (a hall of endless pillars) there are no cells, only columns.
+//! along which most have none (a hall of endless pillars) the cells have no end, either.
 
 use super::signature::SurfaceStructure;
 use crate::scene::shape::MOST_NODES;
@@ -22,13 +22,13 @@ pub const MOST_UNROLLED: usize = MOST_NODES;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layout {
     /// Indices of the surfaces that are unrolled.
-    pub loose: Vec<usize>,
+    pub unrolled: Vec<usize>,
     /// For each kind the index of its first surface.
-    pub kinds: Vec<usize>,
+    pub instanced: Vec<usize>,
     /// For each surface the kind that it is of, if it lies in cells.
     pub kind_of: Vec<Option<u32>>,
-    /// Axes along which there are columns instead of cells.
-    pub columns: [bool; 3],
+    /// Axes along which cells have no end.
+    pub unbounded_axes: [bool; 3],
 }
 
 impl Layout {
@@ -36,17 +36,17 @@ impl Layout {
     pub fn of(scene: &Scene) -> Layout {
         let all = scene.surfaces.len();
         let unrolled = Layout {
-            loose: (0..all).collect(),
-            kinds: Vec::new(),
+            unrolled: (0..all).collect(),
+            instanced: Vec::new(),
             kind_of: vec![None; all],
-            columns: [false; 3],
+            unbounded_axes: [false; 3],
         };
         if all < CELLS_FROM {
             return unrolled;
         }
         let endless: Vec<[bool; 3]> = scene.surfaces.iter().map(endless_axes).collect();
         let candidates = endless.iter().filter(|axes| **axes != [true; 3]).count();
-        let columns = [0, 1, 2].map(|axis| {
+        let unbounded_axes = [0, 1, 2].map(|axis| {
             let along = endless
                 .iter()
                 .filter(|e| **e != [true; 3] && e[axis])
@@ -54,20 +54,20 @@ impl Layout {
             2 * along > candidates
         });
         let fits = |axes: &[bool; 3]| {
-            *axes != [true; 3] && (0..3).all(|axis| !axes[axis] || columns[axis])
+            *axes != [true; 3] && (0..3).all(|axis| !axes[axis] || unbounded_axes[axis])
         };
         if endless.iter().filter(|axes| fits(axes)).count() < CELLS_FROM {
             return unrolled;
         }
         let mut layout = Layout {
-            loose: Vec::new(),
-            columns,
+            unrolled: Vec::new(),
+            unbounded_axes,
             ..unrolled
         };
         let mut structures: Vec<SurfaceStructure> = Vec::new();
         for (index, surface) in scene.surfaces.iter().enumerate() {
             if !fits(&endless[index]) {
-                layout.loose.push(index);
+                layout.unrolled.push(index);
                 continue;
             }
             let structure = SurfaceStructure::as_data(surface);
@@ -78,7 +78,7 @@ impl Layout {
             };
             let kind = known.unwrap_or_else(|| {
                 structures.push(structure);
-                layout.kinds.push(index);
+                layout.instanced.push(index);
                 structures.len() - 1
             });
             layout.kind_of[index] = Some(kind as u32);
@@ -88,7 +88,7 @@ impl Layout {
 
     /// Whether there are cells at all.
     pub fn has_cells(&self) -> bool {
-        !self.kinds.is_empty()
+        !self.instanced.is_empty()
     }
 }
 

@@ -17,7 +17,7 @@ use crate::scene::{Copies, Node, Scene, Shape, UserField};
 /// a few dozen turns whose number is known, so that few texts have as many left.
 const USER_TURNS: u64 = 60;
 
-/// Calls of a user's text in one landing at the most, where normals are differences: seven for
+/// Calls of a user's text in one projection at the most, where normals are differences: seven for
 /// the gradient, and for the normal a value and six over each of nine distances
 /// (`glsl/user/differences.glsl`).
 const CALLS_OF_DIFFERENCES: u64 = 62;
@@ -25,7 +25,7 @@ const CALLS_OF_DIFFERENCES: u64 = 62;
 /// Turns of the loop over these distances.
 const TURNS_OF_DIFFERENCES: u64 = 7;
 
-/// Calls in one landing where the text states its gradient: value and gradient, twice, and once
+/// Calls in one projection where the text states its gradient: value and gradient, twice, and once
 /// more where there is none (`glsl/user/gradient.glsl`).
 const CALLS_OF_GRADIENT: u64 = 6;
 
@@ -36,17 +36,17 @@ pub struct Loops {
     /// The distance to everything.
     pub distance: u64,
     /// The distance to the basic shapes ahead.
-    pub ahead: u64,
+    pub directed: u64,
     /// The values of all fields, and the gradient of one.
     pub all_fields: u64,
     /// The values of the fields without a closed form, and the gradient of one.
     pub other_fields: u64,
-    /// Where a line meets what has a closed form, but for walks with a step limit.
+    /// Where a line intersects what has a closed form, but for traversals with a step limit.
     pub line: u64,
-    /// One step of a walk that has a step limit.
+    /// One step of a traversal that has a step limit.
     pub copy_step: u64,
-    /// Landing on a surface: the gradient and the normal of one field.
-    pub landing: u64,
+    /// Projecting onto a surface: the gradient and the normal of one field.
+    pub projection: u64,
     /// Surfaces that have their own lines of text, each evaluated every time.
     pub unrolled: u64,
 }
@@ -58,7 +58,7 @@ pub fn loops(scene: &Scene, cells: Option<&Cells>, lists: Lists) -> Loops {
     let in_list = cells.map_or(0, |cells| cells.longest(lists) as u64);
     let listed = |turns: u64| in_list * (1 + turns);
     let value = |named: &Named| named.field().map_or(0, of_value);
-    let landing = |named: &Named| named.field().map_or(0, of_landing);
+    let projection = |named: &Named| named.field().map_or(0, of_projection);
     // A march asks for the value or for the bound along the line.
     let marched = |named: &Named| {
         let bounds = named.field().filter(|field| is_bounded(field));
@@ -69,31 +69,34 @@ pub fn loops(scene: &Scene, cells: Option<&Cells>, lists: Lists) -> Loops {
     let is_other = |named: &Named| Marched::Others.takes(named);
     let is_field = |named: &Named| Marched::All.takes(named);
     let fields = |wanted: &dyn Fn(&Named) -> bool| {
-        let loose: u64 = wanted_of(&text.loose, wanted).map(marched).sum();
-        let of_kind = wanted_of(&text.kinds, wanted).map(marched).max();
+        let unrolled: u64 = wanted_of(&text.unrolled, wanted).map(marched).sum();
+        let of_kind = wanted_of(&text.instanced, wanted).map(marched).max();
         let in_cells = of_kind.map_or(0, listed);
-        let gradient = wanted_of(&text.loose, wanted).map(value).max().max(of_kind);
-        loose + in_cells + gradient.unwrap_or(0)
+        let gradient = wanted_of(&text.unrolled, wanted)
+            .map(value)
+            .max()
+            .max(of_kind);
+        unrolled + in_cells + gradient.unwrap_or(0)
     };
-    let loose_values: u64 = text.loose.iter().map(value).sum();
-    let kind_values = text.kinds.iter().map(value).max().unwrap_or(0);
+    let unrolled_values: u64 = text.unrolled.iter().map(value).sum();
+    let kind_values = text.instanced.iter().map(value).max().unwrap_or(0);
     let outside = cells.map_or(0, |cells| {
         let surfaces: usize = cells.groups().iter().map(|g| g.surfaces.len()).sum();
         cells.groups().len() as u64 + surfaces as u64 * (1 + kind_values)
     });
     let closed = |named: &Named| named.has_closed_form();
-    let loose_hits: u64 = wanted_of(&text.loose, &closed).map(hit).sum();
-    let kind_hits = wanted_of(&text.kinds, &closed).map(hit).max();
+    let unrolled_hits: u64 = wanted_of(&text.unrolled, &closed).map(hit).sum();
+    let kind_hits = wanted_of(&text.instanced, &closed).map(hit).max();
     let across = cells.map_or(0, |cells| u64::from(cells.grid().count.element_sum()));
     Loops {
-        distance: loose_values + listed(kind_values).max(outside),
-        ahead: in_list,
+        distance: unrolled_values + listed(kind_values).max(outside),
+        directed: in_list,
         all_fields: fields(&is_field),
         other_fields: fields(&is_other),
-        line: loose_hits + kind_hits.map_or(0, |turns| across * (1 + listed(turns))),
+        line: unrolled_hits + kind_hits.map_or(0, |turns| across * (1 + listed(turns))),
         copy_step: text.all().map(step).max().unwrap_or(0),
-        landing: text.all().map(landing).max().unwrap_or(0),
-        unrolled: text.loose.len() as u64,
+        projection: text.all().map(projection).max().unwrap_or(0),
+        unrolled: text.unrolled.len() as u64,
     }
 }
 
@@ -109,8 +112,8 @@ fn of_value(field: &Shape) -> u64 {
     of_copies(field, &of_call)
 }
 
-/// Turns in landing on a field: of its gradient, and of its normal.
-fn of_landing(field: &Shape) -> u64 {
+/// Turns in projecting onto a field: of its gradient, and of its normal.
+fn of_projection(field: &Shape) -> u64 {
     of_copies(field, &|user| match user.states_gradient() {
         true => CALLS_OF_GRADIENT * of_call(user),
         false => TURNS_OF_DIFFERENCES + CALLS_OF_DIFFERENCES * of_call(user),
@@ -145,18 +148,18 @@ fn of_copies(field: &Shape, of_user: &dyn Fn(&UserField) -> u64) -> u64 {
     }
 }
 
-/// Turns in finding where a line meets a field that has a closed form, but for walks with a step
-/// limit.
+/// Turns in finding where a line intersects a field that has a closed form, but for traversals
+/// with a step limit.
 fn of_hit(field: &Shape) -> u64 {
     let below: u64 = field.children.iter().map(of_hit).sum();
     match &field.node {
-        // The last turn of a walk with a step limit takes no step.
+        // The last turn of a traversal with a step limit takes no step.
         Node::Repeat(_) => cells_crossed(field).map_or(1, |cells| cells * (1 + below)),
         _ => below,
     }
 }
 
-/// Turns in one step of a walk that has a step limit; 0 where there is none.
+/// Turns in one step of a traversal that has a step limit; 0 where there is none.
 fn of_copy_step(field: &Shape) -> u64 {
     if !has_closed_form(field) {
         return 0;

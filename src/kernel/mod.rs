@@ -4,7 +4,7 @@
 //! | --- | --- | --- |
 //! | the structure of a scene: shapes, operators, what moves | the text of a distance, of a march or of closed forms | `text` |
 //! | and the algorithm | the text of a whole pass, and the key of its program | `passes`, `structure` |
-//! | the numbers of a scene, and its listener | uniforms, relative to the listener, with covered faces extended | `placement`, `values`, `seal` |
+//! | the numbers of a scene, and its listener | uniforms, relative to the listener, with covered faces extended | `rebasing`, `values`, `extend` |
 //! | height images, and many surfaces | the data that shaders read by index, with cells and their lists | `data`, `cells`, `layout` |
 //! | | turns of the loops in the text | `loops` |
 //!
@@ -12,7 +12,7 @@
 //!
 //! What the shader reads relative to the listener is a uniform, for it changes with every step
 //! of the listener: where surfaces and the listener are, and, for they lie in the same vectors
-//! and are sealed against each other, the sizes of basic shapes. The numbers of fields are
+//! and are extended into each other, the sizes of basic shapes. The numbers of fields are
 //! literals, but for those that a driver moves. So the text depends on the [`Structure`] alone,
 //! and moving things never compiles a shader again.
 //!
@@ -23,11 +23,11 @@ mod assets;
 mod cells;
 mod check;
 mod data;
+mod extend;
 mod layout;
 mod loops;
 mod passes;
-mod placement;
-mod seal;
+mod rebasing;
 mod signature;
 mod structure;
 mod text;
@@ -46,13 +46,13 @@ pub(crate) use passes::{
     sum_text,
 };
 pub use passes::{Directions, marches_fields};
-pub use placement::{Placed, Placement};
+pub use rebasing::{OriginRebasing, RebasedScene};
 pub use structure::{Structure, structure};
 #[cfg(glsl_at_run_time)]
 pub(crate) use text::read_at_run_time;
 #[cfg(feature = "picture")]
 pub(crate) use text::source;
-pub use text::{Part, Source, ahead_parts, closed_form_parts, distance_parts, join, link};
+pub use text::{Part, Source, closed_form_parts, directed_parts, distance_parts, join, link};
 pub(crate) use text::{USER_FILE, user_sources};
 pub use values::uniform_count;
 
@@ -68,13 +68,13 @@ mod tests {
     /// What a pass calls, and where from.
     const CALLS: [(&str, Parts); 4] = [
         ("distanceFunction()", distance_parts),
-        ("distanceAhead() gradientAhead() land()", |scene| {
-            ahead_parts(scene, false)
+        ("directedDistance() directedGradient() project()", |scene| {
+            directed_parts(scene, false)
         }),
-        ("distanceAhead() surfaceDistance() land()", |scene| {
-            ahead_parts(scene, true)
+        ("directedDistance() surfaceDistance() project()", |scene| {
+            directed_parts(scene, true)
         }),
-        ("nearestHit() land()", closed_form_parts),
+        ("closestHit() project()", closed_form_parts),
     ];
 
     /// Every text of a scene, each with the functions that a pass calls.
@@ -114,7 +114,7 @@ mod tests {
         moved.surfaces[1].shape = Node::Cuboid(Cuboid { size }).into();
         assert_eq!(structure(&scene), structure(&moved));
         assert_eq!(texts(&scene), texts(&moved));
-        let values = |scene| Placement::world().apply(scene).uniform_values();
+        let values = |scene| OriginRebasing::world().apply(scene).uniform_values();
         assert_ne!(values(&scene), values(&moved));
     }
 }

@@ -2,7 +2,7 @@
 
 use super::structure::{Structure, structure};
 use super::text::{
-    Source, ahead_parts, closed_form_parts, distance_parts, field, join, link, source,
+    Source, closed_form_parts, directed_parts, distance_parts, field, join, link, source,
 };
 use crate::scene::{Scene, Surface};
 use std::fmt;
@@ -96,7 +96,7 @@ pub(crate) fn march_text(scene: &Scene, text: MarchText) -> String {
             );
             roots.push(Source::new("options", defines));
             roots.push(source!("iterate_march.glsl"));
-            ahead_parts(scene, !exact_normals)
+            directed_parts(scene, !exact_normals)
         }
         Algorithm::Hybrid => {
             let marches = u8::from(marches_fields(scene, false));

@@ -11,8 +11,8 @@ use crate::scene::Scene;
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Structure {
     /// Unrolled surfaces by their index.
-    loose: Vec<(usize, SurfaceStructure)>,
-    kinds: Vec<SurfaceStructure>,
+    unrolled: Vec<(usize, SurfaceStructure)>,
+    instanced: Vec<SurfaceStructure>,
     /// Where the heights of the images lie, in the order of the text.
     images: Vec<usize>,
 }
@@ -23,8 +23,8 @@ pub fn structure(scene: &Scene) -> Structure {
     let unrolled = |&index: &usize| (index, SurfaceStructure::unrolled(&scene.surfaces[index]));
     let as_data = |&index: &usize| SurfaceStructure::as_data(&scene.surfaces[index]);
     Structure {
-        loose: layout.loose.iter().map(unrolled).collect(),
-        kinds: layout.kinds.iter().map(as_data).collect(),
+        unrolled: layout.unrolled.iter().map(unrolled).collect(),
+        instanced: layout.instanced.iter().map(as_data).collect(),
         images: Assets::of(scene).places(&layout, scene),
     }
 }

@@ -8,7 +8,7 @@ use glam::{Quat, Vec4};
 /// Vectors that a scene's surfaces take in the uniforms.
 pub fn uniform_count(scene: &Scene) -> usize {
     let layout = Layout::of(scene);
-    let unrolled = layout.loose.iter().map(|&index| &scene.surfaces[index]);
+    let unrolled = layout.unrolled.iter().map(|&index| &scene.surfaces[index]);
     unrolled.map(|surface| value_count(surface, false)).sum()
 }
 
@@ -19,16 +19,21 @@ pub(super) fn value_count(surface: &Surface, is_data: bool) -> usize {
 }
 
 /// The values of one surface; of a field that is data all numbers move.
-pub(super) fn push_values(surface: &Surface, slack: f32, is_data: bool, values: &mut Vec<Vec4>) {
+pub(super) fn push_values(
+    surface: &Surface,
+    error_bound: f32,
+    is_data: bool,
+    values: &mut Vec<Vec4>,
+) {
     let place = |w: f32| surface.position.extend(w);
     match surface.shape.node {
         Node::Cuboid(Cuboid { size }) | Node::Room(Room { size }) => {
-            values.extend([place(0.0), (size * 0.5).extend(slack)]);
+            values.extend([place(0.0), (size * 0.5).extend(error_bound)]);
         }
         Node::Sphere(Sphere { radius }) | Node::Cylinder(Cylinder { radius }) => {
             values.push(place(radius))
         }
-        _ => values.push(place(slack)),
+        _ => values.push(place(error_bound)),
     }
     if surface.has_rotation() {
         values.push(inverse(surface.rotation));

@@ -30,12 +30,12 @@ pub(super) fn program(
     let text = text(scene, shader);
     UserFields::default().check(context, scene, || text.clone())?;
     let program = Program::fragment(context, &label, &text)?;
-    let placement = kernel::Placement::world();
-    let placed = placement.apply(scene);
+    let rebasing = kernel::OriginRebasing::world();
+    let rebased = rebasing.apply(scene);
     let mut data = SceneData::new(context)?;
-    data.set(scene, &placement, &placed, Lists::Near)?;
+    data.set(scene, &rebasing, &rebased, Lists::NearestCandidates)?;
     data.set_uniforms(&program);
-    program.set_vec4_array("uSurfaces", &placed.uniform_values());
+    program.set_vec4_array("uSurfaces", &rebased.uniform_values());
     let listener = &scene.listener;
     program.set_vec4("uListener", listener.position.extend(listener.radius));
     Ok(Shader { program, data })

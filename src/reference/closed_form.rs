@@ -1,7 +1,7 @@
 //! A line against each shape, in the shape's own axes and in `f64`.
 //!
 //! The line starts in the air. Rounding may have put its start into the solid by
-//! as much as `slack` metres; it then meets the surface at once if it goes further
+//! as much as `error_bound` metres; it then meets the surface at once if it goes further
 //! in, and leaves it otherwise.
 
 use super::marched::MarchedField;
@@ -14,10 +14,10 @@ use std::sync::Arc;
 #[derive(Clone, Debug)]
 enum Form {
     Plane,
-    /// `sealed` faces lie on or behind a wall: [negative, positive] for each axis.
+    /// `covered` faces lie on or behind a wall: [negative, positive] for each axis.
     Box {
         half: DVec3,
-        sealed: [[bool; 2]; 3],
+        covered: [[bool; 2]; 3],
     },
     Room {
         half: DVec3,
@@ -49,7 +49,7 @@ pub(super) struct Face {
 
 /// Where along a line a shape is met.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Meeting {
+pub(super) struct Intersection {
     /// Metres along the unit direction, at least 0.
     pub t: f64,
     /// The face met, of a box or a room.
@@ -62,7 +62,7 @@ impl Placed {
             Node::Plane(_) => Form::Plane,
             Node::Cuboid(Cuboid { size }) => Form::Box {
                 half: size.as_dvec3() * 0.5,
-                sealed: [[false; 2]; 3],
+                covered: [[false; 2]; 3],
             },
             Node::Room(Room { size }) => Form::Room {
                 half: size.as_dvec3() * 0.5,
@@ -103,11 +103,11 @@ impl Placed {
         }
     }
 
-    /// Marks the faces of a box that lie on a wall, give or take `slack` metres, or
+    /// Marks the faces of a box that lie on a wall, give or take `error_bound` metres, or
     /// behind it. No wave can meet them from the air, but one in the edge between
     /// box and wall would seem to: on the wall it is on such a face, too.
-    pub fn seal(&mut self, walls: &[(DVec3, DVec3)], slack: f64) {
-        let Form::Box { half, mut sealed } = self.form else {
+    pub fn mark_covered_faces(&mut self, walls: &[(DVec3, DVec3)], error_bound: f64) {
+        let Form::Box { half, mut covered } = self.form else {
             return;
         };
         let signs = [-1.0, 1.0];
@@ -122,16 +122,16 @@ impl Placed {
                         self.world(half * corner) + self.position
                     })
                 });
-                sealed[axis][side] = walls.iter().any(|(point, normal)| {
+                covered[axis][side] = walls.iter().any(|(point, normal)| {
                     let height = |corner: &DVec3| (*corner - *point).dot(*normal);
                     corners
                         .iter()
                         .flatten()
-                        .all(|corner| height(corner) <= slack)
+                        .all(|corner| height(corner) <= error_bound)
                 });
             }
         }
-        self.form = Form::Box { half, sealed };
+        self.form = Form::Box { half, covered };
     }
 
     /// Whether a line is marched to it, and not solved for.
@@ -185,40 +185,45 @@ impl Placed {
         }
     }
 
-    /// Where the world line meets the shape first, from the air.
+    /// Where the world line intersects the shape first, from the air.
     ///
     /// `left` is the face of this very shape that the line starts on. What a marched shape has
     /// farther off than `until` metres may be left out: it takes long.
-    pub fn meet(
+    pub fn intersect(
         &self,
         origin: DVec3,
         direction: DVec3,
         left: Option<Face>,
-        slack: f64,
+        error_bound: f64,
         until: f64,
-    ) -> Option<Meeting> {
+    ) -> Option<Intersection> {
         let o = self.local(origin - self.position);
         let d = self.local(direction);
-        let smooth = |t| Meeting { t, face: None };
-        let meeting = match self.form {
+        let smooth = |t| Intersection { t, face: None };
+        let intersection = match self.form {
             Form::Plane => (d.y < 0.0).then(|| smooth((o.y / -d.y).max(0.0))),
-            Form::Box { half, sealed } => meet_box(half, sealed, o, d, slack),
-            Form::Room { half } => meet_room(half, o, d, left),
-            Form::Sphere { radius } => meet_sphere(radius, o, d).map(smooth),
-            Form::Cylinder { radius } => meet_cylinder(radius, o, d).map(smooth),
-            Form::Field(ref field) => field.meet(o, d, until).map(smooth),
+            Form::Box { half, covered } => intersect_box(half, covered, o, d, error_bound),
+            Form::Room { half } => intersect_room(half, o, d, left),
+            Form::Sphere { radius } => intersect_sphere(radius, o, d).map(smooth),
+            Form::Cylinder { radius } => intersect_cylinder(radius, o, d).map(smooth),
+            Form::Field(ref field) => field.intersect(o, d, until).map(smooth),
         };
-        meeting.filter(|meeting| meeting.t.is_finite())
+        intersection.filter(|intersection| intersection.t.is_finite())
     }
 
-    /// The world point of a meeting, set onto the surface, and the unit normal
+    /// The world point of an intersection, set onto the surface, and the unit normal
     /// there, out of the solid.
-    pub fn land(&self, origin: DVec3, direction: DVec3, meeting: Meeting) -> (DVec3, DVec3) {
-        let p = self.local(origin + direction * meeting.t - self.position);
-        let (point, normal) = match (&self.form, meeting.face) {
-            (Form::Field(field), _) => field.land(p, self.local(direction)),
-            (Form::Box { half, .. }, Some(face)) => land_on_face(*half, p, face, 1.0),
-            (Form::Room { half }, Some(face)) => land_on_face(*half, p, face, -1.0),
+    pub fn project(
+        &self,
+        origin: DVec3,
+        direction: DVec3,
+        intersection: Intersection,
+    ) -> (DVec3, DVec3) {
+        let p = self.local(origin + direction * intersection.t - self.position);
+        let (point, normal) = match (&self.form, intersection.face) {
+            (Form::Field(field), _) => field.project(p, self.local(direction)),
+            (Form::Box { half, .. }, Some(face)) => project_onto_face(*half, p, face, 1.0),
+            (Form::Room { half }, Some(face)) => project_onto_face(*half, p, face, -1.0),
             (Form::Sphere { radius }, _) => {
                 let normal = p.normalize_or(DVec3::Y);
                 (normal * *radius, normal)
@@ -242,7 +247,7 @@ impl Placed {
 }
 
 /// Metres to a sphere about the axes' origin, met from outside.
-pub(super) fn meet_sphere(radius: f64, o: DVec3, d: DVec3) -> Option<f64> {
+pub(super) fn intersect_sphere(radius: f64, o: DVec3, d: DVec3) -> Option<f64> {
     let along = o.dot(d);
     if along >= 0.0 {
         return None;
@@ -258,7 +263,7 @@ pub(super) fn meet_sphere(radius: f64, o: DVec3, d: DVec3) -> Option<f64> {
 }
 
 /// The circle that the cylinder is when looked at along y; `d` is shorter there.
-fn meet_cylinder(radius: f64, o: DVec3, d: DVec3) -> Option<f64> {
+fn intersect_cylinder(radius: f64, o: DVec3, d: DVec3) -> Option<f64> {
     let (o, d) = (DVec2::new(o.x, o.z), DVec2::new(d.x, d.z));
     let along = o.dot(d);
     if along >= 0.0 {
@@ -275,13 +280,13 @@ fn meet_cylinder(radius: f64, o: DVec3, d: DVec3) -> Option<f64> {
     Some((tangent_squared / (half_chord_squared.sqrt() * speed - along)).max(0.0))
 }
 
-fn meet_box(
+fn intersect_box(
     half: DVec3,
-    sealed: [[bool; 2]; 3],
+    covered: [[bool; 2]; 3],
     o: DVec3,
     d: DVec3,
-    slack: f64,
-) -> Option<Meeting> {
+    error_bound: f64,
+) -> Option<Intersection> {
     let (half, o, d) = (half.to_array(), o.to_array(), d.to_array());
     let (mut enter, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
     let mut axis = 0;
@@ -294,7 +299,7 @@ fn meet_box(
         }
         let far_side = half[i].copysign(d[i]);
         let near = (-far_side - o[i]) / d[i];
-        if near > enter && !sealed[i][usize::from(d[i] < 0.0)] {
+        if near > enter && !covered[i][usize::from(d[i] < 0.0)] {
             (enter, axis) = (near, i);
         }
         leave = leave.min((far_side - o[i]) / d[i]);
@@ -303,17 +308,17 @@ fn meet_box(
         return None;
     }
     // The start is within the box: by rounding on its way in, or else on its way out.
-    if enter < 0.0 && (-enter > leave || -enter * d[axis].abs() > slack) {
+    if enter < 0.0 && (-enter > leave || -enter * d[axis].abs() > error_bound) {
         return None;
     }
     let positive = d[axis] < 0.0;
-    Some(Meeting {
+    Some(Intersection {
         t: enter.max(0.0),
         face: Some(Face { axis, positive }),
     })
 }
 
-fn meet_room(half: DVec3, o: DVec3, d: DVec3, left: Option<Face>) -> Option<Meeting> {
+fn intersect_room(half: DVec3, o: DVec3, d: DVec3, left: Option<Face>) -> Option<Intersection> {
     let (half, o, d) = (half.to_array(), o.to_array(), d.to_array());
     let (mut nearest, mut met) = (f64::INFINITY, None);
     for axis in 0..3 {
@@ -329,7 +334,7 @@ fn meet_room(half: DVec3, o: DVec3, d: DVec3, left: Option<Face>) -> Option<Meet
             (nearest, met) = (t, face);
         }
     }
-    met.map(|face| Meeting {
+    met.map(|face| Intersection {
         t: nearest,
         face: Some(face),
     })
@@ -337,7 +342,7 @@ fn meet_room(half: DVec3, o: DVec3, d: DVec3, left: Option<Face>) -> Option<Meet
 
 /// Sets a point onto a face and within its four edges; `outward` is 1 for a solid
 /// box and −1 for a room.
-fn land_on_face(half: DVec3, p: DVec3, face: Face, outward: f64) -> (DVec3, DVec3) {
+fn project_onto_face(half: DVec3, p: DVec3, face: Face, outward: f64) -> (DVec3, DVec3) {
     let side = if face.positive { 1.0 } else { -1.0 };
     let mut point = p.clamp(-half, half);
     point[face.axis] = half[face.axis] * side;
@@ -357,19 +362,19 @@ mod tests {
     use crate::scene::shape::Plane;
     use glam::{Quat, Vec3};
 
-    const SLACK: f64 = 1e-12;
+    const ERROR_BOUND: f64 = 1e-12;
 
-    fn meet(shape: Node, origin: DVec3, towards: DVec3) -> Option<(f64, DVec3, DVec3)> {
+    fn intersect(shape: Node, origin: DVec3, towards: DVec3) -> Option<(f64, DVec3, DVec3)> {
         let placed = Placed::new(&Surface::new(shape));
         let direction = towards.normalize();
-        let meeting = placed.meet(origin, direction, None, SLACK, f64::INFINITY)?;
-        let (point, normal) = placed.land(origin, direction, meeting);
-        Some((meeting.t, point, normal))
+        let intersection = placed.intersect(origin, direction, None, ERROR_BOUND, f64::INFINITY)?;
+        let (point, normal) = placed.project(origin, direction, intersection);
+        Some((intersection.t, point, normal))
     }
 
     /// Protects each shape's nearest hit at points worked out by hand.
     #[test]
-    fn lines_meet_shapes_where_they_should() {
+    fn lines_intersect_shapes_where_they_should() {
         let size = Vec3::new(2.0, 4.0, 6.0);
         let cases = [
             (
@@ -409,7 +414,7 @@ mod tests {
             ),
         ];
         for (shape, origin, towards, t, normal) in cases {
-            let met = meet(shape.clone(), origin, towards);
+            let met = intersect(shape.clone(), origin, towards);
             assert_eq!(met, Some((t, origin + towards * t, normal)), "{shape:?}");
         }
     }
@@ -428,18 +433,18 @@ mod tests {
         let origin = DVec3::new(3.0, 3.0, 3.0);
         for shape in shapes {
             assert_eq!(
-                meet(shape.clone(), origin, origin),
+                intersect(shape.clone(), origin, origin),
                 None,
                 "{shape:?} behind"
             );
             let beside = DVec3::new(-1.0, 0.0, 1.0);
             assert_eq!(
-                meet(shape.clone(), origin, beside),
+                intersect(shape.clone(), origin, beside),
                 None,
                 "{shape:?} beside"
             );
         }
-        let along_the_axis = meet(
+        let along_the_axis = intersect(
             Node::Cylinder(Cylinder { radius: 1.0 }),
             origin,
             DVec3::NEG_Y,
@@ -453,7 +458,7 @@ mod tests {
     fn a_start_just_inside_a_box_counts_as_its_surface() {
         let size = Vec3::splat(2.0);
         let origin = DVec3::new(1.0 - 1e-15, 0.2, 0.0);
-        let inwards = meet(
+        let inwards = intersect(
             Node::Cuboid(Cuboid { size }),
             origin,
             DVec3::new(-1.0, 0.5, 0.0),
@@ -462,7 +467,7 @@ mod tests {
             inwards.map(|(t, _, normal)| (t, normal)),
             Some((0.0, DVec3::X))
         );
-        let outwards = meet(
+        let outwards = intersect(
             Node::Cuboid(Cuboid { size }),
             origin,
             DVec3::new(1.0, 0.5, 0.0),
@@ -479,7 +484,13 @@ mod tests {
         });
         let placed = Placed::new(&Surface::new(room).turned(turn));
         let (to_world, _) = placed.turn.expect("turned");
-        let meeting = placed.meet(DVec3::ZERO, to_world.x_axis, None, SLACK, f64::INFINITY);
-        assert!((meeting.expect("met").t - 1.0).abs() < 1e-15);
+        let intersection = placed.intersect(
+            DVec3::ZERO,
+            to_world.x_axis,
+            None,
+            ERROR_BOUND,
+            f64::INFINITY,
+        );
+        assert!((intersection.expect("met").t - 1.0).abs() < 1e-15);
     }
 }

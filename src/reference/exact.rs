@@ -10,7 +10,7 @@
 //!   from the air and cannot be met; no wave can slip in between the two.
 //! - The listener comes before a surface at the same distance.
 
-use super::closed_form::{Face, Meeting, Placed, meet_sphere};
+use super::closed_form::{Face, Intersection, Placed, intersect_sphere};
 use crate::scene::{Scene, SceneError};
 use glam::{DVec3, Vec3};
 use std::num::NonZeroUsize;
@@ -43,7 +43,7 @@ pub struct ExactScene {
     order: Vec<usize>,
     ear: Ear,
     /// What counts as rounding, in metres.
-    slack: f64,
+    error_bound: f64,
 }
 
 /// The listener in `f64`.
@@ -139,10 +139,10 @@ impl ExactScene {
             .map(Placed::extent)
             .chain(places.map(|place| place.as_dvec3().abs().max_element()))
             .fold(0.0, f64::max);
-        let slack = extent * ROUNDING;
+        let error_bound = extent * ROUNDING;
         let walls: Vec<_> = surfaces.iter().flat_map(Placed::walls).collect();
         for surface in &mut surfaces {
-            surface.seal(&walls, slack);
+            surface.mark_covered_faces(&walls, error_bound);
         }
         let mut order: Vec<usize> = (0..surfaces.len()).collect();
         order.sort_by_key(|&index| surfaces[index].is_marched());
@@ -150,7 +150,7 @@ impl ExactScene {
             surfaces,
             order,
             ear,
-            slack,
+            error_bound,
         })
     }
 
@@ -167,7 +167,7 @@ impl ExactScene {
     /// flies along `direction` (any length but 0); `None` for nothing.
     ///
     /// A start within the listener's sphere meets the listener after 0 m.
-    pub fn nearest_hit(&self, origin: DVec3, direction: DVec3) -> Option<Hit> {
+    pub fn closest_hit(&self, origin: DVec3, direction: DVec3) -> Option<Hit> {
         let direction = direction.try_normalize()?;
         self.next(origin, direction, None).map(|(hit, _)| hit)
     }
@@ -249,7 +249,7 @@ impl ExactScene {
             return ExactWave::at(start, DVec3::ZERO);
         };
         let mut wave = ExactWave::at(start, direction);
-        if self.surface_distance(start) < -self.slack {
+        if self.surface_distance(start) < -self.error_bound {
             return wave;
         }
         let mut left = None;
@@ -278,9 +278,9 @@ impl ExactScene {
     /// The next hit, and what the wave leaves when it is mirrored there: `None` for
     /// the listener.
     fn next(&self, origin: DVec3, direction: DVec3, left: Left) -> Option<(Hit, Left)> {
-        let heard = self.ear.meet(origin, direction);
+        let heard = self.ear.intersect(origin, direction);
         let mut nearest = heard.unwrap_or(f64::INFINITY);
-        let mut met: Option<(usize, Meeting)> = None;
+        let mut met: Option<(usize, Intersection)> = None;
         for &index in &self.order {
             let surface = &self.surfaces[index];
             let left_face = match left {
@@ -288,38 +288,39 @@ impl ExactScene {
                 Some((last, _)) if last == index && surface.is_convex() => continue,
                 _ => None,
             };
-            let Some(meeting) = surface.meet(origin, direction, left_face, self.slack, nearest)
+            let Some(intersection) =
+                surface.intersect(origin, direction, left_face, self.error_bound, nearest)
             else {
                 continue;
             };
             // Of two at the same distance the first in the scene is met.
             let is_before = met.is_some_and(|(other, _)| index < other);
-            if meeting.t < nearest || (meeting.t == nearest && is_before) {
-                nearest = meeting.t;
-                met = Some((index, meeting));
+            if intersection.t < nearest || (intersection.t == nearest && is_before) {
+                nearest = intersection.t;
+                met = Some((index, intersection));
             }
         }
-        let Some((index, meeting)) = met else {
+        let Some((index, intersection)) = met else {
             return heard.map(|t| (self.ear.hit(origin, direction, t), None));
         };
-        let (point, normal) = self.surfaces[index].land(origin, direction, meeting);
+        let (point, normal) = self.surfaces[index].project(origin, direction, intersection);
         let hit = Hit {
-            t: meeting.t,
+            t: intersection.t,
             object: index as u32 + 1,
             point,
             normal,
         };
-        Some((hit, Some((index, meeting.face))))
+        Some((hit, Some((index, intersection.face))))
     }
 }
 
 impl Ear {
-    fn meet(&self, origin: DVec3, direction: DVec3) -> Option<f64> {
+    fn intersect(&self, origin: DVec3, direction: DVec3) -> Option<f64> {
         let offset = origin - self.centre;
         if offset.length_squared() <= self.radius * self.radius {
             return Some(0.0);
         }
-        meet_sphere(self.radius, offset, direction)
+        intersect_sphere(self.radius, offset, direction)
     }
 
     fn hit(&self, origin: DVec3, direction: DVec3, t: f64) -> Hit {

@@ -69,7 +69,7 @@ impl MarchedField {
 
     /// Metres along the unit vector `d` from `o`, which is in the air or on the surface; nothing
     /// for what lies farther off than `until` metres.
-    pub fn meet(&self, o: DVec3, d: DVec3, until: f64) -> Option<f64> {
+    pub fn intersect(&self, o: DVec3, d: DVec3, until: f64) -> Option<f64> {
         let until = until.min(FAR * self.extent);
         let touch = TOUCH * self.extent.max(o.abs().max_element());
         let least = LEAST_STEP * self.extent.max(o.abs().max_element());
@@ -113,7 +113,7 @@ impl MarchedField {
     }
 
     /// A place next to the surface, set onto it, and the unit normal there.
-    pub fn land(&self, p: DVec3, d: DVec3) -> (DVec3, DVec3) {
+    pub fn project(&self, p: DVec3, d: DVec3) -> (DVec3, DVec3) {
         let gradient = self.gradient(p);
         let squared = gradient.length_squared();
         if squared == 0.0 {

@@ -31,7 +31,7 @@ pub struct Budget {
     pub steps: u32,
     /// Steps of one march of the fields.
     pub field_steps: u32,
-    /// Turns of all walks past long rows of copies in one flight.
+    /// Turns of all traversals of long rows of copies in one flight.
     pub copy_steps: u32,
     /// Evaluations of a surface that a wave may take in an iteration.
     pub(super) evaluations: u64,
@@ -60,13 +60,13 @@ impl Budget {
     }
 }
 
-/// The lists of cells that frames with these settings read. Near lists hold what lines need too,
-/// but in cells that lie within a solid.
+/// The lists of cells that frames with these settings read. Lists of nearest candidates hold
+/// what lines need too, but in cells that lie within a solid.
 pub(super) fn lists(settings: &Settings) -> Lists {
     match settings.profile {
-        Profile::Thesis => Lists::Near,
-        Profile::March if !settings.exact_normals => Lists::Near,
-        Profile::March | Profile::Hybrid => Lists::Touching,
+        Profile::Thesis => Lists::NearestCandidates,
+        Profile::March if !settings.exact_normals => Lists::NearestCandidates,
+        Profile::March | Profile::Hybrid => Lists::Overlapping,
     }
 }
 
@@ -88,43 +88,46 @@ fn march(settings: &Settings, loops: &Loops, marches_fields: bool) -> Budget {
         true => 0,
         false => DIFFERENCES * loops.distance,
     };
-    let rest = 1 + loops.landing + differences;
+    let rest = 1 + loops.projection + differences;
     let field_turns = if marches_fields { loops.all_fields } else { 0 };
     let left = MOST_TURNS.saturating_sub(rest);
     // Where there are fields the basic shapes may use half of what there is; the fields have what
     // these leave.
     let share = if marches_fields { 2 } else { 1 };
-    let steps = held(MAX_STEPS, left / share, 1 + loops.ahead);
-    let left = left.saturating_sub(steps * (1 + loops.ahead));
+    let steps = held(MAX_STEPS, left / share, 1 + loops.directed);
+    let left = left.saturating_sub(steps * (1 + loops.directed));
     let field_steps = match marches_fields {
         true => held(MAX_FIELD_STEPS, left, FIELD_TURNS + field_turns),
         false => 0,
     };
     let objects = 1 + loops.unrolled;
     let work = Work {
-        turns: rest - 1 + steps * (1 + loops.ahead) + field_steps * (FIELD_TURNS + field_turns),
-        evaluations: steps * (objects + loops.ahead) + field_steps * (objects + field_turns),
+        turns: rest - 1 + steps * (1 + loops.directed) + field_steps * (FIELD_TURNS + field_turns),
+        evaluations: steps * (objects + loops.directed) + field_steps * (objects + field_turns),
     };
     work.budget(settings, [steps, field_steps, 0])
 }
 
 fn hybrid(settings: &Settings, loops: &Loops, marches_fields: bool) -> Budget {
-    let rest = 1 + loops.line + loops.landing;
+    let rest = 1 + loops.line + loops.projection;
     let left = MOST_TURNS.saturating_sub(rest);
     let copy_steps = match loops.copy_step {
         0 => 0,
         turns => held(MAX_COPY_STEPS, left, turns),
     };
-    let walks = copy_steps * loops.copy_step;
-    let left = left.saturating_sub(walks);
+    let traversals = copy_steps * loops.copy_step;
+    let left = left.saturating_sub(traversals);
     let field_steps = match marches_fields {
         true => held(MAX_FIELD_STEPS, left, FIELD_TURNS + loops.other_fields),
         false => 0,
     };
     let objects = 1 + loops.unrolled;
     let work = Work {
-        turns: rest - 1 + walks + field_steps * (FIELD_TURNS + loops.other_fields),
-        evaluations: objects + loops.line + walks + field_steps * (objects + loops.other_fields),
+        turns: rest - 1 + traversals + field_steps * (FIELD_TURNS + loops.other_fields),
+        evaluations: objects
+            + loops.line
+            + traversals
+            + field_steps * (objects + loops.other_fields),
     };
     work.budget(settings, [0, field_steps, copy_steps])
 }
@@ -206,16 +209,16 @@ mod tests {
         assert_eq!(march.steps, MAX_STEPS);
         let share = f64::from(march.field_steps) / f64::from(hybrid.field_steps);
         assert!(share > 0.9 && share < 1.0, "{march:?}, {hybrid:?}");
-        let loops = kernel::loops(&menger, None, Lists::Touching);
-        let turns = u64::from(march.steps) * (1 + loops.ahead)
+        let loops = kernel::loops(&menger, None, Lists::Overlapping);
+        let turns = u64::from(march.steps) * (1 + loops.directed)
             + u64::from(march.field_steps) * (FIELD_TURNS + loops.all_fields);
-        assert!(turns + loops.landing < MOST_TURNS, "{turns} turns");
+        assert!(turns + loops.projection < MOST_TURNS, "{turns} turns");
     }
 
-    /// Protects walks past copies without end from more turns than a driver takes, whatever is
+    /// Protects traversals of copies without end from more turns than a driver takes, whatever is
     /// repeated, and two flights of them in a pass.
     #[test]
-    fn walks_without_end_fit_a_pass() {
+    fn traversals_without_end_fit_a_pass() {
         let ball = Shape::from(Sphere { radius: 0.1 });
         let endless = ball.clone().repeat(Vec3::splat(1.0), [0; 3]);
         let few = ball.repeat(Vec3::splat(0.3), [3; 3]);

@@ -4,14 +4,14 @@
 
 use crate::error::Error;
 use crate::gpu::{Context, DataTexture, Program};
-use crate::kernel::{self, CellData, Cells, Layout, Lists, Placed, Placement};
+use crate::kernel::{self, CellData, Cells, Layout, Lists, OriginRebasing, RebasedScene};
 use crate::scene::Scene;
 
 /// What the shaders of a scene read by index.
 pub(crate) struct SceneData {
     texture: DataTexture,
     cells: Option<Cells>,
-    placed: Option<CellData>,
+    cell_data: Option<CellData>,
 }
 
 impl SceneData {
@@ -19,7 +19,7 @@ impl SceneData {
         Ok(SceneData {
             texture: DataTexture::new(context, kernel::DATA_WIDTH)?,
             cells: None,
-            placed: None,
+            cell_data: None,
         })
     }
 
@@ -27,8 +27,8 @@ impl SceneData {
     pub fn set(
         &mut self,
         scene: &Scene,
-        placement: &Placement,
-        placed: &Placed,
+        rebasing: &OriginRebasing,
+        rebased: &RebasedScene,
         lists: Lists,
     ) -> Result<(), Error> {
         let layout = Layout::of(scene);
@@ -39,9 +39,9 @@ impl SceneData {
             cells => *cells = Cells::new(scene, &layout),
         }
         let mut data = kernel::scene_data(scene);
-        self.placed = self.cells.as_mut().map(|cells| {
+        self.cell_data = self.cells.as_mut().map(|cells| {
             cells.prepare(lists);
-            CellData::append(&mut data, &layout, placement, placed, cells, lists)
+            CellData::append(&mut data, &layout, rebasing, rebased, cells, lists)
         });
         self.texture.set(&data)?;
         Ok(())
@@ -54,7 +54,7 @@ impl SceneData {
 
     /// Sets the uniforms of a program that reads the data, but for the texture.
     pub fn set_uniforms(&self, program: &Program) {
-        let Some(cells) = &self.placed else {
+        let Some(cells) = &self.cell_data else {
             return;
         };
         program.set_vec3("uCellOrigin", cells.origin);

@@ -151,7 +151,7 @@ impl Tracer {
             let mut frame = tracer.frame_to_its_end()?;
             frame.milliseconds.total -= reading;
             let ends = tracer.read_pair()?;
-            let origin = PreparedFrame::placement(scene, settings).anchor;
+            let origin = PreparedFrame::rebasing(scene, settings).origin;
             Ok((frame, waves(&starts, &ends, origin)))
         })
     }
@@ -207,12 +207,12 @@ impl Tracer {
         let programs = self.make_room(scene, settings)?;
         // What only a first frame pays is over.
         let began = Instant::now();
-        let placement = PreparedFrame::placement(scene, settings);
-        let placed = placement.apply(scene);
+        let rebasing = PreparedFrame::rebasing(scene, settings);
+        let rebased = rebasing.apply(scene);
         let lists = budget::lists(settings);
-        self.scene_data.set(scene, &placement, &placed, lists)?;
+        self.scene_data.set(scene, &rebasing, &rebased, lists)?;
         let budget = Budget::with_cells(scene, settings, self.scene_data.cells());
-        let place = (&placement, &placed);
+        let place = (&rebasing, &rebased);
         Ok(PreparedFrame::new(
             scene, settings, place, budget, programs, began,
         ))

@@ -86,9 +86,13 @@ impl Wave {
     }
 }
 
-/// Pairs up what was read back of both textures after the start and at the end; `anchor`
+/// Pairs up what was read back of both textures after the start and at the end; `shader_origin`
 /// is the world position of the march's origin.
-pub(super) fn waves(starts: &[Vec<f32>; 2], ends: &[Vec<f32>; 2], anchor: Vec3) -> Vec<Wave> {
+pub(super) fn waves(
+    starts: &[Vec<f32>; 2],
+    ends: &[Vec<f32>; 2],
+    shader_origin: Vec3,
+) -> Vec<Wave> {
     let texels = |texture: &[f32]| texture.as_chunks::<4>().0.to_vec();
     let starts = texels(&starts[1]);
     let ends = texels(&ends[0]).into_iter().zip(texels(&ends[1]));
@@ -96,7 +100,7 @@ pub(super) fn waves(starts: &[Vec<f32>; 2], ends: &[Vec<f32>; 2], anchor: Vec3) 
         let (zero_length_passes, step_limit_reached) = unpack_counters(direction[3]);
         Wave {
             start_direction: xyz(start),
-            position: xyz(origin) + anchor,
+            position: xyz(origin) + shader_origin,
             direction: xyz(direction),
             status: origin[3],
             zero_length_passes,

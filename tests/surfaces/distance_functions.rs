@@ -168,7 +168,9 @@ fn evaluate(context: &Context, program: &Program, scene: &Scene, points: &[Vec3]
     let output = Texture::new(context, width, height).unwrap();
     let target = RenderTarget::new(context, &[&output]).unwrap();
     program.set_texture("uPoints", 0, &input);
-    let values = kernel::Placement::world().apply(scene).uniform_values();
+    let values = kernel::OriginRebasing::world()
+        .apply(scene)
+        .uniform_values();
     program.set_vec4_array("uSurfaces", &values);
     let listener = scene.listener.position.extend(scene.listener.radius);
     program.set_vec4("uListener", listener);

@@ -152,7 +152,7 @@ fn hits_lie_on_the_nearest_zero_of_the_distance_function() {
             continue;
         }
         let hit = exact
-            .nearest_hit(origin, direction)
+            .closest_hit(origin, direction)
             .expect("a room is shut");
         met[hit.object as usize] += 1;
         let distance = |t: f64| scene.surface_distance((origin + direction * t).as_vec3());
@@ -397,7 +397,7 @@ fn normals_of_marched_shapes_are_those_of_their_equation() {
     );
     let exact = exact(&scene);
     for direction in Random(31).directions(500) {
-        let hit = exact.nearest_hit(start(&scene), direction.as_dvec3());
+        let hit = exact.closest_hit(start(&scene), direction.as_dvec3());
         let hit = hit.expect("a closed room");
         let inwards = -(hit.point / (radii * radii)).normalize();
         let off = hit.normal.distance(inwards);
@@ -471,7 +471,7 @@ proptest! {
     #[test]
     fn planted_hits_are_found(seed: u64) {
         let (scene, origin, direction, planted) = plant(&mut Random(seed));
-        let hit = exact(&scene).nearest_hit(origin, direction).expect("a hit");
+        let hit = exact(&scene).closest_hit(origin, direction).expect("a hit");
         prop_assert_eq!(hit.object, planted.object);
         // The line itself is only known to the rounding of its start.
         let size = match scene.surfaces[0].shape.node {

@@ -220,7 +220,7 @@ fn a_scene_of_one_shape_names_no_other() {
             let others = all.iter().map(Shape::name).filter(|other| *other != own);
             for other in others.filter(|other| !building_blocks(own).contains(other)) {
                 let named = if other == "Field" { "User" } else { other };
-                for prefix in ["sd", "gd", "hit", "gradient", "land"] {
+                for prefix in ["sd", "gd", "hit", "gradient", "project"] {
                     let function = format!("{prefix}{named}(");
                     assert!(!text.contains(&function), "{own}, {profile}: {function}");
                 }

@@ -91,7 +91,7 @@ fn scenes() -> Vec<(String, Scene)> {
 
 /// What rounding may do to a place or a face, in metres: twenty times eight units in the last
 /// place of the largest number in the scene.
-fn slack(scene: &Scene) -> f64 {
+fn error_bound(scene: &Scene) -> f64 {
     let Node::Room(Room { size }) = scene.surfaces[0].shape.node else {
         panic!("the first surface is the room");
     };
@@ -100,7 +100,7 @@ fn slack(scene: &Scene) -> f64 {
 
 /// The same boxes, smaller by rounding on every side: what no wave can be in.
 fn cores(scene: &Scene) -> ExactScene {
-    let less = 2.0 * slack(scene) as f32;
+    let less = 2.0 * error_bound(scene) as f32;
     let mut cores = scene.clone();
     for surface in &mut cores.surfaces[1..] {
         if let Node::Cuboid(Cuboid { size }) = &mut surface.shape.node {
@@ -116,11 +116,11 @@ fn check(scene: &Scene, cores: &ExactScene, before: &Wave, after: &Wave, what: &
     assert!(after.status >= 0.0, "{what}: {before:?} is lost");
     let (from, to) = (before.position.as_dvec3(), after.position.as_dvec3());
     let length = from.distance(to);
-    let slack = slack(scene);
-    if let Some(hit) = cores.nearest_hit(from, before.direction.as_dvec3()) {
+    let error_bound = error_bound(scene);
+    if let Some(hit) = cores.closest_hit(from, before.direction.as_dvec3()) {
         let past = length - hit.t;
         assert!(
-            past <= slack,
+            past <= error_bound,
             "{what}: {before:?} goes {past} m into {}",
             hit.object
         );
@@ -129,7 +129,7 @@ fn check(scene: &Scene, cores: &ExactScene, before: &Wave, after: &Wave, what: &
         0.0 => to.distance(scene.listener.position.as_dvec3()) - 1.7,
         n => distance(&scene.surfaces[n as usize - 1], to),
     };
-    assert!(off.abs() <= slack, "{what}: {after:?} is {off} m off");
+    assert!(off.abs() <= error_bound, "{what}: {after:?} is {off} m off");
 }
 
 fn distance(surface: &Surface, point: DVec3) -> f64 {
@@ -204,9 +204,9 @@ fn a_sealed_face_gives_no_hits_away() {
         let mut named = [0; 4];
         for wave in waves.iter().filter(|wave| wave.status >= 2.0) {
             named[wave.status as usize] += 1;
-            let hit = exact.nearest_hit(start, wave.start_direction.as_dvec3());
+            let hit = exact.closest_hit(start, wave.start_direction.as_dvec3());
             let hit = hit.unwrap();
-            let at_seam = (hit.point.x - 1.0).abs() <= slack(&scene);
+            let at_seam = (hit.point.x - 1.0).abs() <= error_bound(&scene);
             assert!(at_seam || hit.object as f32 == wave.status, "{wave:?}");
         }
         assert!(named[2] > 50 && named[3] > 50, "{named:?}");

@@ -11,7 +11,7 @@ use cpal::{
 
 use super::LiveError;
 use super::link::Link;
-use super::patience::{ANSWER_LIMIT, within};
+use super::timeout::{ANSWER_LIMIT, within};
 use crate::audio::{SAMPLE_RATE, SAMPLE_RATES};
 
 /// An output device that can be chosen.
@@ -239,9 +239,12 @@ impl Found {
         link: &Link,
     ) -> Result<Stream, LiveError> {
         let play = link.player::<T>(config.channels.into(), config.sample_rate);
-        let built =
-            self.device
-                .build_output_stream(config, play, link.complainer(), Some(ANSWER_LIMIT));
+        let built = self.device.build_output_stream(
+            config,
+            play,
+            link.error_callback(),
+            Some(ANSWER_LIMIT),
+        );
         built.map_err(|error| self.refused(&error))
     }
 

@@ -21,7 +21,7 @@ pub(super) type Slot = AtomicCell<Option<Box<Renderer>>>;
 pub(super) struct Link {
     pub(super) slot: Arc<Slot>,
     /// A renderer that another was made in place of: the supervisor frees it.
-    pub(super) grave: Arc<Slot>,
+    pub(super) drop_queue: Arc<Slot>,
     pub(super) shared: Arc<Shared>,
     pub(super) commands: Sender<Command>,
     /// The stream's number.
@@ -68,15 +68,15 @@ impl Link {
             let number = mine.number;
             match self.slot.swap(Some(mine)) {
                 None => return,
-                Some(other) if other.number < number => return self.bury(other),
+                Some(other) if other.number < number => return self.retire(other),
                 Some(newer) => mine = newer,
             }
         }
     }
 
     /// Leaves a renderer to the supervisor; nothing is freed here.
-    fn bury(&self, renderer: Box<Renderer>) {
-        if let Some(another) = self.grave.swap(Some(renderer)) {
+    fn retire(&self, renderer: Box<Renderer>) {
+        if let Some(another) = self.drop_queue.swap(Some(renderer)) {
             // Two within one look of the supervisor's have never been seen: that one is leaked.
             std::mem::forget(another);
         }
@@ -109,7 +109,7 @@ impl Link {
 
     /// The callback for errors: under-runs are counted; of those that end the stream the first is
     /// told, and no more, for there may be hundreds.
-    pub(super) fn complainer(&self) -> impl FnMut(cpal::Error) + Send + 'static {
+    pub(super) fn error_callback(&self) -> impl FnMut(cpal::Error) + Send + 'static {
         let link = self.clone();
         let mut is_told = false;
         move |error| match error.kind() {
@@ -150,14 +150,14 @@ mod tests {
             let (commands, _receiver) = std::sync::mpsc::channel();
             let link = Link {
                 slot: Arc::new(Slot::new(Some(numbered(there)))),
-                grave: Arc::new(Slot::new(None)),
+                drop_queue: Arc::new(Slot::new(None)),
                 shared: Arc::new(Shared::new(PanningLaw::Linear)),
                 commands,
                 generation: 0,
             };
             link.put_back(numbered(back));
             assert_eq!(link.slot.take().unwrap().number, 2);
-            assert_eq!(link.grave.take().unwrap().number, 1);
+            assert_eq!(link.drop_queue.take().unwrap().number, 1);
         }
     }
 }

@@ -26,13 +26,13 @@ mod glide;
 mod jack;
 mod link;
 mod meter;
-mod patience;
 #[doc(hidden)]
 pub mod probe;
 mod recording;
 mod renderer;
 mod shared;
 mod supervisor;
+mod timeout;
 
 pub use device::{DeviceInfo, list_devices};
 pub use error::LiveError;

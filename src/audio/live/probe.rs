@@ -21,7 +21,7 @@ pub fn player<T: Sample + FromSample<f32>>(
     let (commands, _) = mpsc::channel();
     let link = Link {
         slot: Arc::new(Slot::new(Some(Box::new(renderer)))),
-        grave: Arc::new(Slot::new(None)),
+        drop_queue: Arc::new(Slot::new(None)),
         shared: Arc::clone(&remote.shared),
         commands,
         generation: 0,

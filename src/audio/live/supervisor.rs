@@ -11,10 +11,10 @@ use super::LiveError;
 use super::command::Command;
 use super::device::{self, Found};
 use super::link::{Link, Slot};
-use super::patience::{ANSWER_LIMIT, drop_elsewhere, within};
 use super::recording::Recording;
 use super::renderer::{Message, Remote, Renderer, Tap};
 use super::shared::Shared;
+use super::timeout::{ANSWER_LIMIT, drop_elsewhere, within};
 use crate::audio::{SAMPLE_RATE, Sound, SoundSource};
 
 /// How often the thread looks after the stream.
@@ -86,7 +86,7 @@ pub(super) struct Supervisor {
     common: Common,
     commands: Receiver<Command>,
     slot: Arc<Slot>,
-    grave: Arc<Slot>,
+    drop_queue: Arc<Slot>,
     remote: Remote,
     /// The number of the renderer that the remote belongs to.
     renderer: u64,
@@ -129,7 +129,7 @@ impl Supervisor {
             common,
             commands,
             slot: Arc::new(Slot::new(Some(Box::new(renderer)))),
-            grave: Arc::new(Slot::new(None)),
+            drop_queue: Arc::new(Slot::new(None)),
             remote,
             renderer: 0,
             rate_hz: SAMPLE_RATE,
@@ -212,7 +212,7 @@ impl Supervisor {
     /// Sends what waits to the callback, if there is one, and frees what came back.
     fn deliver(&mut self) {
         self.remote.collect();
-        drop(self.grave.take());
+        drop(self.drop_queue.take());
         if self.stream.is_none() {
             return;
         }
@@ -352,7 +352,7 @@ impl Supervisor {
         let callbacks = shared.callbacks.load(Relaxed);
         let link = Link {
             slot: Arc::clone(&self.slot),
-            grave: Arc::clone(&self.grave),
+            drop_queue: Arc::clone(&self.drop_queue),
             shared: Arc::clone(shared),
             commands: self.common.commands.clone(),
             generation: self.generation,

@@ -5,7 +5,7 @@ use super::super::keys::Action;
 use super::super::sound::SOUNDS;
 use super::super::state::{Choices, World};
 use super::super::values::ValueSlider;
-use super::{Facts, style};
+use super::{HudState, style};
 use crate::audio::PanningLaw;
 use crate::scene::BUILTIN_NAMES;
 use crate::trace::Profile;
@@ -15,14 +15,14 @@ use egui::{Button, ComboBox, RichText, Slider, SliderClamping, Ui, Vec2};
 const WIDEST_SHELL: f64 = 1e8;
 
 /// Draws all controls.
-pub fn draw(ui: &mut Ui, facts: &Facts, chosen: &mut Choices, actions: &mut Vec<Action>) {
-    scene(ui, facts, chosen, actions);
+pub fn draw(ui: &mut Ui, hud: &HudState, chosen: &mut Choices, actions: &mut Vec<Action>) {
+    scene(ui, hud, chosen, actions);
     ui.separator();
     waves(ui, chosen, actions);
     ui.separator();
-    sound(ui, facts, chosen, actions);
+    sound(ui, hud, chosen, actions);
     ui.separator();
-    frame(ui, facts, chosen);
+    frame(ui, hud, chosen);
 }
 
 /// A slider that leaves a value beyond its ends alone until it is drawn.
@@ -33,11 +33,11 @@ fn slider<'a, T: egui::emath::Numeric>(
     Slider::new(value, range).clamping(SliderClamping::Edits)
 }
 
-fn scene(ui: &mut Ui, facts: &Facts, chosen: &mut Choices, actions: &mut Vec<Action>) {
+fn scene(ui: &mut Ui, hud: &HudState, chosen: &mut Choices, actions: &mut Vec<Action>) {
     style::heading(ui, "SCENE");
-    let world = facts.world;
+    let world = hud.world;
     ui.horizontal(|ui| {
-        scenes(ui, facts, actions);
+        scenes(ui, hud, actions);
         if ui.button("save").on_hover_text("F5").clicked() {
             actions.push(Action::Save);
         }
@@ -72,8 +72,8 @@ fn scene(ui: &mut Ui, facts: &Facts, chosen: &mut Choices, actions: &mut Vec<Act
 }
 
 /// The list of scenes: built-in ones, and files.
-fn scenes(ui: &mut Ui, facts: &Facts, actions: &mut Vec<Action>) {
-    let world = facts.world;
+fn scenes(ui: &mut Ui, hud: &HudState, actions: &mut Vec<Action>) {
+    let world = hud.world;
     let mut choose = |ui: &mut Ui, name: &str, shown: &str| {
         let is_this = world.name == name;
         let label = ui.selectable_label(is_this, shown);
@@ -90,7 +90,7 @@ fn scenes(ui: &mut Ui, facts: &Facts, actions: &mut Vec<Action>) {
                 choose(ui, name, name);
             }
             ui.separator();
-            for file in facts.files {
+            for file in hud.files {
                 let name = std::path::Path::new(file).file_name();
                 let shown = name.unwrap_or_default().to_string_lossy();
                 choose(ui, file, &style::plain(&shown));
@@ -173,7 +173,7 @@ fn shell(metres: f64) -> String {
     format!("{metres:.decimals$} m")
 }
 
-fn sound(ui: &mut Ui, facts: &Facts, chosen: &mut Choices, actions: &mut Vec<Action>) {
+fn sound(ui: &mut Ui, hud: &HudState, chosen: &mut Choices, actions: &mut Vec<Action>) {
     style::heading(ui, "SOUND");
     ui.horizontal(|ui| {
         ComboBox::from_id_salt("sound")
@@ -187,7 +187,7 @@ fn sound(ui: &mut Ui, facts: &Facts, chosen: &mut Choices, actions: &mut Vec<Act
                     }
                 }
             });
-        let record = if facts.sound.is_recording {
+        let record = if hud.sound.is_recording {
             "stop"
         } else {
             "record"
@@ -211,18 +211,18 @@ fn sound(ui: &mut Ui, facts: &Facts, chosen: &mut Choices, actions: &mut Vec<Act
             }
         }
     });
-    let colour = if facts.sound.is_heard {
+    let colour = if hud.sound.is_heard {
         style::FAINT
     } else {
         style::BRIGHT
     };
-    style::note(ui, &facts.sound.text, colour, 2);
+    style::note(ui, &hud.sound.text, colour, 2);
 }
 
-fn frame(ui: &mut Ui, facts: &Facts, chosen: &mut Choices) {
+fn frame(ui: &mut Ui, hud: &HudState, chosen: &mut Choices) {
     style::heading(ui, "PICTURE");
     let mut follows = chosen.picture_scale.is_none();
-    let drawn = facts.drawn.size[1] as f32 / facts.window[1].max(1) as f32;
+    let drawn = hud.drawn.size[1] as f32 / hud.window[1].max(1) as f32;
     let mut share = chosen.picture_scale.unwrap_or(drawn);
     if ui
         .checkbox(&mut follows, "size follows the frame time")
@@ -241,10 +241,10 @@ fn frame(ui: &mut Ui, facts: &Facts, chosen: &mut Choices) {
         ui.add(every.range(1..=60).clamp_existing_to_range(false));
         ui.label("pictures");
     });
-    let (text, colour) = match facts.gl_errors {
-        None => (facts.renderer.to_owned(), style::FAINT),
-        Some(0) => (format!("{}; 0 GL errors", facts.renderer), style::FAINT),
-        Some(some) => (format!("{}; {some} GL errors", facts.renderer), style::BAD),
+    let (text, colour) = match hud.gl_errors {
+        None => (hud.renderer.to_owned(), style::FAINT),
+        Some(0) => (format!("{}; 0 GL errors", hud.renderer), style::FAINT),
+        Some(some) => (format!("{}; {some} GL errors", hud.renderer), style::BAD),
     };
     style::note(ui, &text, colour, 1);
 }

@@ -1,6 +1,6 @@
 //! What is heard: levels left and right, the pan, the waves, and how late it is.
 
-use super::{Facts, style};
+use super::{HudState, style};
 use egui::{Color32, CornerRadius, Pos2, Rect, Sense, Ui, Vec2};
 
 /// Height of a meter in points.
@@ -11,14 +11,14 @@ const NUMBER: f32 = 54.0;
 const QUIETEST: f32 = -48.0;
 
 /// Level meters for both channels, and the pan between them.
-pub fn draw(ui: &mut Ui, facts: &Facts) {
-    for (name, level) in ["L", "R"].into_iter().zip(facts.levels) {
+pub fn draw(ui: &mut Ui, hud: &HudState) {
+    for (name, level) in ["L", "R"].into_iter().zip(hud.levels) {
         ui.horizontal(|ui| {
             ui.monospace(name);
             meter(ui, level);
         });
     }
-    let pan = facts.heard.map_or(0.0, |heard| heard.panning.pan()) as f32;
+    let pan = hud.heard.map_or(0.0, |heard| heard.panning.pan()) as f32;
     ui.horizontal(|ui| {
         ui.monospace(" ");
         let width = ui.available_width() - NUMBER;
@@ -58,8 +58,8 @@ fn meter(ui: &mut Ui, level: f32) {
 }
 
 /// The waves by fate, and the latency by part.
-pub fn heard(ui: &mut Ui, facts: &Facts) {
-    let counts = facts.heard.map(|heard| &heard.counts);
+pub fn heard(ui: &mut Ui, hud: &HudState) {
+    let counts = hud.heard.map(|heard| &heard.counts);
     let all = counts.map_or(0, |c| c.listener_hits + c.dead + c.travelling);
     let of = |count: Option<u64>| match count {
         None => "–".to_owned(),
@@ -94,11 +94,11 @@ pub fn heard(ui: &mut Ui, facts: &Facts) {
         style::row(ui, name, text);
     }
     ui.separator();
-    latency(ui, facts);
+    latency(ui, hud);
 }
 
-fn latency(ui: &mut Ui, facts: &Facts) {
-    let parts = &facts.latency;
+fn latency(ui: &mut Ui, hud: &HudState) {
+    let parts = &hud.latency;
     let text = |part: Option<f64>| part.map_or("–".to_owned(), |ms| format!("{ms:.1}"));
     style::heading(ui, "FROM KEY TO EAR, MILLISECONDS");
     for (name, part) in [

@@ -57,9 +57,9 @@ struct Room {
 }
 
 impl Room {
-    fn of(ui: &Ui, facts: &Facts, chosen: &Choices) -> Room {
+    fn of(ui: &Ui, hud: &HudState, chosen: &Choices) -> Room {
         let scale = ui.ctx().pixels_per_point();
-        let [width, height] = facts.window.map(|pixels| pixels as f32 / scale);
+        let [width, height] = hud.window.map(|pixels| pixels as f32 / scale);
         let is_narrow = width < ROOM_FOR_LINE;
         let aside = if is_narrow || !chosen.panels {
             3.0 * MARGIN
@@ -88,7 +88,7 @@ impl Room {
 }
 
 /// What the panels show and nobody changes there.
-pub struct Facts<'a> {
+pub struct HudState<'a> {
     /// The scene as it stands.
     pub world: &'a World,
     /// Scene files that can be chosen.
@@ -124,48 +124,48 @@ pub struct Facts<'a> {
 }
 
 /// Lays out everything; what was asked for comes out.
-pub fn draw(ui: &mut Ui, facts: &Facts, chosen: &mut Choices, plan: &mut Plan) -> Vec<Action> {
+pub fn draw(ui: &mut Ui, hud: &HudState, chosen: &mut Choices, plan: &mut Plan) -> Vec<Action> {
     let mut actions = Vec::new();
-    let room = Room::of(ui, facts, chosen);
+    let room = Room::of(ui, hud, chosen);
     let panels = chosen.panels && !room.is_help_alone;
     if panels && room.size.x >= ROOM_FOR_BOTH {
-        left(ui, facts, room, chosen, plan);
+        left(ui, hud, room, chosen, plan);
     }
     if panels {
-        right(ui, facts, room, chosen, &mut actions);
+        right(ui, hud, room, chosen, &mut actions);
     }
     if panels && room.has_times() {
-        lower(ui, facts, room, chosen);
+        lower(ui, hud, room, chosen);
     }
-    lines(ui, facts, room);
+    lines(ui, hud, room);
     if chosen.help {
         help::draw(ui, room.size, &mut actions);
     }
     actions
 }
 
-fn left(ui: &Ui, facts: &Facts, room: Room, chosen: &Choices, plan: &mut Plan) {
+fn left(ui: &Ui, hud: &HudState, room: Room, chosen: &Choices, plan: &mut Plan) {
     style::panel(ui, "left", Align2::LEFT_TOP, Vec2::splat(MARGIN), |ui| {
         ui.set_width(style::LEFT);
         let most = room.size.y - room.below - 3.5 * MARGIN;
         scrolled(ui, most, |ui| {
-            plan.draw(ui, facts, chosen.paths);
+            plan.draw(ui, hud, chosen.paths);
             ui.add_space(3.0);
-            meters::draw(ui, facts);
+            meters::draw(ui, hud);
             ui.separator();
-            meters::heard(ui, facts);
+            meters::heard(ui, hud);
         });
     });
 }
 
-fn right(ui: &Ui, facts: &Facts, room: Room, chosen: &mut Choices, actions: &mut Vec<Action>) {
+fn right(ui: &Ui, hud: &HudState, room: Room, chosen: &mut Choices, actions: &mut Vec<Action>) {
     let offset = Vec2::new(-MARGIN, MARGIN);
     style::panel(ui, "right", Align2::RIGHT_TOP, offset, |ui| {
         ui.set_width(style::RIGHT);
         let times = if room.has_times() { style::TIMES } else { 0.0 };
         let most = room.size.y - room.below - times - 4.5 * MARGIN;
         scrolled(ui, most, |ui| {
-            choices::draw(ui, facts, chosen, actions);
+            choices::draw(ui, hud, chosen, actions);
         });
     });
 }
@@ -180,17 +180,17 @@ fn scrolled(ui: &mut Ui, most: f32, add: impl FnOnce(&mut Ui)) {
         .show(ui, add);
 }
 
-fn lower(ui: &Ui, facts: &Facts, room: Room, chosen: &Choices) {
+fn lower(ui: &Ui, hud: &HudState, room: Room, chosen: &Choices) {
     let offset = Vec2::new(-MARGIN, -MARGIN - room.below);
     style::panel(ui, "lower", Align2::RIGHT_BOTTOM, offset, |ui| {
-        times::draw(ui, facts, chosen);
+        times::draw(ui, hud, chosen);
     });
 }
 
 /// The line that is always there, the last message above it, and why the scene's file as it
 /// is now is not what is seen, which stands until the file is mended.
-fn lines(ui: &Ui, facts: &Facts, room: Room) {
-    let text = if facts.mouse_looks {
+fn lines(ui: &Ui, hud: &HudState, room: Room) {
+    let text = if hud.mouse_looks {
         "the mouse looks about: Esc or a click frees it    WASD walk    F1 help"
     } else {
         HINT
@@ -198,7 +198,7 @@ fn lines(ui: &Ui, facts: &Facts, room: Room) {
     let text = RichText::new(text).color(style::TEXT);
     line(ui, "hint", MARGIN, (room.line, 1), text);
     let most = (room.line, room.rows);
-    let refusal = facts.refusal.map(|why| {
+    let refusal = hud.refusal.map(|why| {
         let text = format!("{why} (the last scene stays)");
         RichText::new(text).color(style::BAD)
     });
@@ -207,7 +207,7 @@ fn lines(ui: &Ui, facts: &Facts, room: Room) {
         let offset = Vec2::new(0.0, MARGIN);
         style::line(ui, "refusal", Align2::CENTER_TOP, offset, most, text);
     }
-    let message = facts
+    let message = hud
         .message
         .map(|message| RichText::new(message).color(style::BRIGHT));
     if let Some(text) = message.or(refusal.filter(|_| !is_above)) {

@@ -1,7 +1,7 @@
 //! The scene from above: walls by the distance function, the source, the listener, and the
 //! paths of some waves.
 
-use super::{Facts, style};
+use super::{HudState, style};
 use crate::picture::Bounds;
 use crate::scene::{Scene, Surface};
 use crate::trace::{Fate, Wave};
@@ -38,9 +38,9 @@ struct Cut {
 
 impl Plan {
     /// Draws the plan as large as its box allows, which is as wide as there is room.
-    pub fn draw(&mut self, ui: &mut Ui, facts: &Facts, paths: bool) {
-        let scene = &facts.world.now;
-        let bounds = self.refresh(ui.ctx(), &facts.world.name, scene);
+    pub fn draw(&mut self, ui: &mut Ui, hud: &HudState, paths: bool) {
+        let scene = &hud.world.now;
+        let bounds = self.refresh(ui.ctx(), &hud.world.name, scene);
         let size = bounds.max - bounds.min;
         let width = ui.available_width();
         let scale = (width / size.x).min(HEIGHT / size.y);
@@ -58,7 +58,7 @@ impl Plan {
         };
         if paths {
             let stub = STUB * size.x;
-            painter.extend(path_shapes(facts.paths, scene.source.position, stub, place));
+            painter.extend(path_shapes(hud.paths, scene.source.position, stub, place));
         }
         marks(&painter, scene, scale, place);
         let corner = rect.left_bottom() + Vec2::new(5.0, -2.0);

@@ -79,7 +79,7 @@ fn laid_out(
         text: moment.sound.to_owned(),
         ..SoundStatus::default()
     };
-    let facts = Facts {
+    let hud = HudState {
         world: &world,
         files: &[],
         heard: frame.as_ref(),
@@ -108,7 +108,7 @@ fn laid_out(
             ..RawInput::default()
         };
         let mut output = context.run_ui(input, |ui| {
-            draw(ui, &facts, &mut chosen, &mut plan);
+            draw(ui, &hud, &mut chosen, &mut plan);
         });
         // Nobody draws it.
         output.textures_delta.clear();

@@ -2,7 +2,7 @@
 
 use super::super::report::{FrameTimes, medians};
 use super::super::state::Choices;
-use super::{Facts, style};
+use super::{HudState, style};
 use egui::{Color32, Pos2, Rect, RichText, Sense, Ui, Vec2};
 
 /// A part of a frame's time: its name, its colour and where it is found.
@@ -26,17 +26,17 @@ pub const FRAMES: usize = 100;
 const TOP: f64 = 1.5;
 
 /// Draws what adapts, one bar a frame, and the legend with medians.
-pub fn draw(ui: &mut Ui, facts: &Facts, chosen: &Choices) {
-    let shown = &facts.times[facts.times.len().saturating_sub(FRAMES)..];
+pub fn draw(ui: &mut Ui, hud: &HudState, chosen: &Choices) {
+    let shown = &hud.times[hud.times.len().saturating_sub(FRAMES)..];
     let middle = medians(shown);
     ui.set_width(style::RIGHT);
     let fps = 1000.0 / middle.whole.max(1e-3);
-    let colour = if middle.whole > 1.02 * facts.target {
+    let colour = if middle.whole > 1.02 * hud.target {
         style::BAD
     } else {
         style::BRIGHT
     };
-    let [width, height] = facts.drawn.size;
+    let [width, height] = hud.drawn.size;
     let picture = format!("{width:>5}×{height:<5}");
     let waves = format!("{:>11}", chosen.settings.waves);
     ui.horizontal(|ui| {
@@ -50,7 +50,7 @@ pub fn draw(ui: &mut Ui, facts: &Facts, chosen: &Choices) {
     ui.horizontal(|ui| {
         adapted(ui, "waves", &waves, chosen.adapt_waves);
     });
-    bars(ui, facts, shown);
+    bars(ui, hud, shown);
     legend(ui, &middle);
 }
 
@@ -94,12 +94,12 @@ fn legend(ui: &mut Ui, middle: &FrameTimes) {
     }
 }
 
-fn bars(ui: &mut Ui, facts: &Facts, shown: &[FrameTimes]) {
+fn bars(ui: &mut Ui, hud: &HudState, shown: &[FrameTimes]) {
     let size = Vec2::new(style::RIGHT, 40.0);
     let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 2, Color32::from_black_alpha(120));
-    let height = |ms: f64| (ms / (TOP * facts.target)) as f32 * rect.height();
+    let height = |ms: f64| (ms / (TOP * hud.target)) as f32 * rect.height();
     let width = rect.width() / FRAMES as f32;
     for (index, times) in shown.iter().enumerate() {
         let left = rect.left() + index as f32 * width;
@@ -111,12 +111,12 @@ fn bars(ui: &mut Ui, facts: &Facts, shown: &[FrameTimes]) {
             bottom = top;
         }
     }
-    let y = rect.bottom() - height(facts.target);
+    let y = rect.bottom() - height(hud.target);
     painter.hline(rect.x_range(), y, (1.0, style::BAD));
     painter.text(
         Pos2::new(rect.right() - 3.0, y - 1.0),
         egui::Align2::RIGHT_BOTTOM,
-        format!("{:.1} ms", facts.target),
+        format!("{:.1} ms", hud.target),
         egui::FontId::proportional(9.0),
         style::BAD,
     );

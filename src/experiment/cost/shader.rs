@@ -39,7 +39,7 @@ pub struct Feature {
 }
 
 /// What functions of shapes and operators begin with.
-const PREFIXES: [&str; 6] = ["sd", "gd", "hit", "land", "gradient", "op"];
+const PREFIXES: [&str; 6] = ["sd", "gd", "hit", "project", "gradient", "op"];
 
 /// What they end with after the name.
 const SUFFIXES: [&str; 2] = ["Ahead", "Cap"];
@@ -188,12 +188,12 @@ mod tests {
     #[test]
     fn functions_are_told_by_their_names() {
         let of = [
-            ("sdRoomAhead", Some("Room")),
+            ("sdRoomDirected", Some("Room")),
             ("gdUser3", Some("Field")),
             ("opSmoothUnion", Some("SmoothUnion")),
             ("sdRepeatCap", Some("Repeat")),
             ("hitListener", None),
-            ("gradientAhead", None),
+            ("directedGradient", None),
             ("hit3", None),
             ("turn", None),
         ];

@@ -1,15 +1,15 @@
-//! Where a line meets each surface: no march at all, but for fields without a closed form.
+//! Where a line intersects each surface: no march at all, but for fields without a closed form.
 
 use super::field::{gradient_text, hit_text, normal_text, value_text};
 use super::fields_ahead::{Marched, fields_ahead};
-use super::land::land_text;
 use super::link::Part;
 use super::named::Named;
 use super::of_kind::of_kind;
+use super::project::project_text;
 use super::scene_text::Text;
 use crate::scene::Scene;
 
-/// `nearestHit(p, d, last, limit, object)` and `land(object, d, p, normal)` of a scene; where
+/// `closestHit(p, d, last, limit, object)` and `project(object, d, p, normal)` of a scene; where
 /// fields have no closed form `marchFields(p, d, last, limit, object, limitReached)` for these.
 pub fn closed_form_parts(scene: &Scene) -> Vec<Part> {
     let text = Text::new(scene);
@@ -19,7 +19,7 @@ pub fn closed_form_parts(scene: &Scene) -> Vec<Part> {
     text.add_fields(&mut parts, marched, value_text);
     text.add_fields(&mut parts, |_| true, gradient_text);
     text.add_fields(&mut parts, |_| true, normal_text);
-    let functions = hit_of_kind(&text) + &nearest_hit(&text) + &land_text(&text);
+    let functions = hit_of_kind(&text) + &closest_hit(&text) + &project_text(&text);
     text.add(&mut parts, "the scene", functions);
     parts.extend(fields_ahead(&text, Marched::Others));
     parts
@@ -29,7 +29,7 @@ pub fn closed_form_parts(scene: &Scene) -> Vec<Part> {
 fn hit_of_kind(text: &Text) -> String {
     of_kind(
         text,
-        "// Where a line meets a surface in cells, by its kind and the place of its values.\n\
+        "// Where a line intersects a surface in cells, by its kind and the place of its values.\n\
          float hitOfKind(float kind, int data, vec3 p, vec3 d, bool left, float limit) {\n",
         |named| named.has_closed_form(),
         |named| {
@@ -40,19 +40,23 @@ fn hit_of_kind(text: &Text) -> String {
     )
 }
 
-fn nearest_hit(text: &Text) -> String {
+fn closest_hit(text: &Text) -> String {
     let mut out = String::from(
         "// How far from p along d the next object is, and its number. A convex surface is\n\
          // not met by the wave that leaves it (last). Where nothing is met before limit the\n\
          // distance is limit and the number means nothing; it is GIVEN_UP where a step limit\n\
          // left open what comes first.\n\
-         float nearestHit(vec3 p, vec3 d, float last, float limit, out float object) {\n    \
+         float closestHit(vec3 p, vec3 d, float last, float limit, out float object) {\n    \
          float nearest = min(hitListener(p, d), limit);\n    object = 0.0;\n",
     );
     if text.all().any(Named::has_step_limit) {
         out.push_str("    copySteps = uCopySteps;\n");
     }
-    let closed: Vec<&Named> = text.loose.iter().filter(|n| n.has_closed_form()).collect();
+    let closed: Vec<&Named> = text
+        .unrolled
+        .iter()
+        .filter(|n| n.has_closed_form())
+        .collect();
     if !closed.is_empty() {
         out.push_str("    float candidate;\n");
     }
@@ -61,7 +65,7 @@ fn nearest_hit(text: &Text) -> String {
     for named in others {
         out += &candidate(named);
     }
-    if text.kinds.iter().any(Named::has_closed_form) {
+    if text.instanced.iter().any(Named::has_closed_form) {
         out.push_str("    hitInCells(p, d, last, nearest, object);\n");
     }
     // A step limit counts only where nothing else is met before.

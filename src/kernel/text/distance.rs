@@ -40,7 +40,7 @@ fn surface_distance(text: &Text) -> String {
          float surfaceDistance(vec3 p, out float object) {\n",
     );
     let mut is_first = true;
-    for named in &text.loose {
+    for named in &text.unrolled {
         let (call, number) = (named.distance("p"), &named.tag);
         let _ = writeln!(out, "    // {}", named.label);
         let _ = if is_first {
@@ -52,7 +52,7 @@ fn surface_distance(text: &Text) -> String {
                  if (candidate < nearest) {{ nearest = candidate; object = {number}.0; }}"
             )
         };
-        if is_first && text.loose.len() > 1 {
+        if is_first && text.unrolled.len() > 1 {
             out.push_str("    float candidate;\n");
         }
         is_first = false;
@@ -60,7 +60,7 @@ fn surface_distance(text: &Text) -> String {
     if is_first {
         out.push_str("    float nearest = 1e30;\n    object = 1.0;\n");
     }
-    if !text.kinds.is_empty() {
+    if !text.instanced.is_empty() {
         out.push_str("    distanceInCells(p, nearest, object);\n");
     }
     out.push_str("    return nearest;\n}\n\n");

@@ -24,14 +24,14 @@ impl Marched {
     }
 }
 
-/// `fieldsAhead(p, d, last, object, reach, within)`, `fieldsFree(p, d, last, slack)`,
-/// `fieldGradient(p, object, slack)` and the march that calls them; nothing where nothing is
+/// `fieldsAhead(p, d, last, object, reach, within)`, `fieldsFree(p, d, last, errorBound)`,
+/// `fieldGradient(p, object, errorBound)` and the march that calls them; nothing where nothing is
 /// marched.
 pub(super) fn fields_ahead(text: &Text, marched: Marched) -> Vec<Part> {
     if !text.all().any(|named| marched.takes(named)) {
         return Vec::new();
     }
-    let in_cells = text.kinds.iter().any(|named| marched.takes(named));
+    let in_cells = text.instanced.iter().any(|named| marched.takes(named));
     let mut all = Vec::new();
     if any_is_bounded(text, marched) {
         text.add_fields(&mut all, |named| marched.takes(named), free_text);
@@ -73,9 +73,9 @@ fn free_of_kind(text: &Text, marched: Marched) -> String {
     of_kind(
         text,
         "// How far along d from p it leaves the way free.\n\
-         float freeOfKind(float kind, int data, vec3 p, vec3 d, float slack) {\n",
+         float freeOfKind(float kind, int data, vec3 p, vec3 d, float errorBound) {\n",
         |named| marched.takes(named),
-        |named| format!("return {};", named.free("p", "d", "slack")),
+        |named| format!("return {};", named.free("p", "d", "errorBound")),
         "    return 0.0;\n",
     )
 }
@@ -84,8 +84,8 @@ fn gradient_of_kind(text: &Text, marched: Marched) -> String {
     of_kind(
         text,
         "// Its gradient, and what rounding may do to its value.\n\
-         vec3 fieldGradientOfKind(float kind, int data, vec3 p, out float slack) {\n    \
-         slack = 0.0;\n",
+         vec3 fieldGradientOfKind(float kind, int data, vec3 p, out float errorBound) {\n    \
+         errorBound = 0.0;\n",
         |named| marched.takes(named),
         gradient_statement,
         "    return vec3(0.0);\n",
@@ -95,8 +95,8 @@ fn gradient_of_kind(text: &Text, marched: Marched) -> String {
 fn gradient_statement(named: &Named) -> String {
     let gradient = named.field_gradient(&named.point("p")) + ".xyz";
     format!(
-        "slack = {}; return {};",
-        named.slack(),
+        "errorBound = {}; return {};",
+        named.error_bound(),
         named.outward(&gradient)
     )
 }
@@ -109,7 +109,7 @@ fn value(text: &Text, marched: Marched, in_cells: bool) -> String {
          float fieldsAhead(vec3 p, vec3 d, float last, out float object, out float reach, out float within) {\n    \
          float nearest = 1e30;\n    reach = 1e30;\n    within = 1e30;\n    object = -1.0;\n    float candidate;\n",
     );
-    for named in text.loose.iter().filter(|named| marched.takes(named)) {
+    for named in text.unrolled.iter().filter(|named| marched.takes(named)) {
         let value = named.unless_left(&named.left(), "1e30", &named.distance("p"));
         let _ = writeln!(
             out,
@@ -128,18 +128,18 @@ fn free(text: &Text, marched: Marched, in_cells: bool) -> String {
     if !any_is_bounded(text, marched) {
         return String::from(
             "// Nothing is known of the fields but their values.\n\
-             float fieldsFree(vec3 p, vec3 d, float last, float slack) { return 0.0; }\n\n",
+             float fieldsFree(vec3 p, vec3 d, float last, float errorBound) { return 0.0; }\n\n",
         );
     }
     let mut out = String::from(
-        "// How far along d from p no field is met for sure, where slack is what rounding may do\n\
+        "// How far along d from p no field is met for sure, where errorBound is what rounding may do\n\
          // to their values.\n\
-         float fieldsFree(vec3 p, vec3 d, float last, float slack) {\n    \
+         float fieldsFree(vec3 p, vec3 d, float last, float errorBound) {\n    \
          float way = NO_END;\n    float candidate;\n",
     );
-    for named in text.loose.iter().filter(|named| marched.takes(named)) {
+    for named in text.unrolled.iter().filter(|named| marched.takes(named)) {
         let value = named.unless_left(&named.left(), "NO_END", &named.distance("p"));
-        let free = named.free("p", "d", "slack");
+        let free = named.free("p", "d", "errorBound");
         let _ = writeln!(
             out,
             "    // {}\n    candidate = {value};\n    \
@@ -148,7 +148,7 @@ fn free(text: &Text, marched: Marched, in_cells: bool) -> String {
         );
     }
     if in_cells {
-        out.push_str("    fieldsFreeInCells(p, d, last, slack, way);\n");
+        out.push_str("    fieldsFreeInCells(p, d, last, errorBound, way);\n");
     }
     out + "    return way;\n}\n\n"
 }
@@ -156,9 +156,9 @@ fn free(text: &Text, marched: Marched, in_cells: bool) -> String {
 fn gradient(text: &Text, marched: Marched, in_cells: bool) -> String {
     let mut out = String::from(
         "// The gradient of one of them, and what rounding may do to its value.\n\
-         vec3 fieldGradient(vec3 p, float object, out float slack) {\n    slack = 0.0;\n",
+         vec3 fieldGradient(vec3 p, float object, out float errorBound) {\n    errorBound = 0.0;\n",
     );
-    for named in text.loose.iter().filter(|named| marched.takes(named)) {
+    for named in text.unrolled.iter().filter(|named| marched.takes(named)) {
         let (number, statement) = (&named.tag, gradient_statement(named));
         let label = &named.label;
         let _ = writeln!(
@@ -169,7 +169,7 @@ fn gradient(text: &Text, marched: Marched, in_cells: bool) -> String {
     if in_cells {
         out.push_str(
             "    if (object > 0.0) {\n        vec4 entry = entryOf(object);\n        \
-             return fieldGradientOfKind(entry.y, int(entry.z), p, slack);\n    }\n",
+             return fieldGradientOfKind(entry.y, int(entry.z), p, errorBound);\n    }\n",
         );
     }
     out + "    return vec3(0.0);\n}\n\n"

@@ -5,25 +5,25 @@
 //! needs to know:
 //!
 //! - [`distance_parts`]: the signed distance to everything (the thesis' march, pictures);
-//! - [`ahead_parts`]: the distance to what can be met ahead, and its gradient;
-//! - [`closed_form_parts`]: where a line meets each surface, without a march.
+//! - [`directed_parts`]: the distance to what can be met ahead, and its gradient;
+//! - [`closed_form_parts`]: where a line intersects each surface, without a march.
 
-mod ahead;
 mod closed_form;
+mod directed;
 mod distance;
 pub(super) mod field;
 pub(super) mod fields_ahead;
-mod land;
 mod library;
 mod link;
 pub(super) mod named;
 mod of_kind;
+mod project;
 pub(super) mod scene_text;
 mod source;
 mod user;
 
-pub use ahead::ahead_parts;
 pub use closed_form::closed_form_parts;
+pub use directed::directed_parts;
 pub use distance::distance_parts;
 pub use link::{Part, link};
 #[cfg(glsl_at_run_time)]

@@ -57,7 +57,7 @@ impl<'a> Named<'a> {
         self.surface.shape.field()
     }
 
-    /// Whether a line meets it in closed form.
+    /// Whether a line intersects it in closed form.
     pub fn has_closed_form(&self) -> bool {
         self.field().is_none_or(has_closed_form)
     }
@@ -145,11 +145,11 @@ impl<'a> Named<'a> {
     }
 
     /// What rounding may do to the distance to it, in metres.
-    pub fn slack(&self) -> String {
+    pub fn error_bound(&self) -> String {
         match self.surface.shape.node {
             Node::Cuboid(_) | Node::Room(_) => format!("{}.w", self.value(1)),
             Node::Sphere(_) | Node::Cylinder(_) => {
-                format!("roundSlack({})", self.value(0))
+                format!("roundErrorBound({})", self.value(0))
             }
             _ => format!("{}.w", self.value(0)),
         }
@@ -169,14 +169,14 @@ impl<'a> Named<'a> {
     }
 
     /// The distance to a basic shape that a wave at `p` along `d` can still meet.
-    pub fn distance_ahead(&self, p: &str, d: &str) -> String {
+    pub fn directed_distance(&self, p: &str, d: &str) -> String {
         let (shape, point, vector) = (self.shape(), self.point(p), self.vector(d));
         let size = match self.surface.shape.node {
-            // With the slack within which rounding decides on the side of a face.
+            // With the error bound within which rounding decides on the side of a face.
             Node::Cuboid(_) => format!(", {}", self.value(1)),
             _ => self.size(),
         };
-        format!("sd{shape}Ahead({point}, {vector}{size})")
+        format!("sd{shape}Directed({point}, {vector}{size})")
     }
 
     /// The gradient of a field at a point of its own axes, with the value last.
@@ -201,8 +201,8 @@ impl<'a> Named<'a> {
                 true => format!(", {limit}"),
                 false => String::new(),
             };
-            let (tag, slack, data) = (&self.tag, self.slack(), self.data_argument());
-            return format!("hit{tag}({point}, {vector}, {slack}{limit}{data})");
+            let (tag, error_bound, data) = (&self.tag, self.error_bound(), self.data_argument());
+            return format!("hit{tag}({point}, {vector}, {error_bound}{limit}{data})");
         }
         match self.surface.shape.node {
             Node::Cuboid(_) => format!("hitBox({point}, {vector}, {})", self.value(1)),
@@ -211,11 +211,11 @@ impl<'a> Named<'a> {
     }
 
     /// How far the line of a wave is free of a field that is marched.
-    pub fn free(&self, p: &str, d: &str, slack: &str) -> String {
+    pub fn free(&self, p: &str, d: &str, error_bound: &str) -> String {
         let (point, vector) = (self.point(p), self.vector(d));
-        let slack = format!("max({slack}, {})", self.slack());
+        let error_bound = format!("max({error_bound}, {})", self.error_bound());
         format!(
-            "free{}({point}, {vector}, {slack}{})",
+            "free{}({point}, {vector}, {error_bound}{})",
             self.tag,
             self.data_argument()
         )

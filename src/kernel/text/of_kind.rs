@@ -14,7 +14,7 @@ pub(super) fn of_kind(
     otherwise: &str,
 ) -> String {
     let mut out = head.to_owned();
-    for (kind, named) in text.kinds.iter().enumerate() {
+    for (kind, named) in text.instanced.iter().enumerate() {
         if wanted(named) {
             let (label, statement) = (&named.label, statement(named));
             let _ = writeln!(

@@ -13,9 +13,9 @@ use std::borrow::Cow;
 /// What the text of a scene is written from.
 pub(in crate::kernel) struct Text<'a> {
     /// Unrolled surfaces.
-    pub loose: Vec<Named<'a>>,
+    pub unrolled: Vec<Named<'a>>,
     /// Kinds of the surfaces in cells.
-    pub kinds: Vec<Named<'a>>,
+    pub instanced: Vec<Named<'a>>,
     assets: Assets,
 }
 
@@ -23,16 +23,16 @@ impl<'a> Text<'a> {
     pub fn new(scene: &'a Scene) -> Text<'a> {
         let layout = Layout::of(scene);
         let mut first = 0;
-        let mut loose = Vec::new();
-        for &index in &layout.loose {
+        let mut unrolled = Vec::new();
+        for &index in &layout.unrolled {
             let named = Named::surface(scene, index, first);
             first += named.value_count();
-            loose.push(named);
+            unrolled.push(named);
         }
-        let kinds = layout.kinds.iter().enumerate();
+        let kinds = layout.instanced.iter().enumerate();
         Text {
-            loose,
-            kinds: kinds
+            unrolled,
+            instanced: kinds
                 .map(|(kind, &index)| Named::kind(scene, index, kind))
                 .collect(),
             assets: Assets::of(scene),
@@ -41,7 +41,7 @@ impl<'a> Text<'a> {
 
     /// Every surface and kind that the text has lines for.
     pub fn all(&self) -> impl Iterator<Item = &Named<'a>> {
-        self.loose.iter().chain(&self.kinds)
+        self.unrolled.iter().chain(&self.instanced)
     }
 
     /// What every text may call: the library, the users' fields, the values of the surfaces.
@@ -78,7 +78,7 @@ impl<'a> Text<'a> {
 
     /// The declaration of `uSurfaces`.
     fn uniforms(&self) -> String {
-        let count: usize = self.loose.iter().map(|named| named.value_count()).sum();
+        let count: usize = self.unrolled.iter().map(|named| named.value_count()).sum();
         match count {
             0 => String::new(),
             count => format!("uniform vec4 uSurfaces[{count}];\n\n"),

@@ -66,7 +66,7 @@ mod tests {
             let start = scene.source.position.as_dvec3();
             let (mut met, mut differ) = ([0; 2], 0);
             for wave in &waves {
-                let hit = exact.nearest_hit(start, wave.start_direction.as_dvec3());
+                let hit = exact.closest_hit(start, wave.start_direction.as_dvec3());
                 let object = hit.map_or(-1.0, |hit| hit.object as f32);
                 match (wave.status == object, object) {
                     (false, _) => differ += 1,

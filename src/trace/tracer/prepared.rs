@@ -4,7 +4,7 @@ use super::super::budget::Budget;
 use super::super::waves::{STATUS_DEAD, STATUS_STARTED};
 use super::super::{Grid, Profile, Settings};
 use crate::gpu::Program;
-use crate::kernel::{Placed, Placement};
+use crate::kernel::{OriginRebasing, RebasedScene};
 use crate::scene::Scene;
 use glam::{Vec3, Vec4};
 use std::rc::Rc;
@@ -58,28 +58,28 @@ struct Uniforms {
 
 impl PreparedFrame {
     /// The coordinates of a frame's shaders.
-    pub fn placement(scene: &Scene, settings: &Settings) -> Placement {
+    pub fn rebasing(scene: &Scene, settings: &Settings) -> OriginRebasing {
         match settings.profile {
-            Profile::Thesis => Placement::world(),
-            Profile::March | Profile::Hybrid => Placement::anchored(scene),
+            Profile::Thesis => OriginRebasing::world(),
+            Profile::March | Profile::Hybrid => OriginRebasing::at_listener(scene),
         }
     }
 
-    /// Of a scene whose surfaces lie in the shaders' coordinates as `placed` says.
+    /// Of a scene whose surfaces lie in the shaders' coordinates as `rebased` says.
     pub fn new(
         scene: &Scene,
         settings: &Settings,
-        (placement, placed): (&Placement, &Placed),
+        (rebasing, rebased): (&OriginRebasing, &RebasedScene),
         budget: Budget,
         programs: FramePrograms,
         began: Instant,
     ) -> PreparedFrame {
         let listener = &scene.listener;
         let uniforms = Uniforms {
-            surfaces: placed.uniform_values(),
-            source: placement.place(scene.source.position),
-            start_status: start_status(scene, settings.profile, placed),
-            listener: placement.place(listener.position).extend(listener.radius),
+            surfaces: rebased.uniform_values(),
+            source: rebasing.place(scene.source.position),
+            start_status: start_status(scene, settings.profile, rebased),
+            listener: rebasing.place(listener.position).extend(listener.radius),
             listener_right: listener.right(),
         };
         PreparedFrame {
@@ -88,7 +88,7 @@ impl PreparedFrame {
             budget,
             programs,
             began,
-            origin: placement.anchor,
+            origin: rebasing.origin,
             uniforms,
             evaluation_seconds: scene.evaluation_seconds(),
         }
@@ -163,12 +163,12 @@ impl PreparedFrame {
 }
 
 /// The thesis marches waves even out of a solid; elsewhere a source in a solid sends none.
-fn start_status(scene: &Scene, profile: Profile, placed: &Placed) -> f32 {
+fn start_status(scene: &Scene, profile: Profile, rebased: &RebasedScene) -> f32 {
     if profile == Profile::Thesis {
         return STATUS_STARTED;
     }
     let nearest = scene.surface_distance(scene.source.position);
-    match -nearest.distance > placed.slack(nearest.object) {
+    match -nearest.distance > rebased.error_bound(nearest.object) {
         true => STATUS_DEAD,
         false => STATUS_STARTED,
     }

@@ -16,7 +16,7 @@ uniform vec4 uSurfaces[1];
 // not met by the wave that leaves it (last). Where nothing is met before limit the
 // distance is limit and the number means nothing; it is GIVEN_UP where a step limit
 // left open what comes first.
-float nearestHit(vec3 p, vec3 d, float last, float limit, out float object) {
+float closestHit(vec3 p, vec3 d, float last, float limit, out float object) {
     float nearest = min(hitListener(p, d), limit);
     object = 0.0;
     float candidate;
@@ -29,12 +29,12 @@ float nearestHit(vec3 p, vec3 d, float last, float limit, out float object) {
 // glsl/shape/sphere.glsl
 // the scene
 // Puts p, met along d, onto the object met; the normal there.
-void land(float object, vec3 d, inout vec3 p, out vec3 normal) {
+void project(float object, vec3 d, inout vec3 p, out vec3 normal) {
     vec3 q;
     normal = -d;
     if (object == 1.0) { // surface 1 (Sphere)
         q = p - uSurfaces[0].xyz;
-        landSphere(q, uSurfaces[0].w, normal);
+        projectSphere(q, uSurfaces[0].w, normal);
         p = q + uSurfaces[0].xyz;
         normal = normal;
         return;

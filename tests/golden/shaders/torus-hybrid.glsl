@@ -12,7 +12,7 @@
 // not met by the wave that leaves it (last). Where nothing is met before limit the
 // distance is limit and the number means nothing; it is GIVEN_UP where a step limit
 // left open what comes first.
-float nearestHit(vec3 p, vec3 d, float last, float limit, out float object) {
+float closestHit(vec3 p, vec3 d, float last, float limit, out float object) {
     float nearest = min(hitListener(p, d), limit);
     object = 0.0;
     return nearest;
@@ -58,9 +58,9 @@ vec4 gradient1(vec3 p) {
 
 // the fields
 // The gradient of one of them, and what rounding may do to its value.
-vec3 fieldGradient(vec3 p, float object, out float slack) {
-    slack = 0.0;
-    if (object == 1.0) { slack = uSurfaces[0].w; return gradient1(p - uSurfaces[0].xyz).xyz; } // surface 1 (Torus)
+vec3 fieldGradient(vec3 p, float object, out float errorBound) {
+    errorBound = 0.0;
+    if (object == 1.0) { errorBound = uSurfaces[0].w; return gradient1(p - uSurfaces[0].xyz).xyz; } // surface 1 (Torus)
     return vec3(0.0);
 }
 
@@ -68,21 +68,21 @@ vec3 fieldGradient(vec3 p, float object, out float slack) {
 // glsl/shape/torus.glsl
 // the surfaces
 // surface 1 (Torus)
-float free1(vec3 p, vec3 d, float slack) {
+float free1(vec3 p, vec3 d, float errorBound) {
     vec4 b1 = gdTorus(p, 2.0, 0.5);
-    vec4 b2 = orPlain(alongTorus(b1, p, d, 2.0, 0.5), slack);
-    return freeAlong(b2, slack);
+    vec4 b2 = orPlain(alongTorus(b1, p, d, 2.0, 0.5), errorBound);
+    return freeAlong(b2, errorBound);
 }
 
 // the fields
-// How far along d from p no field is met for sure, where slack is what rounding may do
+// How far along d from p no field is met for sure, where errorBound is what rounding may do
 // to their values.
-float fieldsFree(vec3 p, vec3 d, float last, float slack) {
+float fieldsFree(vec3 p, vec3 d, float last, float errorBound) {
     float way = NO_END;
     float candidate;
     // surface 1 (Torus)
     candidate = field1(p - uSurfaces[0].xyz);
-    if (candidate < way) { way = min(way, max(candidate, free1(p - uSurfaces[0].xyz, d, max(slack, uSurfaces[0].w)))); }
+    if (candidate < way) { way = min(way, max(candidate, free1(p - uSurfaces[0].xyz, d, max(errorBound, uSurfaces[0].w)))); }
     return way;
 }
 
@@ -90,7 +90,7 @@ float fieldsFree(vec3 p, vec3 d, float last, float slack) {
 // glsl/common/onto_field.glsl
 // the scene
 // Puts p, met along d, onto the object met; the normal there.
-void land(float object, vec3 d, inout vec3 p, out vec3 normal) {
+void project(float object, vec3 d, inout vec3 p, out vec3 normal) {
     vec3 q;
     normal = -d;
     if (object == 1.0) { // surface 1 (Torus)

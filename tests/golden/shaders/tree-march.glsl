@@ -11,8 +11,8 @@
 // the distance to the second nearest. What the wave leaves (last) is out of its way
 // when it is convex, and so is all that it recedes from; of a room only the walls
 // ahead count.
-float distanceAhead(vec3 p, vec3 d, float last, out float object, out float second) {
-    float nearest = sdListenerAhead(p, d);
+float directedDistance(vec3 p, vec3 d, float last, out float object, out float second) {
+    float nearest = sdListenerDirected(p, d);
     object = 0.0;
     second = 1e30;
     float candidate;
@@ -22,8 +22,8 @@ float distanceAhead(vec3 p, vec3 d, float last, out float object, out float seco
 // glsl/common/rounding.glsl
 // the scene
 // The gradient of the distance to one object, and what rounding may do to it.
-vec3 gradientAhead(vec3 p, vec3 d, float object, out float slack) {
-    slack = roundSlack(uListener);
+vec3 directedGradient(vec3 p, vec3 d, float object, out float errorBound) {
+    errorBound = roundErrorBound(uListener);
     return normalize(p - uListener.xyz);
 }
 
@@ -76,9 +76,9 @@ vec4 gradient1(vec3 p) {
 
 // the fields
 // The gradient of one of them, and what rounding may do to its value.
-vec3 fieldGradient(vec3 p, float object, out float slack) {
-    slack = 0.0;
-    if (object == 1.0) { slack = uSurfaces[0].w; return gradient1(p - uSurfaces[0].xyz).xyz; } // surface 1 (SmoothUnion)
+vec3 fieldGradient(vec3 p, float object, out float errorBound) {
+    errorBound = 0.0;
+    if (object == 1.0) { errorBound = uSurfaces[0].w; return gradient1(p - uSurfaces[0].xyz).xyz; } // surface 1 (SmoothUnion)
     return vec3(0.0);
 }
 
@@ -86,25 +86,25 @@ vec3 fieldGradient(vec3 p, float object, out float slack) {
 // glsl/operator/smooth_union.glsl
 // the surfaces
 // surface 1 (SmoothUnion)
-float free1(vec3 p, vec3 d, float slack) {
+float free1(vec3 p, vec3 d, float errorBound) {
     vec4 b1 = gdBox(p, vec3(0.75, 0.75, 0.75));
-    vec4 b2 = orPlain(vec4(1.0 * b1.w, 1.0 * dot(b1.xyz, d), 0.0, NO_END), slack);
+    vec4 b2 = orPlain(vec4(1.0 * b1.w, 1.0 * dot(b1.xyz, d), 0.0, NO_END), errorBound);
     vec3 p3 = p - vec3(1.0, 0.0, 0.0);
     vec4 b4 = gdSphere(p3, 1.0);
-    vec4 b5 = orPlain(vec4(1.0 * b4.w, 1.0 * dot(b4.xyz, d), 0.0, NO_END), slack);
-    vec4 b6 = orPlain(blendAlong(b2, b5, 0.25), slack);
-    return freeAlong(b6, slack);
+    vec4 b5 = orPlain(vec4(1.0 * b4.w, 1.0 * dot(b4.xyz, d), 0.0, NO_END), errorBound);
+    vec4 b6 = orPlain(blendAlong(b2, b5, 0.25), errorBound);
+    return freeAlong(b6, errorBound);
 }
 
 // the fields
-// How far along d from p no field is met for sure, where slack is what rounding may do
+// How far along d from p no field is met for sure, where errorBound is what rounding may do
 // to their values.
-float fieldsFree(vec3 p, vec3 d, float last, float slack) {
+float fieldsFree(vec3 p, vec3 d, float last, float errorBound) {
     float way = NO_END;
     float candidate;
     // surface 1 (SmoothUnion)
     candidate = field1(p - uSurfaces[0].xyz);
-    if (candidate < way) { way = min(way, max(candidate, free1(p - uSurfaces[0].xyz, d, max(slack, uSurfaces[0].w)))); }
+    if (candidate < way) { way = min(way, max(candidate, free1(p - uSurfaces[0].xyz, d, max(errorBound, uSurfaces[0].w)))); }
     return way;
 }
 
@@ -112,7 +112,7 @@ float fieldsFree(vec3 p, vec3 d, float last, float slack) {
 // glsl/common/onto_field.glsl
 // the scene
 // Puts p, met along d, onto the object met; the normal there.
-void land(float object, vec3 d, inout vec3 p, out vec3 normal) {
+void project(float object, vec3 d, inout vec3 p, out vec3 normal) {
     vec3 q;
     normal = -d;
     if (object == 1.0) { // surface 1 (SmoothUnion)

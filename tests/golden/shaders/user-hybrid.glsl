@@ -12,7 +12,7 @@
 // not met by the wave that leaves it (last). Where nothing is met before limit the
 // distance is limit and the number means nothing; it is GIVEN_UP where a step limit
 // left open what comes first.
-float nearestHit(vec3 p, vec3 d, float last, float limit, out float object) {
+float closestHit(vec3 p, vec3 d, float last, float limit, out float object) {
     float nearest = min(hitListener(p, d), limit);
     object = 0.0;
     return nearest;
@@ -72,14 +72,14 @@ vec4 gradient1(vec3 p) {
 
 // the fields
 // The gradient of one of them, and what rounding may do to its value.
-vec3 fieldGradient(vec3 p, float object, out float slack) {
-    slack = 0.0;
-    if (object == 1.0) { slack = uSurfaces[0].w; return gradient1(p - uSurfaces[0].xyz).xyz; } // surface 1 (Field)
+vec3 fieldGradient(vec3 p, float object, out float errorBound) {
+    errorBound = 0.0;
+    if (object == 1.0) { errorBound = uSurfaces[0].w; return gradient1(p - uSurfaces[0].xyz).xyz; } // surface 1 (Field)
     return vec3(0.0);
 }
 
 // Nothing is known of the fields but their values.
-float fieldsFree(vec3 p, vec3 d, float last, float slack) { return 0.0; }
+float fieldsFree(vec3 p, vec3 d, float last, float errorBound) { return 0.0; }
 
 // glsl/common/march_fields.glsl
 // glsl/common/onto_field.glsl
@@ -93,7 +93,7 @@ vec4 normal1(vec3 p) {
 
 // the scene
 // Puts p, met along d, onto the object met; the normal there.
-void land(float object, vec3 d, inout vec3 p, out vec3 normal) {
+void project(float object, vec3 d, inout vec3 p, out vec3 normal) {
     vec3 q;
     normal = -d;
     if (object == 1.0) { // surface 1 (Field)

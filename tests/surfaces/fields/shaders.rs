@@ -45,7 +45,9 @@ void main() {
             .unwrap_or_else(|error| panic!("{error}\n{:#?}", scene.surfaces));
         let mut data = DataTexture::new(context, kernel::DATA_WIDTH).unwrap();
         data.set(&kernel::scene_data(scene)).unwrap();
-        let values = kernel::Placement::world().apply(scene).uniform_values();
+        let values = kernel::OriginRebasing::world()
+            .apply(scene)
+            .uniform_values();
         program.set_vec4_array("uSurfaces", &values);
         let listener = scene.listener.position.extend(scene.listener.radius);
         program.set_vec4("uListener", listener);
@@ -145,7 +147,7 @@ fn field_calls(count: usize) -> String {
     for index in 0..count {
         let number = index + 1;
         text += &format!(
-            "    if (which == {}) {{ float slack; return vec4(fieldGradient(p, {number}.0, slack), 0.0); }}\n",
+            "    if (which == {}) {{ float errorBound; return vec4(fieldGradient(p, {number}.0, errorBound), 0.0); }}\n",
             2 * index + 1
         );
         text += &format!(
@@ -172,7 +174,7 @@ fn asked(context: &Context, scene: &Scene) -> Asked {
         first += kernel::uniform_count(&scene_of(vec![surface.clone()]));
     }
     ask += &field_calls(scene.surfaces.len());
-    let parts = kernel::ahead_parts(scene, false);
+    let parts = kernel::directed_parts(scene, false);
     Asked::new(context, scene, parts, ask)
 }
 
@@ -325,7 +327,7 @@ fn shaders_and_cpu_agree_on_random_trees() {
 /// the most where the cosine is above 0.1.)
 const HIT_ULPS: f64 = 64.0;
 
-/// Protects closed forms: a line meets a field where the march in f64 meets it, from the air
+/// Protects closed forms: a line intersects a field where the march in f64 meets it, from the air
 /// and on its way from the surface; lines whose twins a hair aside fare otherwise are left out.
 #[test]
 fn closed_forms_meet_what_a_march_meets() {
@@ -339,7 +341,7 @@ fn closed_forms_meet_what_a_march_meets() {
         }
         let exact = ExactScene::new(&scene).unwrap();
         let mut ask = String::from("vec4 answer(int which, vec3 p, vec3 d) {\n");
-        ask += "    float object;\n    float t = nearestHit(p, d, -1.0, NO_HIT, object);\n";
+        ask += "    float object;\n    float t = closestHit(p, d, -1.0, NO_HIT, object);\n";
         ask += "    return vec4(t, object, 0.0, 0.0);\n}\n";
         let asked = Asked::new(&context, &scene, kernel::closed_form_parts(&scene), ask);
         let mut random = Random(23);
@@ -352,7 +354,7 @@ fn closed_forms_meet_what_a_march_meets() {
             if entry.distance(to_local(&surface, from)) > 1e-3 * entry.reach() {
                 lines.push((from, direction));
                 // On its way from the surface.
-                if let Some(hit) = exact.nearest_hit(from.as_dvec3(), direction.as_dvec3()) {
+                if let Some(hit) = exact.closest_hit(from.as_dvec3(), direction.as_dvec3()) {
                     let d = direction.as_dvec3();
                     let mirrored = d - 2.0 * d.dot(hit.normal) * hit.normal;
                     if hit.object == 1 && mirrored.dot(hit.normal) > 0.05 {
@@ -366,7 +368,7 @@ fn closed_forms_meet_what_a_march_meets() {
         for ((from, direction), answer) in lines.iter().zip(answers) {
             let meet = |aside: DVec3| {
                 let from = from.as_dvec3() + aside;
-                let hit = exact.nearest_hit(from, direction.as_dvec3().normalize())?;
+                let hit = exact.closest_hit(from, direction.as_dvec3().normalize())?;
                 (hit.object == 1).then_some(hit)
             };
             let unit = unit(&entry, &surface, *from);

@@ -43,17 +43,17 @@ impl Side {
 struct Line<'a> {
     p: &'a str,
     d: &'a str,
-    slack: &'a str,
+    error_bound: &'a str,
     /// Whether only the sign of the value counts, and none of its levels: then a bound need
     /// only be greater than 0 where the value is.
     sign_alone: bool,
 }
 
-/// `float free<number>(vec3 p, vec3 d, float slack)`: how many metres along the unit vector d
-/// from p, which is in the air but for `slack`, are free of the field for sure.
+/// `float free<number>(vec3 p, vec3 d, float errorBound)`: how many metres along the unit vector d
+/// from p, which is in the air but for `error_bound`, are free of the field for sure.
 pub(in crate::kernel) fn free_text(field: &Shape, place: &Place, assets: &Assets) -> String {
     let head = format!(
-        "float free{}(vec3 p, vec3 d, float slack{}) {{\n",
+        "float free{}(vec3 p, vec3 d, float errorBound{}) {{\n",
         place.tag, place.parameter
     );
     if !is_bounded(field) {
@@ -63,17 +63,17 @@ pub(in crate::kernel) fn free_text(field: &Shape, place: &Place, assets: &Assets
     let line = Line {
         p: "p",
         d: "d",
-        slack: "slack",
+        error_bound: "errorBound",
         sign_alone: true,
     };
     let bound = writer.along(field, line, Air);
     format!(
-        "{}{head}{}    return freeAlong({bound}, slack);\n}}\n\n",
+        "{}{head}{}    return freeAlong({bound}, errorBound);\n}}\n\n",
         writer.functions, writer.body
     )
 }
 
-/// Turns of the walks past copies in one evaluation of its bound.
+/// Turns of the traversals of copies in one evaluation of its bound.
 pub(in crate::kernel) fn leaps(field: &Shape) -> u64 {
     // As in glsl/operator/repeat.glsl.
     const LEAPS: u64 = 4;
@@ -150,7 +150,7 @@ impl Writer<'_> {
     }
 
     fn folded_along(&mut self, field: &Shape, line: Line, side: Side, n: &[String]) -> String {
-        let slack = line.slack;
+        let error_bound = line.error_bound;
         let mut result = self.along(&field.children[0], line, side);
         for child in &field.children[1..] {
             let flips = matches!(field.node, Node::Difference(_));
@@ -159,12 +159,12 @@ impl Writer<'_> {
             let lower = matches!(field.node, Node::Union(_)) == (side == Air);
             result = self.bound(&match field.node {
                 Node::SmoothUnion(_) => format!(
-                    "orPlain(blend{}Along({result}, {other}, {}), {slack})",
+                    "orPlain(blend{}Along({result}, {other}, {}), {error_bound})",
                     side.suffix(),
                     n[0]
                 ),
-                _ if lower => format!("lowerAlong({result}, {other}, {slack})"),
-                _ => format!("upperAlong({result}, {other}, {slack})"),
+                _ if lower => format!("lowerAlong({result}, {other}, {error_bound})"),
+                _ => format!("upperAlong({result}, {other}, {error_bound})"),
             });
         }
         result
@@ -186,7 +186,7 @@ impl Writer<'_> {
             let thick = format!("vec4({half}, 0.0, 0.0, 0.0)");
             return self.bound(&format!(
                 "lowerAlong({air} + {thick}, {solid} + {thick}, {})",
-                line.slack
+                line.error_bound
             ));
         }
         let value = self.value(child, line.p);
@@ -205,19 +205,21 @@ impl Writer<'_> {
     }
 
     fn shape_along(&mut self, field: &Shape, line: Line, side: Side, n: &[String]) -> String {
-        let Line { p, d, slack, .. } = line;
+        let Line {
+            p, d, error_bound, ..
+        } = line;
         let (name, sign) = (field.node.name(), side.sign());
         let more = arguments(&field.node, n);
         match &field.node {
             Node::HeightField(HeightField { image, .. }) => {
                 let (first, size) = (self.assets.image(image).unwrap_or(0), image.size());
                 let bound = format!(
-                    "along{name}{}({p}, {d}{more}, {first}, ivec2({}, {}), {slack})",
+                    "along{name}{}({p}, {d}{more}, {first}, ivec2({}, {}), {error_bound})",
                     side.suffix(),
                     size.x,
                     size.y
                 );
-                return self.bound(&format!("orPlain({bound}, {slack})"));
+                return self.bound(&format!("orPlain({bound}, {error_bound})"));
             }
             Node::User(_) => {
                 let value = format!("sd{}({p}{more})", self.shape_name(field));
@@ -236,7 +238,7 @@ impl Writer<'_> {
                 format!("along{name}{}({gradient}, {p}, {d}{more})", side.suffix())
             }
             (Node::RoundedBox(_), Solid) => {
-                concave(format!("exitRoundedBox({p}, {d}{more}, {slack})"))
+                concave(format!("exitRoundedBox({p}, {d}{more}, {error_bound})"))
             }
             (
                 Node::Ellipsoid(_)
@@ -253,7 +255,7 @@ impl Writer<'_> {
                     let falling = format!("{sign} * dot({gradient}.xyz, {d}) < 0.0");
                     let free = format!("hit{name}({p}, {d}, {sign}{numbers})");
                     return self.bound(&format!(
-                        "{sign} * {gradient}.w <= {slack} && {falling} ? orPlain({near}, {slack}) \
+                        "{sign} * {gradient}.w <= {error_bound} && {falling} ? orPlain({near}, {error_bound}) \
                          : vec4({sign} * {gradient}.w, 0.0, 0.0, {free})"
                     ));
                 }
@@ -266,12 +268,14 @@ impl Writer<'_> {
             (_, Solid) => concave(format!("exit{name}({p}, {d}{more})")),
             (_, Air) => straight,
         };
-        self.bound(&format!("orPlain({bound}, {slack})"))
+        self.bound(&format!("orPlain({bound}, {error_bound})"))
     }
 
     /// Operators on space: the line in the inner axes, and as far as it stays straight there.
     fn moved_along(&mut self, field: &Shape, line: Line, side: Side, n: &[String]) -> String {
-        let Line { p, d, slack, .. } = line;
+        let Line {
+            p, d, error_bound, ..
+        } = line;
         let child = &field.children[0];
         let vector = || format!("vec3({}, {}, {})", n[0], n[1], n[2]);
         match &field.node {
@@ -288,15 +292,15 @@ impl Writer<'_> {
             Node::Scale(_) => {
                 let by = &n[0];
                 let p = &self.point(&format!("{p} / {by}"));
-                let within = self.name("slack");
-                self.line(&format!("float {within} = {slack} / {by};"));
-                let slack = &within;
+                let within = self.name("errorBound");
+                self.line(&format!("float {within} = {error_bound} / {by};"));
+                let error_bound = &within;
                 let of = self.along(
                     child,
                     Line {
                         p,
                         d,
-                        slack,
+                        error_bound,
                         ..line
                     },
                     side,
@@ -356,9 +360,9 @@ impl Writer<'_> {
             let Some(free) = free else {
                 return near;
             };
-            let (slack, further) = (line.slack, free_bound(&free));
+            let (error_bound, further) = (line.error_bound, free_bound(&free));
             return self.bound(&format!(
-                "{free} > freeAlong({near}, {slack}) ? {further} : {near}"
+                "{free} > freeAlong({near}, {error_bound}) ? {further} : {near}"
             ));
         }
         self.numbers.skip(&field.children[0]);
@@ -371,8 +375,8 @@ impl Writer<'_> {
         let axes = CopyAxes::new(field, n)?;
         let q = self.point(&format!("{} - {}", line.p, axes.shift));
         let free = self.name("free");
-        let walk = axes.walk(&q, line.d, line.slack);
-        self.line(&format!("float {free} = freeOfCopies({walk});"));
+        let traversal = axes.traversal(&q, line.d, line.error_bound);
+        self.line(&format!("float {free} = freeOfCopies({traversal});"));
         Some(free)
     }
 
@@ -410,12 +414,12 @@ impl Writer<'_> {
         side: Side,
         reaches: Vec<String>,
     ) -> String {
-        let slack = line.slack;
+        let error_bound = line.error_bound;
         let of = self.along(child, line, side);
         let reach = reaches
             .into_iter()
             .fold(format!("{of}.w"), |all, next| format!("min({all}, {next})"));
-        self.bound(&format!("orPlain(vec4({of}.xyz, {reach}), {slack})"))
+        self.bound(&format!("orPlain(vec4({of}.xyz, {reach}), {error_bound})"))
     }
 }
 

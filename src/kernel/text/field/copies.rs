@@ -1,4 +1,4 @@
-//! A repetition as a line walks past its copies.
+//! A repetition as a line traversals of its copies.
 
 use super::numbers::literal;
 use crate::scene::shape::Repeat;
@@ -8,14 +8,14 @@ use crate::scene::{Copies, Node, Shape};
 /// the step limit.
 const MOST_CELLS: u64 = 1024;
 
-/// Whether each copy keeps to its own cell, so that a line meets them in the order of the cells.
+/// Whether each copy keeps to its own cell, so that a line intersects them in the order of the cells.
 pub(super) fn keep_to_cells(field: &Shape) -> bool {
     let within = |copies: &Copies| !matches!(copies, Copies::Around(_));
     field.copies().is_ok_and(|c| c.iter().all(within))
 }
 
 /// Cells that a line crosses at the most on its way past all copies; `None` for so many that a
-/// walk has a step limit.
+/// traversal has a step limit.
 pub(in crate::kernel) fn cells_crossed(field: &Shape) -> Option<u64> {
     let Node::Repeat(Repeat { period, count }) = &field.node else {
         return Some(0);
@@ -29,13 +29,13 @@ pub(in crate::kernel) fn cells_crossed(field: &Shape) -> Option<u64> {
     cells.filter(|cells| *cells <= MOST_CELLS)
 }
 
-/// Whether a walk past copies of it has a step limit.
+/// Whether a traversal of copies of it has a step limit.
 pub(in crate::kernel) fn has_step_limit(field: &Shape) -> bool {
     let unlimited = |node: &&Shape| cells_crossed(node).is_none();
     field.nodes().iter().any(unlimited)
 }
 
-/// A repetition as the walk takes it: vectors of expressions.
+/// A repetition as the traversal takes it: vectors of expressions.
 pub(super) struct CopyAxes {
     /// From the origin to the middle of copy 0.
     pub shift: String,
@@ -72,8 +72,8 @@ impl CopyAxes {
         })
     }
 
-    /// The walk of a line whose start is relative to copy 0.
-    pub fn walk(&self, q: &str, d: &str, slack: &str) -> String {
+    /// The traversal of a line whose start is relative to copy 0.
+    pub fn traversal(&self, q: &str, d: &str, error_bound: &str) -> String {
         let CopyAxes {
             period,
             least,
@@ -82,7 +82,9 @@ impl CopyAxes {
             last,
             ..
         } = self;
-        format!("walkCopies({q}, {d}, {slack}, {period}, {least}, {most}, {first}, {last})")
+        format!(
+            "traverseCopies({q}, {d}, {error_bound}, {period}, {least}, {most}, {first}, {last})"
+        )
     }
 }
 

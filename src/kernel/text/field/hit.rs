@@ -1,11 +1,11 @@
-//! Where a line meets a field, for those that have a closed form.
+//! Where a line intersects a field, for those that have a closed form.
 //!
 //! A quadric's value along a line, A t² + 2 B t + C, goes from air to solid at no more than
 //! one place: where its growth 2 (A t + B) is negative, t = (−B − √(B² − A C)) / A. That one
 //! formula serves outside and inside, convex or not, and never finds the place that a wave
 //! leaves. Moving, turning and scaling carry the line along; a union is met at the nearest.
 //! Of copies that keep to their cells the line is taken past one after the other: the first that
-//! it meets is the nearest. Where there may be too many for one flight the walk has a step limit;
+//! it meets is the nearest. Where there may be too many for one flight the traversal has a step limit;
 //! it ends at what else the wave meets, so that the limit counts only where nothing else does.
 
 use super::copies::{CopyAxes, cells_crossed, has_step_limit, keep_to_cells};
@@ -24,12 +24,12 @@ pub(in crate::kernel) fn has_closed_form(field: &Shape) -> bool {
         Node::Union(_) => field.children.iter().all(has_closed_form),
         Node::Repeat(_) => keep_to_cells(field) && has_closed_form(&field.children[0]),
         Node::Complement(_) => inside_out(&field.children[0]).is_some(),
-        node => meets_lines(node),
+        node => has_hit_function(node),
     }
 }
 
-/// Whether a shape has a function that says where a line meets it.
-fn meets_lines(node: &Node) -> bool {
+/// Whether a shape has a function that says where a line intersects it.
+fn has_hit_function(node: &Node) -> bool {
     node.part().operands() == (0, 0) && has_function(&format!("hit{}", node.name()))
 }
 
@@ -52,10 +52,10 @@ fn inside_out(field: &Shape) -> Option<&'static str> {
     }
 }
 
-/// `float hit<number>(vec3 p, vec3 d, float slack)`: metres along the unit vector d from p,
-/// which is in the air, or NO_HIT. `slack` is what rounding may do to p. Of copies
-/// `hit<number>(p, d, slack, limit)`: what lies beyond `limit` metres need not be found, and
-/// where a walk has a step limit the answer may be GIVEN_UP.
+/// `float hit<number>(vec3 p, vec3 d, float errorBound)`: metres along the unit vector d from p,
+/// which is in the air, or NO_HIT. `error_bound` is what rounding may do to p. Of copies
+/// `hit<number>(p, d, errorBound, limit)`: what lies beyond `limit` metres need not be found, and
+/// where a traversal has a step limit the answer may be GIVEN_UP.
 pub(in crate::kernel) fn hit_text(field: &Shape, place: &Place, assets: &Assets) -> String {
     let mut writer = Writer::new(place, assets);
     let text = writer.hit_function(field, &format!("hit{}", place.tag));
@@ -68,7 +68,7 @@ pub(in crate::kernel) fn hit_text(field: &Shape, place: &Place, assets: &Assets)
 struct Line<'a> {
     p: &'a str,
     d: &'a str,
-    slack: &'a str,
+    error_bound: &'a str,
     limit: &'a str,
 }
 
@@ -79,7 +79,7 @@ impl Writer<'_> {
         let line = Line {
             p: "p",
             d: "d",
-            slack: "slack",
+            error_bound: "errorBound",
             limit: "limit",
         };
         let result = self.hit(field, line, false);
@@ -90,14 +90,19 @@ impl Writer<'_> {
             ""
         };
         format!(
-            "float {name}(vec3 p, vec3 d, float slack{limit}{}) {{\n{body}    return {result};\n}}\n\n",
+            "float {name}(vec3 p, vec3 d, float errorBound{limit}{}) {{\n{body}    return {result};\n}}\n\n",
             self.place.parameter
         )
     }
 
     fn hit(&mut self, field: &Shape, line: Line, inside_out: bool) -> String {
         let n = self.numbers.next(field);
-        let Line { p, d, slack, limit } = line;
+        let Line {
+            p,
+            d,
+            error_bound,
+            limit,
+        } = line;
         match &field.node {
             Node::Translate(_) => {
                 let p = &self.point(&format!("{p} - vec3({}, {}, {})", n[0], n[1], n[2]));
@@ -111,12 +116,17 @@ impl Writer<'_> {
             }
             Node::Scale(_) => {
                 let p = &self.point(&format!("{p} / {}", n[0]));
-                let slack = &self.length(&format!("{slack} / {}", n[0]));
+                let error_bound = &self.length(&format!("{error_bound} / {}", n[0]));
                 let limit = &match takes_limit(&field.children[0]) {
                     true => self.length(&format!("{limit} / {}", n[0])),
                     false => limit.to_owned(),
                 };
-                let line = Line { p, d, slack, limit };
+                let line = Line {
+                    p,
+                    d,
+                    error_bound,
+                    limit,
+                };
                 let t = self.hit(&field.children[0], line, inside_out);
                 self.length(&format!("{t} < NO_HIT ? {t} * {} : NO_HIT", n[0]))
             }
@@ -157,7 +167,7 @@ impl Writer<'_> {
         self.length(&format!("min({known}, {other})"))
     }
 
-    /// The first of the copies that the line meets.
+    /// The first of the copies that the line intersects.
     fn hit_copies(&mut self, field: &Shape, line: Line, numbers: &[String]) -> String {
         // What is no repetition never comes here.
         let Some(axes) = CopyAxes::new(field, numbers) else {
@@ -166,13 +176,21 @@ impl Writer<'_> {
         let child = self.name(&format!("hit{}_", self.place.tag));
         let text = self.hit_function(&field.children[0], &child);
         self.functions += &text;
-        let Line { p, d, slack, limit } = line;
+        let Line {
+            p,
+            d,
+            error_bound,
+            limit,
+        } = line;
         let q = self.point(&format!("{p} - {}", axes.shift));
-        let [walk, comes] = ["walk", "comes"].map(|stem| self.name(stem));
+        let [traversal, comes] = ["traversal", "comes"].map(|stem| self.name(stem));
         let t = self.length("NO_HIT");
-        self.line(&format!("CopyWalk {walk} = {};", axes.walk(&q, d, slack)));
+        self.line(&format!(
+            "CopyTraversal {traversal} = {};",
+            axes.traversal(&q, d, error_bound)
+        ));
         self.line(&format!("bool {comes};"));
-        let ahead = format!("{t} >= NO_HIT && nextCopy({walk}, {limit}, {comes})");
+        let ahead = format!("{t} >= NO_HIT && nextCopy({traversal}, {limit}, {comes})");
         self.line(&format!("while ({ahead}) {{"));
         if cells_crossed(field).is_none() {
             self.line(&format!(
@@ -185,7 +203,7 @@ impl Writer<'_> {
         };
         let period = &axes.period;
         self.line(&format!(
-            "    if ({comes}) {{ {t} = {child}({q} - {period} * {walk}.met, {d}, {slack}{inner}{}); }}",
+            "    if ({comes}) {{ {t} = {child}({q} - {period} * {traversal}.met, {d}, {error_bound}{inner}{}); }}",
             self.place.argument
         ));
         self.line("}");
@@ -193,7 +211,9 @@ impl Writer<'_> {
     }
 
     fn hit_shape(&mut self, node: &Node, line: Line, n: &[String], out: bool) -> String {
-        let Line { p, d, slack, .. } = line;
+        let Line {
+            p, d, error_bound, ..
+        } = line;
         let name = node.name();
         let call = match node {
             Node::Ellipsoid(_)
@@ -205,11 +225,11 @@ impl Writer<'_> {
                 format!("hit{name}({p}, {d}, {sign}{arguments})")
             }
             Node::Cuboid(_) if out => format!("hitRoom({p}, {d}{})", arguments(node, n)),
-            Node::Cuboid(_) => format!("hitBox({p}, {d}, vec4({}, {slack}))", n.join(", ")),
+            Node::Cuboid(_) => format!("hitBox({p}, {d}, vec4({}, {error_bound}))", n.join(", ")),
             Node::Plane(_) | Node::Room(_) | Node::Sphere(_) | Node::Cylinder(_) => {
                 format!("hit{name}({p}, {d}{})", arguments(node, n))
             }
-            _ => format!("hit{name}({p}, {d}{}, {slack})", arguments(node, n)),
+            _ => format!("hit{name}({p}, {d}{}, {error_bound})", arguments(node, n)),
         };
         self.length(&call)
     }

@@ -1,10 +1,11 @@
-//! A field as shader text: its value, its gradient, and where a line meets it.
+//! A field as shader text: its value, its gradient, and where a line intersects it.
 //!
 //! Each tree becomes straight-line code, one statement a node, in functions that are named
 //! after the surface's number: `field3(p)`, `gradient3(p)` (the gradient, and in its last
-//! component the value), where there is a closed form `hit3(p, d, slack)`, of copies
-//! `hit3(p, d, slack, limit)`, and for the march `free3(p, d, slack)`. Value and gradient are the same text over two types: `float`, and `vec4` for a value with its
-//! gradient, which the operators take along (forward differentiation).
+//! component the value), where there is a closed form `hit3(p, d, errorBound)`, of copies
+//! `hit3(p, d, errorBound, limit)`, and for the march `free3(p, d, errorBound)`. Value and
+//! gradient are the same text over two types: `float`, and `vec4` for a value with its gradient,
+//! which the operators take along (forward differentiation).
 //!
 //! Numbers are literals. Those of a node that something moves are uniforms instead, all of
 //! them at once, because several follow from one parameter (a rotation's nine).

@@ -1,11 +1,11 @@
-//! Covered faces of boxes, sealed.
+//! Extends the covered faces of boxes into what covers them.
 //!
 //! A block that stands against a wall shares a plane with it. Where the two meet, a ray
 //! that rounding put a hair to the wrong side would enter the block by the face that lies
-//! in the wall, which no wave can reach. Such a face is pushed on into the solid that
+//! in the wall, which no wave can reach. Such a face is extended into the solid that
 //! covers it: the air keeps its shape, and the seam is gone.
 //!
-//! What a push adds to a box is a slab between two parallel faces. It is added only when
+//! What an extension adds to a box is a slab between two parallel faces. It is added only when
 //! one convex solid holds all eight corners of the slab, and so all of it: no air is lost.
 //! The slab is that of the box as it has grown so far. Walls of rooms and planes come
 //! first, so that a box that stands between floor and ceiling and against another such box
@@ -13,7 +13,7 @@
 //!
 //! Where boxes of one width stand on each other, the slab's sides would lie in the faces of
 //! its cover: waves that hit the cover there would be told to have hit the box. So a long
-//! push has to end deep inside of its cover; any other is only as long as rounding asks for.
+//! extension has to end deep inside of its cover; any other is only as long as rounding asks for.
 
 use crate::scene::shape::{Cuboid, Room};
 use crate::scene::{Bounds3, Node, Shape, Surface};
@@ -22,19 +22,23 @@ use glam::{DVec3, Vec3};
 /// A face of a box: its axis, and −1 or 1 for the lower and the upper one.
 type Face = (usize, f32);
 
-/// The same surfaces, with the covered faces of boxes pushed into what covers them.
-/// `slacks` says for each surface, in metres, how far off rounding may put it.
-pub(super) fn sealed(surfaces: &[Surface], slacks: &[f32]) -> Vec<Surface> {
+/// The same surfaces, with the covered faces of boxes extended into what covers them.
+/// `error_bounds` says for each surface, in metres, how far off rounding may put it.
+pub(super) fn extend_covered_faces(surfaces: &[Surface], error_bounds: &[f32]) -> Vec<Surface> {
     let is_half_space = |shape: &Shape| matches!(shape.node, Node::Plane(_) | Node::Room(_));
-    let against_walls = round(surfaces, slacks, is_half_space);
+    let against_walls = round(surfaces, error_bounds, is_half_space);
     let is_solid = |shape: &Shape| shape.is_convex() && !is_half_space(shape);
-    round(&against_walls, slacks, is_solid)
+    round(&against_walls, error_bounds, is_solid)
 }
 
-/// Seals every box against those of the surfaces whose shape is `wanted`.
-fn round(surfaces: &[Surface], slacks: &[f32], wanted: impl Fn(&Shape) -> bool) -> Vec<Surface> {
+/// Extends every box into those of the surfaces whose shape is `wanted`.
+fn round(
+    surfaces: &[Surface],
+    error_bounds: &[f32],
+    wanted: impl Fn(&Shape) -> bool,
+) -> Vec<Surface> {
     let mut grown = surfaces.to_vec();
-    let near = Neighbours::new(surfaces, slacks, wanted);
+    let near = Neighbours::new(surfaces, error_bounds, wanted);
     for (index, surface) in surfaces.iter().enumerate() {
         if !matches!(surface.shape.node, Node::Cuboid(_)) {
             continue;
@@ -43,11 +47,11 @@ fn round(surfaces: &[Surface], slacks: &[f32], wanted: impl Fn(&Shape) -> bool) 
         for axis in 0..3 {
             for side in [-1.0, 1.0] {
                 let against = |cover: &usize| {
-                    let slack = slacks[index].max(slacks[*cover]);
-                    push(&grown[index], (axis, side), &surfaces[*cover], slack)
+                    let error_bound = error_bounds[index].max(error_bounds[*cover]);
+                    extension(&grown[index], (axis, side), &surfaces[*cover], error_bound)
                 };
                 let by = covers.iter().map(against).fold(0.0, f32::max);
-                grown[index] = pushed(&grown[index], (axis, side), by);
+                grown[index] = extended(&grown[index], (axis, side), by);
             }
         }
     }
@@ -67,13 +71,21 @@ struct Neighbours {
 }
 
 impl Neighbours {
-    fn new(surfaces: &[Surface], slacks: &[f32], wanted: impl Fn(&Shape) -> bool) -> Neighbours {
-        let with_slack = |(surface, slack): (&Surface, &f32)| {
+    fn new(
+        surfaces: &[Surface],
+        error_bounds: &[f32],
+        wanted: impl Fn(&Shape) -> bool,
+    ) -> Neighbours {
+        let with_error_bound = |(surface, error_bound): (&Surface, &f32)| {
             surface
                 .bounds()
-                .grown(DVec3::splat(2.0 * f64::from(*slack)))
+                .grown(DVec3::splat(2.0 * f64::from(*error_bound)))
         };
-        let bounds: Vec<Bounds3> = surfaces.iter().zip(slacks).map(with_slack).collect();
+        let bounds: Vec<Bounds3> = surfaces
+            .iter()
+            .zip(error_bounds)
+            .map(with_error_bound)
+            .collect();
         let covers = (0..surfaces.len()).filter(|&index| wanted(&surfaces[index].shape));
         let ends = |index: &usize| (bounds[*index].max.x - bounds[*index].min.x).is_finite();
         let (mut by_start, endless): (Vec<usize>, Vec<usize>) = covers.partition(ends);
@@ -105,38 +117,38 @@ impl Neighbours {
     }
 }
 
-/// How far a face of a box can be pushed on into one solid, in metres: as far as the box is
+/// How far a face of a box can be extended into one solid, in metres: as far as the box is
 /// long, or a power of two less, if the solid holds what that adds with something to spare;
 /// else just past rounding, if the solid holds that; else not at all.
-fn push(surface: &Surface, face: Face, cover: &Surface, slack: f32) -> f32 {
-    /// The last try is 2^-12 of the box's length: less hardly helps more than a short push.
+fn extension(surface: &Surface, face: Face, cover: &Surface, error_bound: f32) -> f32 {
+    /// The last try is 2^-12 of the box's length: less hardly helps more than a short extension.
     const TRIES: i32 = 13;
-    /// Length of a short push in slacks: the face is then well out of the reach of a wave
+    /// Length of a short extension in error bounds: the face is then well out of the reach of a wave
     /// that rounding put to the wrong side of the seam.
     const SHORT: f32 = 4.0;
     let Node::Cuboid(Cuboid { size }) = surface.shape.node else {
         return 0.0;
     };
     let near = corners(surface, size, face, 0.0);
-    if !holds_all(cover, &near, &[], slack, slack) {
+    if !holds_all(cover, &near, &[], error_bound, error_bound) {
         return 0.0;
     }
-    let short = SHORT * slack;
+    let short = SHORT * error_bound;
     let holds = |by: f32, most: f32| {
         let far = corners(surface, size, face, by);
-        holds_all(cover, &near, &far, slack, most)
+        holds_all(cover, &near, &far, error_bound, most)
     };
     let mut lengths = (0..TRIES).map(|halvings| size.max_element() * 0.5_f32.powi(halvings));
     let long = lengths.find(|&by| by > short && holds(by, -short));
     match long {
         Some(by) => by,
-        None if holds(short, slack) => short,
+        None if holds(short, error_bound) => short,
         None => 0.0,
     }
 }
 
-/// The box with one face pushed outwards.
-fn pushed(surface: &Surface, (axis, side): Face, by: f32) -> Surface {
+/// The box with one face moved outwards.
+fn extended(surface: &Surface, (axis, side): Face, by: f32) -> Surface {
     let Node::Cuboid(Cuboid { size }) = surface.shape.node else {
         return surface.clone();
     };
@@ -163,11 +175,11 @@ fn corners(surface: &Surface, size: Vec3, (axis, side): Face, by: f32) -> [Vec3;
     })
 }
 
-/// Whether one convex solid holds all points: the near ones within `slack`, the far ones
+/// Whether one convex solid holds all points: the near ones within `error_bound`, the far ones
 /// with a distance of `most` at the most. Of a room each wall is a solid of its own.
-fn holds_all(solid: &Surface, near: &[Vec3], far: &[Vec3], slack: f32, most: f32) -> bool {
+fn holds_all(solid: &Surface, near: &[Vec3], far: &[Vec3], error_bound: f32, most: f32) -> bool {
     let held_by = |distance: &dyn Fn(Vec3) -> f32| {
-        near.iter().all(|&point| distance(point) <= slack)
+        near.iter().all(|&point| distance(point) <= error_bound)
             && far.iter().all(|&point| distance(point) <= most)
     };
     let Node::Room(Room { size }) = solid.shape.node else {
@@ -189,8 +201,8 @@ mod tests {
     use crate::scene::Scene;
     use proptest::prelude::*;
 
-    fn sealed_by(surfaces: &[Surface], slack: f32) -> Vec<Surface> {
-        sealed(surfaces, &vec![slack; surfaces.len()])
+    fn extended_by(surfaces: &[Surface], error_bound: f32) -> Vec<Surface> {
+        extend_covered_faces(surfaces, &vec![error_bound; surfaces.len()])
     }
 
     fn distance(surfaces: &[Surface], point: Vec3) -> f32 {
@@ -198,17 +210,17 @@ mod tests {
         all.fold(f32::INFINITY, f32::min)
     }
 
-    /// Protects the seams of the thesis' scenes: what is covered is pushed away.
+    /// Protects the seams of the thesis' scenes: what is covered is extended into its cover.
     #[test]
     fn covered_faces_move_and_others_do_not() {
         let corner = Scene::builtin("corner").unwrap();
-        let sealed = sealed_by(&corner.surfaces, 1e-5);
-        assert_eq!(sealed[0], corner.surfaces[0]);
-        let Node::Cuboid(Cuboid { size }) = sealed[1].shape.node else {
+        let extended = extended_by(&corner.surfaces, 1e-5);
+        assert_eq!(extended[0], corner.surfaces[0]);
+        let Node::Cuboid(Cuboid { size }) = extended[1].shape.node else {
             panic!("the block is a box");
         };
-        let low = sealed[1].position - 0.5 * size;
-        let high = sealed[1].position + 0.5 * size;
+        let low = extended[1].position - 0.5 * size;
+        let high = extended[1].position + 0.5 * size;
         // Its west face (x = 0) and south face (z = 0) look into the room.
         assert_eq!((low.x, high.z), (0.0, 0.0));
         assert!(high.x > 20.0 && low.z < -20.0 && low.y < -15.0 && high.y > 15.0);
@@ -217,18 +229,18 @@ mod tests {
     /// Protects seams between two boxes: the long wall of obstacles stands against the
     /// block, and both against floor and ceiling.
     #[test]
-    fn a_wall_is_sealed_against_the_block_it_stands_at() {
+    fn a_wall_is_extended_into_the_block_it_stands_at() {
         let obstacles = Scene::builtin("obstacles").unwrap();
-        let sealed = sealed_by(&obstacles.surfaces, 1e-5);
-        assert!(sealed[2].distance(Vec3::new(2.0, 0.0, -0.2)) < 0.0);
-        assert!(sealed[4].distance(Vec3::new(-15.2, 0.0, 0.0)) < 0.0);
+        let extended = extended_by(&obstacles.surfaces, 1e-5);
+        assert!(extended[2].distance(Vec3::new(2.0, 0.0, -0.2)) < 0.0);
+        assert!(extended[4].distance(Vec3::new(-15.2, 0.0, 0.0)) < 0.0);
     }
 
     proptest! {
-        /// Protects the air: of boxes on a grid, which cover each other in all ways, sealing
+        /// Protects the air: of boxes on a grid, which cover each other in all ways, extending faces
         /// turns no point of air into solid and none of solid into air.
         #[test]
-        fn sealing_keeps_the_shape_of_the_air(
+        fn extending_keeps_the_shape_of_the_air(
             boxes in prop::collection::vec((0..3i32, 0..3i32, 0..3i32, 1..3i32, 1..3i32, 1..3i32), 1..6),
             in_a_room in any::<bool>(),
         ) {
@@ -244,11 +256,11 @@ mod tests {
                 let size = Vec3::splat(4.0);
                 surfaces.push(Surface::new(Node::Room(Room { size })).at(Vec3::splat(2.0)));
             }
-            let sealed = sealed_by(&surfaces, 1e-6);
+            let extended = extended_by(&surfaces, 1e-6);
             for index in 0..11 * 11 * 11 {
                 let cell = Vec3::new((index % 11) as f32, (index / 11 % 11) as f32, (index / 121) as f32);
                 let point = 0.5 * cell - Vec3::splat(0.25);
-                prop_assert_eq!(distance(&surfaces, point) > 0.0, distance(&sealed, point) > 0.0, "{}", point);
+                prop_assert_eq!(distance(&surfaces, point) > 0.0, distance(&extended, point) > 0.0, "{}", point);
             }
         }
     }

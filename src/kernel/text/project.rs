@@ -1,4 +1,4 @@
-//! The landing: the point met, put onto the surface met, and the normal there.
+//! The projection of a hit onto the surface that was hit, and the normal there.
 
 use super::named::Named;
 use super::of_kind::of_kind;
@@ -6,14 +6,14 @@ use super::scene_text::Text;
 use crate::scene::Node;
 use std::fmt::Write;
 
-/// `land(object, d, p, normal)` over all surfaces.
-pub(super) fn land_text(text: &Text) -> String {
+/// `project(object, d, p, normal)` over all surfaces.
+pub(super) fn project_text(text: &Text) -> String {
     let mut out = String::new();
-    if !text.kinds.is_empty() {
+    if !text.instanced.is_empty() {
         out += &of_kind(
             text,
             "// Puts p, met along d, onto a surface in cells; the normal there.\n\
-             void landOnKind(float kind, int data, vec3 d, inout vec3 p, out vec3 normal) {\n    \
+             void projectOntoKind(float kind, int data, vec3 d, inout vec3 p, out vec3 normal) {\n    \
              vec3 q;\n    normal = -d;\n",
             |_| true,
             |named| statements(named).join(" "),
@@ -21,9 +21,9 @@ pub(super) fn land_text(text: &Text) -> String {
         );
     }
     out += "// Puts p, met along d, onto the object met; the normal there.\n\
-         void land(float object, vec3 d, inout vec3 p, out vec3 normal) {\n    vec3 q;\n    \
+         void project(float object, vec3 d, inout vec3 p, out vec3 normal) {\n    vec3 q;\n    \
          normal = -d;\n";
-    for named in &text.loose {
+    for named in &text.unrolled {
         let _ = writeln!(
             out,
             "    if (object == {}.0) {{ // {}",
@@ -34,10 +34,10 @@ pub(super) fn land_text(text: &Text) -> String {
         }
         out.push_str("        return;\n    }\n");
     }
-    if !text.kinds.is_empty() {
+    if !text.instanced.is_empty() {
         out.push_str(
             "    if (object > 0.0) {\n        vec4 entry = entryOf(object);\n        \
-             landOnKind(entry.y, int(entry.z), d, p, normal);\n    }\n",
+             projectOntoKind(entry.y, int(entry.z), d, p, normal);\n    }\n",
         );
     }
     out + "}\n\n"
@@ -48,13 +48,15 @@ fn statements(named: &Named) -> Vec<String> {
     let vector = named.vector("d");
     match named.surface.shape.node {
         Node::Cuboid(_) | Node::Room(_) => statements.push(format!(
-            "land{}(q, {vector}{}, normal);",
+            "project{}(q, {vector}{}, normal);",
             named.shape(),
             named.size()
         )),
-        _ if named.field().is_none() => {
-            statements.push(format!("land{}(q{}, normal);", named.shape(), named.size()))
-        }
+        _ if named.field().is_none() => statements.push(format!(
+            "project{}(q{}, normal);",
+            named.shape(),
+            named.size()
+        )),
         _ => {
             // A Newton step onto the field's surface, and the gradient there.
             let gradient = named.field_gradient("q");

@@ -1,6 +1,6 @@
-// A line through the cells (Amanatides and Woo 1987). The faces that it crosses next are
+// Grid traversal by a line (DDA; Amanatides and Woo 1987). The faces that it crosses next are
 // computed from their number each time: sums would drift.
-vec3 nextFaces(vec3 p, vec3 inverse, vec3 place) {
+vec3 nextCrossings(vec3 p, vec3 inverse, vec3 place) {
     vec3 ahead = vec3(inverse.x > 0.0 ? 1.0 : 0.0, inverse.y > 0.0 ? 1.0 : 0.0, inverse.z > 0.0 ? 1.0 : 0.0);
     return (uCellOrigin + (place + ahead) * uCellSize - p) * inverse;
 }
@@ -38,7 +38,7 @@ bool cellAhead(vec3 p, vec3 d, out vec4 cell, out float reach, out float within)
         within = isAhead ? 2.0 * span.x - entered : 1e30;
         return false;
     }
-    vec3 faces = nextFaces(p, inverse, place);
+    vec3 faces = nextCrossings(p, inverse, place);
     vec3 beyond = faces + over;
     vec3 before = faces - over;
     reach = min(beyond.x, min(beyond.y, beyond.z));

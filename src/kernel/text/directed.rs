@@ -3,19 +3,19 @@
 use super::distance::surface_distances;
 use super::field::{gradient_text, normal_text, value_text};
 use super::fields_ahead::{Marched, fields_ahead};
-use super::land::land_text;
 use super::link::Part;
 use super::named::Named;
 use super::of_kind::of_kind;
+use super::project::project_text;
 use super::scene_text::Text;
 use crate::scene::{Node, Scene};
 use std::fmt::Write;
 
-/// `distanceAhead(p, d, last, object, second)`, `gradientAhead(p, d, object, slack)`,
-/// `land(object, d, p, normal)` of a scene, `surfaceDistance(p, object)` where normals are
+/// `directedDistance(p, d, last, object, second)`, `directedGradient(p, d, object, errorBound)`,
+/// `project(object, d, p, normal)` of a scene, `surfaceDistance(p, object)` where normals are
 /// taken from differences of it, and `marchFields(p, d, last, limit, object, limitReached)` where
 /// there are fields.
-pub fn ahead_parts(scene: &Scene, difference_normals: bool) -> Vec<Part> {
+pub fn directed_parts(scene: &Scene, difference_normals: bool) -> Vec<Part> {
     let text = Text::new(scene);
     let mut parts = text.parts();
     text.add_fields(&mut parts, |_| true, value_text);
@@ -24,8 +24,8 @@ pub fn ahead_parts(scene: &Scene, difference_normals: bool) -> Vec<Part> {
     if difference_normals {
         text.add(&mut parts, "the scene's distance", surface_distances(&text));
     }
-    let functions = of_kinds(&text) + &distance_ahead(&text) + &gradient_ahead(&text);
-    text.add(&mut parts, "the scene", functions + &land_text(&text));
+    let functions = of_kinds(&text) + &directed_distance(&text) + &directed_gradient(&text);
+    text.add(&mut parts, "the scene", functions + &project_text(&text));
     parts.extend(fields_ahead(&text, Marched::All));
     parts
 }
@@ -39,7 +39,7 @@ fn of_kinds(text: &Text) -> String {
          float distanceOfKind(float kind, int data, vec3 p, vec3 d, bool left) {\n",
         basic,
         |named| {
-            let distance = named.distance_ahead("p", "d");
+            let distance = named.directed_distance("p", "d");
             format!("return {};", named.unless_left("left", "1e30", &distance))
         },
         "    return 1e30;\n",
@@ -47,8 +47,8 @@ fn of_kinds(text: &Text) -> String {
     let gradient = of_kind(
         text,
         "// Its gradient, and what rounding may do to it.\n\
-         vec3 gradientOfKind(float kind, int data, vec3 p, vec3 d, out float slack) {\n    \
-         slack = 0.0;\n",
+         vec3 gradientOfKind(float kind, int data, vec3 p, vec3 d, out float errorBound) {\n    \
+         errorBound = 0.0;\n",
         basic,
         gradient_statement,
         "    return vec3(0.0);\n",
@@ -56,18 +56,18 @@ fn of_kinds(text: &Text) -> String {
     distance + &gradient
 }
 
-fn distance_ahead(text: &Text) -> String {
+fn directed_distance(text: &Text) -> String {
     let mut out = String::from(
         "// Distance to the nearest object that a wave at p along d can meet, its number, and\n\
          // the distance to the second nearest. What the wave leaves (last) is out of its way\n\
          // when it is convex, and so is all that it recedes from; of a room only the walls\n\
          // ahead count.\n\
-         float distanceAhead(vec3 p, vec3 d, float last, out float object, out float second) {\n    \
-         float nearest = sdListenerAhead(p, d);\n    object = 0.0;\n    second = 1e30;\n    \
+         float directedDistance(vec3 p, vec3 d, float last, out float object, out float second) {\n    \
+         float nearest = sdListenerDirected(p, d);\n    object = 0.0;\n    second = 1e30;\n    \
          float candidate;\n",
     );
-    for named in text.loose.iter().filter(|named| named.field().is_none()) {
-        let distance = named.distance_ahead("p", "d");
+    for named in text.unrolled.iter().filter(|named| named.field().is_none()) {
+        let distance = named.directed_distance("p", "d");
         let distance = named.unless_left(&named.left(), "1e30", &distance);
         let _ = writeln!(
             out,
@@ -77,18 +77,18 @@ fn distance_ahead(text: &Text) -> String {
             named.label, named.tag
         );
     }
-    if text.kinds.iter().any(|named| named.field().is_none()) {
-        out.push_str("    aheadInCells(p, d, last, nearest, object, second);\n");
+    if text.instanced.iter().any(|named| named.field().is_none()) {
+        out.push_str("    directedInCells(p, d, last, nearest, object, second);\n");
     }
     out + "    return nearest;\n}\n\n"
 }
 
-fn gradient_ahead(text: &Text) -> String {
+fn directed_gradient(text: &Text) -> String {
     let mut out = String::from(
         "// The gradient of the distance to one object, and what rounding may do to it.\n\
-         vec3 gradientAhead(vec3 p, vec3 d, float object, out float slack) {\n",
+         vec3 directedGradient(vec3 p, vec3 d, float object, out float errorBound) {\n",
     );
-    for named in text.loose.iter().filter(|named| named.field().is_none()) {
+    for named in text.unrolled.iter().filter(|named| named.field().is_none()) {
         let (number, statement) = (&named.tag, gradient_statement(named));
         let label = &named.label;
         let _ = writeln!(
@@ -96,25 +96,25 @@ fn gradient_ahead(text: &Text) -> String {
             "    if (object == {number}.0) {{ {statement} }} // {label}"
         );
     }
-    if text.kinds.iter().any(|named| named.field().is_none()) {
+    if text.instanced.iter().any(|named| named.field().is_none()) {
         out.push_str(
             "    if (object > 0.0) {\n        vec4 entry = entryOf(object);\n        \
-             return gradientOfKind(entry.y, int(entry.z), p, d, slack);\n    }\n",
+             return gradientOfKind(entry.y, int(entry.z), p, d, errorBound);\n    }\n",
         );
     }
-    out + "    slack = roundSlack(uListener);\n    return normalize(p - uListener.xyz);\n}\n\n"
+    out + "    errorBound = roundErrorBound(uListener);\n    return normalize(p - uListener.xyz);\n}\n\n"
 }
 
 fn gradient_statement(named: &Named) -> String {
     let (shape, point, size) = (named.shape(), named.point("p"), named.size());
     let gradient = match named.surface.shape.node {
-        Node::Room(_) => format!("gradientRoomAhead({point}, {}{size})", named.vector("d")),
+        Node::Room(_) => format!("gradientRoomDirected({point}, {}{size})", named.vector("d")),
         Node::Cuboid(_) => format!("gradientBox({point}{size})"),
         _ => format!("gradient{shape}({point})"),
     };
     format!(
-        "slack = {}; return {};",
-        named.slack(),
+        "errorBound = {}; return {};",
+        named.error_bound(),
         named.outward(&gradient)
     )
 }

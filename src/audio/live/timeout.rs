@@ -13,23 +13,23 @@ pub(super) const ANSWER_LIMIT: Duration = Duration::from_secs(5);
 /// How often a waiting thread looks whether it shall give up.
 const GLANCE: Duration = Duration::from_millis(20);
 
-/// Whether a question is under way. There is one at a time, so that a sound system that hangs
+/// Whether a request is under way. There is one at a time, so that a sound system that hangs
 /// holds one thread and one connection, however often it is asked.
-static IS_ASKED: AtomicBool = AtomicBool::new(false);
+static IS_PENDING: AtomicBool = AtomicBool::new(false);
 
-/// Ends the question when the thread that asks it ends, by a panic too.
-struct Question;
+/// Ends the request when the thread that makes it ends, by a panic too.
+struct PendingRequest;
 
-impl Question {
+impl PendingRequest {
     /// None while another is under way.
     fn begin() -> Option<Self> {
-        (!IS_ASKED.swap(true, Acquire)).then(|| Self)
+        (!IS_PENDING.swap(true, Acquire)).then(|| Self)
     }
 }
 
-impl Drop for Question {
+impl Drop for PendingRequest {
     fn drop(&mut self) {
-        IS_ASKED.store(false, Release);
+        IS_PENDING.store(false, Release);
     }
 }
 
@@ -47,9 +47,9 @@ pub(super) fn within<T: Send + 'static>(
     let no_answer = LiveError::NoAnswer {
         seconds: limit.as_secs(),
     };
-    let question = loop {
-        match Question::begin() {
-            Some(question) => break question,
+    let request = loop {
+        match PendingRequest::begin() {
+            Some(request) => break request,
             None if is_enough() => return Err(no_answer),
             None => thread::sleep(GLANCE),
         }
@@ -57,7 +57,7 @@ pub(super) fn within<T: Send + 'static>(
     let (sender, receiver) = mpsc::channel();
     spawn("echomarch-open", move || {
         let answer = work();
-        drop(question);
+        drop(request);
         // Nobody listens any more: the answer goes.
         let _ = sender.send(answer);
     })?;
@@ -88,9 +88,9 @@ mod tests {
     use super::*;
 
     /// Protects a sound system that hangs from being asked over and over, each time by another
-    /// thread; and a panic from being called a time-out. One test: there is one question for all.
+    /// thread; and a panic from being called a time-out. One test: there is one request for all.
     #[test]
-    fn one_question_at_a_time_and_a_panic_is_told() {
+    fn one_request_at_a_time_and_a_panic_is_told() {
         let (answer, hangs) = mpsc::channel::<()>();
         let brief = Duration::from_millis(50);
         let first = within(brief, || false, move || hangs.recv().is_ok());

@@ -1,12 +1,12 @@
-//! The numbers behind the text: where things are, as the shader is told.
+//! Origin rebasing: where things are, as the shader is told.
 //!
 //! The thesis' profile gets world coordinates as they are. The others get them relative
-//! to an *anchor* (the listener), so that a scene far from the world's origin loses no
-//! bits, and with box faces that are covered by another solid *sealed*: pushed into that
-//! solid, so that rounding at the seam cannot open a gap between the two.
+//! to an origin of their own (the listener), so that a scene far from the world's origin
+//! loses no bits. Box faces that another solid covers are extended into that solid, so that
+//! rounding at the seam cannot open a gap between the two (`extend.rs`).
 
+use super::extend::extend_covered_faces;
 use super::layout::Layout;
-use super::seal::sealed;
 use super::values::push_values;
 use crate::scene::shape::{Cuboid, Cylinder, Room, Sphere};
 use crate::scene::{Node, Scene, Shape, Surface};
@@ -14,52 +14,52 @@ use glam::{Vec3, Vec4};
 
 /// How world coordinates become a shader's.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Placement {
+pub struct OriginRebasing {
     /// World position of the shader's origin in metres.
-    pub anchor: Vec3,
-    /// Whether covered faces are sealed.
-    pub seals: bool,
+    pub origin: Vec3,
+    /// Whether covered faces are extended.
+    pub extends_covered_faces: bool,
 }
 
 /// A scene's surfaces in a shader's coordinates.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Placed {
+pub struct RebasedScene {
     surfaces: Vec<Surface>,
-    slacks: Vec<f32>,
+    error_bounds: Vec<f32>,
     /// Indices of the surfaces whose values are uniforms.
-    loose: Vec<usize>,
+    unrolled: Vec<usize>,
 }
 
-impl Placement {
+impl OriginRebasing {
     /// World coordinates as they are.
-    pub fn world() -> Placement {
-        Placement {
-            anchor: Vec3::ZERO,
-            seals: false,
+    pub fn world() -> OriginRebasing {
+        OriginRebasing {
+            origin: Vec3::ZERO,
+            extends_covered_faces: false,
         }
     }
 
-    /// Relative to the scene's listener, with covered faces sealed.
-    pub fn anchored(scene: &Scene) -> Placement {
-        Placement {
-            anchor: scene.listener.position,
-            seals: true,
+    /// Relative to the scene's listener, with covered faces extended.
+    pub fn at_listener(scene: &Scene) -> OriginRebasing {
+        OriginRebasing {
+            origin: scene.listener.position,
+            extends_covered_faces: true,
         }
     }
 
     /// A world point in the shader's coordinates.
     pub fn place(&self, point: Vec3) -> Vec3 {
-        (point.as_dvec3() - self.anchor.as_dvec3()).as_vec3()
+        (point.as_dvec3() - self.origin.as_dvec3()).as_vec3()
     }
 
     /// The place of a surface in the shader's coordinates. What repeats without end is moved by
     /// whole periods, so that places near the listener are near the surface's origin, too, and
     /// lose no bits to how far that is; but not where world coordinates stay as they are.
     fn place_surface(&self, surface: &Surface) -> Vec3 {
-        let field = surface.shape.field().filter(|_| self.seals);
+        let field = surface.shape.field().filter(|_| self.extends_covered_faces);
         let periods = field.map(Shape::periods).unwrap_or_default();
         let rotation = surface.rotation.as_dquat().normalize();
-        let far = surface.position.as_dvec3() - self.anchor.as_dvec3();
+        let far = surface.position.as_dvec3() - self.origin.as_dvec3();
         let near = periods.into_iter().fold(far, |place, period| {
             let period = rotation * period;
             place - period * (place.dot(period) / period.length_squared()).round()
@@ -68,45 +68,57 @@ impl Placement {
     }
 
     /// The surfaces in the shader's coordinates.
-    pub fn apply(&self, scene: &Scene) -> Placed {
+    pub fn apply(&self, scene: &Scene) -> RebasedScene {
         let place = |surface: &Surface| surface.clone().at(self.place_surface(surface));
         let surfaces: Vec<Surface> = scene.surfaces.iter().map(place).collect();
-        // Of the surfaces before sealing: a seal adds size where no wave comes.
-        let slacks: Vec<f32> = surfaces.iter().map(slack).collect();
-        let surfaces = if self.seals {
-            sealed(&surfaces, &slacks)
+        // Of the surfaces before: an extension adds size where no wave comes.
+        let error_bounds: Vec<f32> = surfaces.iter().map(error_bound).collect();
+        let surfaces = if self.extends_covered_faces {
+            extend_covered_faces(&surfaces, &error_bounds)
         } else {
             surfaces
         };
-        Placed {
+        RebasedScene {
             surfaces,
-            slacks,
-            loose: Layout::of(scene).loose,
+            error_bounds,
+            unrolled: Layout::of(scene).unrolled,
         }
     }
 }
 
-impl Placed {
+impl RebasedScene {
     /// The values of `uSurfaces`: for each unrolled surface its position (and radius, or
-    /// slack), then its half size and slack if it has one, then the inverse of its rotation
-    /// if it has one, then the numbers of its field that move.
+    /// error bound), then its half size and error bound if it has one, then the inverse of
+    /// its rotation if it has one, then the numbers of its field that move.
     pub fn uniform_values(&self) -> Vec<Vec4> {
         let mut all = Vec::new();
-        for &index in &self.loose {
-            push_values(&self.surfaces[index], self.slacks[index], false, &mut all);
+        for &index in &self.unrolled {
+            push_values(
+                &self.surfaces[index],
+                self.error_bounds[index],
+                false,
+                &mut all,
+            );
         }
         all
     }
 
     /// Appends the values of one surface (by its index) as the text of its kind reads them.
     pub(super) fn push_data(&self, index: usize, values: &mut Vec<Vec4>) {
-        push_values(&self.surfaces[index], self.slacks[index], true, values);
+        push_values(
+            &self.surfaces[index],
+            self.error_bounds[index],
+            true,
+            values,
+        );
     }
 
     /// What rounding may do to the distance to a surface (numbered from 1), in metres.
-    pub fn slack(&self, object: u32) -> f32 {
+    pub fn error_bound(&self, object: u32) -> f32 {
         let index = (object as usize).checked_sub(1);
-        index.and_then(|i| self.slacks.get(i)).map_or(0.0, |s| *s)
+        index
+            .and_then(|i| self.error_bounds.get(i))
+            .map_or(0.0, |s| *s)
     }
 }
 
@@ -122,7 +134,7 @@ pub(super) fn rounding_of(place: Vec3) -> f32 {
 
 /// What rounding may do to the distance to a surface, in metres; of a box or a room never so
 /// much that a thin one would vanish in it.
-fn slack(surface: &Surface) -> f32 {
+fn error_bound(surface: &Surface) -> f32 {
     const SHARE_OF_THICKNESS: f32 = 0.25;
     let place = surface.position.abs().max_element();
     match surface.shape.node {

@@ -1,5 +1,5 @@
 // The nearest of the surfaces in the cell of p, and how far ahead nothing else can be met.
-void aheadInCells(vec3 p, vec3 d, float last, inout float nearest, inout float object, inout float second) {
+void directedInCells(vec3 p, vec3 d, float last, inout float nearest, inout float object, inout float second) {
     vec4 cell;
     float reach;
     float within;
