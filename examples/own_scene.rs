@@ -26,9 +26,9 @@ fn main() -> Result<(), Error> {
             Surface::new(Node::Room(Room {
                 size: Vec3::new(16.0, 6.0, 16.0),
             })),
-            // `turns` says that the rotation will change although it is none now.
+            // `dynamic_rotation` says that the rotation will change although it is none now.
             Surface {
-                turns: true,
+                dynamic_rotation: true,
                 ..door.named("door")
             },
             Surface::new(Node::Cylinder(Cylinder { radius: 0.6 })).at(Vec3::new(4.0, 0.0, -2.0)),
