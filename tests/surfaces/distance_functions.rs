@@ -209,7 +209,9 @@ fn every_shape_is_in_the_list() {
             !s.has_rotation() && s.position != Vec3::ZERO
         }),
         ("turned", |s| s.rotation != Quat::IDENTITY),
-        ("to be turned", |s| s.dynamic_rotation && s.rotation == Quat::IDENTITY),
+        ("to be turned", |s| {
+            s.dynamic_rotation && s.rotation == Quat::IDENTITY
+        }),
     ];
     for (name, form) in forms {
         let mut found = [false; KINDS];
