@@ -31,7 +31,7 @@ fn main() -> Result<(), Error> {
         Settings::thesis().with_waves(16_384),
     ];
     for settings in &settings {
-        println!("\nprofile {}", settings.profile);
+        println!("\nprofile {}", settings.profile());
         println!(
             "pillars  compile ms  ns a wave and iteration  times 16  frame of 64 waves, ms  one moves: ms more"
         );

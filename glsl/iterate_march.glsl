@@ -1,7 +1,8 @@
 // One iteration of sphere tracing done right: profile `march`.
 //
-// Theory. Outside of the shell (uMinDistance) the wave steps by the distance divided by
-// the Lipschitz bound (Hart 1996). Inside it the gradient of the one surface met gives a
+// Theory. Outside of a shell about the surfaces (uShell; by default it is so wide that there is
+// no outside) the wave steps by the distance divided by the Lipschitz bound (Hart 1996).
+// Inside it the gradient of the one surface met gives a
 // Newton step along the ray, distance / -(direction . gradient). The distance to a convex
 // solid is convex along a line, so its tangent never overshoots; the step is also limited
 // by the distance to every other object, so nothing is jumped over. A convex surface that
@@ -14,7 +15,7 @@
 // status and cannot be met next); the stored point lies on the surface; the normal is of
 // the surface met; dead waves stop; directions are kept at length 1.
 
-uniform float uMinDistance;     // width of the shell in which Newton's steps are taken, metres
+uniform float uShell;           // width of the shell in which Newton's steps are taken, metres
 uniform float uMaxDistance;     // a wave counts as dead beyond this, metres
 uniform float uLipschitz;       // how much faster than 1 the distance may grow at most
 uniform float uDistanceFactor;  // the distance is multiplied by this: 1, or a test's distortion
@@ -45,7 +46,7 @@ float traceWave(vec3 origin, vec3 direction, float last, out float object, out b
         vec3 p = origin + t * direction;
         float second;
         float nearest = boundedDistance(p, direction, last, object, second);
-        if (nearest < uMinDistance) {
+        if (nearest < uShell) {
 #if LANDING
             if (object == STATUS_LISTENER && nearest <= 0.0) {
                 return t;

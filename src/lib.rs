@@ -38,6 +38,7 @@
 //! | [`mod@reference`] | the same and the exact waves on the CPU, to check against |
 //! | `picture` | what the listener sees, and the plan with paths (feature `picture`) |
 //! | `experiment` | the thesis' experiments, run for real, and what accuracy costs (feature `experiment`) |
+//! | `report` | what experiments found, for people and for programs (feature `experiment`) |
 //! | `demo` | the window: walk through a scene and hear it (feature `demo`) |
 //! | [`input`] | what keeps files from being read |
 //! | [`output`] | files that are there whole or not at all |
@@ -52,7 +53,7 @@
 //! | --- | --- | --- |
 //! | `audio` | yes | live output through a sound card, in [`audio`] |
 //! | `picture` | with `experiment`, `demo` | pictures and plans of scenes as PNG |
-//! | `experiment` | with `cli` | the experiments: tables as data, CSV and SVG |
+//! | `experiment` | with `cli` | the experiments and their reports |
 //! | `demo` | yes | the window, as a module; needs no crate of the command line |
 //! | `cli` | yes | the program `echomarch`; its subcommand `demo` with the feature `demo` |
 //!
@@ -78,6 +79,8 @@ pub mod output;
 #[cfg(feature = "picture")]
 pub mod picture;
 pub mod reference;
+#[cfg(feature = "experiment")]
+pub mod report;
 mod rng;
 pub mod scene;
 #[cfg(any(feature = "experiment", feature = "demo"))]

@@ -2,12 +2,9 @@
 
 use super::numbers::count;
 use super::options::{Common, check_range};
-use super::print;
-use super::report::Experiment;
+use super::report;
 use crate::experiment::WAVE_COUNTS;
-use crate::experiment::figures::{
-    self, FigureRow, FigureTable, FiguresOptions, FiguresReport, plot_svg, write_csv,
-};
+use crate::experiment::figures::{self, FiguresOptions};
 use crate::trace::{Profile, Settings};
 use clap::Args;
 use std::path::PathBuf;
@@ -48,7 +45,7 @@ pub struct Arguments {
         default_value_t = 1,
         value_name = "N", value_parser = count::<u32>)]
     seed: u32,
-    /// Write figures.csv, figures.json and figures.svg into this folder
+    /// Write figures.csv, .json, .md and .svg into this folder
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
 }
@@ -62,86 +59,15 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     let profiles = arguments.profiles.iter();
     let options = FiguresOptions {
         profiles: profiles
-            .map(|&p| Settings::of(p).with_seed(arguments.seed))
+            .map(|&p| Settings::new(p).with_seed(arguments.seed))
             .collect(),
         max_waves: arguments.max_waves,
         runs: arguments.runs,
     };
-    let experiment = Experiment {
-        name: "figures",
-        unit: "rows",
-        print: print_tables,
-        write_csv,
-        plot_svg,
-    };
-    experiment.run(common, arguments.output.as_deref(), |tracer, progress| {
-        figures::run(tracer, &options, progress)
-    })
-}
-
-fn print_tables(report: &FiguresReport) -> anyhow::Result<()> {
-    print::line(&format!(
-        "{} (times: {}, median of {}; seed {})",
-        report.renderer, report.clock, report.runs, report.seed
-    ))?;
-    for table in &report.tables {
-        print::line(&format!(
-            "\nFigure {}: {} scene, {} iterations",
-            table.figure, table.scene, table.iterations
-        ))?;
-        print::line(&as_table(table).to_string())?;
-    }
-    print::line(
-        "\nms: median time of a frame, and of its parts. zero: share of all passes that end at\n\
-         distance 0. step limit: marches that reached it. se: difference of the hits in standard\n\
-         errors, √(ours + thesis).",
+    report::run(
+        common,
+        arguments.output.as_deref(),
+        "rows",
+        |tracer, progress| figures::run(tracer, &options, progress),
     )
-}
-
-fn as_table(table: &FigureTable) -> print::Wide {
-    let mut printed = print::table(
-        2,
-        &[
-            "waves",
-            "profile",
-            "ms",
-            "init",
-            "march",
-            "pan",
-            "read",
-            "thesis ms (mobile, desktop)",
-            "hits",
-            "thesis hits",
-            "se",
-            "dead",
-            "travelling",
-            "zero",
-            "step limit",
-        ],
-    );
-    for row in &table.rows {
-        printed.add_row(cells(row));
-    }
-    printed
-}
-
-fn cells(row: &FigureRow) -> [String; 15] {
-    let time = &row.milliseconds;
-    [
-        row.waves.to_string(),
-        row.profile.clone(),
-        format!("{:.2}", time.total),
-        format!("{:.2}", time.initialise),
-        format!("{:.2}", time.march),
-        format!("{:.2}", time.pan),
-        format!("{:.2}", time.read_back),
-        format!("{}, {}", row.thesis.mobile_ms, row.thesis.desktop_ms),
-        row.counts.listener_hits.to_string(),
-        row.thesis.listener_hits.to_string(),
-        format!("{:+.1}", row.standard_errors()),
-        row.counts.dead.to_string(),
-        row.counts.travelling.to_string(),
-        format!("{:.1} %", 100.0 * row.zero_length_share),
-        row.counts.step_limit_reached.to_string(),
-    ]
 }

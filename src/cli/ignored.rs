@@ -60,8 +60,6 @@ const IGNORED: &[Ignored] = &[
             "directions",
             "min_distance",
             "max_distance",
-            "difference_normals",
-            "no_landing",
         ],
         when: |given| !is_given(given, "paths") && !is_given(given, "heard_paths"),
         because: "no waves are followed without --paths or --heard-paths",

@@ -5,17 +5,14 @@ use super::exit::BadInput;
 use super::numbers::{count, real};
 use super::options::{Common, check_range};
 use super::print;
-use super::report::Experiment;
+use super::report::{self, with_progress};
 use crate::audio::{PanningLaw, SAMPLE_RATE, Sound, SoundSpec};
 use crate::error::Error;
 use crate::experiment::localise::form::{self, Form, FormOptions, WriteError};
-use crate::experiment::localise::score::{Group, ScoreReport, score};
-use crate::experiment::localise::statistics::{ErrorFigures, LEAST_DRAWN};
+use crate::experiment::localise::score::{ScoreReport, score};
 use crate::experiment::localise::{
-    self, LocaliseOptions, LocaliseReport, MOST_TRIALS, MOST_WORK, OpenCase, ROOMS, SOUNDS,
-    markdown, plot_svg, write_csv, write_score_csv,
+    self, LocaliseOptions, MOST_TRIALS, MOST_WORK, OpenCase, ROOMS, SOUNDS,
 };
-use crate::output::{check_file, prepare_folder, write_whole};
 use crate::scene::Scene;
 use crate::trace::{Profile, Settings};
 use clap::{Args, Subcommand};
@@ -101,7 +98,7 @@ struct RunArguments {
     /// Few settings and seeds
     #[arg(long)]
     quick: bool,
-    /// Write localise.csv, .json, .svg and .md into this folder
+    /// Write localise.csv, .json, .md and .svg into this folder
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
 }
@@ -141,7 +138,7 @@ struct ScoreArguments {
     /// Files that the page saved; broken-off sessions too
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
-    /// Write score.csv and score.json into this folder
+    /// Write score.csv, .json and .md into this folder
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
 }
@@ -157,34 +154,12 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
 
 fn observe(arguments: &RunArguments, common: &Common) -> anyhow::Result<()> {
     let options = run_options(arguments, common)?;
-    let experiment = Experiment {
-        name: "localise",
-        unit: "settings",
-        print: |report: &LocaliseReport| print::markdown(&markdown(report)),
-        write_csv,
-        plot_svg,
-    };
-    let mut text = String::new();
-    let folder = arguments.output.as_deref();
-    if let Some(folder) = folder {
-        prepare_folder(folder)?;
-        check_file(&folder.join("localise.md"))?;
-    }
-    experiment.run(common, folder, |tracer, progress| {
-        let report = localise::run(tracer, &options, progress)?;
-        text = markdown(&report);
-        Ok(report)
-    })?;
-    let Some(folder) = folder else {
-        return Ok(());
-    };
-    let path = folder.join("localise.md");
-    let text = format!("{text}\n![Median errors](localise.svg)\n");
-    write_whole(&path, |out| out.write_all(text.as_bytes()))?;
-    if common.json {
-        return Ok(());
-    }
-    print::line(&format!("written: {}", path.display()))
+    report::run(
+        common,
+        arguments.output.as_deref(),
+        "settings",
+        |tracer, progress| localise::run(tracer, &options, progress),
+    )
 }
 
 fn run_options(arguments: &RunArguments, common: &Common) -> anyhow::Result<LocaliseOptions> {
@@ -207,7 +182,7 @@ fn run_options(arguments: &RunArguments, common: &Common) -> anyhow::Result<Loca
     }
     check_settings(&options.waves, &options.iterations)?;
     check_work(arguments, &options)?;
-    let open = |case: &OpenCase| options.profiles.contains(&case.settings.profile);
+    let open = |case: &OpenCase| options.profiles.contains(&case.settings.profile());
     options.open.retain(open);
     Ok(options)
 }
@@ -304,12 +279,9 @@ impl FormArguments {
 /// Traces the trials and draws their plans.
 fn build(options: &FormOptions, common: &Common) -> anyhow::Result<Form> {
     let mut tracer = common.tracer()?;
-    let bar = print::progress(common.quiet, 0, "settings");
-    let form = form::build(&mut tracer, options, &mut |done, total| {
-        bar.set_length(total);
-        bar.set_position(done);
+    let form = with_progress(common, "settings", |progress| {
+        form::build(&mut tracer, options, progress)
     })?;
-    bar.finish_and_clear();
     Ok(form)
 }
 
@@ -349,114 +321,14 @@ fn tell_form(arguments: &FormArguments, common: &Common, form: &Form) -> anyhow:
 
 fn score_files(arguments: &ScoreArguments, common: &Common) -> anyhow::Result<()> {
     let report = score(&arguments.files).map_err(|error| BadInput(error.to_string()))?;
-    if let Some(folder) = &arguments.output {
-        prepare_folder(folder)?;
-        for name in ["score.csv", "score.json"] {
-            check_file(&folder.join(name))?;
+    let folder = arguments.output.as_deref();
+    if let Some(folder) = folder {
+        report::check::<ScoreReport>(folder)?;
+    }
+    if !common.json {
+        for note in &report.notes {
+            common.note(&format!("note: {note}"));
         }
-        write_whole(&folder.join("score.csv"), |out| {
-            write_score_csv(&report, out)
-        })?;
-        write_whole(&folder.join("score.json"), |out| {
-            Ok(serde_json::to_writer_pretty(out, &report)?)
-        })?;
     }
-    if common.json {
-        return print::json(&report);
-    }
-    for note in &report.notes {
-        common.note(&format!("note: {note}"));
-    }
-    print_score(&report)?;
-    match &arguments.output {
-        Some(folder) => print::line(&format!("\nwritten: {}/score.csv, .json", folder.display())),
-        None => Ok(()),
-    }
-}
-
-fn print_score(report: &ScoreReport) -> anyhow::Result<()> {
-    let mut printed = print::table(2, &["session", "participant", "form", "answered", "of"]);
-    for line in &report.sessions {
-        printed.add_row([
-            line.session.clone(),
-            line.participant.clone(),
-            line.experiment.clone(),
-            line.answered.to_string(),
-            line.trials.to_string(),
-        ]);
-    }
-    print::line(&printed.to_string())?;
-    if report.groups.is_empty() {
-        return print::line("\nNo trial is answered.");
-    }
-    let mut printed = print::table(
-        6,
-        &[
-            "scene",
-            "sound",
-            "law",
-            "profile",
-            "waves",
-            "it.",
-            "answers",
-            "people",
-            "error from source",
-            "interval",
-            "outward bias",
-            "spread",
-            "error from observer",
-            "left said L/C/R",
-            "centre",
-            "right",
-            "clicked behind",
-            "confidence",
-        ],
-    );
-    for group in &report.groups {
-        printed.add_row(group_cells(group));
-    }
-    print::line(&format!(
-        "\n{printed}\n\nErrors: median absolute, in degrees, of the click's azimuth folded to the \
-         front. Interval: 95 %, by a\nbootstrap over people; it and the spread need \
-         {LEAST_DRAWN} people. Observer: what it answers to the same sounds,\nby their levels \
-         alone. Silent: no wave was heard, and the sound was in the middle."
-    ))
-}
-
-fn group_cells(group: &Group) -> Vec<String> {
-    let all = if group.heard { "all" } else { "silent" };
-    let or_all = |name: &String| match name.is_empty() {
-        true => all.to_owned(),
-        false => name.clone(),
-    };
-    let number = |number: Option<u32>| number.map_or_else(|| all.to_owned(), |n| n.to_string());
-    let none = || "—".to_owned();
-    let source = group.source.as_ref();
-    let interval = source.and_then(|error| error.median_abs.interval_deg);
-    let spread = source.and_then(|error| error.spread);
-    let spread = spread.filter(|spread| spread.interval_deg.is_some());
-    let median = |error: &ErrorFigures| format!("{:.1}", error.median_abs.deg);
-    let outward = source.and_then(|error| error.outward_bias);
-    let mut cells = vec![
-        or_all(&group.scene),
-        or_all(&group.sound),
-        or_all(&group.law),
-        or_all(&group.profile),
-        number(group.waves),
-        number(group.iterations),
-        group.answers.to_string(),
-        group.people.to_string(),
-        source.map_or_else(none, median),
-        interval.map_or_else(none, |[low, high]| format!("{low:.1} … {high:.1}")),
-        outward.map_or_else(none, |bias| format!("{:+.1}", bias.deg)),
-        spread.map_or_else(none, |spread| format!("{:.1}", spread.deg)),
-        group.observer.as_ref().map_or_else(none, median),
-    ];
-    let said = group
-        .confusion
-        .map(|row| row.map(|n| n.to_string()).join("/"));
-    cells.extend(said);
-    cells.push(format!("{:.0} %", 100.0 * group.clicked_behind));
-    cells.push(format!("{:.1}", group.confidence));
-    cells
+    report::write_and_print(common, folder, &report)
 }

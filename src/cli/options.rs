@@ -8,7 +8,7 @@ use crate::error::Error;
 use crate::gpu::{Api, Context, ContextOptions};
 use crate::kernel::Layout;
 use crate::scene::{Scene, SceneError};
-use crate::trace::{Budget, Directions, Profile, Settings, Tracer};
+use crate::trace::{Algorithm, Budget, Directions, Profile, Settings, Tracer};
 use clap::Args;
 use std::path::Path;
 
@@ -215,8 +215,7 @@ pub struct TraceOptions {
     /// Start directions: random (the thesis), fibonacci (an even lattice)
     #[arg(long, default_value_t = Directions::Random, value_name = "NAME")]
     pub directions: Directions,
-    /// thesis: a surface is met below this distance [0.1]; march: width of the shell in
-    /// which Newton's steps are taken [everywhere]; in metres
+    /// thesis alone: a surface is met below this distance, in metres [0.1]
     #[arg(long, allow_negative_numbers = true, value_name = "METRES", value_parser = real::<f32>)]
     pub min_distance: Option<f32>,
     /// A wave is dead beyond this distance in one iteration, in metres [thesis: 300,
@@ -230,47 +229,39 @@ pub struct TraceOptions {
     /// Sum the panning on the GPU and read back one texel
     #[arg(long)]
     pub sum_on_gpu: bool,
-    /// march: normals by differences, as in the thesis
-    #[arg(long)]
-    pub difference_normals: bool,
-    /// march: stop within the minimum distance of a surface, as in the thesis
-    #[arg(long)]
-    pub no_landing: bool,
 }
 
 impl TraceOptions {
     /// The settings that were typed, checked.
     pub fn settings(&self) -> anyhow::Result<Settings> {
-        if self.profile == Profile::Hybrid && self.min_distance.is_some() {
-            let text =
-                "--min-distance has no effect on --profile hybrid: it has no minimum distance";
-            return Err(BadInput(text.to_owned()).into());
-        }
-        if self.profile != Profile::March && (self.difference_normals || self.no_landing) {
-            let profile = self.profile;
-            let text = format!(
-                "--difference-normals and --no-landing are of --profile march, not {profile}"
-            );
-            return Err(BadInput(text).into());
-        }
-        let mut settings = Settings::of(self.profile)
+        let mut settings = Settings::new(self.algorithm()?)
             .with_iterations(self.iterations)
-            .with_seed(self.seed);
+            .with_seed(self.seed)
+            .with_directions(self.directions)
+            .with_sum_on_gpu(self.sum_on_gpu);
         settings.waves = self.waves.unwrap_or(settings.waves);
-        settings.directions = self.directions;
-        settings.sum_on_gpu = self.sum_on_gpu;
-        settings.exact_normals &= !self.difference_normals;
-        if self.no_landing {
-            settings.landing = false;
-            settings.min_distance = Settings::thesis().min_distance;
-        }
-        settings.min_distance = self.min_distance.unwrap_or(settings.min_distance);
         settings.max_distance = self.max_distance.unwrap_or(settings.max_distance);
-        if let Some(iterations) = self.iterations_per_pass {
-            settings.iterations_per_pass = iterations;
-        }
+        let per_pass = self.iterations_per_pass;
+        settings.iterations_per_pass = per_pass.unwrap_or(settings.iterations_per_pass);
         settings.validate().map_err(Error::from)?;
         Ok(settings)
+    }
+
+    /// The algorithm with those of its options that were typed.
+    fn algorithm(&self) -> Result<Algorithm, BadInput> {
+        let mut algorithm = Algorithm::of(self.profile);
+        let Some(metres) = self.min_distance else {
+            return Ok(algorithm);
+        };
+        let Algorithm::Thesis(thesis) = &mut algorithm else {
+            let text = format!(
+                "--min-distance has no effect on --profile {}: only thesis has a minimum distance",
+                self.profile
+            );
+            return Err(BadInput(text));
+        };
+        thesis.min_distance = metres;
+        Ok(algorithm)
     }
 
     /// Tells when a pass takes fewer iterations than were asked for.
@@ -282,7 +273,7 @@ impl TraceOptions {
         if most < asked.min(settings.iterations) {
             common.note(&format!(
                 "note: with --profile {} this scene takes {most} iterations in a pass at the most",
-                settings.profile
+                settings.profile()
             ));
         }
     }

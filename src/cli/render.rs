@@ -84,7 +84,7 @@ struct FrameLine {
 /// Runs the subcommand.
 pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     let settings = arguments.options.settings()?;
-    let law = arguments.law.of(settings.profile);
+    let law = arguments.law.of(settings.profile());
     check_ending(&arguments.output, "wav")?;
     let scene = common.scene_with(&arguments.scene, &arguments.values)?;
     let timing = timing(arguments, scene.duration())?;
@@ -124,7 +124,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     bar.finish_and_clear();
     let report = Report {
         scene: &scene.name,
-        profile: settings.profile.to_string(),
+        profile: settings.profile().to_string(),
         renderer: tracer.context().renderer(),
         waves: settings.waves,
         iterations: settings.iterations,

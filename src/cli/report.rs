@@ -3,73 +3,104 @@
 use super::options::Common;
 use super::print;
 use crate::output::{check_file, prepare_folder, write_whole};
+use crate::report::Report;
 use crate::trace::Tracer;
 use anyhow::anyhow;
-use serde::Serialize;
-use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-type PlotError = Box<dyn std::error::Error + Send + Sync>;
-
-/// One experiment: how its report becomes text, CSV and a plot.
-pub struct Experiment<R> {
-    /// Stem of the files.
-    pub name: &'static str,
-    /// What its progress is counted in.
-    pub unit: &'static str,
-    pub print: fn(&R) -> anyhow::Result<()>,
-    pub write_csv: fn(&R, &mut dyn Write) -> io::Result<()>,
-    pub plot_svg: fn(&R) -> Result<String, PlotError>,
+/// Proves that the folder can be written to, runs the experiment with a progress bar that counts
+/// `unit`, writes its files, and prints its report.
+pub fn run<R: Report>(
+    common: &Common,
+    folder: Option<&Path>,
+    unit: &str,
+    work: impl FnOnce(&mut Tracer, &mut dyn FnMut(u64, u64)) -> Result<R, crate::Error>,
+) -> anyhow::Result<()> {
+    if let Some(folder) = folder {
+        check::<R>(folder)?;
+    }
+    let mut tracer = common.tracer()?;
+    let report = with_progress(common, unit, |progress| work(&mut tracer, progress))?;
+    write_and_print(common, folder, &report)
 }
 
-impl<R: Serialize> Experiment<R> {
-    /// Proves that the folder can be written to, runs the experiment with a progress bar,
-    /// writes its files, and prints its report.
-    pub fn run(
-        &self,
-        common: &Common,
-        folder: Option<&Path>,
-        work: impl FnOnce(&mut Tracer, &mut dyn FnMut(u64, u64)) -> Result<R, crate::Error>,
-    ) -> anyhow::Result<()> {
-        if let Some(folder) = folder {
-            prepare_folder(folder)?;
-            for ending in ["csv", "json", "svg"] {
-                check_file(&self.file(folder, ending))?;
-            }
-        }
-        let mut tracer = common.tracer()?;
-        let bar = print::progress(common.quiet, 0, self.unit);
-        let report = work(&mut tracer, &mut |done, total| {
-            bar.set_length(total);
-            bar.set_position(done);
-        })?;
-        bar.finish_and_clear();
-        if let Some(folder) = folder {
-            self.write_files(folder, &report)?;
-        }
-        if common.json {
-            return print::json(&report);
-        }
-        (self.print)(&report)?;
-        if let Some(folder) = folder {
-            let (folder, name) = (folder.display(), self.name);
-            print::line(&format!("\nwritten: {folder}/{name}.csv, .json, .svg"))?;
-        }
-        Ok(())
-    }
+/// Does something long with a progress bar that counts `unit`.
+pub fn with_progress<R, E>(
+    common: &Common,
+    unit: &str,
+    work: impl FnOnce(&mut dyn FnMut(u64, u64)) -> Result<R, E>,
+) -> Result<R, E> {
+    let bar = print::progress(common.quiet, 0, unit);
+    let done = work(&mut |done, total| {
+        bar.set_length(total);
+        bar.set_position(done);
+    })?;
+    bar.finish_and_clear();
+    Ok(done)
+}
 
-    fn file(&self, folder: &Path, ending: &str) -> PathBuf {
-        folder.join(format!("{}.{ending}", self.name))
+/// Proves that all files of a report can be written.
+pub fn check<R: Report>(folder: &Path) -> anyhow::Result<()> {
+    prepare_folder(folder)?;
+    for ending in endings::<R>() {
+        check_file(&file::<R>(folder, ending))?;
     }
+    Ok(())
+}
 
-    fn write_files(&self, folder: &Path, report: &R) -> anyhow::Result<()> {
-        let file = |ending: &str| self.file(folder, ending);
-        write_whole(&file("csv"), |out| (self.write_csv)(report, out))?;
-        write_whole(&file("json"), |out| {
-            Ok(serde_json::to_writer_pretty(out, report)?)
-        })?;
-        let svg = (self.plot_svg)(report).map_err(|e| anyhow!("cannot draw the plot: {e}"))?;
+/// Writes the files of a report, if there is a folder, and prints it.
+pub fn write_and_print<R: Report>(
+    common: &Common,
+    folder: Option<&Path>,
+    report: &R,
+) -> anyhow::Result<()> {
+    if let Some(folder) = folder {
+        write_files(folder, report)?;
+    }
+    print_report(common, report)?;
+    match folder {
+        Some(folder) if !common.json => {
+            let first = file::<R>(folder, "csv");
+            let others = endings::<R>()[1..].join(", .");
+            print::line(&format!("\nwritten: {}, .{others}", first.display()))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Prints a report, as JSON if that was asked for.
+pub fn print_report<R: Report>(common: &Common, report: &R) -> anyhow::Result<()> {
+    match common.json {
+        true => print::json(report),
+        false => print::line(&report.document().terminal()),
+    }
+}
+
+/// The endings of a report's files; the first is its table's.
+fn endings<R: Report>() -> &'static [&'static str] {
+    match R::HAS_PLOT {
+        true => &["csv", "json", "md", "svg"],
+        false => &["csv", "json", "md"],
+    }
+}
+
+fn file<R: Report>(folder: &Path, ending: &str) -> PathBuf {
+    folder.join(format!("{}.{ending}", R::NAME))
+}
+
+fn write_files<R: Report>(folder: &Path, report: &R) -> anyhow::Result<()> {
+    let file = |ending: &str| file::<R>(folder, ending);
+    let mut text = report.document().markdown();
+    if R::HAS_PLOT {
+        text += &format!("\n![{0}]({0}.svg)\n", R::NAME);
+        let svg = report.plot_svg();
+        let svg = svg.map_err(|error| anyhow!("cannot draw the plot: {error}"))?;
         write_whole(&file("svg"), |out| out.write_all(svg.as_bytes()))?;
-        Ok(())
     }
+    write_whole(&file("csv"), |out| report.table().write_csv(out))?;
+    write_whole(&file("json"), |out| {
+        Ok(serde_json::to_writer_pretty(out, report)?)
+    })?;
+    write_whole(&file("md"), |out| out.write_all(text.as_bytes()))?;
+    Ok(())
 }

@@ -33,12 +33,6 @@ pub struct Arguments {
     /// Start directions: random (the thesis), fibonacci (an even lattice)
     #[arg(long, default_value_t = Directions::Random, value_name = "NAME")]
     directions: Directions,
-    /// march: normals by differences, as in the thesis
-    #[arg(long)]
-    difference_normals: bool,
-    /// march: stop within the minimum distance of a surface, as in the thesis
-    #[arg(long)]
-    no_landing: bool,
     /// Count evaluations of the distance
     #[arg(long)]
     count_evaluations: bool,
@@ -64,12 +58,6 @@ enum Which {
 
 /// Runs the subcommand. No renderer is needed: what is printed is what would be compiled.
 pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
-    let profile = arguments.profile;
-    if profile != Profile::March && (arguments.difference_normals || arguments.no_landing) {
-        let text =
-            format!("--difference-normals and --no-landing are of --profile march, not {profile}");
-        return Err(BadInput(text).into());
-    }
     let scene = common.scene(&arguments.scene)?;
     if let Some(path) = &arguments.output {
         check_file(path)?;
@@ -93,14 +81,9 @@ fn check_effects(arguments: &Arguments, scene: &Scene) -> Result<(), BadInput> {
         change(&mut usual);
         usual
     };
-    let options: [(&str, Arguments); 5] = [
+    let options: [(&str, Arguments); 3] = [
         ("--profile", usual(|a| a.profile = Profile::Hybrid)),
         ("--directions", usual(|a| a.directions = Directions::Random)),
-        (
-            "--difference-normals",
-            usual(|a| a.difference_normals = false),
-        ),
-        ("--no-landing", usual(|a| a.no_landing = false)),
         (
             "--count-evaluations",
             usual(|a| a.count_evaluations = false),
@@ -117,11 +100,9 @@ fn check_effects(arguments: &Arguments, scene: &Scene) -> Result<(), BadInput> {
 }
 
 fn body(arguments: &Arguments, scene: &Scene) -> String {
-    let mut settings = Settings::of(arguments.profile);
-    settings.directions = arguments.directions;
-    settings.exact_normals &= !arguments.difference_normals;
-    settings.landing &= !arguments.no_landing;
-    settings.count_evaluations = arguments.count_evaluations;
+    let settings = Settings::new(arguments.profile)
+        .with_directions(arguments.directions)
+        .with_count_evaluations(arguments.count_evaluations);
     let of_waves = |pass| trace::shader_text(scene, &settings, pass);
     match arguments.pass {
         Which::Initialise => of_waves(Pass::Initialise),

@@ -7,9 +7,7 @@ use super::print;
 use crate::audio::PanningLaw;
 use crate::output::{OutputError, check_file, write_whole};
 use crate::scene::{BUILTIN_NAMES, Scene};
-use crate::trace::{
-    Budget, Frame, Milliseconds, Profile, Reload, Reloading, Settings, Tracer, Wave,
-};
+use crate::trace::{Budget, Frame, Milliseconds, Reload, Reloading, Settings, Tracer, Wave};
 use clap::Args;
 use serde::Serialize;
 use std::io::{self, Write};
@@ -60,16 +58,10 @@ pub struct Arguments {
 #[derive(Serialize)]
 struct Report<'a> {
     scene: &'a str,
-    profile: String,
+    #[serde(flatten)]
+    settings: &'a Settings,
     renderer: &'a str,
     clock: &'a str,
-    waves: u32,
-    iterations: u32,
-    /// What does not march has none.
-    min_distance: Option<f32>,
-    max_distance: f32,
-    seed: u32,
-    directions: String,
     listener_hits: u64,
     dead: u64,
     travelling: u64,
@@ -165,7 +157,7 @@ fn trace(
         ));
     }
     let renderer = tracer.context().renderer();
-    let law = arguments.law.of(settings.profile);
+    let law = arguments.law.of(settings.profile());
     let report = report(
         scene,
         settings,
@@ -202,7 +194,7 @@ fn step_limits(scene: &Scene, settings: &Settings) -> String {
 
 fn report<'a>(
     scene: &'a Scene,
-    settings: &Settings,
+    settings: &'a Settings,
     frame: &Frame,
     law: PanningLaw,
     [renderer, clock]: [&'a str; 2],
@@ -210,15 +202,9 @@ fn report<'a>(
     let gains = law.gains(frame.panning.pan() as f32);
     Report {
         scene: &scene.name,
-        profile: settings.profile.to_string(),
+        settings,
         renderer,
         clock,
-        waves: settings.waves,
-        iterations: settings.iterations,
-        min_distance: (settings.profile != Profile::Hybrid).then_some(settings.min_distance),
-        max_distance: settings.max_distance,
-        seed: settings.seed,
-        directions: settings.directions.to_string(),
         listener_hits: frame.counts.listener_hits,
         dead: frame.counts.dead,
         travelling: frame.counts.travelling,
@@ -234,12 +220,17 @@ fn report<'a>(
 }
 
 fn print_text(report: &Report) -> anyhow::Result<()> {
-    let passes = u64::from(report.waves) * u64::from(report.iterations);
+    let settings = report.settings;
+    let passes = u64::from(settings.waves) * u64::from(settings.iterations);
     let share = 100.0 * report.zero_length_passes as f64 / passes as f64;
     let time = &report.milliseconds;
     print::line(&format!(
         "{}: {} waves, {} iterations, profile {}, seed {}",
-        report.scene, report.waves, report.iterations, report.profile, report.seed
+        report.scene,
+        settings.waves,
+        settings.iterations,
+        settings.profile(),
+        settings.seed
     ))?;
     print::line(&format!(
         "  listener hits {:>10}\n  dead          {:>10}\n  travelling    {:>10}",

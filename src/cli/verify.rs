@@ -2,9 +2,8 @@
 
 use super::exit::BadInput;
 use super::options::Common;
-use super::print;
-use crate::experiment::verify::{self, Case, CaseReport, VerifyReport};
-use crate::trace::Profile;
+use super::report::{print_report, with_progress};
+use crate::experiment::verify::{self, Case};
 use anyhow::bail;
 use clap::Args;
 
@@ -31,14 +30,10 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     let cases = chosen(&arguments.cases)?;
     let mut tracer = common.tracer()?;
-    let bar = print::progress(common.quiet, cases.len() as u64, "cases");
-    let report = verify::run(&mut tracer, &cases, &mut |done, _| bar.set_position(done))?;
-    bar.finish_and_clear();
-    if common.json {
-        print::json(&report)?;
-    } else {
-        print_table(&report)?;
-    }
+    let report = with_progress(common, "cases", |progress| {
+        verify::run(&mut tracer, &cases, progress)
+    })?;
+    print_report(common, &report)?;
     let failed: Vec<&str> = report
         .cases
         .iter()
@@ -81,54 +76,4 @@ fn no_such_case(name: &str, all: &[Case]) -> String {
     let nearest = known[..TOLD.min(known.len())].join(", ");
     let count = all.len();
     format!("there is no case {name:?} among the {count}; the nearest are {nearest}")
-}
-
-fn print_table(report: &VerifyReport) -> anyhow::Result<()> {
-    let headings = [
-        "case",
-        "what is hard",
-        "exact",
-        "bound",
-        "hybrid",
-        "march",
-        "thesis",
-    ];
-    // All of them say what a row is: it stays together, its cells broken into lines.
-    let mut printed = print::table(headings.len(), &headings);
-    for case in &report.cases {
-        printed.add_row(cells(case));
-    }
-    print::line(&printed.to_string())?;
-    let passes = Profile::ALL
-        .map(|profile| format!("{profile} {}", report.passes(profile)))
-        .join(", ");
-    print::line(&format!(
-        "\n{}: of {} cases pass: {passes}.\n\n\
-         spread: within twice what a start {:.1e} off (of the extent, and in radians) does to \
-         the exact end,\nand {:.1e} of the extent, plus a unit in the last place of a world \
-         coordinate, which reading back as f32\ncosts. error: the largest among right waves, as \
-         a share of the extent or, if that is longer, of the way.\noff: waves with other objects \
-         or an end outside the bound; lost: dead, and should not be; heard of: of\nthose that \
-         should be heard; median: of distances from the exact end.",
-        report.renderer,
-        report.cases.len(),
-        verify::START_ROUNDING,
-        verify::END_ROUNDING,
-    ))
-}
-
-fn cells(case: &CaseReport) -> [String; 7] {
-    let verdict = |profile| {
-        let result = case.of(profile);
-        result.map_or_else(String::new, verify::ProfileResult::verdict)
-    };
-    [
-        case.name.clone(),
-        case.hard.clone(),
-        case.exact.clone(),
-        case.bound.clone(),
-        verdict(Profile::Hybrid),
-        verdict(Profile::March),
-        verdict(Profile::Thesis),
-    ]
 }

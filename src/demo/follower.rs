@@ -16,7 +16,7 @@ pub const PROGRAMS: [fn(&Scene) -> String; 4] = [
 ];
 
 fn march_text(scene: &Scene, profile: Profile) -> String {
-    shader_text(scene, &Settings::of(profile), Pass::March)
+    shader_text(scene, &Settings::new(profile), Pass::March)
 }
 
 /// Follows the scene's file, and the files that it names.

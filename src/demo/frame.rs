@@ -237,7 +237,8 @@ impl App {
         }
         times.read_back += spent.read_back;
         let seconds = self.seconds();
-        self.recorder.heard(&frame, self.under_way.profile, seconds);
+        self.recorder
+            .heard(&frame, self.under_way.profile(), seconds);
         self.heard = Some(frame);
         Ok(())
     }

@@ -64,7 +64,7 @@ impl Paths {
     ) -> Result<(), Error> {
         let settings = Settings {
             // However many are heard, these are others.
-            waves: match settings.profile {
+            waves: match settings.profile() {
                 Profile::Thesis => THESIS_AT_A_TIME,
                 _ => AT_A_TIME,
             },

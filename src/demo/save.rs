@@ -6,7 +6,7 @@
 use super::state::World;
 use crate::output::{OutputError, write_whole};
 use crate::scene::{BasedScene, Listener, Path as KeyPath, Scene, SceneError, Source};
-use crate::trace::{Directions, Profile, Settings};
+use crate::trace::{Algorithm, Directions, Settings, ThesisOptions};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -153,10 +153,12 @@ pub fn trace_call(
 
 /// The options that trace by these settings, each after a space.
 fn trace_options(settings: &Settings) -> String {
-    let usual = Settings::of(settings.profile);
+    let usual = Settings::new(settings.profile());
     let mut call = format!(
         " --profile {} --waves {} --iterations {}",
-        settings.profile, settings.waves, settings.iterations
+        settings.profile(),
+        settings.waves,
+        settings.iterations
     );
     let mut add = |option: &str, value: &dyn std::fmt::Display| {
         let _ = write!(call, " --{option} {value}");
@@ -167,9 +169,10 @@ fn trace_options(settings: &Settings) -> String {
     if settings.directions != Directions::Random {
         add("directions", &settings.directions);
     }
-    let is_march = settings.profile == Profile::March;
-    if settings.profile != Profile::Hybrid && settings.min_distance != usual.min_distance {
-        add("min-distance", &settings.min_distance);
+    if let Algorithm::Thesis(thesis) = &settings.algorithm
+        && thesis.min_distance != ThesisOptions::default().min_distance
+    {
+        add("min-distance", &thesis.min_distance);
     }
     if settings.max_distance != usual.max_distance {
         add("max-distance", &settings.max_distance);
@@ -177,14 +180,8 @@ fn trace_options(settings: &Settings) -> String {
     if settings.iterations_per_pass != usual.iterations_per_pass {
         add("iterations-per-pass", &settings.iterations_per_pass);
     }
-    for (option, is_set) in [
-        ("sum-on-gpu", settings.sum_on_gpu),
-        ("difference-normals", is_march && !settings.exact_normals),
-        ("no-landing", is_march && !settings.landing),
-    ] {
-        if is_set {
-            let _ = write!(call, " --{option}");
-        }
+    if settings.sum_on_gpu {
+        call += " --sum-on-gpu";
     }
     call
 }
@@ -359,9 +356,8 @@ mod tests {
         let usual = trace_call("corner", None, &[], &Settings::default());
         let expected = "echomarch trace corner --profile hybrid --waves 65536 --iterations 8";
         assert_eq!(usual, expected);
-        let mut settings = Settings::thesis().with_seed(3);
-        settings.min_distance = 0.01;
-        settings.sum_on_gpu = true;
+        let fine = ThesisOptions::default().with_min_distance(0.01);
+        let settings = Settings::new(fine).with_seed(3).with_sum_on_gpu(true);
         let values = [("the door".to_owned(), 60.5), ("gap".to_owned(), -2.0)];
         let call = trace_call("my room's.ron", Some(2.5), &values, &settings);
         let expected = r"echomarch trace 'my room'\''s.ron' --time 2.5 --set 'the door=60.5' --set gap=-2 --profile thesis";

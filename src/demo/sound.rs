@@ -158,7 +158,7 @@ impl Speaker {
 
 /// The law to begin with.
 fn law_of(options: &DemoOptions) -> PanningLaw {
-    let usual = PanningLaw::for_profile(options.settings.profile);
+    let usual = PanningLaw::for_profile(options.settings.profile());
     options.law.unwrap_or(usual)
 }
 

@@ -60,7 +60,7 @@ impl Choices {
     /// Changes to another algorithm: with its own constants as they were when it was left,
     /// and with the waves, iterations and directions of now.
     pub fn set_profile(&mut self, profile: Profile) {
-        if profile == self.settings.profile {
+        if profile == self.settings.profile() {
             return;
         }
         let known = self.others.remove(&profile);
@@ -71,10 +71,10 @@ impl Choices {
             seed: old.seed,
             directions: old.directions,
             sum_on_gpu: old.sum_on_gpu,
-            ..known.unwrap_or_else(|| Settings::of(profile))
+            ..known.unwrap_or_else(|| Settings::new(profile))
         };
         let old = std::mem::replace(&mut self.settings, new);
-        self.others.insert(old.profile, old);
+        self.others.insert(old.profile(), old);
     }
 
     /// Doubles or halves the number of waves, as often as `steps` says; from now on it no
@@ -93,7 +93,7 @@ impl Choices {
 
     /// From pan to gains: as chosen, or else as the algorithm is heard by.
     pub fn law(&self) -> PanningLaw {
-        let usual = PanningLaw::for_profile(self.settings.profile);
+        let usual = PanningLaw::for_profile(self.settings.profile());
         self.chosen_law.unwrap_or(usual)
     }
 
@@ -273,6 +273,7 @@ impl World {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::trace::{Algorithm, ThesisOptions};
 
     /// Protects a change of algorithm: its own constants, the same waves.
     #[test]
@@ -283,12 +284,13 @@ mod tests {
         choices.set_profile(Profile::Thesis);
         let expected = Settings::thesis().with_waves(1000).with_seed(5);
         assert_eq!(choices.settings, expected);
-        choices.settings.min_distance = 0.01;
+        let fine: Algorithm = ThesisOptions::default().with_min_distance(0.01).into();
+        choices.settings.algorithm = fine;
         choices.change_waves(2);
         choices.set_profile(Profile::March);
         assert_eq!(choices.settings.waves, 4000);
         choices.set_profile(Profile::Thesis);
-        assert_eq!(choices.settings.min_distance, 0.01);
+        assert_eq!(choices.settings.algorithm, fine);
         choices.change_iterations(-100);
         assert_eq!(
             (choices.settings.waves, choices.settings.iterations),

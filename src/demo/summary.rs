@@ -40,7 +40,7 @@ impl App {
         let listener = &self.world.now.listener;
         let mut report = Report {
             scene: self.world.base.name.clone(),
-            profile: self.choices.settings.profile.to_string(),
+            profile: self.choices.settings.profile().to_string(),
             waves: self.choices.settings.waves,
             iterations: self.choices.settings.iterations,
             renderer: self.renderer.clone(),

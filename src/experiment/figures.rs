@@ -4,15 +4,15 @@
 //! the same textures, one profile after the other in turns; times are medians. All runs
 //! have one seed, so their counts are the same.
 
+mod plot;
+mod report;
+
 use super::thesis_tables::{THESIS_TABLES, ThesisRow, ThesisTable, WAVE_COUNTS};
 use crate::error::Error;
 use crate::scene::Scene;
 use crate::stats::median;
 use crate::trace::{Counts, Frame, Milliseconds, Settings, Tracer};
 use serde::Serialize;
-
-pub use super::figures_csv::write_csv;
-pub use super::figures_plot::plot_svg;
 
 /// Milliseconds of a frame at 30 frames per second: the thesis' line between what can
 /// be had in real time and what cannot.
@@ -164,7 +164,7 @@ fn figure_row(settings: &Settings, frames: &[Frame], thesis: ThesisRow) -> Figur
     let counts = frames[0].counts;
     let passes = f64::from(settings.waves) * f64::from(settings.iterations);
     FigureRow {
-        profile: settings.profile.to_string(),
+        profile: settings.profile().to_string(),
         waves: settings.waves,
         milliseconds: Milliseconds {
             initialise: part(|m| m.initialise),

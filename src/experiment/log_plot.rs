@@ -1,11 +1,11 @@
 //! Plots with two logarithmic axes: whole decades, one notation of numbers, a line for zero, lines
 //! that are told apart where they lie on one another, and a legend beside them.
 
+use crate::report::PlotError;
 use plotters::coord::Shift;
 use plotters::coord::combinators::LogCoord;
 use plotters::prelude::*;
 
-pub(super) type PlotError = Box<dyn std::error::Error + Send + Sync>;
 pub(super) type Panel<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 pub(super) type Chart<'a, 'b> =
     ChartContext<'a, SVGBackend<'b>, Cartesian2d<LogCoord<f64>, LogCoord<f64>>>;

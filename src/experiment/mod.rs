@@ -2,13 +2,11 @@
 //!
 //! An experiment takes a [`Tracer`](crate::Tracer), does its work in an order that is
 //! fair to what it compares, and returns plain data. The files beside it turn that data
-//! into CSV and SVG; the program prints it.
+//! into a [`Report`](crate::report::Report) and SVG.
 
 pub mod accuracy;
 pub mod cost;
 pub mod figures;
-mod figures_csv;
-mod figures_plot;
 pub mod localise;
 mod log_plot;
 mod thesis_tables;

@@ -42,7 +42,7 @@ pub(crate) use loops::{Loops, loops};
 #[cfg(feature = "experiment")]
 pub(crate) use passes::is_marched;
 pub(crate) use passes::{
-    Algorithm, Key, MarchText, initialise_text, march_text, pan_text, sum_contributions_text,
+    AlgorithmText, Key, MarchText, initialise_text, march_text, pan_text, sum_contributions_text,
     sum_text,
 };
 pub use passes::{Directions, marches_fields};

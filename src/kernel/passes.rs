@@ -5,6 +5,7 @@ use super::text::{
     Source, closed_form_parts, directed_parts, distance_parts, field, join, link, source,
 };
 use crate::scene::{Scene, Surface};
+use serde::Serialize;
 use std::fmt;
 use std::str::FromStr;
 
@@ -21,7 +22,8 @@ pub(crate) enum Key {
 }
 
 /// How the start directions are chosen.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "lowercase")]
 #[non_exhaustive]
 pub enum Directions {
     /// Independent and uniform over the sphere, as the thesis has them.
@@ -33,14 +35,14 @@ pub enum Directions {
 /// Settings that are in the text of a march.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct MarchText {
-    pub algorithm: Algorithm,
+    pub algorithm: AlgorithmText,
     /// Whether evaluations are counted in place of what the counters hold otherwise.
     pub count_evaluations: bool,
 }
 
 /// How a wave finds what it meets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) enum Algorithm {
+pub(crate) enum AlgorithmText {
     Thesis,
     March {
         /// Normals from gradients; else from differences.
@@ -80,11 +82,11 @@ pub(crate) fn march_text(scene: &Scene, text: MarchText) -> String {
     };
     let mut roots = vec![source!("wave.glsl"), counters];
     let parts = match text.algorithm {
-        Algorithm::Thesis => {
+        AlgorithmText::Thesis => {
             roots.push(source!("iterate_thesis.glsl"));
             distance_parts(scene)
         }
-        Algorithm::March {
+        AlgorithmText::March {
             exact_normals,
             landing,
         } => {
@@ -98,7 +100,7 @@ pub(crate) fn march_text(scene: &Scene, text: MarchText) -> String {
             roots.push(source!("iterate_march.glsl"));
             directed_parts(scene, !exact_normals)
         }
-        Algorithm::Hybrid => {
+        AlgorithmText::Hybrid => {
             let marches = u8::from(marches_fields(scene, false));
             let defines = format!("#define MARCHES_FIELDS {marches}\n");
             roots.push(Source::new("options", defines));

@@ -11,7 +11,9 @@
 
 use super::distance32;
 use crate::scene::{Nearest, Scene};
-use crate::trace::{STATUS_DEAD, STATUS_LISTENER, STATUS_STARTED, Settings};
+use crate::trace::{
+    Algorithm, STATUS_DEAD, STATUS_LISTENER, STATUS_STARTED, Settings, ThesisOptions,
+};
 use glam::{UVec3, Vec3};
 use std::f32::consts::TAU;
 
@@ -44,80 +46,101 @@ pub fn start_direction(wave: u32, seed: u32) -> Vec3 {
     Vec3::new(ring * angle.cos(), height, ring * angle.sin())
 }
 
-/// Follows waves that leave the scene's source in `directions` (unit vectors).
-pub fn march(scene: &Scene, settings: &Settings, directions: &[Vec3]) -> Vec<MarchedWave> {
-    let follow = |&direction| follow_wave(scene, settings, direction);
-    directions.iter().map(follow).collect()
+/// What all waves share.
+struct March<'a> {
+    scene: &'a Scene,
+    options: ThesisOptions,
+    /// In one iteration, metres.
+    max_distance: f32,
 }
 
-fn follow_wave(scene: &Scene, settings: &Settings, direction: Vec3) -> MarchedWave {
-    let mut wave = MarchedWave {
-        position: scene.source.position,
-        direction,
-        status: STATUS_STARTED,
-        zero_length_passes: 0,
-        step_limit_reached: 0,
-        margin: f32::INFINITY,
+/// Follows waves that leave the scene's source in `directions` (unit vectors). `None` for
+/// settings of another algorithm.
+pub fn march(scene: &Scene, settings: &Settings, directions: &[Vec3]) -> Option<Vec<MarchedWave>> {
+    let Algorithm::Thesis(options) = settings.algorithm else {
+        return None;
     };
-    for _ in 0..settings.iterations {
-        if wave.status == STATUS_LISTENER {
-            break;
+    let march = March {
+        scene,
+        options,
+        max_distance: settings.max_distance,
+    };
+    let follow = |&direction| march.follow(direction, settings.iterations);
+    Some(directions.iter().map(follow).collect())
+}
+
+impl March<'_> {
+    fn follow(&self, direction: Vec3, iterations: u32) -> MarchedWave {
+        let mut wave = MarchedWave {
+            position: self.scene.source.position,
+            direction,
+            status: STATUS_STARTED,
+            zero_length_passes: 0,
+            step_limit_reached: 0,
+            margin: f32::INFINITY,
+        };
+        for _ in 0..iterations {
+            if wave.status == STATUS_LISTENER {
+                break;
+            }
+            self.iterate(&mut wave);
         }
-        iterate(scene, settings, &mut wave);
+        wave
     }
-    wave
+
+    /// Figure 8.
+    fn iterate(&self, wave: &mut MarchedWave) {
+        let start = wave.position + wave.direction * self.options.start_offset;
+        let flight = self.fly(start, wave.direction);
+        wave.margin = wave.margin.min(flight.margin);
+        let Some((t, object)) = flight.hit else {
+            wave.step_limit_reached += u32::from(flight.gave_up);
+            wave.position = Vec3::ZERO;
+            wave.direction = Vec3::ZERO;
+            wave.status = STATUS_DEAD;
+            return;
+        };
+        wave.zero_length_passes += u32::from(t == 0.0);
+        wave.position += t * wave.direction;
+        wave.status = object as f32;
+        let normal = difference_normal(self.scene, wave.position, self.options.normal_step);
+        wave.direction -= normal * (2.0 * normal.dot(wave.direction));
+    }
+
+    /// Figure 9.
+    fn fly(&self, start: Vec3, direction: Vec3) -> Flight {
+        let mut t = 0.0;
+        let mut margin = f32::INFINITY;
+        for _ in 0..self.options.step_limit(self.max_distance) {
+            if !f32::lt(&t, &self.max_distance) {
+                break;
+            }
+            let point = start + t * direction;
+            let Nearest { distance, object } = distance32::distance(self.scene, point);
+            margin = margin.min((distance - self.options.min_distance).abs());
+            if distance < self.options.min_distance {
+                return Flight {
+                    hit: Some((t, object)),
+                    gave_up: false,
+                    margin: margin.min(tie_margin(self.scene, point)),
+                };
+            }
+            t += distance;
+        }
+        Flight {
+            hit: None,
+            gave_up: t < self.max_distance,
+            margin,
+        }
+    }
 }
 
-/// Figure 8.
-fn iterate(scene: &Scene, settings: &Settings, wave: &mut MarchedWave) {
-    let start = wave.position + wave.direction * settings.start_offset;
-    let march = march_once(scene, settings, start, wave.direction);
-    wave.margin = wave.margin.min(march.margin);
-    let Some((t, object)) = march.hit else {
-        wave.step_limit_reached += u32::from(march.gave_up);
-        wave.position = Vec3::ZERO;
-        wave.direction = Vec3::ZERO;
-        wave.status = STATUS_DEAD;
-        return;
-    };
-    wave.zero_length_passes += u32::from(t == 0.0);
-    wave.position += t * wave.direction;
-    wave.status = object as f32;
-    let normal = difference_normal(scene, wave.position, settings.normal_step);
-    wave.direction -= normal * (2.0 * normal.dot(wave.direction));
-}
-
-struct March {
+/// One march of a wave.
+struct Flight {
+    /// How far it got and the object met, if any.
     hit: Option<(f32, u32)>,
     gave_up: bool,
     margin: f32,
-}
-
-/// Figure 9.
-fn march_once(scene: &Scene, settings: &Settings, start: Vec3, direction: Vec3) -> March {
-    let mut t = 0.0;
-    let mut margin = f32::INFINITY;
-    for _ in 0..settings.step_limit() {
-        if !f32::lt(&t, &settings.max_distance) {
-            break;
-        }
-        let point = start + t * direction;
-        let Nearest { distance, object } = distance32::distance(scene, point);
-        margin = margin.min((distance - settings.min_distance).abs());
-        if distance < settings.min_distance {
-            return March {
-                hit: Some((t, object)),
-                gave_up: false,
-                margin: margin.min(tie_margin(scene, point)),
-            };
-        }
-        t += distance;
-    }
-    March {
-        hit: None,
-        gave_up: t < settings.max_distance,
-        margin,
-    }
 }
 
 /// Difference between the two least distances at a point: how clearly it belongs to

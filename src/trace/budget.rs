@@ -7,7 +7,9 @@
 //! iterations of a pass and, where a single march could take more, its steps: what is given up
 //! at the step limit is counted and reported.
 
-use super::{MAX_COPY_STEPS, MAX_FIELD_STEPS, MAX_STEPS, Profile, Settings};
+use super::{
+    Algorithm, MAX_COPY_STEPS, MAX_FIELD_STEPS, MAX_STEPS, MarchOptions, Settings, ThesisOptions,
+};
 use crate::kernel::{self, Cells, Layout, Lists, Loops};
 use crate::scene::Scene;
 
@@ -51,11 +53,11 @@ impl Budget {
     /// The same for who has the scene's cells, with the lists that [`lists`] names.
     pub(super) fn with_cells(scene: &Scene, settings: &Settings, cells: Option<&Cells>) -> Budget {
         let loops = kernel::loops(scene, cells, lists(settings));
-        let marches_fields = kernel::marches_fields(scene, settings.profile == Profile::March);
-        match settings.profile {
-            Profile::Thesis => thesis(settings, &loops),
-            Profile::March => march(settings, &loops, marches_fields),
-            Profile::Hybrid => hybrid(settings, &loops, marches_fields),
+        let asked = settings.iterations_per_pass;
+        match &settings.algorithm {
+            Algorithm::Hybrid(_) => hybrid(&loops, kernel::marches_fields(scene, false), asked),
+            Algorithm::March(of) => march(of, &loops, kernel::marches_fields(scene, true), asked),
+            Algorithm::Thesis(of) => thesis(of, settings.max_distance, &loops, asked),
         }
     }
 }
@@ -63,30 +65,32 @@ impl Budget {
 /// The lists of cells that frames with these settings read. Lists of nearest candidates hold
 /// what lines need too, but in cells that lie within a solid.
 pub(super) fn lists(settings: &Settings) -> Lists {
-    match settings.profile {
-        Profile::Thesis => Lists::NearestCandidates,
-        Profile::March if !settings.exact_normals => Lists::NearestCandidates,
-        Profile::March | Profile::Hybrid => Lists::Overlapping,
+    match &settings.algorithm {
+        Algorithm::Thesis(_) => Lists::NearestCandidates,
+        Algorithm::March(march) if march.variant.difference_normals.is_some() => {
+            Lists::NearestCandidates
+        }
+        Algorithm::March(_) | Algorithm::Hybrid(_) => Lists::Overlapping,
     }
 }
 
 /// Differences that a normal of the thesis is taken from.
 const DIFFERENCES: u64 = 6;
 
-fn thesis(settings: &Settings, loops: &Loops) -> Budget {
+fn thesis(options: &ThesisOptions, max_distance: f32, loops: &Loops, asked: u32) -> Budget {
     // The thesis' steps are as many as its distances ask for.
-    let steps = u64::from(settings.step_limit());
+    let steps = u64::from(options.step_limit(max_distance));
     let work = Work {
         turns: steps * (1 + loops.distance) + DIFFERENCES * loops.distance,
         evaluations: (steps + DIFFERENCES) * (1 + loops.unrolled + loops.distance),
     };
-    work.budget(settings, [steps, 0, 0])
+    work.budget(asked, [steps, 0, 0])
 }
 
-fn march(settings: &Settings, loops: &Loops, marches_fields: bool) -> Budget {
-    let differences = match settings.exact_normals {
-        true => 0,
-        false => DIFFERENCES * loops.distance,
+fn march(options: &MarchOptions, loops: &Loops, marches_fields: bool, asked: u32) -> Budget {
+    let differences = match options.variant.difference_normals {
+        None => 0,
+        Some(_) => DIFFERENCES * loops.distance,
     };
     let rest = 1 + loops.projection + differences;
     let field_turns = if marches_fields { loops.all_fields } else { 0 };
@@ -105,10 +109,10 @@ fn march(settings: &Settings, loops: &Loops, marches_fields: bool) -> Budget {
         turns: rest - 1 + steps * (1 + loops.directed) + field_steps * (FIELD_TURNS + field_turns),
         evaluations: steps * (objects + loops.directed) + field_steps * (objects + field_turns),
     };
-    work.budget(settings, [steps, field_steps, 0])
+    work.budget(asked, [steps, field_steps, 0])
 }
 
-fn hybrid(settings: &Settings, loops: &Loops, marches_fields: bool) -> Budget {
+fn hybrid(loops: &Loops, marches_fields: bool, asked: u32) -> Budget {
     let rest = 1 + loops.line + loops.projection;
     let left = MOST_TURNS.saturating_sub(rest);
     let copy_steps = match loops.copy_step {
@@ -129,7 +133,7 @@ fn hybrid(settings: &Settings, loops: &Loops, marches_fields: bool) -> Budget {
             + traversals
             + field_steps * (objects + loops.other_fields),
     };
-    work.budget(settings, [0, field_steps, copy_steps])
+    work.budget(asked, [0, field_steps, copy_steps])
 }
 
 /// Steps of so many turns each that fit what is left.
@@ -145,14 +149,14 @@ struct Work {
 }
 
 impl Work {
-    /// The budget with these steps: of a march, of the fields, past copies.
-    fn budget(&self, settings: &Settings, steps: [u64; 3]) -> Budget {
+    /// The budget of so many iterations in a pass, if they fit, with these steps: of a march, of
+    /// the fields, past copies.
+    fn budget(&self, asked: u32, steps: [u64; 3]) -> Budget {
         let [steps, field_steps, copy_steps] = steps.map(|steps| steps as u32);
         // The iteration itself is a turn.
         let fit = (MOST_TURNS / (1 + self.turns)).max(1);
-        let asked = u64::from(settings.iterations_per_pass);
         Budget {
-            iterations_per_pass: asked.min(fit) as u32,
+            iterations_per_pass: u64::from(asked).min(fit) as u32,
             steps,
             field_steps,
             copy_steps,
@@ -166,14 +170,12 @@ mod tests {
     use super::*;
     use crate::scene::shape::Sphere;
     use crate::scene::{Node, Shape, Surface};
+    use crate::trace::Profile;
     use glam::Vec3;
 
     /// Every profile, with as many iterations in a pass as may be asked for.
     fn asked(profile: Profile) -> Settings {
-        Settings {
-            iterations_per_pass: super::super::MAX_ITERATIONS,
-            ..Settings::of(profile)
-        }
+        Settings::new(profile).with_iterations_per_pass(super::super::MAX_ITERATIONS)
     }
 
     fn balls(count: usize) -> Scene {
@@ -189,7 +191,7 @@ mod tests {
     fn the_rooms_of_the_thesis_run_as_they_did() {
         let corner = Scene::builtin("corner").unwrap();
         for profile in Profile::ALL {
-            let settings = Settings::of(profile);
+            let settings = Settings::new(profile);
             let budget = Budget::of(&corner, &settings);
             assert_eq!(budget.iterations_per_pass, settings.iterations_per_pass);
         }

@@ -43,9 +43,11 @@ pub(crate) use reload::Opening;
 pub use reload::{Reload, Reloading};
 #[cfg(feature = "picture")]
 pub(crate) use scene_data::SceneData;
+#[cfg(feature = "experiment")]
+pub(crate) use settings::MarchVariant;
 pub use settings::{
-    MARCHES_PER_PASS, MAX_COPY_STEPS, MAX_FIELD_STEPS, MAX_ITERATIONS, MAX_STEPS, MAX_WAVES,
-    Profile, Settings,
+    Algorithm, HybridOptions, MARCHES_PER_PASS, MAX_COPY_STEPS, MAX_FIELD_STEPS, MAX_ITERATIONS,
+    MAX_STEPS, MAX_WAVES, MarchOptions, Profile, Settings, ThesisOptions,
 };
 pub use tracer::{HeardPaths, Tracer};
 pub use trial::{FieldTrial, TrialCommand, answer_field_trial};

@@ -1,9 +1,9 @@
 //! The shader programs of a frame, each compiled once for what its text depends on.
 
-use super::{Directions, Profile, Settings, trial};
+use super::{Algorithm, Directions, Settings, trial};
 use crate::error::Error;
 use crate::gpu::{Context, Program, ProgramCache};
-use crate::kernel::{self, Algorithm, Key, MarchText};
+use crate::kernel::{self, AlgorithmText, Key, MarchText};
 use crate::scene::Scene;
 use std::num::NonZeroUsize;
 use std::rc::Rc;
@@ -49,7 +49,7 @@ impl Programs {
         self.cache.get_or_compile(key, || {
             // What is checked once for a structure.
             kernel::check(scene)?;
-            let label = format!("march ({}) of {}", settings.profile, scene.name);
+            let label = format!("march ({}) of {}", settings.profile(), scene.name);
             let text = kernel::march_text(scene, options);
             trial::ensure(scene, &[&text])?;
             Ok(Program::fragment(context, &label, &text)?)
@@ -87,13 +87,13 @@ impl Programs {
 /// What of the settings is in the text of a march.
 fn march_options(settings: &Settings) -> MarchText {
     MarchText {
-        algorithm: match settings.profile {
-            Profile::Thesis => Algorithm::Thesis,
-            Profile::March => Algorithm::March {
-                exact_normals: settings.exact_normals,
-                landing: settings.landing,
+        algorithm: match &settings.algorithm {
+            Algorithm::Hybrid(_) => AlgorithmText::Hybrid,
+            Algorithm::March(march) => AlgorithmText::March {
+                exact_normals: march.variant.difference_normals.is_none(),
+                landing: march.variant.landing,
             },
-            Profile::Hybrid => Algorithm::Hybrid,
+            Algorithm::Thesis(_) => AlgorithmText::Thesis,
         },
         count_evaluations: settings.count_evaluations,
     }

@@ -31,7 +31,7 @@ pub fn compare(scene: &Scene, directions: &[Vec3], profiles: &[Profile]) {
     let ear = scene.listener.position.as_dvec3();
     let mut tracer = tracer();
     for &profile in profiles {
-        let settings = Settings::of(profile).with_iterations(1);
+        let settings = Settings::new(profile).with_iterations(1);
         let states = tracer
             .trace_directions(scene, &settings, directions)
             .unwrap();

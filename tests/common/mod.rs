@@ -39,6 +39,15 @@ pub fn thesis(waves: u32, iterations: u32) -> Settings {
         .with_iterations(iterations)
 }
 
+/// The settings of a case of the quick sweep by its label: the worsened ways to march are to be
+/// had from the experiments alone.
+#[cfg(feature = "experiment")]
+pub fn swept(label: &str) -> Settings {
+    let mut cases = echomarch::experiment::accuracy::quick().into_iter();
+    let case = cases.find(|case| case.label == label);
+    case.unwrap_or_else(|| panic!("no case {label}")).settings
+}
+
 /// A scene that a test needs and that must be there.
 pub fn builtin(name: &str) -> Scene {
     Scene::builtin(name).unwrap()

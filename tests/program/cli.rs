@@ -73,14 +73,19 @@ fn trace_reports_the_documented_keys() {
     let expected = [
         "scene",
         "profile",
-        "renderer",
-        "clock",
+        "min_distance",
+        "start_offset",
+        "normal_step",
         "waves",
         "iterations",
-        "min_distance",
         "max_distance",
         "seed",
         "directions",
+        "iterations_per_pass",
+        "sum_on_gpu",
+        "count_evaluations",
+        "renderer",
+        "clock",
         "listener_hits",
         "dead",
         "travelling",
@@ -156,7 +161,7 @@ fn dumped_waves_are_those_of_the_library() {
     assert_eq!(lines.next(), None);
 }
 
-/// Protects the three files of `figures`: each can be read by what reads its kind.
+/// Protects the files of `figures`: each can be read by what reads its kind.
 #[test]
 fn figures_writes_csv_json_and_svg() {
     let folder = tempfile::tempdir().unwrap();
@@ -196,13 +201,17 @@ fn figures_writes_csv_json_and_svg() {
     assert_eq!(report["tables"].as_array().unwrap().len(), 4);
     assert_eq!(report["tables"][3]["rows"][8]["waves"], 1024);
 
+    let text = read("figures.md");
+    assert!(text.contains("## Figure 11.4: obstacles, 8 iterations"));
+    assert!(text.contains("| thesis | 1024 |") && text.contains("(figures.svg)"));
+
     let svg = read("figures.svg");
     assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"));
     let opened = svg.matches("<text").count();
     assert!(opened > 8 && opened == svg.matches("</text>").count());
     assert!(!svg.contains("NaN") && !svg.contains("inf\""));
     let files = std::fs::read_dir(&output).unwrap().count();
-    assert_eq!(files, 3, "nothing temporary is left");
+    assert_eq!(files, 4, "nothing temporary is left");
 }
 
 /// Fields of CSV; only quotes about whole fields occur.

@@ -64,9 +64,11 @@ fn options_that_change_nothing_are_refused() {
     let picture = folder.path().join("p.png");
     let text = folder.path().join("t.frag");
     let slice = ["slice", "corner", "-o", argument(&picture)];
-    let refused: [(&[&str], &str); 17] = [
-        (&["trace", "corner", "--min-distance", "0.01"], "hybrid"),
-        (&["trace", "corner", "--no-landing"], "march"),
+    let refused: [(&[&str], &str); 16] = [
+        (
+            &["trace", "corner", "--min-distance", "0.01"],
+            "--min-distance has no effect on --profile hybrid",
+        ),
         (&["info", "--gpu", "0"], "--gpu has no effect on info"),
         (&["info", "--gl", "gles"], "--gl has no effect on info"),
         (&["shader", "corner", "--gpu", "0"], "--gpu has no effect"),
@@ -102,14 +104,8 @@ fn options_that_change_nothing_are_refused() {
             "it traces nothing",
         ),
         (
-            &[
-                "trace",
-                "corner",
-                "--profile",
-                "thesis",
-                "--difference-normals",
-            ],
-            "march",
+            &["trace", "corner", "--profile=march", "--min-distance=0.01"],
+            "--min-distance has no effect on --profile march",
         ),
         (
             &["cost", "corner", "--min-distance", "0.01"],

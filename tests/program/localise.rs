@@ -6,11 +6,12 @@ use crate::common::{Random, builtin, mirrored, tracer};
 use echomarch::audio::PanningLaw;
 use echomarch::experiment::localise::statistics::ErrorFigures;
 use echomarch::experiment::localise::{
-    LoadedSound, LocaliseOptions, LocaliseReport, columns, converge, facings, markdown, observe,
-    observer, plot_svg, run, source_at, without_ground, write_csv,
+    LoadedSound, LocaliseOptions, LocaliseReport, converge, facings, observe, observer, run,
+    source_at, without_ground,
 };
 use echomarch::experiment::median;
 use echomarch::reference::ExactScene;
+use echomarch::report::Report;
 use echomarch::{Profile, Scene, Settings};
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -223,18 +224,19 @@ fn a_report_adds_up_and_becomes_csv_markdown_and_svg() {
 /// The texts and the picture hold what the report does.
 fn check_files(report: &LocaliseReport) {
     let mut csv = Vec::new();
-    write_csv(report, &mut csv).unwrap();
+    report.table().write_csv(&mut csv).unwrap();
     let csv = String::from_utf8(csv).unwrap();
     let lines: Vec<&str> = csv.lines().collect();
     assert_eq!(lines.len(), 1 + 5 * (3 + 3) + 2 * 36);
-    assert_eq!(lines[0], columns().join(","));
+    let columns = report.table().names();
+    assert_eq!(lines[0], columns.join(","));
     for end in ["", "_low", "_high"] {
         for figure in ["median_abs", "bias", "outward_bias", "spread"] {
             let wanted = format!("source_{figure}{end}");
-            assert!(columns().contains(&wanted), "{wanted}");
+            assert!(columns.contains(&wanted), "{wanted}");
         }
     }
-    let text = markdown(report);
+    let text = report.document().markdown();
     for heading in [
         "## In the open",
         "## corner",
@@ -243,7 +245,7 @@ fn check_files(report: &LocaliseReport) {
     ] {
         assert!(text.contains(heading), "{text}");
     }
-    let svg = plot_svg(report).unwrap();
+    let svg = report.plot_svg().unwrap();
     assert!(svg.starts_with("<svg") && svg.contains("obstacles, 8 iterations"));
     assert!(svg.contains("rough interval"));
 }
@@ -290,7 +292,7 @@ fn in_obstacles_the_thesis_hears_next_to_nothing() {
     let mut tracer = tracer();
     let scene = builtin("obstacles");
     let mut hits = |profile, iterations| {
-        let settings = Settings::of(profile).with_waves(262_144);
+        let settings = Settings::new(profile).with_waves(262_144);
         let frame = tracer.frame(&scene, &settings.with_iterations(iterations));
         frame.unwrap().counts.listener_hits
     };
@@ -323,7 +325,7 @@ fn the_program_runs_the_observer() {
         "2",
     ];
     let output = succeed(&arguments);
-    assert!(stdout(&output).contains("localise.md"));
+    assert!(stdout(&output).contains("localise.csv, .json, .md, .svg"));
     let file = |ending: &str| {
         fs::read_to_string(folder.path().join(format!("localise.{ending}"))).unwrap()
     };

@@ -308,7 +308,7 @@ fn a_library_chooses_how_fields_are_tried() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     let context = context(Api::Gl);
-    let settings = Settings::of(Profile::Hybrid).with_waves(64);
+    let settings = Settings::new(Profile::Hybrid).with_waves(64);
     let mut tracer = Tracer::new(&context).unwrap();
     let own = scene(BALL);
     tracer.check(&own, &settings).unwrap();

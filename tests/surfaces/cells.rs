@@ -1,9 +1,10 @@
 //! Many surfaces in cells: nothing is missed, whatever lies in them and wherever a wave comes
 //! from, in every profile.
 
-use crate::common::tracer;
+use crate::common::{swept, tracer};
 use echomarch::scene::shape::{Capsule, Cuboid, Cylinder, Ellipsoid, Plane, Sphere, Torus};
 use echomarch::scene::{Node, Shape};
+use echomarch::trace::ThesisOptions;
 use echomarch::{Listener, Scene, Settings, Source, Surface, Tracer};
 use glam::{Quat, Vec3};
 use std::f32::consts::FRAC_PI_2;
@@ -48,19 +49,12 @@ fn scene(surfaces: Vec<Surface>, source: Vec3) -> Scene {
 }
 
 fn profiles() -> Vec<(&'static str, Settings)> {
-    let shell = Settings {
-        min_distance: 0.1,
-        ..Settings::march()
-    };
-    let near = Settings {
-        min_distance: 1e-3,
-        max_distance: 700.0,
-        ..Settings::thesis()
-    };
+    let near = ThesisOptions::default().with_min_distance(1e-3);
+    let near = Settings::new(near).with_max_distance(700.0);
     vec![
         ("hybrid", Settings::hybrid()),
         ("march", Settings::march()),
-        ("march in a shell", shell),
+        ("march in a shell", swept("march 0.1 m")),
         ("thesis", near),
     ]
 }
@@ -191,7 +185,7 @@ fn moved_surfaces_are_met_where_they_are() {
                 .zip(&fresh)
                 .filter(|(a, b)| a.status != b.status);
             // Lists in another grid are in another order, and a tie may fall otherwise.
-            assert!(differ.count() <= 2, "step {step}, {}", settings.profile);
+            assert!(differ.count() <= 2, "step {step}, {}", settings.profile());
         }
     }
 }
@@ -245,12 +239,10 @@ fn the_thesis_sees_the_same_with_cells_and_without() {
     for (what, surfaces) in small_sets() {
         let [alone, twice] = alone_and_twice(&surfaces);
         for (min_distance, iterations) in [(0.1, 1), (0.1, 3), (0.5, 3), (1e-3, 1)] {
-            let settings = Settings {
-                min_distance,
-                ..Settings::thesis()
-                    .with_waves(20_000)
-                    .with_iterations(iterations)
-            };
+            let options = ThesisOptions::default().with_min_distance(min_distance);
+            let settings = Settings::new(options)
+                .with_waves(20_000)
+                .with_iterations(iterations);
             let (_, expected) = tracer.frame_with_waves(&alone, &settings).unwrap();
             let (_, found) = tracer.frame_with_waves(&twice, &settings).unwrap();
             let differ = expected.iter().zip(&found).find(|(a, b)| a != b);
@@ -270,11 +262,9 @@ fn difference_normals_are_the_same_with_cells_and_without() {
     let mut tracer = tracer();
     for (what, surfaces) in small_sets() {
         let [alone, twice] = alone_and_twice(&surfaces);
-        let settings = Settings {
-            exact_normals: false,
-            normal_step: 1e-3,
-            ..Settings::march().with_waves(20_000).with_iterations(1)
-        };
+        let settings = swept("march difference normals")
+            .with_waves(20_000)
+            .with_iterations(1);
         let (_, expected) = tracer.frame_with_waves(&alone, &settings).unwrap();
         let (_, found) = tracer.frame_with_waves(&twice, &settings).unwrap();
         let far = expected

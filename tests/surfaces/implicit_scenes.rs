@@ -29,7 +29,7 @@ fn waves_from_one_focus_meet_at_the_other() {
     scene.listener.radius = 1e-4;
     let mut tracer = tracer();
     for profile in PROFILES {
-        let settings = Settings::of(profile).with_waves(65_536).with_iterations(1);
+        let settings = Settings::new(profile).with_waves(65_536).with_iterations(1);
         let (frame, waves) = tracer.frame_with_waves(&scene, &settings).unwrap();
         let mirrored: Vec<&Wave> = waves.iter().filter(|wave| wave.status == 1.0).collect();
         assert!(mirrored.len() > 65_500, "{profile}: {:?}", frame.counts);
@@ -48,7 +48,7 @@ fn dishes_send_waves_from_focus_to_focus() {
     let mut tracer = tracer();
     let scene = builtin("parabolic-mirrors");
     for profile in PROFILES {
-        let settings = Settings::of(profile).with_waves(16_384).with_iterations(3);
+        let settings = Settings::new(profile).with_waves(16_384).with_iterations(3);
         let frame = tracer.frame(&scene, &settings).unwrap();
         assert_eq!(frame.counts.step_limit_reached, 0, "{profile}");
         // A quarter of all directions or so meets the dish; next to none would meet by chance.
@@ -103,7 +103,7 @@ fn a_repeated_pillar_is_ten_thousand_pillars() {
     let (repeated, listed) = (repeated(), listed());
     let mut tracer = tracer();
     for profile in PROFILES {
-        let settings = Settings::of(profile).with_waves(65_536).with_iterations(4);
+        let settings = Settings::new(profile).with_waves(65_536).with_iterations(4);
         let (one, by_modulo) = tracer.frame_with_waves(&repeated, &settings).unwrap();
         let (_, one_by_one) = tracer.frame_with_waves(&listed, &settings).unwrap();
         let heard = |wave: &Wave| wave.status == 0.0;

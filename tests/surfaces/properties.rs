@@ -177,7 +177,7 @@ proptest! {
         let scene = planted.scene(source);
         let extent = extent(&planted, &scene);
         for profile in PROFILES {
-            let settings = Settings::of(profile).with_iterations(8);
+            let settings = Settings::new(profile).with_iterations(8);
             let states = trace(&scene, &settings, &directions);
             let context = format!("{profile}, {:?}", planted.surface);
             assert_sane(&states, &scene, extent, &context);
@@ -217,7 +217,7 @@ proptest! {
         let scene = planted.scene(planted.point);
         let extent = extent(&planted, &scene);
         for profile in PROFILES {
-            let states = trace(&scene, &Settings::of(profile).with_iterations(1), &directions);
+            let states = trace(&scene, &Settings::new(profile).with_iterations(1), &directions);
             let context = format!("{profile}, {:?}", planted.surface);
             assert_sane(&states, &scene, extent, &context);
             for (before, after) in states[0].iter().zip(&states[1]) {
@@ -261,7 +261,7 @@ proptest! {
         let start = 2.0 * START_ROUNDING * extent;
         let bound = 2.0 * start / slant + world_rounding(&scene, extent);
         for profile in PROFILES {
-            let states = trace(&scene, &Settings::of(profile).with_iterations(1), &[aim.as_vec3()]);
+            let states = trace(&scene, &Settings::new(profile).with_iterations(1), &[aim.as_vec3()]);
             let wave = states[1][0];
             let off = wave.position.as_dvec3().distance(planted.point);
             prop_assert_eq!(wave.status, 1.0, "{}, {:?}", profile, planted.surface);

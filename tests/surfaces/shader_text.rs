@@ -119,7 +119,7 @@ fn texts_match_the_golden_ones() {
     let update = std::env::var_os("ECHOMARCH_UPDATE_GOLDEN").is_some();
     for (name, scene, profile) in golden() {
         scene.check().unwrap();
-        let text = written(&shader_text(&scene, &Settings::of(profile), Pass::March));
+        let text = written(&shader_text(&scene, &Settings::new(profile), Pass::March));
         let file = folder.join(format!("{name}.glsl"));
         if update {
             std::fs::create_dir_all(&folder).unwrap();
@@ -216,7 +216,7 @@ fn a_scene_of_one_shape_names_no_other() {
         let scene = scene(vec![Surface::new(shape.clone())]);
         scene.check().unwrap();
         for profile in Profile::ALL {
-            let text = shader_text(&scene, &Settings::of(profile), Pass::March);
+            let text = shader_text(&scene, &Settings::new(profile), Pass::March);
             let others = all.iter().map(Shape::name).filter(|other| *other != own);
             for other in others.filter(|other| !building_blocks(own).contains(other)) {
                 let named = if other == "Field" { "User" } else { other };
@@ -235,7 +235,7 @@ fn a_scene_of_one_shape_names_no_other() {
 fn the_text_needs_no_renderer_and_tells_its_files() {
     let scene = scene(vec![Surface::new(user())]);
     for profile in Profile::ALL {
-        let text = shader_text(&scene, &Settings::of(profile), Pass::March);
+        let text = shader_text(&scene, &Settings::new(profile), Pass::March);
         assert!(text.contains(": my.glsl\n#line 1 "), "{profile}");
         assert!(text.contains("#define R user0_R\n") && text.contains("#undef R\n"));
     }

@@ -164,7 +164,7 @@ fn no_wave_is_lost_at_a_seam_or_goes_through_it() {
     let mut tracer = tracer();
     for (what, scene) in scenes() {
         for settings in [Settings::march(), Settings::hybrid()] {
-            let what = format!("{what}, {}", settings.profile);
+            let what = format!("{what}, {}", settings.profile());
             let settings = settings.with_waves(16_384).with_iterations(6);
             follow(&mut tracer, &what, &scene, &settings);
         }
@@ -177,10 +177,9 @@ fn no_wave_is_lost_at_a_seam_or_goes_through_it() {
 fn faces_in_one_plane_hold_nothing_up() {
     let mut tracer = tracer();
     for (what, scene) in scenes() {
-        let settings = Settings {
-            count_evaluations: true,
-            ..Settings::march().with_waves(16_384)
-        };
+        let settings = Settings::march()
+            .with_waves(16_384)
+            .with_count_evaluations(true);
         let counts = tracer.frame(&scene, &settings).unwrap().counts;
         let flights = f64::from(settings.waves * settings.iterations);
         let mean = counts.evaluations as f64 / flights;

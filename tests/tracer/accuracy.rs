@@ -2,11 +2,11 @@
 //! its command line. A machine without GL fails these tests.
 
 use echomarch::experiment::accuracy::{
-    self, AccuracyOptions, AccuracyReport, COLUMNS, Case, DEFAULT_SCENES, Plan, Row, plot_svg,
-    quick, write_csv,
+    self, AccuracyOptions, AccuracyReport, Case, DEFAULT_SCENES, Plan, Row, quick,
 };
 use echomarch::gpu::{Context, ContextOptions};
 use echomarch::reference::ShoeboxImages;
+use echomarch::report::Report;
 use echomarch::trace::Directions;
 use echomarch::{Profile, Scene, Settings, Tracer};
 use glam::Vec3;
@@ -22,7 +22,7 @@ fn tracer() -> Tracer {
 /// A report of so few frames that it takes a moment.
 fn report(scene: &str, settings: &[Settings]) -> AccuracyReport {
     let case = |settings: &Settings| Case {
-        label: settings.profile.to_string(),
+        label: settings.profile().to_string(),
         settings: settings.clone(),
     };
     let plan = Plan {
@@ -130,20 +130,19 @@ fn marched_fields_and_cells_are_right() {
 /// of a row are told.
 #[test]
 fn a_report_becomes_csv_and_svg() {
-    let mut summed = Settings::hybrid().with_waves(1024);
-    summed.sum_on_gpu = true;
+    let summed = Settings::hybrid().with_waves(1024).with_sum_on_gpu(true);
     let report = report("corner", &[Settings::thesis().with_waves(1024), summed]);
     let mut csv = Vec::new();
-    write_csv(&report, &mut csv).unwrap();
+    report.table().write_csv(&mut csv).unwrap();
     let csv = String::from_utf8(csv).unwrap();
     let lines: Vec<&str> = csv.lines().collect();
     assert_eq!(lines.len(), 3);
-    assert_eq!(lines[0], COLUMNS.join(","));
+    assert_eq!(lines[0], report.table().names().join(","));
     assert!(
         lines[1].starts_with("corner,thesis,thesis,0.1,8,1024,random,false,false,false,false,")
     );
     assert!(lines[2].starts_with("corner,hybrid,hybrid,,8,1024,random,true,true,true,true,"));
-    let svg = plot_svg(&report).unwrap();
+    let svg = report.plot_svg().unwrap();
     assert!(svg.starts_with("<svg") && svg.contains("Pareto front"));
     let sum_errors = rows(&report).iter().map(|row| row.panning.sum_error);
     let sum_errors: Vec<Option<f64>> = sum_errors.collect();
@@ -160,12 +159,13 @@ fn a_report_becomes_csv_and_svg() {
 #[test]
 fn the_sweep_varies_every_setting() {
     let cases = quick();
+    let scene = Scene::builtin("corner").unwrap();
     for profile in Profile::ALL {
         let of = || {
             cases
                 .iter()
                 .map(|c| &c.settings)
-                .filter(|s| s.profile == profile)
+                .filter(|s| s.profile() == profile)
         };
         let default = of().next().unwrap();
         assert!(of().any(|s| s.iterations != default.iterations));
@@ -174,22 +174,22 @@ fn the_sweep_varies_every_setting() {
         assert!(of().any(|s| s.sum_on_gpu) && of().any(|s| !s.sum_on_gpu));
         assert!(of().any(|s| s.iterations_per_pass == 1));
         assert!(of().any(|s| s.iterations_per_pass > 1));
+        let reports: Vec<_> = cases.iter().map(|case| case.report(&scene)).collect();
+        let of = || reports.iter().filter(|r| r.profile == profile.to_string());
+        let default = of().next().unwrap();
         let march = profile == Profile::March;
         assert_eq!(
-            of().any(|s| s.exact_normals != default.exact_normals),
+            of().any(|r| r.exact_normals != default.exact_normals),
             march
         );
-        assert_eq!(of().any(|s| s.landing != default.landing), march);
-        let distances = of()
-            .filter(|s| s.min_distance != default.min_distance)
-            .count();
-        assert_eq!(distances == 0, profile == Profile::Hybrid);
+        assert_eq!(of().any(|r| r.landing != default.landing), march);
+        let distances = of().any(|r| r.min_distance != default.min_distance);
+        assert_eq!(distances, profile != Profile::Hybrid);
     }
     let ladder = cases.iter().filter(|case| {
-        let lattice = Settings {
-            directions: Directions::Fibonacci,
-            ..Settings::hybrid().with_waves(case.settings.waves)
-        };
+        let lattice = Settings::hybrid()
+            .with_waves(case.settings.waves)
+            .with_directions(Directions::Fibonacci);
         case.label == "hybrid fibonacci" && case.settings == lattice
     });
     assert!(

@@ -72,7 +72,7 @@ fn a_frame_in_parts_is_the_frame_in_one_piece() {
         let mut parts = 0;
         for profile in [Profile::Thesis, Profile::March, Profile::Hybrid] {
             for sum_on_gpu in [false, true] {
-                let mut settings = Settings::of(profile).with_waves(4099).with_iterations(5);
+                let mut settings = Settings::new(profile).with_waves(4099).with_iterations(5);
                 settings.sum_on_gpu = sum_on_gpu;
                 let mut scene = builtin("corner");
                 let whole = tracer.frame(&scene, &settings).unwrap();

@@ -8,7 +8,7 @@ use crate::common::{builtin, context, for_each_api, thesis};
 use echomarch::experiment::median;
 use echomarch::gpu::{Api, Context};
 use echomarch::reference::march32::{self, MarchedWave};
-use echomarch::trace::{Fate, Wave};
+use echomarch::trace::{Fate, ThesisOptions, Wave};
 use echomarch::{Frame, Scene, Settings, Tracer};
 use glam::Vec3;
 
@@ -42,7 +42,7 @@ impl Pair {
 fn trace_both(context: &Context, scene: &Scene, settings: &Settings) -> (Frame, Vec<Pair>) {
     let (frame, waves) = trace(context, scene, settings);
     let starts: Vec<Vec3> = waves.iter().map(|wave| wave.start_direction).collect();
-    let marched = march32::march(scene, settings, &starts);
+    let marched = march32::march(scene, settings, &starts).unwrap();
     let pairs = waves.into_iter().zip(marched);
     let pairs = pairs.map(|(gpu, cpu)| Pair { gpu, cpu }).collect();
     (frame, pairs)
@@ -149,11 +149,12 @@ fn a_margin_tells_which_waves_a_nudge_parts() {
     const NUDGE: f32 = 1e-5;
     let scene = builtin("obstacles");
     let settings = thesis(WAVES, 4);
-    let mut nudged = settings.clone();
-    nudged.min_distance += NUDGE;
+    let options = ThesisOptions::default();
+    let nudged = options.with_min_distance(options.min_distance + NUDGE);
+    let nudged = Settings::new(nudged).with_iterations(settings.iterations);
     let starts: Vec<Vec3> = (0..WAVES).map(|w| march32::start_direction(w, 1)).collect();
-    let before = march32::march(&scene, &settings, &starts);
-    let after = march32::march(&scene, &nudged, &starts);
+    let before = march32::march(&scene, &settings, &starts).unwrap();
+    let after = march32::march(&scene, &nudged, &starts).unwrap();
     let mut parted = 0;
     for (before, after) in before.iter().zip(&after) {
         if before.position != after.position || before.status != after.status {

@@ -16,7 +16,7 @@ fn heard_paths_end_at_the_listener() {
         ("open-pillars", Settings::default().with_waves(8192)),
         (
             "corner",
-            Settings::of(echomarch::Profile::March).with_waves(4096),
+            Settings::new(echomarch::Profile::March).with_waves(4096),
         ),
         ("corner", Settings::thesis().with_waves(4096)),
     ] {

@@ -94,11 +94,10 @@ fn passes_of_any_length_give_the_same_bits() {
             (Profile::Thesis, 60),
         ] {
             let mut waves = |iterations_per_pass| {
-                let settings = Settings {
-                    iterations_per_pass,
-                    ..Settings::of(profile)
-                };
-                let settings = settings.with_waves(32).with_iterations(iterations);
+                let settings = Settings::new(profile)
+                    .with_waves(32)
+                    .with_iterations(iterations)
+                    .with_iterations_per_pass(iterations_per_pass);
                 bits(&tracer.frame_with_waves(&scene, &settings).unwrap().1)
             };
             let by_sixteen = waves(16);
@@ -113,10 +112,7 @@ fn passes_of_any_length_give_the_same_bits() {
 #[test]
 fn every_loop_shortens_the_passes() {
     for profile in Profile::ALL {
-        let settings = Settings {
-            iterations_per_pass: MAX_ITERATIONS,
-            ..Settings::of(profile)
-        };
+        let settings = Settings::new(profile).with_iterations_per_pass(MAX_ITERATIONS);
         let alone = Budget::of(&room([]), &settings).iterations_per_pass;
         for (what, scene) in scenes() {
             // Of what repeats copies that keep to their cells one is evaluated: no loop.

@@ -1,7 +1,7 @@
 //! Options that must not change what is computed, or only by a stated amount: fused passes,
 //! the sum on the GPU, other start directions; and the profiles on every API.
 
-use crate::common::{builtin, for_each_api, tracer};
+use crate::common::{builtin, for_each_api, swept, tracer};
 use echomarch::experiment::median;
 use echomarch::trace::Directions;
 use echomarch::{Profile, Settings};
@@ -15,10 +15,8 @@ fn fused_passes_change_no_bit() {
     let mut tracer = tracer();
     for name in ["corner", "obstacles", "open-pillars"] {
         for profile in Profile::ALL {
-            let of = |iterations_per_pass| Settings {
-                iterations_per_pass,
-                ..Settings::of(profile).with_waves(10_000).with_iterations(7)
-            };
+            let settings = Settings::new(profile).with_waves(10_000).with_iterations(7);
+            let of = |per_pass| settings.clone().with_iterations_per_pass(per_pass);
             let scene = builtin(name);
             let (_, single) = tracer.frame_with_waves(&scene, &of(1)).unwrap();
             for per_pass in [3, 7, 100] {
@@ -32,7 +30,7 @@ fn fused_passes_change_no_bit() {
     }
 }
 
-/// Protects the two ways of the thesis that `march` can be told to go: without a landing
+/// Protects two worsened ways of `march` that the experiments measure: without a landing
 /// ends are off by the shell, but not by much more; with difference normals a wave in
 /// hundreds takes another way, where differences straddle an edge.
 #[test]
@@ -40,11 +38,7 @@ fn the_thesis_ways_of_march_do_what_they_say() {
     let mut tracer = tracer();
     let right = Settings::march().with_waves(20_000);
     let (_, landed) = tracer.frame_with_waves(&builtin("corner"), &right).unwrap();
-    let no_landing = Settings {
-        landing: false,
-        min_distance: 1e-3,
-        ..right.clone()
-    };
+    let no_landing = swept("march 0.001 m, no landing").with_waves(20_000);
     let (_, short) = tracer
         .frame_with_waves(&builtin("corner"), &no_landing)
         .unwrap();
@@ -53,10 +47,7 @@ fn the_thesis_ways_of_march_do_what_they_say() {
     // 8 hits, each up to 1 mm short.
     assert!((1e-4..8e-3).contains(&off), "{off} m");
 
-    let differences = Settings {
-        exact_normals: false,
-        ..right
-    };
+    let differences = swept("march difference normals").with_waves(20_000);
     let (_, other) = tracer
         .frame_with_waves(&builtin("corner"), &differences)
         .unwrap();
@@ -77,11 +68,8 @@ fn the_sum_on_the_gpu_is_that_on_the_cpu() {
         let mut tracer = echomarch::Tracer::new(context).unwrap();
         for waves in [1, 63, 64, 65, 1000, 65_537, 1 << 20] {
             for profile in [Profile::Thesis, Profile::Hybrid] {
-                let on_cpu = Settings::of(profile).with_waves(waves).with_iterations(4);
-                let on_gpu = Settings {
-                    sum_on_gpu: true,
-                    ..on_cpu.clone()
-                };
+                let on_cpu = Settings::new(profile).with_waves(waves).with_iterations(4);
+                let on_gpu = on_cpu.clone().with_sum_on_gpu(true);
                 let cpu = tracer.frame(&builtin("corner"), &on_cpu).unwrap();
                 let gpu = tracer.frame(&builtin("corner"), &on_gpu).unwrap();
                 assert_eq!(cpu.counts, gpu.counts, "{waves} waves, {profile}");
@@ -102,10 +90,10 @@ fn the_sum_on_the_gpu_is_that_on_the_cpu() {
 #[test]
 fn fibonacci_directions_are_even() {
     let mut tracer = tracer();
-    let settings = Settings {
-        directions: Directions::Fibonacci,
-        ..Settings::hybrid().with_waves(65_536).with_iterations(1)
-    };
+    let settings = Settings::hybrid()
+        .with_waves(65_536)
+        .with_iterations(1)
+        .with_directions(Directions::Fibonacci);
     let (_, waves) = tracer
         .frame_with_waves(&builtin("shoebox"), &settings)
         .unwrap();
@@ -133,10 +121,10 @@ fn fibonacci_directions_are_even() {
 fn fibonacci_azimuths_do_not_collapse() {
     let mut tracer = tracer();
     let waves = 1 << 22;
-    let settings = Settings {
-        directions: Directions::Fibonacci,
-        ..Settings::hybrid().with_waves(waves).with_iterations(1)
-    };
+    let settings = Settings::hybrid()
+        .with_waves(waves)
+        .with_iterations(1)
+        .with_directions(Directions::Fibonacci);
     let (_, waves) = tracer
         .frame_with_waves(&builtin("shoebox"), &settings)
         .unwrap();
@@ -151,10 +139,10 @@ fn fibonacci_azimuths_do_not_collapse() {
 fn seeds_turn_the_lattice() {
     let mut tracer = tracer();
     let mut first = |seed| {
-        let settings = Settings {
-            directions: Directions::Fibonacci,
-            ..Settings::hybrid().with_waves(64).with_seed(seed)
-        };
+        let settings = Settings::hybrid()
+            .with_waves(64)
+            .with_seed(seed)
+            .with_directions(Directions::Fibonacci);
         let frame = tracer.frame_with_waves(&builtin("corner"), &settings);
         frame.unwrap().1[0].start_direction
     };
@@ -180,7 +168,7 @@ fn hits(tracer: &mut echomarch::Tracer) -> Vec<u64> {
     let mut all = Vec::new();
     for name in echomarch::scene::BUILTIN_NAMES {
         for profile in [Profile::March, Profile::Hybrid] {
-            let settings = Settings::of(profile).with_waves(20_000);
+            let settings = Settings::new(profile).with_waves(20_000);
             let frame = tracer.frame(&builtin(name), &settings).unwrap();
             all.push(frame.counts.listener_hits);
         }

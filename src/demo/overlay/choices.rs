@@ -8,11 +8,8 @@ use super::super::values::ValueSlider;
 use super::{HudState, style};
 use crate::audio::PanningLaw;
 use crate::scene::BUILTIN_NAMES;
-use crate::trace::Profile;
+use crate::trace::{Algorithm, Profile};
 use egui::{Button, ComboBox, RichText, Slider, SliderClamping, Ui, Vec2};
-
-/// Metres of the shell at the slider's end.
-const WIDEST_SHELL: f64 = 1e8;
 
 /// Draws all controls.
 pub fn draw(ui: &mut Ui, hud: &HudState, chosen: &mut Choices, actions: &mut Vec<Action>) {
@@ -122,7 +119,7 @@ fn waves(ui: &mut Ui, chosen: &mut Choices, actions: &mut Vec<Action>) {
             .enumerate()
         {
             let text = RichText::new(format!("{} {profile}", key + 1));
-            let is_this = chosen.settings.profile == profile;
+            let is_this = chosen.settings.profile() == profile;
             if ui.selectable_label(is_this, text).clicked() {
                 actions.push(Action::Profile(profile));
             }
@@ -140,37 +137,24 @@ fn waves(ui: &mut Ui, chosen: &mut Choices, actions: &mut Vec<Action>) {
         .on_hover_text("T: as many as fit, 4096 or more");
     let most = 64.max(settings.iterations);
     style::slider(ui, "iterations", slider(&mut settings.iterations, 1..=most));
-    match settings.profile {
-        Profile::Thesis => {
-            let slider = slider(&mut settings.min_distance, 0.001..=1.0);
+    match &mut settings.algorithm {
+        Algorithm::Thesis(thesis) => {
+            let slider = slider(&mut thesis.min_distance, 0.001..=1.0);
             let slider = slider.custom_formatter(|metres, _| format!("{metres:.3} m"));
             let why = "a march ends this near to a surface: the thesis' only measure of accuracy";
             style::slider(ui, "min. dist.", slider.logarithmic(true)).on_hover_text(why);
         }
-        Profile::March => {
-            let slider = slider(&mut settings.min_distance, 0.001..=WIDEST_SHELL as f32);
-            let slider = slider.custom_formatter(|metres, _| shell(metres));
-            let why = "within this distance of a surface steps are Newton's, along the ray";
-            style::slider(ui, "shell", slider.logarithmic(true)).on_hover_text(why);
-        }
-        _ => {
-            let text = "closed form: no minimum distance";
-            ui.horizontal(|ui| {
-                ui.set_min_height(style::ROW);
-                ui.label(RichText::new(text).color(style::FAINT).small());
-            });
-        }
+        Algorithm::March(_) => no_option(ui, "Newton's steps: no minimum distance"),
+        Algorithm::Hybrid(_) => no_option(ui, "closed form: no minimum distance"),
     }
 }
 
-/// The width of the shell where steps are Newton's. As wide as the slider goes it is all of
-/// the scene.
-fn shell(metres: f64) -> String {
-    if metres >= WIDEST_SHELL {
-        return "all".to_owned();
-    }
-    let decimals = if metres < 1.0 { 3 } else { 0 };
-    format!("{metres:.decimals$} m")
+/// A line in the place of an option that this algorithm does not have.
+fn no_option(ui: &mut Ui, text: &str) {
+    ui.horizontal(|ui| {
+        ui.set_min_height(style::ROW);
+        ui.label(RichText::new(text).color(style::FAINT).small());
+    });
 }
 
 fn sound(ui: &mut Ui, hud: &HudState, chosen: &mut Choices, actions: &mut Vec<Action>) {

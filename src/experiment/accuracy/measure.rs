@@ -36,11 +36,8 @@ pub fn evaluations_per_segment(
     truth: &Truth,
     settings: &Settings,
 ) -> Result<f64, Error> {
-    let counting = Settings {
-        count_evaluations: true,
-        sum_on_gpu: false,
-        ..settings.clone()
-    };
+    let counting = settings.clone().with_count_evaluations(true);
+    let counting = counting.with_sum_on_gpu(false);
     let frame = tracer.frame(truth.scene, &counting)?;
     let segments = f64::from(settings.waves) * f64::from(settings.iterations);
     Ok(frame.counts.evaluations as f64 / segments)

@@ -24,8 +24,9 @@
 //! Sjöberg (2011) measures time alone and judges the sound by ear.
 
 mod chaos;
-mod csv;
+mod columns;
 mod directions;
+mod document;
 mod measure;
 mod panning;
 mod plan;
@@ -37,10 +38,8 @@ mod sweep;
 mod targets;
 mod truth;
 
-pub use csv::{COLUMNS, write_csv};
 pub use directions::{lattice, slope};
 pub use plan::{DEFAULT_SCENES, Plan, ROOMS};
-pub use plot::plot_svg;
 pub use recommend::{ITERATIONS as COMPARED_ITERATIONS, pareto_front};
 pub use report::{
     AccuracyReport, CaseReport, Chaos, ChaosStep, Limit, PanningError, Quantiles, Recommendation,
@@ -265,12 +264,10 @@ fn run_slopes(
     for directions in [Directions::Random, Directions::Fibonacci] {
         let mut points = Vec::new();
         for &waves in &plan.slope_waves {
-            let mut settings = base.clone().with_waves(waves);
-            settings.directions = directions;
-            settings.sum_on_gpu = true;
+            let settings = base.clone().with_waves(waves).with_directions(directions);
             let case = Case {
                 label: String::new(),
-                settings,
+                settings: settings.with_sum_on_gpu(true),
             };
             let frames = panning::run_in_turns(tracer, truth, &[case], seeds, &mut || ())?;
             points.push((waves, frames[0].mean_square(limit.pan).sqrt()));

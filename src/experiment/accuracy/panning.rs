@@ -16,7 +16,7 @@ use super::sweep::Case;
 use super::truth::Truth;
 use crate::error::Error;
 use crate::stats::{mean, median};
-use crate::trace::{Frame, Settings, Tracer};
+use crate::trace::{Frame, Panning, Settings, Tracer};
 
 /// Frames of one case, a seed each.
 #[derive(Clone, Default)]
@@ -135,13 +135,11 @@ fn efficiency(mean_square: f64, seconds: f64) -> f64 {
 /// # Errors
 /// Those of [`Tracer::frame`].
 pub fn sum_error(tracer: &mut Tracer, truth: &Truth, settings: &Settings) -> Result<f64, Error> {
-    let mut sides = [false, true].map(|sum_on_gpu| Settings {
-        sum_on_gpu,
-        ..settings.clone()
-    });
-    let [cpu, gpu] = &mut sides;
-    let cpu = tracer.frame(truth.scene, cpu)?.panning;
-    let gpu = tracer.frame(truth.scene, gpu)?.panning;
+    let mut summed = |on_gpu| -> Result<Panning, Error> {
+        let settings = settings.clone().with_sum_on_gpu(on_gpu);
+        Ok(tracer.frame(truth.scene, &settings)?.panning)
+    };
+    let (cpu, gpu) = (summed(false)?, summed(true)?);
     let relative = |a: f64, b: f64| if b > 0.0 { (a - b).abs() / b } else { a.abs() };
     Ok(relative(gpu.left, cpu.left).max(relative(gpu.right, cpu.right)))
 }

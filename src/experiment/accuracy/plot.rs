@@ -3,9 +3,8 @@
 
 use super::recommend::{ITERATIONS, comparable, pareto_front};
 use super::report::{AccuracyReport, Row, SceneReport};
-use crate::experiment::log_plot::{
-    LogAxis, Panel, PlotError, Point, Stroke, chart, draw_legend, draw_line,
-};
+use crate::experiment::log_plot::{LogAxis, Panel, Point, Stroke, chart, draw_legend, draw_line};
+use crate::report::PlotError;
 use crate::trace::Profile;
 use plotters::prelude::*;
 
@@ -35,7 +34,7 @@ type Dot = (Point, i32);
 ///
 /// # Errors
 /// When the drawing fails, which its text says.
-pub fn plot_svg(report: &AccuracyReport) -> Result<String, PlotError> {
+pub(super) fn plot_svg(report: &AccuracyReport) -> Result<String, PlotError> {
     let mut svg = String::new();
     let rows = report.scenes.len().max(1);
     {

@@ -4,12 +4,14 @@
 //! is the product of everything that changes what is computed, and beside it, at the
 //! defaults' waves and iterations, the product of what should change the speed alone. The short
 //! one is what is left of the quick one where the truth takes long to find.
-//! A setting that a profile does not have (a distance in closed form, normals but in
-//! `march`) is never varied.
+//! The worsened ways to march (a shell, difference normals, no landing) are there for these
+//! sweeps alone: no setting chooses them.
 
 use super::report::CaseReport;
 use crate::scene::Scene;
-use crate::trace::{Budget, Directions, MAX_ITERATIONS, Profile, Settings};
+use crate::trace::{
+    Algorithm, Budget, Directions, MAX_ITERATIONS, MarchVariant, Profile, Settings, ThesisOptions,
+};
 
 /// Minimum distances in metres.
 pub const MIN_DISTANCES: [f32; 6] = [1e-4, 1e-3, 1e-2, 0.03, 0.1, 0.3];
@@ -19,9 +21,6 @@ pub const CAREFUL: f32 = 1e-3;
 
 /// Iterations, the default in the middle.
 pub const ITERATIONS: [u32; 3] = [4, 8, 16];
-
-/// Beyond this a minimum distance is no distance any more, but "everywhere".
-const EVERYWHERE: f32 = 1e6;
 
 /// Waves of each profile's defaults, and of rows that change anything else.
 pub const BASE_WAVES: u32 = 65_536;
@@ -41,7 +40,7 @@ pub struct Case {
 impl Case {
     fn new(label: &str, settings: Settings) -> Case {
         Case {
-            label: format!("{} {label}", settings.profile),
+            label: format!("{} {label}", settings.profile()),
             settings,
         }
     }
@@ -57,26 +56,39 @@ impl Case {
         Case { label, settings }
     }
 
+    /// The same marched in another way; of other algorithms the same.
+    fn marched(&self, label: &str, change: impl FnOnce(&mut MarchVariant)) -> Case {
+        self.but(label, |settings| {
+            if let Algorithm::March(march) = &mut settings.algorithm {
+                change(&mut march.variant);
+            }
+        })
+    }
+
     /// What the report tells of it in a scene.
     pub fn report(&self, scene: &Scene) -> CaseReport {
         let settings = &self.settings;
+        let (min_distance, exact_normals, landing) = match &settings.algorithm {
+            Algorithm::Hybrid(_) => (None, true, true),
+            Algorithm::March(march) => {
+                let variant = &march.variant;
+                let shell = variant.has_shell().then_some(variant.shell);
+                (shell, variant.difference_normals.is_none(), variant.landing)
+            }
+            Algorithm::Thesis(thesis) => (Some(thesis.min_distance), false, false),
+        };
         CaseReport {
-            profile: settings.profile.to_string(),
-            min_distance: has_distance(settings).then_some(settings.min_distance),
+            profile: settings.profile().to_string(),
+            min_distance,
             iterations: settings.iterations,
             waves: settings.waves,
             directions: settings.directions.to_string(),
-            exact_normals: settings.profile == Profile::Hybrid || settings.exact_normals,
-            landing: settings.profile == Profile::Hybrid || settings.landing,
+            exact_normals,
+            landing,
             fused: Budget::of(scene, settings).iterations_per_pass >= settings.iterations,
             sum_on_gpu: settings.sum_on_gpu,
         }
     }
-}
-
-/// Whether the minimum distance of these settings is one.
-fn has_distance(settings: &Settings) -> bool {
-    settings.profile != Profile::Hybrid && settings.min_distance < EVERYWHERE
 }
 
 /// What is computed: equal where settings differ in nothing that comes to pass.
@@ -91,7 +103,7 @@ fn computed(settings: &Settings) -> Settings {
 pub fn quick() -> Vec<Case> {
     let mut cases = Vec::new();
     for profile in Profile::ALL {
-        let default = Case::new("default", Settings::of(profile).with_waves(BASE_WAVES));
+        let default = Case::new("default", Settings::new(profile).with_waves(BASE_WAVES));
         let iterations = default.settings.iterations;
         let with = |waves| resized(&default, waves, iterations);
         cases.extend([BASE_WAVES, 4096, 262_144].map(with));
@@ -118,7 +130,7 @@ pub fn quick() -> Vec<Case> {
 pub fn short() -> Vec<Case> {
     let mut cases = Vec::new();
     for profile in Profile::ALL {
-        let default = Case::new("default", Settings::of(profile).with_waves(BASE_WAVES));
+        let default = Case::new("default", Settings::new(profile).with_waves(BASE_WAVES));
         let iterations = default.settings.iterations;
         cases.push(default.clone());
         let base = resized(&default, QUICK_WAVES, iterations);
@@ -141,7 +153,7 @@ pub fn short() -> Vec<Case> {
 pub fn full() -> Vec<Case> {
     let mut cases = quick();
     for profile in Profile::ALL {
-        let base = Case::new("default", Settings::of(profile).with_waves(BASE_WAVES));
+        let base = Case::new("default", Settings::new(profile).with_waves(BASE_WAVES));
         let mut distances = vec![base.clone()];
         if profile != Profile::Hybrid {
             distances.extend(min_distances(&base));
@@ -166,7 +178,7 @@ pub fn full() -> Vec<Case> {
 fn named(cases: Vec<Case>) -> Vec<Case> {
     let mut kept: Vec<Case> = Vec::new();
     for mut case in cases {
-        let profile = case.settings.profile.to_string();
+        let profile = case.settings.profile().to_string();
         let changes = case.label.strip_prefix(&profile).unwrap_or(&case.label);
         let changes: Vec<&str> = changes.split(',').map(str::trim).collect();
         let changes: Vec<&str> = changes.into_iter().filter(|it| !it.is_empty()).collect();
@@ -188,7 +200,11 @@ fn min_distances(base: &Case) -> Vec<Case> {
 }
 
 fn at_distance(base: &Case, metres: f32) -> Case {
-    base.but(&format!("{metres} m"), |s| s.min_distance = metres)
+    base.but(&format!("{metres} m"), |s| match &mut s.algorithm {
+        Algorithm::Hybrid(_) => (),
+        Algorithm::March(march) => march.variant.shell = metres,
+        Algorithm::Thesis(thesis) => thesis.min_distance = metres,
+    })
 }
 
 fn resized(case: &Case, waves: u32, iterations: u32) -> Case {
@@ -212,8 +228,8 @@ fn options(base: &Case) -> Vec<Case> {
         base.but("GPU sum", |s| s.sum_on_gpu = true),
         other_passes(base),
     ];
-    if base.settings.profile == Profile::March {
-        cases.push(base.but("difference normals", |s| s.exact_normals = false));
+    if base.settings.profile() == Profile::March {
+        cases.push(difference_normals(base));
         for metres in [1e-3, 0.1] {
             cases.push(no_landing(base, metres));
         }
@@ -231,12 +247,11 @@ fn options_together(base: &Case) -> Vec<Case> {
         .map(|c| c.but("GPU sum", |s| s.sum_on_gpu = true))
         .collect();
     cases.extend(sums);
-    if base.settings.profile == Profile::March {
-        let differences = |c: &Case| c.but("difference normals", |s| s.exact_normals = false);
-        let normals: Vec<Case> = cases.iter().map(differences).collect();
+    if let Algorithm::March(march) = &base.settings.algorithm {
+        let normals: Vec<Case> = cases.iter().map(difference_normals).collect();
         cases.extend(normals);
-        if has_distance(&base.settings) {
-            let landing = |c: &Case| c.but("no landing", |s| s.landing = false);
+        if march.variant.has_shell() {
+            let landing = |c: &Case| c.marched("no landing", |v| v.landing = false);
             let stopped: Vec<Case> = cases.iter().map(landing).collect();
             cases.extend(stopped);
         }
@@ -254,9 +269,16 @@ fn other_passes(base: &Case) -> Case {
 
 /// Waves that stop anywhere in the shell need one that is not everywhere.
 fn no_landing(base: &Case, metres: f32) -> Case {
-    base.but(&format!("{metres} m, no landing"), |s| {
-        s.landing = false;
-        s.min_distance = metres;
+    base.marched(&format!("{metres} m, no landing"), |v| {
+        v.landing = false;
+        v.shell = metres;
+    })
+}
+
+/// Normals as the thesis takes them, at its own step.
+fn difference_normals(base: &Case) -> Case {
+    base.marched("difference normals", |v| {
+        v.difference_normals = Some(ThesisOptions::default().normal_step);
     })
 }
 
@@ -284,7 +306,7 @@ mod tests {
                 let computes = computed(&case.settings);
                 let again = later.iter().find(|it| computed(&it.settings) == computes);
                 assert!(again.is_none(), "{}: {again:?}", case.label);
-                let profile = case.settings.profile.to_string() + " ";
+                let profile = case.settings.profile().to_string() + " ";
                 let changes = case.label.strip_prefix(&profile).unwrap();
                 assert!(changes.starts_with(char::is_alphanumeric), "{}", case.label);
             }
@@ -302,7 +324,7 @@ mod tests {
     fn fused_is_what_runs_in_one_pass() {
         let corner = Scene::builtin("corner").unwrap();
         let fused = |scene: &Scene, profile, iterations, per_pass| {
-            let mut settings = Settings::of(profile).with_iterations(iterations);
+            let mut settings = Settings::new(profile).with_iterations(iterations);
             settings.iterations_per_pass = per_pass;
             Case::new("", settings).report(scene).fused
         };

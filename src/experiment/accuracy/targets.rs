@@ -10,7 +10,7 @@ use crate::error::Error;
 use crate::reference::ShoeboxImages;
 use crate::scene::Scene;
 use crate::stats::median;
-use crate::trace::{Profile, Settings, Tracer};
+use crate::trace::{Profile, Settings, ThesisOptions, Tracer};
 use glam::Vec3;
 
 /// Waves of the targets on single waves and on speed.
@@ -134,8 +134,7 @@ fn single_waves(tracer: &mut Tracer, corner: &Scene) -> Result<Vec<Target>, Erro
 
 /// Whole frames in turns, against the thesis' algorithm at its careful distance.
 fn speeds(tracer: &mut Tracer, corner: &Scene) -> Result<Vec<Target>, Error> {
-    let mut careful = Settings::thesis();
-    careful.min_distance = CAREFUL;
+    let careful = Settings::new(ThesisOptions::default().with_min_distance(CAREFUL));
     let runs = [Settings::hybrid(), Settings::march(), careful]
         .map(|settings| settings.with_waves(WAVES).with_iterations(ITERATIONS));
     for settings in &runs {

@@ -5,7 +5,7 @@ use super::report::Limit;
 use crate::error::Error;
 use crate::reference::{ExactScene, ExactWave};
 use crate::scene::Scene;
-use crate::trace::{Directions, Settings, Tracer};
+use crate::trace::{Directions, Profile, Settings, Tracer};
 use glam::Vec3;
 use std::collections::HashMap;
 use std::rc::Rc;
@@ -172,11 +172,8 @@ fn start_directions(
     scene: &Scene,
     settings: &Settings,
 ) -> Result<Vec<Vec3>, Error> {
-    let mut first = Settings::hybrid()
-        .with_waves(settings.waves)
-        .with_seed(settings.seed);
-    first.directions = settings.directions;
-    first.iterations = 1;
+    let first = settings.clone().with_profile(Profile::Hybrid);
+    let first = first.with_iterations(1);
     let (_, waves) = tracer.frame_with_waves(scene, &first)?;
     Ok(waves.iter().map(|wave| wave.start_direction).collect())
 }

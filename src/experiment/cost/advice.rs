@@ -1,7 +1,7 @@
 //! What a person can do about it, in sentences.
 
 use super::change::Change;
-use super::options::{AS_ASKED, COUNTING};
+use super::options::AS_ASKED;
 use super::surfaces::{SurfaceRow, Verdict};
 use super::{CostReport, OptionRow};
 
@@ -16,31 +16,32 @@ pub(super) fn sentences(report: &CostReport) -> Vec<String> {
                 .to_owned(),
         ];
     }
-    let mut all = vec![of_surfaces(report), of_options(report)];
+    let mut all = vec![of_surfaces(report)];
+    all.extend(of_options(report));
     if report.noise.heard_percent > MUCH_NOISE {
         all.push(format!(
-            "Only {:.0} waves are heard, and another seed changes that by {:.1} %: more --waves \
-             would tell more.",
+            "Only {:.0} waves are heard (by another seed {:.0} % more or fewer): more --waves would \
+             tell more.",
             report.noise.heard, report.noise.heard_percent
         ));
     }
     all
 }
 
-fn saved_of_march(row: &SurfaceRow) -> f64 {
-    let beyond = row.march.filter(|march| march.beyond_noise);
-    beyond.map_or(0.0, |march| march.saved_percent)
+fn saved_of_frame(row: &SurfaceRow) -> f64 {
+    let beyond = row.total.filter(|total| total.beyond_noise);
+    beyond.map_or(0.0, |total| total.saved_percent)
 }
 
 fn of_surfaces(report: &CostReport) -> String {
     let spare = |row: &&SurfaceRow| row.verdict == Verdict::CanBeLeftOut;
     let spares: Vec<&SurfaceRow> = report.surfaces.iter().filter(spare).collect();
     let by_saved =
-        |a: &&SurfaceRow, b: &&SurfaceRow| saved_of_march(a).total_cmp(&saved_of_march(b));
+        |a: &&SurfaceRow, b: &&SurfaceRow| saved_of_frame(a).total_cmp(&saved_of_frame(b));
     if let Some(best) = spares.iter().copied().max_by(by_saved) {
-        let saved = saved_of_march(best);
+        let saved = saved_of_frame(best);
         let takes = match saved > 0.0 {
-            true => format!("takes {saved:.0} % of the march"),
+            true => format!("takes {saved:.0} % of a frame"),
             false => "takes no time that could be measured".to_owned(),
         };
         let met = match best.met {
@@ -50,7 +51,7 @@ fn of_surfaces(report: &CostReport) -> String {
         let more = match spares.len() {
             1 => String::new(),
             count => format!(
-                " {} more can be left out just as well, one at a time.",
+                " {} more can be left out as well, one at a time.",
                 count - 1
             ),
         };
@@ -61,10 +62,10 @@ fn of_surfaces(report: &CostReport) -> String {
     }
     let heard = |row: &&SurfaceRow| row.verdict == Verdict::IsHeard;
     match report.surfaces.iter().filter(heard).max_by(by_saved) {
-        Some(dearest) if saved_of_march(dearest) > 0.0 => format!(
-            "No surface can be left out unheard. The dearest is {}: {:.0} % of the march; {}.",
+        Some(dearest) if saved_of_frame(dearest) > 0.0 => format!(
+            "No surface can be left out unheard. The dearest is {}: {:.0} % of a frame; {}.",
             dearest.name,
-            saved_of_march(dearest),
+            saved_of_frame(dearest),
             dearest.change.map_or(String::new(), in_words)
         ),
         Some(_) => "No surface can be left out unheard, and none saves time that could be \
@@ -88,10 +89,10 @@ fn in_words(change: Change) -> String {
     )
 }
 
-fn of_options(report: &CostReport) -> String {
+/// None where no option saves time unheard.
+fn of_options(report: &CostReport) -> Option<String> {
     let saves = |row: &&OptionRow| {
         row.against == AS_ASKED
-            && row.name != COUNTING
             && row.within_noise
             && row.total.beyond_noise
             && row.total.saved_ms > 0.0
@@ -99,14 +100,14 @@ fn of_options(report: &CostReport) -> String {
     let mut saving: Vec<&OptionRow> = report.options.iter().filter(saves).collect();
     saving.sort_by(|a, b| b.total.saved_percent.total_cmp(&a.total.saved_percent));
     if saving.is_empty() {
-        return "No option tried saves time without a change beyond noise.".to_owned();
+        return None;
     }
     let told: Vec<String> = saving
         .iter()
         .map(|row| format!("{} ({:.0} %)", row.name, row.total.saved_percent))
         .collect();
-    format!(
-        "These save time of a frame and change nothing beyond noise: {}.",
+    Some(format!(
+        "Unheard, and quicker by so much of a frame: {}.",
         told.join(", ")
-    )
+    ))
 }

@@ -7,14 +7,13 @@
 
 mod advice;
 mod change;
-mod csv;
+mod document;
 mod options;
 mod pair;
 mod shader;
 mod surfaces;
 
 pub use change::{Change, Noise, Size};
-pub use csv::write_csv;
 pub use options::OptionRow;
 pub use pair::Timing;
 pub use shader::{Feature, ShaderReport};
@@ -128,7 +127,7 @@ pub fn measure(
         scene: scene.name.clone(),
         renderer: tracer.context().renderer().to_owned(),
         clock: tracer.clock_name().to_owned(),
-        profile: settings.profile.to_string(),
+        profile: settings.profile().to_string(),
         waves: settings.waves,
         iterations: settings.iterations,
         seed: settings.seed,

@@ -4,7 +4,7 @@ use super::Bench;
 use super::change::Change;
 use super::pair::{Case, Timing, pair};
 use crate::error::Error;
-use crate::trace::{Directions, Profile, Settings, Tracer};
+use crate::trace::{Algorithm, MARCHES_PER_PASS, Profile, Settings, ThesisOptions, Tracer};
 use serde::Serialize;
 
 /// One setting changed.
@@ -27,9 +27,6 @@ pub struct OptionRow {
 /// What [`OptionRow::against`] says of the settings that were asked for.
 pub(super) const AS_ASKED: &str = "as asked";
 
-/// The row of a setting that is for measurements, and no way to save time.
-pub(super) const COUNTING: &str = "counting evaluations";
-
 /// Settings that are changed in one thing.
 pub(super) struct Variant {
     name: String,
@@ -38,7 +35,8 @@ pub(super) struct Variant {
     settings: Settings,
 }
 
-/// The variants of settings; what makes no sense for them is left out.
+/// The variants of settings; what makes no sense for them is left out, and so is what differs by
+/// less than a busy processor does from run to run (docs/cost.md).
 pub(super) fn variants(asked: &Settings) -> Vec<Variant> {
     let mut all = Vec::new();
     let mut add = |name: &str, settings: Settings| {
@@ -50,109 +48,46 @@ pub(super) fn variants(asked: &Settings) -> Vec<Variant> {
             });
         }
     };
-    for profile in Profile::ALL.into_iter().filter(|&p| p != asked.profile) {
-        add(&format!("--profile {profile}"), of_profile(asked, profile));
-    }
-    let single = asked.iterations_per_pass == 1;
-    let per_pass = match single {
-        true => asked.iterations.min(Settings::march().iterations_per_pass),
-        false => 1,
-    };
-    if asked.iterations > 1 {
-        let name = format!("--iterations-per-pass {per_pass}");
-        let iterations_per_pass = per_pass;
-        let settings = asked.clone();
+    let same = || asked.clone();
+    for profile in Profile::ALL.into_iter().filter(|&p| p != asked.profile()) {
         add(
-            &name,
-            Settings {
-                iterations_per_pass,
-                ..settings
-            },
+            &format!("--profile {profile}"),
+            same().with_profile(profile),
         );
     }
-    let mut settings = asked.clone();
-    settings.sum_on_gpu = !asked.sum_on_gpu;
-    add(
-        switch("--sum-on-gpu", "sum on the CPU", asked.sum_on_gpu),
-        settings,
-    );
-    let mut settings = asked.clone();
-    settings.count_evaluations = !asked.count_evaluations;
-    add(
-        switch(
-            COUNTING,
-            "not counting evaluations",
-            asked.count_evaluations,
-        ),
-        settings,
-    );
-    add("half the waves", asked.clone().with_waves(asked.waves / 2));
+    if asked.iterations > 1 {
+        let per_pass = match asked.iterations_per_pass {
+            1 => asked.iterations.min(MARCHES_PER_PASS),
+            _ => 1,
+        };
+        let name = format!("--iterations-per-pass {per_pass}");
+        add(&name, same().with_iterations_per_pass(per_pass));
+    }
+    add("half the waves", same().with_waves(asked.waves / 2));
     let half = asked.iterations / 2;
-    add("half the iterations", asked.clone().with_iterations(half));
-    let mut settings = asked.clone();
-    let is_lattice = asked.directions == Directions::Fibonacci;
-    settings.directions = match is_lattice {
-        true => Directions::Random,
-        false => Directions::Fibonacci,
-    };
-    add(
-        switch("--directions fibonacci", "--directions random", is_lattice),
-        settings,
-    );
+    add("half the iterations", same().with_iterations(half));
     all.extend(of_march(asked));
     all
 }
 
-fn switch<'a>(on: &'a str, off: &'a str, is_on: bool) -> &'a str {
-    if is_on { off } else { on }
-}
-
-/// The options that only `march` has, beside a march.
-fn of_march(asked: &Settings) -> Vec<Variant> {
-    let is_march = asked.profile == Profile::March;
+/// A march that lands nowhere, beside a march.
+fn of_march(asked: &Settings) -> Option<Variant> {
+    let is_march = asked.profile() == Profile::March;
     let march = match is_march {
         true => asked.clone(),
-        false => of_profile(asked, Profile::March),
+        false => asked.clone().with_profile(Profile::March),
     };
-    let mut normals = march.clone();
-    normals.exact_normals = !march.exact_normals;
-    let mut landing = march.clone();
-    landing.landing = !march.landing;
-    let of = match landing.landing {
-        true => Settings::march(),
-        false => Settings::thesis(),
+    let mut settings = march.clone();
+    let Algorithm::March(options) = &mut settings.algorithm else {
+        return None;
     };
-    landing.min_distance = of.min_distance;
-    let variant = |name: &str, settings| Variant {
-        name: name.to_owned(),
-        against: (!is_march).then(|| march.clone()),
+    options.variant.landing = false;
+    options.variant.shell = ThesisOptions::default().min_distance;
+    Some(Variant {
+        name: "no landing".to_owned(),
+        against: (!is_march).then_some(march),
         settings,
-    };
-    let normals_name = switch(
-        "--difference-normals",
-        "exact normals",
-        !march.exact_normals,
-    );
-    let landing_name = switch("--no-landing", "with landing", !march.landing);
-    let both = [
-        variant(normals_name, normals),
-        variant(landing_name, landing),
-    ];
-    let is_valid = |variant: &Variant| variant.settings.validate().is_ok();
-    both.into_iter().filter(is_valid).collect()
-}
-
-/// Another profile's own defaults, for the same waves.
-fn of_profile(asked: &Settings, profile: Profile) -> Settings {
-    Settings {
-        directions: asked.directions,
-        sum_on_gpu: asked.sum_on_gpu,
-        count_evaluations: asked.count_evaluations,
-        ..Settings::of(profile)
-            .with_waves(asked.waves)
-            .with_iterations(asked.iterations)
-            .with_seed(asked.seed)
-    }
+    })
 }
 
 /// Measures every variant beside what it is compared with.
@@ -177,7 +112,9 @@ pub(super) fn measure(
         );
         let against = variant.against.as_ref();
         rows.push(OptionRow {
-            against: against.map_or(AS_ASKED.to_owned(), |s| format!("--profile {}", s.profile)),
+            against: against.map_or(AS_ASKED.to_owned(), |s| {
+                format!("--profile {}", s.profile())
+            }),
             name: variant.name,
             march: frames.march(bench.control_percent),
             total: frames.total(bench.control_total_percent),
@@ -197,10 +134,11 @@ mod tests {
     #[test]
     fn every_variant_is_another_and_valid() {
         for profile in Profile::ALL {
-            let mut asked = Settings::of(profile).with_waves(1000);
-            asked.sum_on_gpu = true;
+            let asked = Settings::new(profile)
+                .with_waves(1000)
+                .with_sum_on_gpu(true);
             let all = variants(&asked);
-            assert_eq!(all.len(), 10, "{profile}");
+            assert_eq!(all.len(), 6, "{profile}");
             for variant in &all {
                 let beside = variant.against.as_ref().unwrap_or(&asked);
                 assert!(variant.settings != *beside, "{}", variant.name);

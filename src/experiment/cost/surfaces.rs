@@ -7,7 +7,7 @@ use super::shader::ShaderReport;
 use crate::error::Error;
 use crate::kernel::Layout;
 use crate::scene::Scene;
-use crate::trace::{Settings, Tracer};
+use crate::trace::Tracer;
 use serde::Serialize;
 
 /// Surfaces up to which each is measured alone; of more, each kind of shape is.
@@ -91,10 +91,7 @@ pub(super) fn met(
     rows: &[(String, Vec<usize>)],
 ) -> Result<Met, Error> {
     let most = (MOST_STATES / (base.settings.iterations + 1)).min(MOST_FOLLOWED);
-    let settings = Settings {
-        count_evaluations: false,
-        ..base.settings.clone()
-    };
+    let settings = base.settings.clone().with_count_evaluations(false);
     let followed = settings.waves.min(most);
     let states = tracer.paths(base.scene, &settings.with_waves(followed))?;
     let mut row_of = vec![0; base.scene.surfaces.len()];

@@ -24,10 +24,10 @@
 //! observer is an addition. The form is not the thesis' own, whose questions are not known.
 
 mod answers;
-mod csv;
+mod columns;
+mod document;
 pub mod form;
 mod listen;
-mod markdown;
 pub mod observer;
 mod open;
 mod plateaus;
@@ -43,15 +43,12 @@ pub use answers::{
     Answer, AnswersError, FORMAT, MOST_CONFIDENT, MOST_TRIALS, Session, StimulusInfo, TrialAnswer,
     VERSION,
 };
-pub use csv::{columns, score_columns, write_csv, write_score_csv};
 pub use listen::{
     Converged, Heard, LoadedSound, converge, facings, listen, observe, source_at, source_towards,
     without_ground,
 };
-pub use markdown::markdown;
 pub use observer::{CENTRE_DEG, Levels, Observer, Side};
 pub use plateaus::AUDIBLE_DEG;
-pub use plot::plot_svg;
 pub use report::{
     Cell, FacingReport, LimitReport, LocaliseReport, OpenDirection, OpenReport, Plateau,
     SceneReport,
@@ -110,7 +107,7 @@ impl LocaliseOptions {
     /// some minutes on two cores.
     pub fn new(scenes: Vec<Scene>, sounds: Vec<SoundSpec>) -> LocaliseOptions {
         let case = |settings, ground| OpenCase { settings, ground };
-        let straight = |profile| case(Settings::of(profile).with_iterations(1), true);
+        let straight = |profile| case(Settings::new(profile).with_iterations(1), true);
         let defaults = [false, true].map(|ground| case(Settings::hybrid(), ground));
         LocaliseOptions {
             scenes,
@@ -162,7 +159,7 @@ impl LocaliseOptions {
                 continue;
             }
             let of = |&profile: &Profile| {
-                let settings = Settings::of(profile);
+                let settings = Settings::new(profile);
                 settings.with_waves(waves).with_iterations(iterations)
             };
             all.extend(self.profiles.iter().map(of));

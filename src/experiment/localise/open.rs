@@ -44,7 +44,7 @@ impl Run<'_> {
         let there = source_towards(&field, (0.0, 0.0), OPEN_DISTANCE_M);
         let law = self.options.law;
         Ok(OpenReport {
-            profile: case.settings.profile.to_string(),
+            profile: case.settings.profile().to_string(),
             waves: case.settings.waves,
             iterations: case.settings.iterations,
             ground: case.ground,

@@ -5,11 +5,11 @@
 use super::report::{Cell, LocaliseReport, SceneReport};
 use super::shown::{first_sound, measured};
 use super::statistics::{ErrorFigures, Figure, LEAST_DRAWN};
+use crate::report::PlotError;
 use plotters::coord::Shift;
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
-type PlotError = Box<dyn std::error::Error + Send + Sync>;
 type Panel<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
 const WIDTH: u32 = 1320;
@@ -67,7 +67,7 @@ struct Line {
 ///
 /// # Errors
 /// When the drawing fails, which its text says.
-pub fn plot_svg(report: &LocaliseReport) -> Result<String, PlotError> {
+pub(super) fn plot_svg(report: &LocaliseReport) -> Result<String, PlotError> {
     let mut svg = String::new();
     let rows = 1 + report.scenes.len();
     {

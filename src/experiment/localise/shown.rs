@@ -1,7 +1,6 @@
-//! What of a report is shown, and how figures are put into words: for the text and the plot.
+//! What of a report is shown, in the text and in the plot.
 
 use super::report::{Cell, LocaliseReport, Plateau, SceneReport};
-use super::statistics::{ErrorFigures, Figure};
 
 /// Iterations of the plateaus along waves, where they were measured: the thesis' own.
 const ITERATIONS: [u32; 2] = [4, 8];
@@ -48,44 +47,4 @@ pub(super) fn shown_plateaus(report: &LocaliseReport) -> Vec<&Plateau> {
         shown.extend(here);
     }
     shown
-}
-
-/// What stands where there is no figure.
-pub(super) fn none() -> String {
-    "—".to_owned()
-}
-
-/// A figure of some errors.
-type Pick = fn(&ErrorFigures) -> Option<Figure>;
-
-/// With one digit.
-pub(super) fn number(error: Option<&ErrorFigures>, of: Pick) -> String {
-    let figure = error.and_then(of);
-    figure.map_or_else(none, |figure| format!("{:.1}", figure.deg))
-}
-
-/// With one digit and its sign.
-pub(super) fn signed(error: Option<&ErrorFigures>, of: Pick) -> String {
-    let figure = error.and_then(of);
-    figure.map_or_else(none, |figure| format!("{:+.1}", figure.deg))
-}
-
-/// The interval alone, with a mark if it is rough.
-pub(super) fn interval(error: Option<&ErrorFigures>, of: Pick, digits: usize) -> String {
-    let ends = error.and_then(|error| Some((of(error)?.interval_deg?, error.rough)));
-    ends.map_or_else(none, |([low, high], rough)| {
-        let mark = if rough { "~" } else { "" };
-        format!("{mark}{low:.digits$} … {high:.digits$}")
-    })
-}
-
-/// A figure with its interval behind it.
-pub(super) fn with_interval(error: Option<&ErrorFigures>, of: Pick, digits: usize) -> String {
-    let Some(figure) = error.and_then(of) else {
-        return none();
-    };
-    match figure.interval_deg {
-        None => format!("{:.digits$}", figure.deg),
-        Some(_) => format!("{:.digits$} ({})", figure.deg, interval(error, of, digits)),
-    }
 }

@@ -210,7 +210,7 @@ fn cell(sound: &str, settings: &Settings, trials: &[Trial], index: usize) -> Cel
     let unheard = all - heard().count() as u32;
     Cell {
         sound: sound.to_owned(),
-        profile: settings.profile.to_string(),
+        profile: settings.profile().to_string(),
         waves: settings.waves,
         iterations: settings.iterations,
         trials: all,

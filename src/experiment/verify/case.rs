@@ -37,7 +37,8 @@ pub enum Check {
         /// bound is somewhat larger than it.
         overestimate: f32,
     },
-    /// Input that must be refused with a typed error, each with what is wrong with it.
+    /// Input that must be refused with a typed error, each with what is wrong with it. A profile
+    /// is given what has its settings.
     Refused(Vec<(&'static str, Scene, Settings)>),
 }
 

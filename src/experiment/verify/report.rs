@@ -1,5 +1,7 @@
 //! What the hard cases gave, as plain data.
 
+use super::judge::{END_ROUNDING, START_ROUNDING};
+use crate::report::{Column, Document, Report, Row, Table, significant};
 use crate::trace::Profile;
 use serde::Serialize;
 
@@ -70,52 +72,46 @@ pub struct ProfileResult {
 }
 
 impl ProfileResult {
-    /// One line for a table: the verdict and the figure behind it.
+    /// The verdict and the figures behind it.
     pub fn verdict(&self) -> String {
-        let mut text = if self.passed { "ok" } else { "**fails**" }.to_owned();
-        let mut add = |what: String| {
-            text += ", ";
-            text += &what;
-        };
+        let verdict = if self.passed { "ok" } else { "fails" };
+        let mut all = vec![verdict.to_owned()];
         if self.off > 0 {
             let waves = plural(self.waves as u64, "wave");
-            add(format!("{} of {waves} off", self.off));
+            all.push(format!("{} of {waves} off", self.off));
         }
         if self.lost > 0 {
-            add(format!("{} lost", self.lost));
+            all.push(format!("{} lost", self.lost));
         }
         if self.off > 0 && self.heard != self.heard_exactly {
-            add(format!("{} heard of {}", self.heard, self.heard_exactly));
+            all.push(format!("{} heard of {}", self.heard, self.heard_exactly));
         }
         if self.median_off > 0.0 {
-            add(format!("median {} m", short(self.median_off)));
+            all.push(format!("median {} m", short(self.median_off)));
         }
         if self.off == 0 && self.waves > 0 {
-            add(format!("error {}", short(self.relative_error)));
+            all.push(format!("error {}", short(self.relative_error)));
         }
         if self.not_finite > 0 {
-            add(plural(self.not_finite as u64, "NaN"));
+            all.push(plural(self.not_finite as u64, "NaN"));
         }
         if self.inside > 0 {
-            add(format!(
-                "{} in a solid, {} m deep",
-                self.inside,
-                short(self.deepest)
-            ));
+            let deepest = short(self.deepest);
+            all.push(format!("{} in a solid, {deepest} m deep", self.inside));
         }
         if self.step_limit_reached > 0 {
-            add(format!(
+            all.push(format!(
                 "step limit reached {} times",
                 self.step_limit_reached
             ));
         }
         if self.length_error > LENGTH_ROUNDING {
-            add(format!("length off by {}", short(self.length_error)));
+            all.push(format!("length off by {}", short(self.length_error)));
         }
         if !self.note.is_empty() {
-            add(self.note.clone());
+            all.push(self.note.clone());
         }
-        text
+        all.join(", ")
     }
 }
 
@@ -147,14 +143,52 @@ fn plural(count: u64, noun: &str) -> String {
     format!("{count} {noun}{ending}")
 }
 
-/// Two digits.
 fn short(value: f64) -> String {
-    match value {
-        0.0 => "0".to_owned(),
-        v if (0.01..1000.0).contains(&v.abs()) => {
-            let decimals = (1 - v.abs().log10().floor() as i32).max(0) as usize;
-            format!("{v:.decimals$}")
-        }
-        v => format!("{v:.0e}"),
+    significant(value, 2)
+}
+
+impl Row for &CaseReport {
+    fn columns() -> Vec<Column<Self>> {
+        let verdict = |profile: Profile| {
+            let name = profile.to_string();
+            Column::new(&name, &name, move |case: &&CaseReport| {
+                case.of(profile).map(ProfileResult::verdict)
+            })
+            .text()
+        };
+        let mut columns = vec![
+            Column::new("name", "case", |case: &&CaseReport| &case.name)
+                .key()
+                .text(),
+            Column::new("hard", "what is hard", |case: &&CaseReport| &case.hard).text(),
+            Column::new("exact", "exact", |case: &&CaseReport| &case.exact).text(),
+            Column::new("bound", "bound", |case: &&CaseReport| &case.bound).text(),
+        ];
+        columns.extend(Profile::ALL.map(verdict));
+        columns
+    }
+}
+
+impl Report for VerifyReport {
+    const NAME: &'static str = "verify";
+
+    fn document(&self) -> Document {
+        let mut document = Document::default();
+        document.table(&self.cases);
+        let passes = Profile::ALL.map(|profile| format!("{profile} {}", self.passes(profile)));
+        document.paragraph(format!(
+            "{}: of {} cases pass: {}.",
+            self.renderer,
+            self.cases.len(),
+            passes.join(", ")
+        ));
+        document.paragraph(format!(
+            "spread: within twice what a start {START_ROUNDING:.1e} off (of the extent, and in              radians) does to the exact end, and {END_ROUNDING:.1e} of the extent, plus a unit in              the last place of a world coordinate, which reading back as f32 costs. error: the              largest among right waves, as a share of the extent or, if that is longer, of the              way. off: waves with other objects or an end outside the bound; lost: dead, and              should not be; heard of: of those that should be heard; median: of distances from              the exact end."
+        ));
+        document
+    }
+
+    fn table(&self) -> Table {
+        Table::of(&self.cases)
     }
 }

@@ -5,7 +5,7 @@ use super::judge::Judge;
 use super::report::{CaseReport, ProfileResult, VerifyReport};
 use crate::error::Error;
 use crate::scene::Scene;
-use crate::trace::{Profile, Settings, Tracer};
+use crate::trace::{Algorithm, Profile, Settings, Tracer};
 use glam::Vec3;
 
 /// How much larger than needed the Lipschitz bound of an over-estimated distance is: a
@@ -84,11 +84,8 @@ struct Job<'a> {
 
 impl Job<'_> {
     fn by(&self, tracer: &mut Tracer, profile: Profile) -> Result<ProfileResult, Error> {
-        let mut settings = Settings::of(profile).with_iterations(self.iterations);
-        if self.overestimate != 1.0 {
-            settings.distance_factor = self.overestimate;
-            settings.lipschitz = LIPSCHITZ_SLACK * self.overestimate;
-        }
+        let settings = Settings::new(profile).with_iterations(self.iterations);
+        let settings = self.distorted(&settings, LIPSCHITZ_SLACK * self.overestimate);
         let mut result = self.with(tracer, &settings)?;
         // The judge is held against the planted answers, too.
         if let Bound::Planted { share, answers } = self.bound {
@@ -99,8 +96,7 @@ impl Job<'_> {
             }
         }
         if self.overestimate != 1.0 && profile == Profile::March {
-            settings.lipschitz = 1.0;
-            let blind = self.with(tracer, &settings)?;
+            let blind = self.with(tracer, &self.distorted(&settings, 1.0))?;
             result.note = format!("with a Lipschitz bound of 1: {} off", blind.off);
             // A case that is right without the bound says nothing about it.
             result.passed &= blind.off > 0;
@@ -110,10 +106,23 @@ impl Job<'_> {
         Ok(result)
     }
 
+    /// The settings where distances are over-estimated, if they are, by this Lipschitz bound:
+    /// `march` alone takes a factor.
+    fn distorted(&self, settings: &Settings, lipschitz: f32) -> Settings {
+        let mut settings = settings.clone();
+        if let Algorithm::March(march) = &mut settings.algorithm
+            && self.overestimate != 1.0
+        {
+            march.variant.distance_factor = self.overestimate;
+            march.variant.lipschitz = lipschitz;
+        }
+        settings
+    }
+
     fn with(&self, tracer: &mut Tracer, settings: &Settings) -> Result<ProfileResult, Error> {
         let states = tracer.trace_directions(self.scene, settings, self.directions)?;
-        let mut result = self.judge.judge(&states, self.bound, settings.profile);
-        result.profile = settings.profile.to_string();
+        let mut result = self.judge.judge(&states, self.bound, settings.profile());
+        result.profile = settings.profile().to_string();
         Ok(result)
     }
 }
@@ -124,16 +133,19 @@ fn refusals(
     inputs: &[(&'static str, Scene, Settings)],
 ) -> ProfileResult {
     let mut taken = Vec::new();
+    let mut refused = 0;
     for (what, scene, settings) in inputs {
-        let mut settings = settings.clone();
-        settings.profile = profile;
-        let outcome = tracer.frame(scene, &settings);
-        if !outcome.is_err_and(|error| error.is_bad_input()) {
-            taken.push(*what);
+        if settings.profile() != profile {
+            continue;
+        }
+        let outcome = tracer.frame(scene, settings);
+        match outcome.is_err_and(|error| error.is_bad_input()) {
+            true => refused += 1,
+            false => taken.push(*what),
         }
     }
     let note = if taken.is_empty() {
-        format!("{} of {} refused", inputs.len(), inputs.len())
+        format!("{refused} of {refused} refused")
     } else {
         format!("taken: {}", taken.join(", "))
     };

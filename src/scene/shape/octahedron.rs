@@ -61,7 +61,7 @@ mod tests {
         let context = Context::headless(&ContextOptions::default()).unwrap();
         let mut tracer = Tracer::new(&context).unwrap();
         for profile in [Profile::Hybrid, Profile::March] {
-            let settings = Settings::of(profile).with_waves(4096).with_iterations(1);
+            let settings = Settings::new(profile).with_waves(4096).with_iterations(1);
             let (_, waves) = tracer.frame_with_waves(&scene, &settings).unwrap();
             let start = scene.source.position.as_dvec3();
             let (mut met, mut differ) = ([0; 2], 0);

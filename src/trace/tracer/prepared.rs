@@ -2,7 +2,7 @@
 
 use super::super::budget::Budget;
 use super::super::waves::{STATUS_DEAD, STATUS_STARTED};
-use super::super::{Grid, Profile, Settings};
+use super::super::{Algorithm, Grid, MarchOptions, Settings};
 use crate::gpu::Program;
 use crate::kernel::{OriginRebasing, RebasedScene};
 use crate::scene::Scene;
@@ -59,9 +59,9 @@ struct Uniforms {
 impl PreparedFrame {
     /// The coordinates of a frame's shaders.
     pub fn rebasing(scene: &Scene, settings: &Settings) -> OriginRebasing {
-        match settings.profile {
-            Profile::Thesis => OriginRebasing::world(),
-            Profile::March | Profile::Hybrid => OriginRebasing::at_listener(scene),
+        match &settings.algorithm {
+            Algorithm::Thesis(_) => OriginRebasing::world(),
+            Algorithm::March(_) | Algorithm::Hybrid(_) => OriginRebasing::at_listener(scene),
         }
     }
 
@@ -78,7 +78,7 @@ impl PreparedFrame {
         let uniforms = Uniforms {
             surfaces: rebased.uniform_values(),
             source: rebasing.place(scene.source.position),
-            start_status: start_status(scene, settings.profile, rebased),
+            start_status: start_status(scene, settings, rebased),
             listener: rebasing.place(listener.position).extend(listener.radius),
             listener_right: listener.right(),
         };
@@ -111,15 +111,27 @@ impl PreparedFrame {
         set_grid(program, self.grid);
         program.set_vec4_array("uSurfaces", &self.uniforms.surfaces);
         program.set_vec4("uListener", self.uniforms.listener);
-        program.set_f32("uMinDistance", settings.min_distance);
         program.set_f32("uMaxDistance", settings.max_distance);
-        program.set_f32("uStartOffset", settings.start_offset);
-        program.set_f32("uNormalStep", settings.normal_step);
-        program.set_f32("uLipschitz", settings.lipschitz);
-        program.set_f32("uDistanceFactor", settings.distance_factor);
         program.set_i32("uStepLimit", self.budget.steps as i32);
         program.set_i32("uFieldSteps", self.budget.field_steps as i32);
         program.set_i32("uCopySteps", self.budget.copy_steps as i32);
+        match &settings.algorithm {
+            Algorithm::Hybrid(_) => (),
+            Algorithm::March(MarchOptions { variant }) => {
+                program.set_f32("uShell", variant.shell);
+                program.set_f32("uLipschitz", variant.lipschitz);
+                program.set_f32("uDistanceFactor", variant.distance_factor);
+                program.set_f32(
+                    "uNormalStep",
+                    variant.difference_normals.unwrap_or_default(),
+                );
+            }
+            Algorithm::Thesis(thesis) => {
+                program.set_f32("uMinDistance", thesis.min_distance);
+                program.set_f32("uStartOffset", thesis.start_offset);
+                program.set_f32("uNormalStep", thesis.normal_step);
+            }
+        }
     }
 
     /// Sets the uniforms of the panning pass.
@@ -163,8 +175,8 @@ impl PreparedFrame {
 }
 
 /// The thesis marches waves even out of a solid; elsewhere a source in a solid sends none.
-fn start_status(scene: &Scene, profile: Profile, rebased: &RebasedScene) -> f32 {
-    if profile == Profile::Thesis {
+fn start_status(scene: &Scene, settings: &Settings, rebased: &RebasedScene) -> f32 {
+    if matches!(settings.algorithm, Algorithm::Thesis(_)) {
         return STATUS_STARTED;
     }
     let nearest = scene.surface_distance(scene.source.position);

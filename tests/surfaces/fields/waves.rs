@@ -83,7 +83,7 @@ fn waves_in_a_room_with_each_field_end_as_in_the_reference() {
         };
         let exact = ExactScene::new(&scene).unwrap();
         for settings in [Settings::hybrid(), Settings::march()] {
-            let profile = settings.profile;
+            let profile = settings.profile();
             let settings = settings.with_waves(WAVES).with_iterations(2);
             let (_, waves) = tracer.frame_with_waves(&scene, &settings).unwrap();
             let start = scene.source.position.as_dvec3();

@@ -165,7 +165,7 @@ fn settings(options: &FormOptions) -> Vec<Settings> {
     for &waves in &options.waves {
         for &iterations in &options.iterations {
             let of = |&profile: &Profile| {
-                let settings = Settings::of(profile).with_seed(options.seed);
+                let settings = Settings::new(profile).with_seed(options.seed);
                 settings.with_waves(waves).with_iterations(iterations)
             };
             all.extend(options.profiles.iter().map(of));
@@ -189,7 +189,7 @@ fn stimuli_of(
         yaw_deg: f64::from(room.listener.yaw).to_degrees(),
         sound: sound.name.clone(),
         law: law.to_string(),
-        profile: settings.profile.to_string(),
+        profile: settings.profile().to_string(),
         waves: settings.waves,
         iterations: settings.iterations,
         seed: settings.seed,

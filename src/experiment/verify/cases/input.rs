@@ -4,7 +4,7 @@ use super::super::{Case, Check};
 use super::build::builtin;
 use crate::scene::shape::{Cuboid, Cylinder, Room, Sphere};
 use crate::scene::{Node, Scene};
-use crate::trace::Settings;
+use crate::trace::{MarchOptions, MarchVariant, Profile, Settings, ThesisOptions};
 use glam::{Quat, Vec3};
 
 type Spoil<T> = (&'static str, fn(&mut T));
@@ -42,34 +42,85 @@ const NOT_FINITE: [Spoil<Scene>; 6] = [
     ("a listener turned by NaN", |s| s.listener.yaw = f32::NAN),
 ];
 
-const SETTINGS: [Spoil<Settings>; 8] = [
+const SHARED: [Spoil<Settings>; 4] = [
     ("no waves", |s| s.waves = 0),
     ("no iterations", |s| s.iterations = 0),
-    ("a minimum distance of 0", |s| s.min_distance = 0.0),
     ("a maximum distance of NaN", |s| s.max_distance = f32::NAN),
+    ("no iterations in a pass", |s| s.iterations_per_pass = 0),
+];
+
+const THESIS: [Spoil<ThesisOptions>; 3] = [
+    ("a minimum distance of 0", |s| s.min_distance = 0.0),
     ("an infinite start offset", |s| {
         s.start_offset = f32::INFINITY;
     }),
     ("a normals' step of 0", |s| s.normal_step = 0.0),
+];
+
+const MARCH: [Spoil<MarchVariant>; 4] = [
+    ("a shell of no width", |s| s.shell = 0.0),
+    ("a normals' step of NaN", |s| {
+        s.difference_normals = Some(f32::NAN);
+    }),
     ("a Lipschitz bound of 0", |s| s.lipschitz = 0.0),
     ("a NaN factor of the distance", |s| {
         s.distance_factor = f32::NAN;
     }),
 ];
 
-pub fn cases() -> Vec<Case> {
-    let corner = builtin("corner");
-    let settings = Settings::hybrid().with_waves(64);
-    let spoil_scene = |&(what, spoil): &Spoil<Scene>| {
-        let mut scene = corner.clone();
+type Input = (&'static str, Scene, Settings);
+
+/// A spoilt scene, for every profile.
+fn of_scenes(spoils: &[Spoil<Scene>]) -> Vec<Input> {
+    for_every_profile(spoils, |spoil, settings| {
+        let mut scene = builtin("corner");
         spoil(&mut scene);
-        (what, scene, settings.clone())
-    };
-    let spoil_settings = |&(what, spoil): &Spoil<Settings>| {
-        let mut settings = settings.clone();
+        (scene, settings)
+    })
+}
+
+/// Spoilt settings: what is shared for every profile, the rest for the one that has it.
+fn of_settings() -> Vec<Input> {
+    let mut inputs = for_every_profile(&SHARED, |spoil, mut settings| {
         spoil(&mut settings);
-        (what, corner.clone(), settings)
-    };
+        (builtin("corner"), settings)
+    });
+    inputs.extend(THESIS.iter().map(|(what, spoil)| {
+        let mut options = ThesisOptions::default();
+        spoil(&mut options);
+        (
+            *what,
+            builtin("corner"),
+            Settings::new(options).with_waves(64),
+        )
+    }));
+    inputs.extend(MARCH.iter().map(|(what, spoil)| {
+        let mut options = MarchOptions::default();
+        spoil(&mut options.variant);
+        (
+            *what,
+            builtin("corner"),
+            Settings::new(options).with_waves(64),
+        )
+    }));
+    inputs
+}
+
+fn for_every_profile<T>(
+    spoils: &[Spoil<T>],
+    spoilt: impl Fn(fn(&mut T), Settings) -> (Scene, Settings),
+) -> Vec<Input> {
+    let mut inputs = Vec::new();
+    for profile in Profile::ALL {
+        for &(what, spoil) in spoils {
+            let (scene, settings) = spoilt(spoil, Settings::new(profile).with_waves(64));
+            inputs.push((what, scene, settings));
+        }
+    }
+    inputs
+}
+
+pub fn cases() -> Vec<Case> {
     let refused = |name: &str, hard, inputs| Case {
         name: name.to_owned(),
         hard,
@@ -80,17 +131,17 @@ pub fn cases() -> Vec<Case> {
         refused(
             "zero-volume",
             "surfaces and listeners of no size",
-            ZERO_VOLUME.iter().map(spoil_scene).collect(),
+            of_scenes(&ZERO_VOLUME),
         ),
         refused(
             "not-finite",
             "places, sizes and turns that are no numbers",
-            NOT_FINITE.iter().map(spoil_scene).collect(),
+            of_scenes(&NOT_FINITE),
         ),
         refused(
             "senseless-settings",
             "constants that no march can end with",
-            SETTINGS.iter().map(spoil_settings).collect(),
+            of_settings(),
         ),
     ]
 }

@@ -1,7 +1,8 @@
 //! The four tables as one picture: time and hits against waves, log-log.
 
-use super::figures::{FRAME_BUDGET_MS, FigureRow, FigureTable, FiguresReport};
-use super::log_plot::{LogAxis, Panel, PlotError, Point, Stroke, chart, draw_legend, draw_line};
+use super::{FRAME_BUDGET_MS, FigureRow, FigureTable, FiguresReport};
+use crate::experiment::log_plot::{LogAxis, Panel, Point, Stroke, chart, draw_legend, draw_line};
+use crate::report::PlotError;
 use plotters::prelude::*;
 
 const WIDTH: u32 = 1240;
@@ -41,7 +42,7 @@ struct Curve {
 ///
 /// # Errors
 /// When the drawing fails, which its text says.
-pub fn plot_svg(report: &FiguresReport) -> Result<String, PlotError> {
+pub(super) fn plot_svg(report: &FiguresReport) -> Result<String, PlotError> {
     let mut svg = String::new();
     let height = TITLE_HEIGHT + ROW_HEIGHT * report.tables.len() as u32;
     {

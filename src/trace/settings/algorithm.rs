@@ -1,0 +1,195 @@
+//! The algorithms, each with the options that mean something in it alone.
+
+use super::variant::MarchVariant;
+use super::{MAX_STEPS, TraceError, bad, positive};
+use serde::Serialize;
+use std::fmt;
+use std::str::FromStr;
+
+/// The name of an algorithm.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Profile {
+    /// Closed form where a surface has one. What people should use.
+    Hybrid,
+    /// Sphere tracing done right, for any distance function with a Lipschitz bound.
+    March,
+    /// Figures 8 and 9 of the thesis as they stand, with all they get wrong.
+    Thesis,
+}
+
+/// The algorithm that a wave is followed with, and its own options.
+///
+/// Serialised as the options beside `"profile": NAME`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(tag = "profile", rename_all = "lowercase")]
+#[non_exhaustive]
+pub enum Algorithm {
+    /// Of [`Profile::Hybrid`].
+    Hybrid(HybridOptions),
+    /// Of [`Profile::March`].
+    March(MarchOptions),
+    /// Of [`Profile::Thesis`].
+    Thesis(ThesisOptions),
+}
+
+/// What `hybrid` alone has: no option so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct HybridOptions {}
+
+/// What `march` alone has: no option so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct MarchOptions {
+    /// For the experiments alone.
+    #[serde(skip)]
+    pub(crate) variant: MarchVariant,
+}
+
+/// What `thesis` alone has: its constants, in metres. The defaults are the thesis' own
+/// (section 4.2.3, figure 8); it names no step for its normals, and 0.01 m is what the
+/// reconstruction of its scenes was fitted with.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct ThesisOptions {
+    /// A surface is met below this distance, in metres: 0.1 by default. Greater than 0 and
+    /// less than the maximum distance.
+    pub min_distance: f32,
+    /// Each march starts this far along the direction, in metres: 0.04 by default. Not
+    /// negative.
+    pub start_offset: f32,
+    /// Step of the difference normals to either side, in metres: 0.01 by default. Greater
+    /// than 0.
+    pub normal_step: f32,
+}
+
+impl Default for ThesisOptions {
+    fn default() -> ThesisOptions {
+        ThesisOptions {
+            min_distance: 0.1,
+            start_offset: 0.04,
+            normal_step: 0.01,
+        }
+    }
+}
+
+impl ThesisOptions {
+    /// The same with another minimum distance, in metres.
+    pub fn with_min_distance(mut self, metres: f32) -> ThesisOptions {
+        self.min_distance = metres;
+        self
+    }
+
+    /// The same with another start offset, in metres.
+    pub fn with_start_offset(mut self, metres: f32) -> ThesisOptions {
+        self.start_offset = metres;
+        self
+    }
+
+    /// The same with another step of the normals, in metres.
+    pub fn with_normal_step(mut self, metres: f32) -> ThesisOptions {
+        self.normal_step = metres;
+        self
+    }
+
+    /// Evaluations of the distance after which a march ends: as many as the distances allow,
+    /// and never more than [`MAX_STEPS`].
+    pub(crate) fn step_limit(&self, max_distance: f32) -> u32 {
+        let needed = (max_distance / self.min_distance).ceil() + 1.0;
+        (needed as u32).clamp(1, MAX_STEPS)
+    }
+
+    fn validate(&self, max_distance: f32) -> Result<(), TraceError> {
+        positive("minimum distance in metres", self.min_distance)?;
+        positive("step of the normals in metres", self.normal_step)?;
+        if self.min_distance >= max_distance {
+            let must = format!("less than the maximum distance of {max_distance}");
+            return Err(bad("minimum distance in metres", must, self.min_distance));
+        }
+        if !(self.start_offset.is_finite() && self.start_offset >= 0.0) {
+            let must = "finite and not negative".to_owned();
+            return Err(bad("start offset in metres", must, self.start_offset));
+        }
+        Ok(())
+    }
+}
+
+impl Algorithm {
+    /// An algorithm with its default options.
+    pub fn of(profile: Profile) -> Algorithm {
+        match profile {
+            Profile::Hybrid => Algorithm::Hybrid(HybridOptions::default()),
+            Profile::March => Algorithm::March(MarchOptions::default()),
+            Profile::Thesis => Algorithm::Thesis(ThesisOptions::default()),
+        }
+    }
+
+    /// Its name.
+    pub fn profile(&self) -> Profile {
+        match self {
+            Algorithm::Hybrid(_) => Profile::Hybrid,
+            Algorithm::March(_) => Profile::March,
+            Algorithm::Thesis(_) => Profile::Thesis,
+        }
+    }
+
+    /// Checks its own options.
+    pub(super) fn validate(&self, max_distance: f32) -> Result<(), TraceError> {
+        match self {
+            Algorithm::Hybrid(HybridOptions {}) => Ok(()),
+            Algorithm::March(march) => march.variant.validate(max_distance),
+            Algorithm::Thesis(thesis) => thesis.validate(max_distance),
+        }
+    }
+}
+
+impl From<HybridOptions> for Algorithm {
+    fn from(options: HybridOptions) -> Algorithm {
+        Algorithm::Hybrid(options)
+    }
+}
+
+impl From<MarchOptions> for Algorithm {
+    fn from(options: MarchOptions) -> Algorithm {
+        Algorithm::March(options)
+    }
+}
+
+impl From<ThesisOptions> for Algorithm {
+    fn from(options: ThesisOptions) -> Algorithm {
+        Algorithm::Thesis(options)
+    }
+}
+
+impl From<Profile> for Algorithm {
+    fn from(profile: Profile) -> Algorithm {
+        Algorithm::of(profile)
+    }
+}
+
+impl Profile {
+    /// Every profile there is.
+    pub const ALL: [Profile; 3] = [Profile::Hybrid, Profile::March, Profile::Thesis];
+}
+
+impl fmt::Display for Profile {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Profile::Hybrid => "hybrid",
+            Profile::March => "march",
+            Profile::Thesis => "thesis",
+        })
+    }
+}
+
+impl FromStr for Profile {
+    type Err = String;
+    fn from_str(name: &str) -> Result<Profile, String> {
+        let known = Profile::ALL.iter().find(|p| p.to_string() == name);
+        known.copied().ok_or_else(|| {
+            let names = Profile::ALL.map(|p| p.to_string()).join(", ");
+            format!("there is no profile {name:?}; there are: {names}")
+        })
+    }
+}
