@@ -20,10 +20,7 @@ const FRAMES: usize = 9;
 const SMALL_FRAMES: usize = 101;
 
 fn main() -> Result<(), Error> {
-    let context = Context::headless(&ContextOptions {
-        api: Api::Gl,
-        gpu: None,
-    })?;
+    let context = Context::headless(&ContextOptions::new(Api::Gl))?;
     println!("{}", context.renderer());
     let settings = [
         Settings::hybrid().with_waves(65_536),
@@ -102,10 +99,10 @@ fn hall(side: usize) -> Scene {
             surfaces.push(pillar.at(Vec3::new(place(column), 0.0, place(row))));
         }
     }
-    Scene {
-        name: format!("hall of {} pillars", side * side),
+    Scene::new(
+        format!("hall of {} pillars", side * side),
         surfaces,
-        source: Source::at(Vec3::new(0.0, 0.0, 0.0)),
-        listener: Listener::at(Vec3::new(SPACING, 0.0, SPACING), 0.5),
-    }
+        Source::at(Vec3::new(0.0, 0.0, 0.0)),
+        Listener::at(Vec3::new(SPACING, 0.0, SPACING), 0.5),
+    )
 }

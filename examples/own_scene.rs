@@ -20,22 +20,19 @@ fn main() -> Result<(), Error> {
     let door = Surface::new(Node::Cuboid(Cuboid {
         size: Vec3::new(4.0, 6.0, 0.3),
     }));
-    let mut scene = Scene {
-        name: "hall with a door".to_owned(),
-        surfaces: vec![
+    let mut scene = Scene::new(
+        "hall with a door",
+        vec![
             Surface::new(Node::Room(Room {
                 size: Vec3::new(16.0, 6.0, 16.0),
             })),
-            // `dynamic_rotation` says that the rotation will change although it is none now.
-            Surface {
-                dynamic_rotation: true,
-                ..door.named("door")
-            },
+            // Its rotation will change although it is none now.
+            door.named("door").turning(),
             Surface::new(Node::Cylinder(Cylinder { radius: 0.6 })).at(Vec3::new(4.0, 0.0, -2.0)),
         ],
-        source: Source::at(Vec3::new(-5.0, 0.0, -5.0)),
-        listener: Listener::at(Vec3::new(0.0, 0.0, 5.0), 1.5),
-    };
+        Source::at(Vec3::new(-5.0, 0.0, -5.0)),
+        Listener::at(Vec3::new(0.0, 0.0, 5.0), 1.5),
+    );
 
     for step in 0..5_u8 {
         let share = f32::from(step) / 4.0;

@@ -22,6 +22,7 @@ const ERRORS_AT_MOST: usize = 32;
 
 /// Which context to make.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct ContextOptions {
     /// The way to reach OpenGL.
     pub api: Api,
@@ -30,8 +31,22 @@ pub struct ContextOptions {
     pub gpu: Option<usize>,
 }
 
+impl ContextOptions {
+    /// The first device on which a context of the API can be made.
+    pub fn new(api: Api) -> ContextOptions {
+        ContextOptions { api, gpu: None }
+    }
+
+    /// The same on one device, by its index from 0.
+    pub fn with_gpu(mut self, gpu: usize) -> ContextOptions {
+        self.gpu = Some(gpu);
+        self
+    }
+}
+
 /// What the driver allows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Limits {
     /// Longest side of a texture, in texels.
     pub max_texture_size: u32,

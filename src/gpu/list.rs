@@ -8,6 +8,7 @@ use super::{Api, Context, ContextOptions, GpuError, Limits};
 
 /// One device, and what came of making a context on it.
 #[derive(Debug)]
+#[non_exhaustive]
 pub struct GpuInfo {
     /// The number to ask for in [`ContextOptions::gpu`], from 0.
     pub index: usize,
@@ -17,6 +18,7 @@ pub struct GpuInfo {
 
 /// How a driver names itself.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Renderer {
     /// GL_RENDERER.
     pub name: String,

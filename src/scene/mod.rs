@@ -44,6 +44,7 @@ use std::sync::Arc;
 
 /// A world to hear: surfaces, one source and one listener.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Scene {
     /// What reports call the scene.
     pub name: String,
@@ -57,6 +58,7 @@ pub struct Scene {
 
 /// A point that sends waves in all directions.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Source {
     /// World position in metres.
     pub position: Vec3,
@@ -66,6 +68,7 @@ pub struct Source {
 
 /// A sphere that waves are caught with, and the direction it looks in.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Listener {
     /// World position of the centre in metres.
     pub position: Vec3,
@@ -80,6 +83,21 @@ pub struct Listener {
 }
 
 impl Scene {
+    /// A scene of these surfaces, numbered from 1 in this order.
+    pub fn new(
+        name: impl Into<String>,
+        surfaces: Vec<Surface>,
+        source: Source,
+        listener: Listener,
+    ) -> Scene {
+        Scene {
+            name: name.into(),
+            surfaces,
+            source,
+            listener,
+        }
+    }
+
     /// The scene as it stands at `seconds` on its key-framed paths.
     pub fn at(&self, seconds: f64) -> Scene {
         let mut posed = self.clone();

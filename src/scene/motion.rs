@@ -198,12 +198,9 @@ impl Scene {
     /// use glam::Vec3;
     /// let door = Surface::new(Sphere { radius: 1.0 })
     ///     .driven("position.x", Motion::Named("door".into()));
-    /// let mut scene = Scene {
-    ///     name: "hall".into(),
-    ///     surfaces: vec![door],
-    ///     source: Source::at(Vec3::Y * 5.0),
-    ///     listener: Listener::at(Vec3::Z * 5.0, 0.5),
-    /// };
+    /// let source = Source::at(Vec3::Y * 5.0);
+    /// let listener = Listener::at(Vec3::Z * 5.0, 0.5);
+    /// let mut scene = Scene::new("hall", vec![door], source, listener);
     /// scene.set_value("door", 3.0)?;
     /// assert_eq!(scene.surfaces[0].position.x, 3.0);
     /// assert!(scene.set_value("window", 1.0).is_err());

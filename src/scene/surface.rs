@@ -5,6 +5,7 @@ use glam::{DMat3, Quat, Vec3};
 
 /// A shape placed in the world.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Surface {
     /// What reports call it; a number when there is none.
     pub name: Option<String>,
@@ -55,6 +56,12 @@ impl Surface {
     /// The same surface with a name for reports.
     pub fn named(mut self, name: impl Into<String>) -> Surface {
         self.name = Some(name.into());
+        self
+    }
+
+    /// The same surface, whose rotation will change: see [`turns`](Surface::turns).
+    pub fn turning(mut self) -> Surface {
+        self.dynamic_rotation = true;
         self
     }
 

@@ -26,6 +26,7 @@ const LEAST_STEPS: u64 = 128;
 /// What a frame's passes may do: the same on every renderer, so that results do not depend on
 /// it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Budget {
     /// Iterations in one pass.
     pub iterations_per_pass: u32,

@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 
 /// The result of one traced frame.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Frame {
     /// What arrived at the two ears.
     pub panning: Panning,
@@ -17,6 +18,7 @@ pub struct Frame {
 
 /// Time of one frame by part, in milliseconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+#[non_exhaustive]
 pub struct Milliseconds {
     /// The initialise pass.
     pub initialise: f64,

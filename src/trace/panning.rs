@@ -5,6 +5,7 @@ use super::waves::{Fate, unpack_counters};
 /// What arrived at the two ears: the summed contributions of all waves that reached
 /// the listener (thesis, section 3.2.4). Each such wave gives 1, split in two.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Panning {
     /// Sum of the contributions to the left.
     pub left: f64,
@@ -27,6 +28,7 @@ impl Panning {
 /// How many waves ended how, and what happened to them on the way. Summed on the GPU, the
 /// counts of marches and evaluations are exact up to 2^24 and rounded above.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+#[non_exhaustive]
 pub struct Counts {
     /// Waves that reached the listener.
     pub listener_hits: u64,

@@ -61,6 +61,7 @@ impl Fate {
 
 /// One wave, from its start to the end of the last iteration.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Wave {
     /// Unit vector in which it left the source.
     pub start_direction: Vec3,

@@ -24,7 +24,7 @@ pub fn for_each_api(test: impl Fn(&Context) + Sync) {
 
 /// A context of the API on the first device that gives one.
 pub fn context(api: Api) -> Context {
-    Context::headless(&ContextOptions { api, gpu: None }).unwrap_or_else(|e| panic!("{e}"))
+    Context::headless(&ContextOptions::new(api)).unwrap_or_else(|e| panic!("{e}"))
 }
 
 /// A tracer on a context of the preferred API.

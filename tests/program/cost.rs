@@ -28,15 +28,15 @@ fn room_and_ball_behind() -> Scene {
         size: Vec3::new(10.0, 4.0, 8.0),
     });
     let ball = Surface::new(Node::Sphere(Sphere { radius: 1.0 }));
-    Scene {
-        name: "behind".into(),
-        surfaces: vec![
+    Scene::new(
+        "behind",
+        vec![
             Surface::new(room).named("room"),
             ball.at(Vec3::X * 20.0).named("ball"),
         ],
-        source: Source::at(Vec3::new(-3.0, 0.5, 1.0)),
-        listener: Listener::at(Vec3::new(3.0, 0.0, -1.0), 0.5),
-    }
+        Source::at(Vec3::new(-3.0, 0.5, 1.0)),
+        Listener::at(Vec3::new(3.0, 0.0, -1.0), 0.5),
+    )
 }
 
 /// Protects the point of it all: what no wave can meet can be left out, and the room cannot.

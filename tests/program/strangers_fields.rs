@@ -264,12 +264,12 @@ fn scene(text: &str) -> Scene {
     let node = Node::User(User {
         field: Arc::new(field),
     });
-    Scene {
-        name: "strange".into(),
-        surfaces: vec![Surface::new(room), Surface::new(node)],
-        source: Source::at(Vec3::new(-3.0, 1.0, 1.0)),
-        listener: Listener::at(Vec3::new(3.0, 1.0, 1.0), 1.0),
-    }
+    Scene::new(
+        "strange",
+        vec![Surface::new(room), Surface::new(node)],
+        Source::at(Vec3::new(-3.0, 1.0, 1.0)),
+        Listener::at(Vec3::new(3.0, 1.0, 1.0), 1.0),
+    )
 }
 
 /// A command that notes each start in `log`, and goes on once `go` is there.

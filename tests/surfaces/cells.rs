@@ -40,12 +40,12 @@ fn truth(scene: &Scene, origin: Vec3, direction: Vec3) -> Option<f32> {
 }
 
 fn scene(surfaces: Vec<Surface>, source: Vec3) -> Scene {
-    Scene {
-        name: "cells".into(),
+    Scene::new(
+        "cells",
         surfaces,
-        source: Source::at(source),
-        listener: Listener::at(Vec3::new(0.0, 60.0, 90.0), 1.0),
-    }
+        Source::at(source),
+        Listener::at(Vec3::new(0.0, 60.0, 90.0), 1.0),
+    )
 }
 
 fn profiles() -> Vec<(&'static str, Settings)> {

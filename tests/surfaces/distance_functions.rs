@@ -123,12 +123,12 @@ fn on_surface(shape: &Node, direction: Vec3) -> Vec3 {
 }
 
 fn scene_of(surface: Surface) -> Scene {
-    Scene {
-        name: "one surface".into(),
-        surfaces: vec![surface],
-        source: Source::at(Vec3::ZERO),
-        listener: Listener::at(Vec3::new(1.0, 2.0, -3.0), 0.75),
-    }
+    Scene::new(
+        "one surface",
+        vec![surface],
+        Source::at(Vec3::ZERO),
+        Listener::at(Vec3::new(1.0, 2.0, -3.0), 0.75),
+    )
 }
 
 /// What the shaders answer at a point.

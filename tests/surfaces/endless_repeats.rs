@@ -25,12 +25,12 @@ fn degrees(x: f32, y: f32, z: f32) -> Vec3 {
 fn turned_boxes() -> Scene {
     let turned = block(Vec3::new(1.0, 0.7, 1.3)).rotate(degrees(25.0, 35.0, 45.0));
     let all = turned.repeat(Vec3::new(3.0, 3.5, 4.0), [0; 3]);
-    Scene {
-        name: "turned boxes".into(),
-        surfaces: vec![Surface::new(all)],
-        source: Source::at(Vec3::new(1.5, 1.7, 1.9)),
-        listener: Listener::at(Vec3::new(-4.5, 5.25, -6.0), 0.6),
-    }
+    Scene::new(
+        "turned boxes",
+        vec![Surface::new(all)],
+        Source::at(Vec3::new(1.5, 1.7, 1.9)),
+        Listener::at(Vec3::new(-4.5, 5.25, -6.0), 0.6),
+    )
 }
 
 /// Protects waves in a lattice that has no end: 34 of these 4,096 reached the step limit of a
@@ -126,12 +126,12 @@ fn waves_meet_what_the_exact_reference_meets() {
         let surface = Surface::new(field)
             .at(Vec3::new(0.4, -0.3, 0.7))
             .turned(Quat::from_rotation_y(0.4));
-        let mut scene = Scene {
-            name: name.into(),
-            surfaces: vec![surface],
-            source: Source::at(Vec3::ZERO),
-            listener: Listener::at(Vec3::new(3.0, 1.0, -2.0), 0.3),
-        };
+        let mut scene = Scene::new(
+            name,
+            vec![surface],
+            Source::at(Vec3::ZERO),
+            Listener::at(Vec3::new(3.0, 1.0, -2.0), 0.3),
+        );
         let exact = ExactScene::new(&scene).unwrap();
         let mut tried = 0;
         while tried < 4 {
@@ -152,12 +152,12 @@ fn waves_meet_what_the_exact_reference_meets() {
 #[test]
 fn no_wave_gets_into_a_copy() {
     for (name, field) in repeated() {
-        let scene = Scene {
-            name: name.into(),
-            surfaces: vec![Surface::new(field)],
-            source: Source::at(Vec3::new(1.05, 1.1, 1.2)),
-            listener: Listener::at(Vec3::new(300.0, 1.0, -2.0), 0.3),
-        };
+        let scene = Scene::new(
+            name,
+            vec![Surface::new(field)],
+            Source::at(Vec3::new(1.05, 1.1, 1.2)),
+            Listener::at(Vec3::new(300.0, 1.0, -2.0), 0.3),
+        );
         let exact = ExactScene::new(&scene).unwrap();
         assert!(
             exact.surface_distance(scene.source.position.as_dvec3()) > 0.0,
@@ -209,12 +209,11 @@ fn a_million_periods_away_it_sounds_the_same() {
         ),
         ("turned", lattice.rotate(quarter), Vec3::new(0.0, 3e6, 0.0)),
     ] {
-        let at = |by: Vec3| Scene {
-            name: name.into(),
-            surfaces: vec![Surface::new(field.clone())],
-            source: Source::at(Vec3::new(1.0, 1.5, 2.0) + by),
+        let at = |by: Vec3| {
+            let source = Source::at(Vec3::new(1.0, 1.5, 2.0) + by);
             // Not in the middle between two copies, where either is the nearest.
-            listener: Listener::at(Vec3::new(-0.75, 1.25, -1.75) + by, 0.5),
+            let listener = Listener::at(Vec3::new(-0.75, 1.25, -1.75) + by, 0.5);
+            Scene::new(name, vec![Surface::new(field.clone())], source, listener)
         };
         let settings = Settings::hybrid().with_waves(2000).with_iterations(3);
         let mut tracer = tracer();
@@ -230,12 +229,12 @@ fn a_million_periods_away_it_sounds_the_same() {
 fn a_step_limit_counts_only_where_nothing_nearer_is_met() {
     // Grains so small that most waves fly on for more than can be told.
     let sparse = ball(4e-4).repeat(Vec3::splat(1.0), [0; 3]);
-    let mut scene = Scene {
-        name: "sparse".into(),
-        surfaces: vec![Surface::new(sparse)],
-        source: Source::at(Vec3::splat(0.5)),
-        listener: Listener::at(Vec3::splat(-3.5), 0.2),
-    };
+    let mut scene = Scene::new(
+        "sparse",
+        vec![Surface::new(sparse)],
+        Source::at(Vec3::splat(0.5)),
+        Listener::at(Vec3::splat(-3.5), 0.2),
+    );
     let settings = Settings::hybrid().with_waves(64).with_iterations(1);
     let counts = tracer().frame(&scene, &settings).unwrap().counts;
     assert!(counts.step_limit_reached > 0, "of {MAX_COPY_STEPS}");

@@ -9,7 +9,7 @@ use echomarch::{Profile, Tracer};
 fn report(api: Api, cases: Vec<Case>) -> VerifyReport {
     let run = move || {
         let context =
-            Context::headless(&ContextOptions { api, gpu: None }).unwrap_or_else(|e| panic!("{e}"));
+            Context::headless(&ContextOptions::new(api)).unwrap_or_else(|e| panic!("{e}"));
         let mut tracer = Tracer::new(&context).unwrap();
         verify::run(&mut tracer, &cases, &mut |_, _| ()).unwrap()
     };

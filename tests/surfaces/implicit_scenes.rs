@@ -67,12 +67,12 @@ const RADIUS: f32 = 0.6;
 
 fn colonnade(pillars: impl IntoIterator<Item = Surface>) -> Scene {
     let floor = Surface::new(Node::Plane(Plane)).at(Vec3::Y * -2.0);
-    Scene {
-        name: "colonnade".into(),
-        surfaces: [floor].into_iter().chain(pillars).collect(),
-        source: Source::at(Vec3::new(0.3, 0.0, -0.2)),
-        listener: Listener::at(Vec3::new(8.1, 0.0, 3.7), 1.0),
-    }
+    Scene::new(
+        "colonnade",
+        [floor].into_iter().chain(pillars).collect(),
+        Source::at(Vec3::new(0.3, 0.0, -0.2)),
+        Listener::at(Vec3::new(8.1, 0.0, 3.7), 1.0),
+    )
 }
 
 fn repeated() -> Scene {

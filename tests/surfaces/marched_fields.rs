@@ -52,15 +52,15 @@ fn before_a_slab(name: &str, field: Shape, scale: f32, listener: Vec3) -> Scene 
         rounding: 0.1 * scale,
     }));
     let ahead = Surface::new(field.scale(scale)).at(Vec3::new(0.0, 0.0, -6.0 * scale));
-    Scene {
-        name: format!("{name} x {scale} heard at {listener}"),
-        surfaces: vec![
+    Scene::new(
+        format!("{name} x {scale} heard at {listener}"),
+        vec![
             turned(ahead, Vec3::new(90.0, 0.0, 0.0)),
             Surface::new(slab).at(Vec3::new(0.0, 0.0, -20.0 * scale)),
         ],
-        source: Source::at(Vec3::ZERO),
-        listener: Listener::at(listener, scale),
-    }
+        Source::at(Vec3::ZERO),
+        Listener::at(listener, scale),
+    )
 }
 
 fn hills(side: u32) -> Arc<HeightImage> {
@@ -195,15 +195,12 @@ fn no_wave_passes_ground() {
     ] {
         for far in [0.0, 100.0 * size.x.min(10.0)] {
             let ground = turned(Surface::new(height_field(size)), Vec3::new(0.0, 40.0, 12.0));
-            let scene = Scene {
-                name: format!("ground of {size} heard at {far}"),
-                surfaces: vec![ground],
-                source: Source::at(size * Vec3::new(-0.2, 0.62, -0.15)),
-                listener: Listener::at(
-                    Vec3::new(far, 0.9 * size.y + 0.1 * far, 0.0),
-                    0.02 * size.x,
-                ),
-            };
+            let scene = Scene::new(
+                format!("ground of {size} heard at {far}"),
+                vec![ground],
+                Source::at(size * Vec3::new(-0.2, 0.62, -0.15)),
+                Listener::at(Vec3::new(far, 0.9 * size.y + 0.1 * far, 0.0), 0.02 * size.x),
+            );
             compare(&scene, &aims(Vec3::new(0.4, -0.5, 0.3), 1.5, 6000));
         }
     }
@@ -219,9 +216,9 @@ fn edges_and_parallel_planes_take_few_steps() {
     }));
     let source = Vec3::new(-8.25, 1.125, -6.25);
     let edge = Vec3::new(-6.8, 1.7, -3.8);
-    let scene = Scene {
-        name: "a prism's edge".into(),
-        surfaces: vec![
+    let scene = Scene::new(
+        "a prism's edge",
+        vec![
             room,
             Surface::new(Shape::from(Node::Prism(Prism {
                 corners,
@@ -229,9 +226,9 @@ fn edges_and_parallel_planes_take_few_steps() {
             })))
             .at(edge),
         ],
-        source: Source::at(source),
-        listener: Listener::at(Vec3::new(7.0, -1.3, 5.4), 1.7),
-    };
+        Source::at(source),
+        Listener::at(Vec3::new(7.0, -1.3, 5.4), 1.7),
+    );
     let points = (0..4001u16).map(|n| edge + Vec3::Z * (f32::from(n) / 4000.0 - 0.5) * 0.6);
     let at_edge: Vec<Vec3> = points.map(|p| (p - source).normalize()).collect();
     compare(&scene, &at_edge);
@@ -239,12 +236,12 @@ fn edges_and_parallel_planes_take_few_steps() {
     let half = |normal: Vec3, offset: f32| {
         Surface::new(Shape::from(Node::HalfSpace(HalfSpace { normal, offset })))
     };
-    let scene = Scene {
-        name: "half spaces".into(),
-        surfaces: vec![half(Vec3::Y, -2.0), half(Vec3::new(-1.0, -0.2, 0.3), -12.0)],
-        source: Source::at(Vec3::new(-4.0, 1.0, -3.0)),
-        listener: Listener::at(Vec3::new(5.0, 1.0, 4.0), 1.1),
-    };
+    let scene = Scene::new(
+        "half spaces",
+        vec![half(Vec3::Y, -2.0), half(Vec3::new(-1.0, -0.2, 0.3), -12.0)],
+        Source::at(Vec3::new(-4.0, 1.0, -3.0)),
+        Listener::at(Vec3::new(5.0, 1.0, 4.0), 1.1),
+    );
     let level: Vec<Vec3> = (0..4000u16)
         .map(|n| {
             let (sin, cos) = (f32::from(n) * 0.01).sin_cos();

@@ -98,12 +98,12 @@ impl Planted {
     /// (behind a thin one) on its far side, where no line from the point can go first.
     fn scene(&self, source: DVec3) -> Scene {
         let ear = self.point - self.normal * (3.0 * self.size);
-        Scene {
-            name: "planted".into(),
-            surfaces: vec![self.surface.clone()],
-            source: Source::at(source.as_vec3()),
-            listener: Listener::at(ear.as_vec3(), (1e-3 * self.size) as f32),
-        }
+        Scene::new(
+            "planted",
+            vec![self.surface.clone()],
+            Source::at(source.as_vec3()),
+            Listener::at(ear.as_vec3(), (1e-3 * self.size) as f32),
+        )
     }
 
     /// Outwards, down to a thousandth of a radian along the surface.

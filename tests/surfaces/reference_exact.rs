@@ -14,12 +14,7 @@ fn rotation(random: &mut Random) -> Quat {
 }
 
 fn scene(surfaces: Vec<Surface>, source: Vec3, listener: Listener) -> Scene {
-    Scene {
-        name: "test".into(),
-        surfaces,
-        source: Source::at(source),
-        listener,
-    }
+    Scene::new("test", surfaces, Source::at(source), listener)
 }
 
 fn exact(scene: &Scene) -> ExactScene {

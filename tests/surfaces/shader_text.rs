@@ -16,12 +16,12 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 fn scene(surfaces: Vec<Surface>) -> Scene {
-    Scene {
-        name: "text".into(),
+    Scene::new(
+        "text",
         surfaces,
-        source: Source::at(Vec3::Y * 5.0),
-        listener: Listener::at(Vec3::Z * 9.0, 1.0),
-    }
+        Source::at(Vec3::Y * 5.0),
+        Listener::at(Vec3::Z * 9.0, 1.0),
+    )
 }
 
 fn user() -> Node {

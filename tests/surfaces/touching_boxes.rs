@@ -55,12 +55,12 @@ fn room(blocks: Blocks, turn: Quat, away: f32) -> Scene {
     };
     let mut surfaces = vec![Surface::new(Node::Room(Room { size }))];
     surfaces.extend(blocks.into_iter().map(turned));
-    Scene {
-        name: "boxes".into(),
+    Scene::new(
+        "boxes",
         surfaces,
-        source: Source::at(Vec3::new(-8.0, 1.0, -6.0)),
-        listener: Listener::at(Vec3::new(7.0 + away, -1.0, 5.0), 1.7),
-    }
+        Source::at(Vec3::new(-8.0, 1.0, -6.0)),
+        Listener::at(Vec3::new(7.0 + away, -1.0, 5.0), 1.7),
+    )
 }
 
 fn scenes() -> Vec<(String, Scene)> {

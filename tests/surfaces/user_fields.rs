@@ -31,12 +31,12 @@ fn scene(fields: &[Arc<UserField>]) -> Scene {
         let along = 5.0 * index as f32 - 2.5;
         surfaces.push(Surface::new(node).at(Vec3::new(along, 0.0, -5.0)));
     }
-    Scene {
-        name: "fields".into(),
+    Scene::new(
+        "fields",
         surfaces,
-        source: Source::at(Vec3::new(4.0, 2.0, 3.0)),
-        listener: Listener::at(Vec3::new(-4.0, -2.0, 4.0), 1.0),
-    }
+        Source::at(Vec3::new(4.0, 2.0, 3.0)),
+        Listener::at(Vec3::new(-4.0, -2.0, 4.0), 1.0),
+    )
 }
 
 fn settings(profile: Profile) -> Settings {
@@ -556,12 +556,12 @@ fn worst_direction(tracer: &mut Tracer, surface: &Smooth, text: &str) -> f64 {
         field: Arc::new(field),
     });
     let size = surface.size;
-    let scene = Scene {
-        name: surface.name.into(),
-        surfaces: vec![Surface::new(node).at(-surface.centre)],
-        source: Source::at(Vec3::new(-4.0, 1.0, 0.5) * size),
-        listener: Listener::at(Vec3::new(6.0, 3.0, 0.0) * size, size),
-    };
+    let scene = Scene::new(
+        surface.name,
+        vec![Surface::new(node).at(-surface.centre)],
+        Source::at(Vec3::new(-4.0, 1.0, 0.5) * size),
+        Listener::at(Vec3::new(6.0, 3.0, 0.0) * size, size),
+    );
     let mut worst: f64 = 0.0;
     for profile in [Profile::Hybrid, Profile::March] {
         let settings = Settings::new(profile).with_waves(16_384).with_iterations(1);

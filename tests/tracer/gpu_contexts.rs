@@ -28,7 +28,7 @@ fn on_every_api(test: fn(Api)) {
 }
 
 fn context(api: Api) -> Context {
-    Context::headless(&ContextOptions { api, gpu: None }).unwrap_or_else(|error| panic!("{error}"))
+    Context::headless(&ContextOptions::new(api)).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// Draws a constant with the context and reads it back: wrong if the calls went to another context.
@@ -71,10 +71,7 @@ fn gpu_list_numbers_devices_as_options_do() {
         assert!(gpus.iter().any(|gpu| gpu.outcome.is_ok()));
         for gpu in gpus {
             println!("{api} {gpu}");
-            let again = Context::headless(&ContextOptions {
-                api,
-                gpu: Some(gpu.index),
-            });
+            let again = Context::headless(&ContextOptions::new(api).with_gpu(gpu.index));
             match gpu.outcome {
                 Ok(renderer) => assert_eq!(again.unwrap().renderer(), renderer.name),
                 Err(_) => assert!(again.is_err()),
@@ -87,7 +84,7 @@ fn gpu_list_numbers_devices_as_options_do() {
 #[test]
 fn gpu_missing_device_is_an_error() {
     on_every_api(|api| {
-        let error = Context::headless(&ContextOptions { api, gpu: Some(99) }).unwrap_err();
+        let error = Context::headless(&ContextOptions::new(api).with_gpu(99)).unwrap_err();
         assert!(error.is_bad_input());
         assert!(
             matches!(

@@ -10,8 +10,8 @@ use glam::{Mat3, Vec2, Vec3, Vec4};
 fn on_every_api(test: fn(&Context)) {
     for api in Api::ALL {
         let run = move || {
-            let context = Context::headless(&ContextOptions { api, gpu: None })
-                .unwrap_or_else(|e| panic!("{e}"));
+            let context =
+                Context::headless(&ContextOptions::new(api)).unwrap_or_else(|e| panic!("{e}"));
             test(&context);
             context.check("the end of the test").unwrap();
         };

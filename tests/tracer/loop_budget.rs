@@ -12,12 +12,12 @@ use glam::Vec3;
 fn room(surfaces: impl IntoIterator<Item = Surface>) -> Scene {
     let size = Vec3::splat(20.0);
     let walls = Surface::new(Node::Room(Room { size }));
-    Scene {
-        name: "room".into(),
-        surfaces: std::iter::once(walls).chain(surfaces).collect(),
-        source: Source::at(Vec3::new(-9.5, 0.0, 0.0)),
-        listener: Listener::at(Vec3::splat(9.5), 0.05),
-    }
+    Scene::new(
+        "room",
+        std::iter::once(walls).chain(surfaces).collect(),
+        Source::at(Vec3::new(-9.5, 0.0, 0.0)),
+        Listener::at(Vec3::splat(9.5), 0.05),
+    )
 }
 
 fn scattered(shape: &(impl Into<Shape> + Clone)) -> Scene {

@@ -20,12 +20,12 @@ const STAND: Vec3 = Vec3::new(20.0, 0.0, 30.0);
 /// A plane far below, and a source that nothing hides from the listener, which it stands at
 /// `source` from.
 fn field(source: Vec3) -> Scene {
-    Scene {
-        name: "field".into(),
-        surfaces: vec![Surface::new(Node::Plane(Plane)).at(Vec3::new(0.0, -10.0, 0.0))],
-        source: Source::at(STAND + source),
-        listener: Listener::at(STAND, 2.0),
-    }
+    Scene::new(
+        "field",
+        vec![Surface::new(Node::Plane(Plane)).at(Vec3::new(0.0, -10.0, 0.0))],
+        Source::at(STAND + source),
+        Listener::at(STAND, 2.0),
+    )
 }
 
 /// Enough waves that the least count of hits in the field, some 3,000, leaves a standard error

@@ -187,7 +187,7 @@ fn a_saved_picture_reads_back() {
 }
 
 fn tracer(api: Api) -> Tracer {
-    let options = ContextOptions { api, gpu: None };
+    let options = ContextOptions::new(api);
     let context = Context::headless(&options).unwrap_or_else(|error| panic!("{error}"));
     Tracer::new(&context).unwrap()
 }

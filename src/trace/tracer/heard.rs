@@ -11,6 +11,7 @@ const AT_A_TIME: u32 = 1 << 18;
 
 /// Waves that reached the listener, and their ways there.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct HeardPaths {
     /// As [`Tracer::paths`] gives them, of waves that reached the listener alone; empty
     /// without any.

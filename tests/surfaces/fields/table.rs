@@ -388,12 +388,12 @@ pub fn to_world(surface: &Surface, p: DVec3) -> Vec3 {
 }
 
 pub fn scene_of(surfaces: Vec<Surface>) -> Scene {
-    Scene {
-        name: "fields".into(),
+    Scene::new(
+        "fields",
         surfaces,
-        source: Source::at(Vec3::ZERO),
-        listener: Listener::at(Vec3::splat(900.0), 1e-3),
-    }
+        Source::at(Vec3::ZERO),
+        Listener::at(Vec3::splat(900.0), 1e-3),
+    )
 }
 
 /// Protects the table itself: every kind of node is in it, and all that is in it is sound.
