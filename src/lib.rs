@@ -60,8 +60,13 @@
 //! A library user without the program takes `default-features = false`.
 //!
 //! # Threads
-//! A [`gpu::Context`], and with it a [`Tracer`], stays on the thread that made it. Scenes,
-//! settings, frames and everything in [`audio`] may move between threads.
+//! Scenes, settings, frames and everything in [`audio`] may move between threads. A
+//! [`gpu::Context`], and with it a [`Tracer`], stays on the thread that made it:
+//!
+//! ```compile_fail,E0277
+//! fn may_move<T: Send>() {}
+//! may_move::<echomarch::Tracer>();
+//! ```
 
 pub mod audio;
 #[cfg(feature = "cli")]
@@ -87,6 +92,19 @@ pub mod scene;
 mod stats;
 mod text;
 pub mod trace;
+
+/// What is promised of threads above, checked when this is compiled.
+const _: () = {
+    const fn may_move<T: Send>() {}
+    may_move::<Scene>();
+    may_move::<Settings>();
+    may_move::<Frame>();
+    may_move::<Error>();
+    may_move::<audio::Sound>();
+    may_move::<audio::SoundSource>();
+    may_move::<audio::Mixer>();
+    may_move::<audio::WavWriter>();
+};
 
 pub use error::Error;
 pub use glam;

@@ -1,5 +1,7 @@
 //! A recorded sound, held in memory.
 
+use super::Signal;
+
 /// How long a loop's start takes to grow out of its end, in seconds: much longer than a click,
 /// and too short to be heard as a change of its own.
 const SEAM_S: f64 = 0.005;
@@ -38,30 +40,20 @@ impl Clip {
         }
     }
 
-    pub(super) fn len(&self) -> usize {
-        self.samples.len()
+    /// Cross-fades what lies in the seam of `out`, which holds the samples from the next one on.
+    fn cross_fade(&self, out: &mut [f32]) {
+        let last = self.samples.len() - 1;
+        for (i, sample) in (self.next..self.seam).zip(out) {
+            let share = i as f64 / self.seam as f64;
+            // In `f64`, where no difference of two samples overflows.
+            let end = f64::from(self.samples[last - i]);
+            *sample = (end + (f64::from(*sample) - end) * share) as f32;
+        }
     }
+}
 
-    pub(super) fn set_looping(&mut self, looping: bool) {
-        self.looping = looping;
-    }
-
-    pub(super) fn is_finished(&self) -> bool {
-        !self.looping && self.next == self.samples.len()
-    }
-
-    /// Makes the sample with this number the next one; a looping clip's numbers go on past its end.
-    pub(super) fn seek(&mut self, index: u64) {
-        let length = self.samples.len() as u64;
-        self.is_again = self.looping && index >= length;
-        self.next = if self.looping {
-            index % length
-        } else {
-            index.min(length)
-        } as usize;
-    }
-
-    pub(super) fn fill(&mut self, mut out: &mut [f32]) {
+impl Signal for Clip {
+    fn fill(&mut self, mut out: &mut [f32]) {
         while !out.is_empty() {
             if self.next == self.samples.len() {
                 if !self.looping {
@@ -83,15 +75,27 @@ impl Clip {
         }
     }
 
-    /// Cross-fades what lies in the seam of `out`, which holds the samples from the next one on.
-    fn cross_fade(&self, out: &mut [f32]) {
-        let last = self.samples.len() - 1;
-        for (i, sample) in (self.next..self.seam).zip(out) {
-            let share = i as f64 / self.seam as f64;
-            // In `f64`, where no difference of two samples overflows.
-            let end = f64::from(self.samples[last - i]);
-            *sample = (end + (f64::from(*sample) - end) * share) as f32;
-        }
+    /// Makes the sample with this number the next one; a looping clip's numbers go on past its end.
+    fn seek(&mut self, index: u64) {
+        let length = self.samples.len() as u64;
+        self.is_again = self.looping && index >= length;
+        self.next = if self.looping {
+            index % length
+        } else {
+            index.min(length)
+        } as usize;
+    }
+
+    fn length(&self) -> Option<usize> {
+        Some(self.samples.len())
+    }
+
+    fn set_looping(&mut self, looping: bool) {
+        self.looping = looping;
+    }
+
+    fn is_finished(&self) -> bool {
+        !self.looping && self.next == self.samples.len()
     }
 }
 

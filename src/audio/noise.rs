@@ -1,5 +1,6 @@
 //! White noise that can be repeated.
 
+use super::Signal;
 use crate::rng::hash;
 
 /// The peak of the noise, of full scale 1: −6.02 dBFS, at a level of −10.8 dBFS (RMS).
@@ -16,8 +17,10 @@ impl Noise {
     pub(super) fn new(seed: u64) -> Self {
         Self { seed, index: 0 }
     }
+}
 
-    pub(super) fn fill(&mut self, out: &mut [f32]) {
+impl Signal for Noise {
+    fn fill(&mut self, out: &mut [f32]) {
         for sample in out {
             *sample = noise_at(self.seed, self.index);
             self.index = self.index.wrapping_add(1);
@@ -25,7 +28,7 @@ impl Noise {
     }
 
     /// Makes the sample with this number the next one.
-    pub(super) fn seek(&mut self, index: u64) {
+    fn seek(&mut self, index: u64) {
         self.index = index;
     }
 }

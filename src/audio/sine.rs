@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::AudioError;
+use super::{AudioError, Signal};
 
 /// The peak of a sine, of full scale 1: −6.02 dBFS.
 pub const SINE_AMPLITUDE: f32 = 0.5;
@@ -32,7 +32,16 @@ impl Sine {
         })
     }
 
-    pub(super) fn fill(&mut self, out: &mut [f32]) {
+    fn advance(&mut self) {
+        self.phase_turns += self.step_turns;
+        if self.phase_turns >= 1.0 {
+            self.phase_turns -= 1.0;
+        }
+    }
+}
+
+impl Signal for Sine {
+    fn fill(&mut self, out: &mut [f32]) {
         for sample in out {
             *sample = SINE_AMPLITUDE * (TAU * self.phase_turns).sin() as f32;
             self.advance();
@@ -40,15 +49,8 @@ impl Sine {
     }
 
     /// Makes the sample with this number the next one.
-    pub(super) fn seek(&mut self, index: u64) {
+    fn seek(&mut self, index: u64) {
         self.phase_turns = (self.step_turns * index as f64).fract();
-    }
-
-    fn advance(&mut self) {
-        self.phase_turns += self.step_turns;
-        if self.phase_turns >= 1.0 {
-            self.phase_turns -= 1.0;
-        }
     }
 }
 

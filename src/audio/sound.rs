@@ -5,28 +5,28 @@ use super::noise::Noise;
 use super::rate::check_rate;
 use super::sine::Sine;
 use super::speech::Speech;
-use super::{AudioError, SoundSpec, resample, wav_read};
+use super::{AudioError, Signal, SoundSpec, resample, wav_read};
+use std::fmt;
+use std::path::Path;
 
-/// A mono sound that is read forwards, sample by sample; 1 is full scale.
+/// A mono sound that is read forwards, sample by sample; 1 is full scale. A caller's own is made
+/// of a [`Signal`].
 ///
 /// A sine, noise and speech never end. A WAV clip starts over at its end unless
 /// [`set_looping`](Self::set_looping) turned that off: then it ends in silence. Where its end does
 /// not fit its start, the first 5 ms are cross-faded with the end each time that it starts over.
-#[derive(Debug, Clone)]
 pub struct Sound {
-    kind: Kind,
-}
-
-#[derive(Debug, Clone)]
-enum Kind {
-    Sine(Sine),
-    Noise(Noise),
-    // Boxed: it holds tables of some hundred bytes.
-    Speech(Box<Speech>),
-    Clip(Clip),
+    signal: Box<dyn Signal>,
 }
 
 impl Sound {
+    /// A sound of the caller's own.
+    pub fn new(signal: impl Signal + 'static) -> Self {
+        Self {
+            signal: Box::new(signal),
+        }
+    }
+
     /// Reads a description such as `sine:440` (see [`SoundSpec`]) and loads it at `sample_rate`
     /// samples a second, commonly [`SAMPLE_RATE`](super::SAMPLE_RATE).
     ///
@@ -53,38 +53,17 @@ impl Sound {
     /// [`LoudSample`](AudioError::LoudSample), [`LongWav`](AudioError::LongWav) or [`Resample`](AudioError::Resample).
     pub fn load(spec: &SoundSpec, sample_rate: u32) -> Result<Self, AudioError> {
         check_rate(sample_rate)?;
-        let kind = match spec {
-            SoundSpec::Sine { frequency_hz } => Kind::Sine(Sine::new(*frequency_hz, sample_rate)?),
-            SoundSpec::Noise { seed } => Kind::Noise(Noise::new(*seed)),
-            SoundSpec::Speech { seed } => Kind::Speech(Box::new(Speech::new(*seed, sample_rate))),
-            SoundSpec::Wav { path } => {
-                let wav = wav_read::read_mono(path, sample_rate)?;
-                let samples =
-                    resample::to_rate(wav.samples, wav.rate_hz, sample_rate).map_err(|reason| {
-                        AudioError::Resample {
-                            path: path.clone(),
-                            from_hz: wav.rate_hz,
-                            to_hz: sample_rate,
-                            reason,
-                        }
-                    })?;
-                if samples.is_empty() {
-                    return Err(AudioError::EmptyWav { path: path.clone() });
-                }
-                Kind::Clip(Clip::new(samples, sample_rate))
-            }
-        };
-        Ok(Self { kind })
+        Ok(match spec {
+            SoundSpec::Sine { frequency_hz } => Self::new(Sine::new(*frequency_hz, sample_rate)?),
+            SoundSpec::Noise { seed } => Self::new(Noise::new(*seed)),
+            SoundSpec::Speech { seed } => Self::new(Speech::new(*seed, sample_rate)),
+            SoundSpec::Wav { path } => Self::new(load_clip(path, sample_rate)?),
+        })
     }
 
     /// Overwrites `out` with the next `out.len()` samples. Allocates nothing.
     pub fn fill(&mut self, out: &mut [f32]) {
-        match &mut self.kind {
-            Kind::Sine(sine) => sine.fill(out),
-            Kind::Noise(noise) => noise.fill(out),
-            Kind::Speech(speech) => speech.fill(out),
-            Kind::Clip(clip) => clip.fill(out),
-        }
+        self.signal.fill(out);
     }
 
     /// Goes back to the first sample.
@@ -97,35 +76,47 @@ impl Sound {
     /// In a looping clip the numbers go on past its end; without looping, all that lies there is
     /// silence.
     pub fn seek(&mut self, sample: u64) {
-        match &mut self.kind {
-            Kind::Sine(sine) => sine.seek(sample),
-            Kind::Noise(noise) => noise.seek(sample),
-            Kind::Speech(speech) => speech.seek(sample),
-            Kind::Clip(clip) => clip.seek(sample),
-        }
+        self.signal.seek(sample);
     }
 
     /// Chooses whether a clip starts over at its end (as it does when loaded) or falls silent.
-    /// The other sounds have no end, and ignore this.
+    /// Sounds without an end ignore this.
     pub fn set_looping(&mut self, looping: bool) {
-        if let Kind::Clip(clip) = &mut self.kind {
-            clip.set_looping(looping);
-        }
+        self.signal.set_looping(looping);
     }
 
-    /// The number of samples until a clip's end, from its start; none for the other sounds.
-    pub fn clip_len(&self) -> Option<usize> {
-        match &self.kind {
-            Kind::Clip(clip) => Some(clip.len()),
-            Kind::Sine(_) | Kind::Noise(_) | Kind::Speech(_) => None,
-        }
+    /// The number of samples from the start to the end; none for sounds without an end.
+    pub fn length(&self) -> Option<usize> {
+        self.signal.length()
     }
 
-    /// Whether all that is left is silence: only ever true of a clip that does not loop.
+    /// Whether all that is left is silence: of the sounds here, only ever true of a clip that does
+    /// not loop.
     pub fn is_finished(&self) -> bool {
-        match &self.kind {
-            Kind::Clip(clip) => clip.is_finished(),
-            Kind::Sine(_) | Kind::Noise(_) | Kind::Speech(_) => false,
-        }
+        self.signal.is_finished()
     }
+}
+
+impl fmt::Debug for Sound {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Sound").finish_non_exhaustive()
+    }
+}
+
+fn load_clip(path: &Path, sample_rate: u32) -> Result<Clip, AudioError> {
+    let wav = wav_read::read_mono(path, sample_rate)?;
+    let samples = resample::to_rate(wav.samples, wav.rate_hz, sample_rate).map_err(|reason| {
+        AudioError::Resample {
+            path: path.to_owned(),
+            from_hz: wav.rate_hz,
+            to_hz: sample_rate,
+            reason,
+        }
+    })?;
+    if samples.is_empty() {
+        return Err(AudioError::EmptyWav {
+            path: path.to_owned(),
+        });
+    }
+    Ok(Clip::new(samples, sample_rate))
 }

@@ -13,6 +13,7 @@
 //! in closed form, counted from the start of the phrase, where all is silent. The amplitudes are
 //! computed every 5 ms and run linearly in between.
 
+use super::Signal;
 use std::f64::consts::TAU;
 
 use crate::rng::{hash, unit_interval};
@@ -107,16 +108,6 @@ impl Speech {
         };
         speech.pitch = speech.slot_pitch(0);
         speech
-    }
-
-    pub(super) fn seek(&mut self, index: u64) {
-        self.index = index;
-    }
-
-    pub(super) fn fill(&mut self, out: &mut [f32]) {
-        for sample in out {
-            *sample = self.next();
-        }
     }
 
     fn next(&mut self) -> f32 {
@@ -291,6 +282,18 @@ impl Speech {
         );
         let slow = 2.0 * (from + (to - from) * smooth(at - knot)) - 1.0;
         HISS_PEAK * slow * (TAU * (HISS_HZ * time).fract()).sin()
+    }
+}
+
+impl Signal for Speech {
+    fn fill(&mut self, out: &mut [f32]) {
+        for sample in out {
+            *sample = self.next();
+        }
+    }
+
+    fn seek(&mut self, index: u64) {
+        self.index = index;
     }
 }
 

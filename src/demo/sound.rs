@@ -6,7 +6,6 @@
 use super::DemoOptions;
 use crate::audio::PanningLaw;
 #[cfg(feature = "audio")]
-use crate::audio::SoundSpec;
 #[cfg(feature = "audio")]
 use crate::audio::live::{Live, LiveOptions, LiveStatus};
 use crate::trace::Panning;
@@ -101,8 +100,7 @@ impl Speaker {
     pub fn set_sound(&mut self, sound: &str) -> Result<(), String> {
         #[cfg(feature = "audio")]
         if let Some(live) = &self.live {
-            let spec: SoundSpec = sound.parse().map_err(to_sentence)?;
-            live.set_sound(spec);
+            live.set_sound(sound.parse().map_err(to_sentence)?);
         }
         // Without sound it is a name and nothing else.
         let _ = sound;
@@ -181,7 +179,7 @@ fn start(options: &DemoOptions) -> Option<Live> {
         .sound
         .parse()
         .ok()
-        .map(|spec| Live::start(spec, live))
+        .map(|sound| Live::start(sound, live))
 }
 
 #[cfg(feature = "audio")]

@@ -5,7 +5,7 @@ use crate::error::Error;
 use std::time::{Duration, Instant};
 
 /// The result of one traced frame.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 #[non_exhaustive]
 pub struct Frame {
     /// What arrived at the two ears.

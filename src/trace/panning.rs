@@ -4,7 +4,7 @@ use super::waves::{Fate, unpack_counters};
 
 /// What arrived at the two ears: the summed contributions of all waves that reached
 /// the listener (thesis, section 3.2.4). Each such wave gives 1, split in two.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 #[non_exhaustive]
 pub struct Panning {
     /// Sum of the contributions to the left.

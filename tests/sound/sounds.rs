@@ -5,7 +5,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use echomarch::audio::{
-    AudioError, NOISE_AMPLITUDE, SAMPLE_RATE, SINE_AMPLITUDE, Sound, SoundSpec, WavWriter,
+    AudioError, NOISE_AMPLITUDE, SAMPLE_RATE, SINE_AMPLITUDE, Signal, Sound, SoundSource,
+    SoundSpec, WavWriter,
 };
 use hound::{SampleFormat, WavSpec};
 use tempfile::TempDir;
@@ -187,7 +188,7 @@ fn a_clip_loops_or_ends_in_silence() {
     let dir = TempDir::new().unwrap();
     let path = write(&dir, float(1, SAMPLE_RATE), &[0.1f32, 0.2, 0.3]);
     let mut clip = load(&path).unwrap();
-    assert_eq!(clip.clip_len(), Some(3));
+    assert_eq!(clip.length(), Some(3));
     assert_eq!(pull(&mut clip, 7), [0.1, 0.2, 0.3, 0.1, 0.2, 0.3, 0.1]);
     clip.rewind();
     clip.set_looping(false);
@@ -255,7 +256,7 @@ fn resampling_keeps_frequency_level_and_length() {
         );
         let mut sound = load(&path).unwrap();
         let wanted = (count as f64 * 48_000.0 / f64::from(rate)).round() as usize;
-        assert_eq!(sound.clip_len(), Some(wanted), "{rate} Hz");
+        assert_eq!(sound.length(), Some(wanted), "{rate} Hz");
         let samples = pull(&mut sound, wanted);
         // Away from the ends the tone itself must stand there, in phase, within −74 dB of it.
         for (i, &s) in samples.iter().enumerate().take(72_000).skip(24_000) {
@@ -308,7 +309,7 @@ fn resampling_keeps_the_onset() {
             .collect();
         let path = write(&dir, float(1, rate), &samples);
         let mut sound = load(&path).unwrap();
-        let count = sound.clip_len().unwrap();
+        let count = sound.length().unwrap();
         for (i, s) in pull(&mut sound, count).into_iter().enumerate() {
             let exact = pulse(i as f64 / 48_000.0);
             assert!(
@@ -442,4 +443,61 @@ fn a_written_file_has_the_permissions_of_any_new_file() {
     fs::write(&plain, "").unwrap();
     let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode();
     assert_eq!(mode(&path), mode(&plain));
+}
+
+/// Protects a caller's own sound: it is read, sought and ended as it says, at the rate that is
+/// asked for.
+#[test]
+fn a_sound_of_ones_own_is_played() {
+    /// Counts up by one a sample, to its length.
+    struct Ramp {
+        next: usize,
+        length: usize,
+    }
+    impl Signal for Ramp {
+        fn fill(&mut self, out: &mut [f32]) {
+            for sample in out {
+                *sample = if self.is_finished() {
+                    0.0
+                } else {
+                    self.next as f32
+                };
+                self.next += 1;
+            }
+        }
+        fn seek(&mut self, sample: u64) {
+            self.next = sample as usize;
+        }
+        fn length(&self) -> Option<usize> {
+            Some(self.length)
+        }
+        fn is_finished(&self) -> bool {
+            self.next >= self.length
+        }
+    }
+    let source = SoundSource::new("ramp", |rate_hz| {
+        let length = rate_hz as usize / 16_000;
+        Ok(Sound::new(Ramp { next: 0, length }))
+    });
+    let mut sound = source.sound(SAMPLE_RATE).unwrap();
+    assert_eq!(sound.length(), Some(3));
+    let mut out = [9.0; 2];
+    sound.fill(&mut out);
+    assert_eq!((out, sound.is_finished()), ([0.0, 1.0], false));
+    sound.fill(&mut out);
+    assert_eq!((out, sound.is_finished()), ([2.0, 0.0], true));
+    sound.rewind();
+    sound.fill(&mut out);
+    assert_eq!(out, [0.0, 1.0]);
+    assert_eq!(source.sound(96_000).unwrap().length(), Some(6));
+}
+
+/// Protects live output from a sound that cannot be made: its source says why.
+#[test]
+fn a_source_says_why_it_makes_no_sound() {
+    let missing: SoundSource = "missing.wav".parse().unwrap();
+    let error = missing.sound(SAMPLE_RATE).unwrap_err();
+    assert!(matches!(error, AudioError::OpenWav { .. }), "{error}");
+    let error = "missing".parse::<SoundSource>().unwrap_err();
+    assert!(matches!(error, AudioError::UnknownSound { .. }), "{error}");
 }

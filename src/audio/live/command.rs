@@ -1,12 +1,12 @@
 //! What the supervising thread is asked for.
 
-use crate::audio::SoundSpec;
+use crate::audio::SoundSource;
 
 /// A command to the supervising thread.
 #[derive(Debug)]
 pub(super) enum Command {
     /// Fade to another sound.
-    Sound(SoundSpec),
+    Sound(SoundSource),
     /// Play on another device.
     Device(Option<String>),
     /// A recording waits in the state.

@@ -47,7 +47,7 @@ use self::command::Command;
 use self::recording::Recording;
 use self::shared::Shared;
 use self::supervisor::{Common, State, Supervisor, lock};
-use super::{PanningLaw, SoundSpec};
+use super::{PanningLaw, SoundSource};
 use crate::trace::Panning;
 
 /// What live output starts with.
@@ -126,7 +126,7 @@ impl Live {
     /// This never fails: without a device, or with one that cannot be opened, nothing is heard,
     /// the sound stands still, and [`status`](Self::status) says why; the device is tried again
     /// from time to time. The same goes for a sound that cannot be loaded.
-    pub fn start(sound: SoundSpec, options: LiveOptions) -> Self {
+    pub fn start(sound: SoundSource, options: LiveOptions) -> Self {
         let (commands, receiver) = mpsc::channel();
         let common = Common {
             shared: Arc::new(Shared::new(options.law)),
@@ -172,7 +172,7 @@ impl Live {
     /// Cross-fades to the start of another sound, within 20 ms after it is loaded.
     ///
     /// If it cannot be loaded, the old one plays on and [`status`](Self::status) says why.
-    pub fn set_sound(&self, sound: SoundSpec) {
+    pub fn set_sound(&self, sound: SoundSource) {
         self.send(Command::Sound(sound));
     }
 

@@ -15,7 +15,7 @@ use super::recording::Recording;
 use super::renderer::{Message, Remote, Renderer, Tap};
 use super::shared::Shared;
 use super::timeout::{ANSWER_LIMIT, drop_elsewhere, within};
-use crate::audio::{SAMPLE_RATE, Sound, SoundSpec};
+use crate::audio::{SAMPLE_RATE, Sound, SoundSource};
 
 /// How often the thread looks after the stream.
 const TICK: Duration = Duration::from_millis(20);
@@ -91,7 +91,7 @@ pub(super) struct Supervisor {
     /// The number of the renderer that the remote belongs to.
     renderer: u64,
     rate_hz: u32,
-    spec: SoundSpec,
+    source: SoundSource,
     device: Option<String>,
     buffer_frames: u32,
     stream: Option<OpenStream>,
@@ -119,7 +119,7 @@ impl Supervisor {
     pub(super) fn new(
         common: Common,
         commands: Receiver<Command>,
-        spec: SoundSpec,
+        source: SoundSource,
         device: Option<String>,
         buffer_frames: u32,
     ) -> Self {
@@ -133,7 +133,7 @@ impl Supervisor {
             remote,
             renderer: 0,
             rate_hz: SAMPLE_RATE,
-            spec,
+            source,
             device,
             buffer_frames: buffer_frames.max(1),
             stream: None,
@@ -148,7 +148,7 @@ impl Supervisor {
 
     /// Runs until it is stopped.
     pub(super) fn run(mut self) {
-        self.change_sound(self.spec.clone());
+        self.change_sound(self.source.clone());
         loop {
             if self.stream.is_none() && Instant::now() >= self.next_try {
                 self.try_to_open();
@@ -167,7 +167,7 @@ impl Supervisor {
 
     fn handle(&mut self, command: Command) {
         match command {
-            Command::Sound(spec) => self.change_sound(spec),
+            Command::Sound(source) => self.change_sound(source),
             Command::Device(device) => {
                 self.device = device;
                 self.fade_out();
@@ -185,10 +185,10 @@ impl Supervisor {
     }
 
     /// Loads a sound and sends it to the callback; of several that wait only the last is wanted.
-    fn change_sound(&mut self, spec: SoundSpec) {
-        match Sound::load(&spec, self.rate_hz) {
+    fn change_sound(&mut self, source: SoundSource) {
+        match source.sound(self.rate_hz) {
             Ok(sound) => {
-                self.spec = spec;
+                self.source = source;
                 self.waiting = Some(sound);
                 let mut state = lock(&self.common.state);
                 state.has_sound = true;
@@ -398,7 +398,7 @@ impl Supervisor {
 
     /// Loads the sound that is wanted at another rate.
     fn load_again(&self, rate_hz: u32) -> Option<Sound> {
-        let loaded = Sound::load(&self.spec, rate_hz);
+        let loaded = self.source.sound(rate_hz);
         let mut state = lock(&self.common.state);
         if loaded.is_ok() && !state.has_sound {
             state.notice = None;
@@ -422,7 +422,7 @@ impl Supervisor {
         }
         // That callback hangs, and the renderer with it.
         let shared = Arc::clone(&self.common.shared);
-        let sound = Sound::load(&self.spec, self.rate_hz).ok();
+        let sound = self.source.sound(self.rate_hz).ok();
         let (mut renderer, remote) = Renderer::with_shared(shared, sound, self.rate_hz);
         self.remote = remote;
         self.renderer += 1;

@@ -42,11 +42,11 @@ pub struct Feature {
 const PREFIXES: [&str; 6] = ["sd", "gd", "hit", "project", "gradient", "op"];
 
 /// What they end with after the name.
-const SUFFIXES: [&str; 2] = ["Ahead", "Cap"];
+const SUFFIXES: [&str; 2] = ["Directed", "Cap"];
 
 /// What such functions are called after without being a shape or an operator.
 const HELPERS: [&str; 9] = [
-    "Ball", "Chord", "Corner", "Edge", "InCells", "Kind", "Listener", "OfKind", "OnKind",
+    "Ball", "Chord", "Corner", "Edge", "InCells", "Kind", "Listener", "OfKind", "OntoKind",
 ];
 
 /// Functions that are called otherwise.

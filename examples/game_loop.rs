@@ -1,0 +1,66 @@
+//! A game's loop: each picture begins or goes on with a frame of waves, and never waits for it;
+//! what is heard becomes the gains of one voice of the game's own audio engine.
+//!
+//! ```sh
+//! cargo run --release --example game_loop
+//! ```
+
+use echomarch::audio::{Gains, PanningLaw};
+use echomarch::gpu::{Context, ContextOptions};
+use echomarch::{Error, Scene, Settings, Tracer};
+use std::time::{Duration, Instant};
+
+/// Time of one picture at 60 a second.
+const PICTURE: Duration = Duration::from_micros(16_667);
+
+/// What each picture spends on the waves, in milliseconds.
+const WAVES_MS: f64 = 4.0;
+
+/// Metres that the source moves from one picture to the next.
+const STEP_M: f32 = 0.05;
+
+/// Stands for the voice of an audio engine, which glides to the gains that it is given.
+#[derive(Default)]
+struct Voice {
+    gains: Gains,
+}
+
+impl Voice {
+    fn set_gains(&mut self, gains: Gains) {
+        self.gains = gains;
+    }
+}
+
+fn main() -> Result<(), Error> {
+    let context = Context::headless(&ContextOptions::default())?;
+    println!("renderer: {}", context.renderer());
+    let mut tracer = Tracer::new(&context)?;
+    let mut scene = Scene::builtin("open-field")?;
+    let settings = Settings::default().with_waves(16_384);
+    let mut voice = Voice::default();
+    let mut heard = 0;
+
+    for picture in 0..120 {
+        let began = Instant::now();
+        // The game moves what it moves.
+        scene.source.position.x += STEP_M;
+        // The waves: a new frame when the last one is there, and a share of this picture's time.
+        if !tracer.is_frame_pending() {
+            tracer.frame_begin(&scene, &settings)?;
+        }
+        tracer.frame_advance(WAVES_MS)?;
+        if let Some(frame) = tracer.frame_poll()? {
+            heard += 1;
+            voice.set_gains(PanningLaw::ConstantPower.gains(frame.panning.pan() as f32));
+        }
+        // Here the game draws its picture.
+        std::thread::sleep(PICTURE.saturating_sub(began.elapsed()));
+        if picture % 30 == 29 {
+            let Gains { left, right } = voice.gains;
+            println!(
+                "picture {picture:3}: gains {left:.3} and {right:.3} after {heard} frames of waves"
+            );
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,70 @@
+//! What makes a sound at the rate of a device.
+
+use super::{AudioError, Sound, SoundSpec};
+use std::fmt;
+use std::str::FromStr;
+use std::sync::Arc;
+
+type Make = dyn Fn(u32) -> Result<Sound, AudioError> + Send + Sync;
+
+/// Makes one sound at any sample rate: live output asks again when the device's rate changes.
+///
+/// It is made of a [`SoundSpec`], of its text, or of a caller's own function:
+///
+/// ```
+/// use echomarch::audio::{Sound, SoundSource, SoundSpec};
+///
+/// let by_text: SoundSource = "sine:440".parse()?;
+/// let by_spec = SoundSource::from(SoundSpec::Noise { seed: 7 });
+/// let own = SoundSource::new("two octaves up", |rate_hz| Sound::parse("sine:1760", rate_hz));
+/// assert!(own.sound(48_000).is_ok());
+/// # Ok::<(), echomarch::audio::AudioError>(())
+/// ```
+#[derive(Clone)]
+pub struct SoundSource {
+    name: String,
+    make: Arc<Make>,
+}
+
+impl SoundSource {
+    /// A caller's own sound: `make` is given the rate in samples a second, and is called on the
+    /// thread that supervises live output.
+    pub fn new(
+        name: impl Into<String>,
+        make: impl Fn(u32) -> Result<Sound, AudioError> + Send + Sync + 'static,
+    ) -> Self {
+        Self {
+            name: name.into(),
+            make: Arc::new(make),
+        }
+    }
+
+    /// The sound at `rate_hz` samples a second, at its start.
+    ///
+    /// # Errors
+    /// As [`Sound::load`], or what the caller's own function answers.
+    pub fn sound(&self, rate_hz: u32) -> Result<Sound, AudioError> {
+        (self.make)(rate_hz)
+    }
+}
+
+impl From<SoundSpec> for SoundSource {
+    fn from(spec: SoundSpec) -> Self {
+        Self::new(spec.to_string(), move |rate_hz| Sound::load(&spec, rate_hz))
+    }
+}
+
+impl FromStr for SoundSource {
+    type Err = AudioError;
+
+    /// Reads the text of a [`SoundSpec`]; opens nothing.
+    fn from_str(text: &str) -> Result<Self, AudioError> {
+        text.parse::<SoundSpec>().map(Self::from)
+    }
+}
+
+impl fmt::Debug for SoundSource {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_tuple("SoundSource").field(&self.name).finish()
+    }
+}
