@@ -14,44 +14,21 @@
 //! near to are made again. They are built on all cores; their order is that of the
 //! surfaces, whatever the number of threads.
 
+mod grid;
 mod groups;
+mod member;
 
+pub use grid::Grid;
 pub use groups::Group;
 
 use super::layout::Layout;
-use crate::scene::{Bounds3, Exactness, Node, Scene, Surface};
-use glam::{BVec3, DVec3, UVec3};
-use std::num::NonZeroUsize;
-
-/// Cells for each surface, about: as many again, so that most hold one surface or none.
-const CELLS_A_SURFACE: f64 = 2.0;
-
-/// Cells along an axis at the most.
-const MOST_CELLS: f64 = 128.0;
+use crate::scene::{Bounds3, Scene};
+use glam::UVec3;
+use member::{Member, hull, members, radius};
+use rayon::prelude::*;
 
 /// Half the length that stands for no end, in metres: squares of it are finite in `f32`.
 pub(super) const ENDLESS: f64 = 1e9;
-
-/// What is added to every cell when lists are made, as a share of its size: a place that
-/// rounding put into the next cell must find the same surfaces there.
-const PAD: f64 = 1e-3;
-
-/// The free border of the grid, as a share of its size: what moves within it makes no new
-/// grid.
-const BORDER: f64 = 0.05;
-
-/// The grid: where its cells are, in world metres.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Grid {
-    /// The corner with the least coordinates.
-    pub origin: DVec3,
-    /// Width, height and depth of a cell.
-    pub cell: DVec3,
-    /// Cells along each axis.
-    pub count: UVec3,
-    /// What holds every surface in it: smaller than the grid.
-    pub inner: Bounds3,
-}
 
 /// The cells of a scene.
 #[derive(Clone, Debug)]
@@ -64,17 +41,6 @@ pub struct Cells {
     near: Option<Vec<Candidates>>,
     /// Made with the lists of nearest candidates.
     groups: Vec<Group>,
-}
-
-/// A surface in the grid.
-#[derive(Clone, Debug)]
-struct Member {
-    /// Its index in the scene.
-    index: u32,
-    surface: Surface,
-    bounds: Bounds3,
-    /// Whether positive values are the distance itself.
-    exact: bool,
 }
 
 /// A cell's list of near surfaces (indices into the members), and what it was made by.
@@ -100,7 +66,8 @@ impl Cells {
             return None;
         }
         let known = members(scene, layout);
-        let grid = Grid::around(&known, layout.unbounded_axes);
+        let inner = hull(&known, layout.unbounded_axes);
+        let grid = Grid::around(inner, known.len(), layout.unbounded_axes);
         let mut cells = Cells {
             layout: layout.clone(),
             grid,
@@ -259,7 +226,8 @@ impl Cells {
             block.iter().map(near).collect::<Vec<_>>()
         };
         let mut near = vec![Candidates::default(); self.grid.cells()];
-        for (cell, list) in on_all_cores(&blocks, of_block).into_iter().flatten() {
+        let made: Vec<_> = blocks.par_iter().flat_map_iter(of_block).collect();
+        for (cell, list) in made {
             near[cell] = list;
         }
         self.near = Some(near);
@@ -283,10 +251,11 @@ impl Cells {
         };
         let all: Vec<u32> = (0..self.known.len() as u32).collect();
         let cells: Vec<usize> = (0..self.grid.cells()).filter(stale).collect();
-        let remade = on_all_cores(&cells, |&cell| {
+        let make = |&cell: &usize| {
             let bounds = self.grid.padded(self.grid.at(cell));
             self.near_to(bounds, &all)
-        });
+        };
+        let remade: Vec<Candidates> = cells.par_iter().map(make).collect();
         if let Some(near) = &mut self.near {
             for (cell, list) in cells.into_iter().zip(remade) {
                 near[cell] = list;
@@ -317,206 +286,57 @@ impl Cells {
     }
 }
 
-impl Member {
-    fn new(index: u32, surface: &Surface) -> Member {
-        let exact = surface.shape.properties().in_air == Exactness::Exact;
-        Member {
-            index,
-            surface: surface.clone(),
-            bounds: surface.bounds(),
-            exact,
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::shape::Sphere;
+    use crate::scene::{Listener, Source, Surface};
+    use glam::Vec3;
+
+    /// Balls of many sizes, so that lists of nearest candidates differ from cell to cell.
+    fn balls() -> Scene {
+        let ball = |index: usize| {
+            let place = Vec3::new(
+                (index % 7) as f32,
+                (index / 7 % 7) as f32,
+                (index / 49) as f32,
+            );
+            let radius = 0.1 + 0.05 * (index % 5) as f32;
+            Surface::new(Sphere { radius }).at(2.0 * place)
+        };
+        Scene {
+            name: "balls".into(),
+            surfaces: (0..200).map(ball).collect(),
+            source: Source::at(Vec3::splat(-1.0)),
+            listener: Listener::at(Vec3::splat(15.0), 0.5),
         }
     }
 
-    /// Whether its value at the middle of a box says the distance there: not where there are
-    /// unbounded axes and it has ends.
-    fn is_told_by_value(&self, unbounded_axes: [bool; 3]) -> bool {
-        let column = (0..3).find(|&axis| unbounded_axes[axis]);
-        column.is_none_or(|axis| {
-            unbounded_axes.iter().filter(|c| **c).count() == 1
-                && matches!(self.surface.shape.node, Node::Cylinder(_))
-                && self.bounds.min[axis].is_infinite()
+    /// Every list of the scene's cells, made by so many threads; some after a surface has moved.
+    fn lists(threads: usize) -> Vec<Vec<u32>> {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        pool.build().unwrap().install(|| {
+            let mut scene = balls();
+            let layout = Layout::of(&scene);
+            let mut cells = Cells::new(&scene, &layout).unwrap();
+            cells.prepare(Lists::NearestCandidates);
+            let mut all = Vec::new();
+            let mut keep = |_: usize, list: &[u32]| all.push(list.to_vec());
+            cells.for_each_list(Lists::NearestCandidates, &mut keep);
+            scene.surfaces[3].position.y += 0.7;
+            assert!(cells.update(&scene, &layout));
+            cells.for_each_list(Lists::NearestCandidates, &mut keep);
+            all
         })
     }
 
-    fn reaches_into(&self, bounds: Bounds3, unbounded_axes: [bool; 3]) -> bool {
-        self.least_distance(bounds, unbounded_axes) <= radius(bounds, unbounded_axes)
-    }
-
-    /// Never more than its distance from the middle of a box.
-    fn least_distance(&self, bounds: Bounds3, unbounded_axes: [bool; 3]) -> f64 {
-        let middle = middle(bounds, unbounded_axes);
-        if self.is_told_by_value(unbounded_axes) {
-            return f64::from(self.surface.distance(middle.as_vec3()));
-        }
-        let mask = BVec3::from_array(unbounded_axes);
-        let flat = Bounds3 {
-            min: DVec3::select(mask, DVec3::NEG_INFINITY, self.bounds.min),
-            max: DVec3::select(mask, DVec3::INFINITY, self.bounds.max),
-        };
-        flat.distance(middle)
-    }
-
-    /// Never more than its value there, which for a bound may be less than the distance.
-    fn least_value(&self, bounds: Bounds3, unbounded_axes: [bool; 3]) -> f64 {
-        match self.exact || self.is_told_by_value(unbounded_axes) {
-            true => self.least_distance(bounds, unbounded_axes),
-            false => f64::NEG_INFINITY,
+    /// Protects lists, and so every result, from the number of threads that made them.
+    #[test]
+    fn threads_do_not_change_a_list() {
+        let alone = lists(1);
+        assert!(alone.iter().any(|list| list.len() > 1));
+        for threads in [2, 3, 7] {
+            assert_eq!(alone, lists(threads), "{threads} threads");
         }
     }
-
-    /// Never less than that distance.
-    fn most_distance(&self, bounds: Bounds3, unbounded_axes: [bool; 3]) -> f64 {
-        if !self.is_told_by_value(unbounded_axes) {
-            return f64::INFINITY;
-        }
-        let middle = middle(bounds, unbounded_axes);
-        if self.exact {
-            return f64::from(self.surface.distance(middle.as_vec3()));
-        }
-        let far = (middle - self.bounds.min)
-            .abs()
-            .max((self.bounds.max - middle).abs());
-        far.length()
-    }
-}
-
-/// The middle of a box, 0 along unbounded axes.
-fn middle(bounds: Bounds3, unbounded_axes: [bool; 3]) -> DVec3 {
-    let middle = 0.5 * (bounds.min + bounds.max);
-    DVec3::select(BVec3::from_array(unbounded_axes), DVec3::ZERO, middle)
-}
-
-/// Half the diagonal of a box, what unbounded axes add left out, and what `f32` rounds a distance
-/// by.
-fn radius(bounds: Bounds3, unbounded_axes: [bool; 3]) -> f64 {
-    let flat = |v: DVec3| DVec3::select(BVec3::from_array(unbounded_axes), DVec3::ZERO, v);
-    let half = flat(0.5 * (bounds.max - bounds.min));
-    let place = flat(bounds.min.abs().max(bounds.max.abs()));
-    half.length() + 8.0 * f64::from(f32::EPSILON) * place.max_element()
-}
-
-fn members(scene: &Scene, layout: &Layout) -> Vec<Member> {
-    let in_cells = (0..scene.surfaces.len()).filter(|&i| layout.kind_of[i].is_some());
-    let members = in_cells.map(|index| Member::new(index as u32, &scene.surfaces[index]));
-    members.collect()
-}
-
-/// What holds all members; without end along unbounded axes.
-fn hull(members: &[Member], unbounded_axes: [bool; 3]) -> Bounds3 {
-    let all = members.iter().map(|m| m.bounds).reduce(Bounds3::hull);
-    let hull = all.unwrap_or(Bounds3::EVERYWHERE);
-    let mask = BVec3::from_array(unbounded_axes);
-    Bounds3 {
-        min: DVec3::select(mask, DVec3::splat(-ENDLESS), hull.min),
-        max: DVec3::select(mask, DVec3::splat(ENDLESS), hull.max),
-    }
-}
-
-impl Grid {
-    fn around(members: &[Member], unbounded_axes: [bool; 3]) -> Grid {
-        let inner = hull(members, unbounded_axes);
-        let size = inner.max - inner.min;
-        let longest = (0..3)
-            .filter(|&axis| !unbounded_axes[axis])
-            .map(|axis| size[axis])
-            .fold(0.0, f64::max);
-        let border = DVec3::from_array([0, 1, 2].map(|axis| match unbounded_axes[axis] {
-            true => 0.0,
-            false => BORDER * longest.max(1e-3),
-        }));
-        let outer = inner.grown(border);
-        let size = outer.max - outer.min;
-        let along: Vec<f64> = (0..3)
-            .filter(|&a| !unbounded_axes[a])
-            .map(|a| size[a])
-            .collect();
-        let wanted = CELLS_A_SURFACE * members.len() as f64;
-        let edge = (along.iter().product::<f64>() / wanted).powf(1.0 / along.len().max(1) as f64);
-        let count = [0, 1, 2].map(|axis| match unbounded_axes[axis] {
-            true => 1,
-            false => (size[axis] / edge).round().clamp(1.0, MOST_CELLS) as u32,
-        });
-        let count = UVec3::from_array(count);
-        Grid {
-            origin: outer.min,
-            cell: size / count.as_dvec3(),
-            count,
-            inner,
-        }
-    }
-
-    /// Whether the border about the surfaces is still at least half as wide as it was.
-    fn has_room(&self) -> bool {
-        let end = self.origin + self.cell * self.count.as_dvec3();
-        let unbounded_axes = self.cell.cmpge(DVec3::splat(2.0 * ENDLESS));
-        let border = 0.5 * BORDER / (1.0 + 2.0 * BORDER);
-        let longest = DVec3::select(unbounded_axes, DVec3::ZERO, end - self.origin).max_element();
-        let free = (self.inner.min - self.origin).min(end - self.inner.max);
-        (0..3).all(|axis| unbounded_axes.test(axis) || free[axis] >= border * longest)
-    }
-
-    fn cells(&self) -> usize {
-        self.count.element_product() as usize
-    }
-
-    fn index(&self, at: UVec3) -> usize {
-        ((at.z * self.count.y + at.y) * self.count.x + at.x) as usize
-    }
-
-    fn at(&self, index: usize) -> UVec3 {
-        let index = index as u32;
-        let (x, rest) = (index % self.count.x, index / self.count.x);
-        UVec3::new(x, rest % self.count.y, rest / self.count.y)
-    }
-
-    fn padded(&self, at: UVec3) -> Bounds3 {
-        let min = self.origin + self.cell * at.as_dvec3();
-        let max = min + self.cell;
-        Bounds3 { min, max }.grown(PAD * self.cell)
-    }
-
-    /// The first and the last cell that a box reaches into.
-    fn range(&self, bounds: Bounds3) -> (UVec3, UVec3) {
-        let padded = bounds.grown(PAD * self.cell);
-        let last = (self.count - 1).as_dvec3();
-        let cell = |place: DVec3| ((place - self.origin) / self.cell).floor();
-        let held = |place: DVec3| cell(place).clamp(DVec3::ZERO, last).as_uvec3();
-        (held(padded.min), held(padded.max))
-    }
-
-    /// Neighbouring cells together, so that most surfaces are ruled out for all of them.
-    fn blocks(&self) -> Vec<Vec<usize>> {
-        const SIDE: u32 = 4;
-        let blocks = (self.count + (SIDE - 1)) / SIDE;
-        let mut all = vec![Vec::new(); blocks.element_product() as usize];
-        for index in 0..self.cells() {
-            let block = self.at(index) / SIDE;
-            let place = (block.z * blocks.y + block.y) * blocks.x + block.x;
-            all[place as usize].push(index);
-        }
-        all
-    }
-}
-
-/// The results for all items, in their order, computed on all cores.
-fn on_all_cores<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
-    /// Items below which threads cost more than they save.
-    const FEW: usize = 4;
-    let cores = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
-    if items.len() <= FEW || cores == 1 {
-        return items.iter().map(work).collect();
-    }
-    let share = items.len().div_ceil(cores);
-    std::thread::scope(|scope| {
-        let parts: Vec<_> = items
-            .chunks(share)
-            .map(|part| scope.spawn(|| part.iter().map(&work).collect::<Vec<R>>()))
-            .collect();
-        let joined = parts.into_iter().map(|part| match part.join() {
-            Ok(results) => results,
-            Err(panic) => std::panic::resume_unwind(panic),
-        });
-        joined.flatten().collect()
-    })
 }

@@ -13,7 +13,7 @@
 use super::closed_form::{Face, Intersection, Placed, intersect_sphere};
 use crate::scene::{Scene, SceneError};
 use glam::{DVec3, Vec3};
-use std::num::NonZeroUsize;
+use rayon::prelude::*;
 
 /// What counts as rounding, as a part of the scene's extent: some hundred units in
 /// the last place.
@@ -195,40 +195,12 @@ impl ExactScene {
         path
     }
 
-    /// [`ExactScene::trace`] for many directions from one start, in their order, on
-    /// all processor cores.
+    /// [`ExactScene::trace`] for many directions from one start, in their order, on the threads
+    /// of rayon's pool; the waves are the same for any number of them.
     pub fn trace_all(&self, start: DVec3, directions: &[Vec3], iterations: u32) -> Vec<ExactWave> {
-        let useful = directions.len() / WAVES_WORTH_A_THREAD;
-        let cores = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
-        let threads = NonZeroUsize::new(useful.min(cores)).unwrap_or(NonZeroUsize::MIN);
-        self.trace_all_on(threads, start, directions, iterations)
-    }
-
-    /// [`ExactScene::trace_all`] on so many threads; the waves are the same for any
-    /// number of them.
-    pub fn trace_all_on(
-        &self,
-        threads: NonZeroUsize,
-        start: DVec3,
-        directions: &[Vec3],
-        iterations: u32,
-    ) -> Vec<ExactWave> {
         let trace = |direction: &Vec3| self.trace(start, direction.as_dvec3(), iterations);
-        if threads.get() == 1 {
-            return directions.iter().map(trace).collect();
-        }
-        let mut waves = vec![ExactWave::at(start, DVec3::ZERO); directions.len()];
-        let share = directions.len().div_ceil(threads.get()).max(1);
-        std::thread::scope(|scope| {
-            for (waves, directions) in waves.chunks_mut(share).zip(directions.chunks(share)) {
-                scope.spawn(move || {
-                    for (wave, direction) in waves.iter_mut().zip(directions) {
-                        *wave = trace(direction);
-                    }
-                });
-            }
-        });
-        waves
+        let shares = directions.par_iter().with_min_len(WAVES_WORTH_A_THREAD);
+        shares.map(trace).collect()
     }
 
     /// Where on the listener's sphere a wave arrived: −1 at the left ear, 0 anywhere

@@ -1,13 +1,9 @@
 //! Scenes that cannot be traced, and scenes that can but hardly mean to.
 
-use super::{Motion, Node, Scene, SceneError, Surface};
-use crate::scene::shape::{Cuboid, Cylinder, Room, Sphere};
+use super::{Motion, Scene, SceneError, Surface};
+use crate::scene::shape::LARGEST;
 use glam::Vec3;
 use std::fmt;
-
-/// The largest coordinate, size or time that a scene may hold, in metres or seconds: what
-/// is computed of it in `f32`, squares included, stays finite.
-const LARGEST: f32 = 1e9;
 
 /// Times of a surface's key frames times nodes of its field, at the most: some seconds of looking
 /// at each node at each time.
@@ -252,23 +248,8 @@ impl Scene {
             let what = format!("{label}: rotation");
             return Err(self.bad_number(&what, "a unit quaternion", rotation));
         }
-        match surface.shape.node {
-            Node::Cuboid(Cuboid { size }) | Node::Room(Room { size }) => {
-                let what = format!("{label}: size in metres");
-                if size.min_element() > 0.0 && size.max_element() <= LARGEST {
-                    return Ok(());
-                }
-                let must = "greater than 0 and at most 1e9 in all three axes";
-                Err(self.bad_number(&what, must, size))
-            }
-            Node::Sphere(Sphere { radius }) | Node::Cylinder(Cylinder { radius }) => {
-                self.positive(&format!("{label}: radius in metres"), radius)
-            }
-            _ => {
-                let checked = surface.shape.validate();
-                checked.map_err(|why| self.bad_field(label, why))
-            }
-        }
+        let checked = surface.shape.validate();
+        checked.map_err(|why| self.bad_field(label, why))
     }
 
     /// Every driver drives a number that is there, and its keys are in order.
@@ -356,7 +337,8 @@ impl Surface {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Listener, Source};
+    use crate::scene::shape::{Cuboid, Room, Sphere};
+    use crate::scene::{Listener, Node, Source};
 
     fn room() -> Scene {
         Scene {

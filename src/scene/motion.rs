@@ -76,7 +76,7 @@ impl Surface {
     /// The same surface with one of its numbers driven.
     pub fn driven(mut self, parameter: &str, motion: Motion) -> Surface {
         let parameter = parameter.to_owned();
-        self.turns |= parameter.starts_with("rotation.");
+        self.dynamic_rotation |= parameter.starts_with("rotation.");
         self.drivers.push(Driver { parameter, motion });
         self
     }

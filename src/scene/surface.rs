@@ -20,7 +20,7 @@ pub struct Surface {
     /// A surface that is not turned has no rotation in its shader text. One that
     /// is turned, or says here that it will be, takes its rotation from a uniform,
     /// so that turning it never compiles a shader.
-    pub turns: bool,
+    pub dynamic_rotation: bool,
     /// The angles in radians, about x, then y, then z, that a driven rotation is made of.
     pub angles: Vec3,
     /// What moves its numbers; empty when nothing does.
@@ -35,7 +35,7 @@ impl Surface {
             shape: shape.into(),
             position: Vec3::ZERO,
             rotation: Quat::IDENTITY,
-            turns: false,
+            dynamic_rotation: false,
             angles: Vec3::ZERO,
             drivers: Vec::new(),
         }
@@ -71,7 +71,7 @@ impl Surface {
 
     /// The same surface, whose rotation will change: see [`turns`](Surface::turns).
     pub fn turning(mut self) -> Surface {
-        self.turns = true;
+        self.dynamic_rotation = true;
         self
     }
 
@@ -88,6 +88,6 @@ impl Surface {
 
     /// Whether its rotation stands in the shader text at all.
     pub fn has_rotation(&self) -> bool {
-        self.turns || self.rotation != Quat::IDENTITY
+        self.dynamic_rotation || self.rotation != Quat::IDENTITY
     }
 }

@@ -63,7 +63,7 @@ fn surfaces() -> Vec<Surface> {
     let placed = |shape: Node| {
         let plain = Surface::new(shape);
         let mut to_be_turned = plain.clone().at(place);
-        to_be_turned.turns = true;
+        to_be_turned.dynamic_rotation = true;
         vec![
             plain.clone(),
             plain.clone().at(place),
@@ -209,7 +209,9 @@ fn every_shape_is_in_the_list() {
             !s.has_rotation() && s.position != Vec3::ZERO
         }),
         ("turned", |s| s.rotation != Quat::IDENTITY),
-        ("to be turned", |s| s.turns && s.rotation == Quat::IDENTITY),
+        ("to be turned", |s| {
+            s.dynamic_rotation && s.rotation == Quat::IDENTITY
+        }),
     ];
     for (name, form) in forms {
         let mut found = [false; KINDS];

@@ -7,7 +7,6 @@ use echomarch::scene::shape::{Cuboid, Cylinder, Ellipsoid, Plane, Room, Sphere};
 use echomarch::{Listener, Node, Scene, Shape, Source, Surface};
 use glam::{DVec3, EulerRot, Quat, Vec3};
 use proptest::prelude::*;
-use std::num::NonZeroUsize;
 
 fn rotation(random: &mut Random) -> Quat {
     let [a, b, c] = std::array::from_fn(|_| (random.signed() * 3.0) as f32);
@@ -321,8 +320,9 @@ fn threads_do_not_change_a_wave() {
     let exact = exact(&scene);
     let directions = Random(19).directions(10_001);
     let on = |threads| {
-        let threads = NonZeroUsize::new(threads).expect("some");
-        exact.trace_all_on(threads, start(&scene), &directions, 12)
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        let trace = || exact.trace_all(start(&scene), &directions, 12);
+        pool.unwrap().install(trace)
     };
     let alone = on(1);
     assert_eq!(alone, exact.trace_all(start(&scene), &directions, 12));

@@ -397,7 +397,7 @@ fn numbers_move() {
 fn a_moving_rotation_keeps_its_other_angles() {
     let read = scene("shape: Plane, rotation: (30, Keys([(0, 0), (1, 40)]), 50)");
     let turned = scene("shape: Plane, rotation: (30, 20, 50)");
-    assert!(read.surfaces[0].turns);
+    assert!(read.surfaces[0].dynamic_rotation);
     let half_way = read.at(0.5).surfaces[0].rotation;
     assert!(half_way.angle_between(turned.surfaces[0].rotation) < 1e-3);
     let start = scene("shape: Plane, rotation: (30, 0, 50)");

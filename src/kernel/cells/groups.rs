@@ -5,7 +5,8 @@
 //! looked at and few of them opened. No bound stands in for a distance: what comes of it is
 //! the least distance itself.
 
-use super::{ENDLESS, Member};
+use super::ENDLESS;
+use super::member::Member;
 use crate::scene::Bounds3;
 use glam::DVec3;
 

@@ -37,7 +37,7 @@ impl SurfaceFile {
             shape,
             position,
             rotation: Quat::from_euler(EulerRot::XYZEx, angles.x, angles.y, angles.z),
-            turns: self.turns || turning,
+            dynamic_rotation: self.turns || turning,
             angles: if turning { angles } else { Vec3::ZERO },
             drivers: reader.into_drivers(),
         })

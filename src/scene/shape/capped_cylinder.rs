@@ -1,7 +1,7 @@
 //! A cylinder that ends: in a scene file a `Cylinder` with a height.
 
-use super::part::{Numbers, Parameters};
-use super::{Parameter, Part, Properties, Shape};
+use super::part::parameters;
+use super::{Part, Properties, Shape};
 use crate::scene::Quantity;
 use glam::{DVec2, DVec3};
 
@@ -14,14 +14,10 @@ pub struct CappedCylinder {
     pub height: f32,
 }
 
-impl Parameters for CappedCylinder {
-    fn parameters_mut(&mut self) -> Vec<Parameter<'_>> {
-        let mut all = Vec::new();
-        self.radius.add_to("radius", Quantity::Length, &mut all);
-        self.height.add_to("height", Quantity::Length, &mut all);
-        all
-    }
-}
+parameters!(CappedCylinder {
+    radius: Quantity::Length,
+    height: Quantity::Length
+});
 
 impl Part for CappedCylinder {
     fn name(&self) -> &'static str {

@@ -1,5 +1,6 @@
 //! What cannot be a field, and why: each in one sentence.
 
+use super::part::in_range;
 use super::{Node, Shape, User};
 use glam::DVec3;
 
@@ -166,9 +167,12 @@ pub(crate) fn halton(index: usize) -> DVec3 {
 impl Node {
     /// The node's own numbers, each against its range.
     fn check(&self) -> Result<(), String> {
-        let mut copy = self.clone();
-        let parameters = copy.part_mut().parameters_mut();
-        parameters.iter().try_for_each(|number| number.check())?;
+        if !in_range(self.part()) {
+            // Only who names the number needs a copy, and the names.
+            let mut copy = self.clone();
+            let parameters = copy.part_mut().parameters_mut();
+            parameters.iter().try_for_each(|number| number.check())?;
+        }
         self.part().check()
     }
 }

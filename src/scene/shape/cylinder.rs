@@ -1,7 +1,7 @@
 //! An endless cylinder, and what a scene file says of cylinders of all kinds.
 
-use super::part::Parameters;
-use super::{CappedCylinder, Parameter, Part, Properties, Rotate, Shape};
+use super::part::parameters;
+use super::{CappedCylinder, Part, Properties, Rotate, Shape};
 use crate::scene::notation::{Axis, Length, Number, Radius, Reader};
 use crate::scene::shape::FromFile;
 use crate::scene::{Quantity, SceneError};
@@ -56,11 +56,9 @@ fn turn_from_y(axis: Vec3) -> Vec3 {
     Vec3::new(about_x, about_y, 0.0)
 }
 
-impl Parameters for Cylinder {
-    fn parameters_mut(&mut self) -> Vec<Parameter<'_>> {
-        Parameter::of("radius", Quantity::Length, &mut self.radius)
-    }
-}
+parameters!(Cylinder {
+    radius: Quantity::Length
+});
 
 impl Part for Cylinder {
     fn name(&self) -> &'static str {

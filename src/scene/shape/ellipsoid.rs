@@ -1,6 +1,7 @@
 //! An ellipsoid.
 
 use super::part::numbers;
+use super::quadric::straight_quadric;
 use super::{Bounds3, Part, Properties, Quadric, Shape};
 use glam::{DVec3, Vec3};
 
@@ -31,17 +32,7 @@ impl Part for Ellipsoid {
         (1.0 + std::f64::consts::SQRT_2) * stretch
     }
 
-    fn value(&self, _: &[Shape], p: DVec3) -> f64 {
-        self.form().distance_bound(p)
-    }
-
-    fn shader_numbers(&self, _: &[Shape]) -> Vec<f64> {
-        self.form().straight_numbers()
-    }
-
-    fn arguments(&self) -> &'static [usize] {
-        Quadric::STRAIGHT_ARGUMENTS
-    }
+    straight_quadric!();
 }
 
 impl Ellipsoid {

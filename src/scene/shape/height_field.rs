@@ -1,8 +1,8 @@
 //! Ground under an image of heights.
 
 use super::cuboid::box_value;
-use super::part::{Numbers, Parameters};
-use super::{Bounds3, HeightImage, Parameter, Part, Properties, Shape};
+use super::part::parameters;
+use super::{Bounds3, HeightImage, Part, Properties, Shape};
 use crate::scene::notation::{ReadNumbers, Reader, Side, Vector};
 use crate::scene::shape::FromFile;
 use crate::scene::{Quantity, SceneError};
@@ -36,13 +36,9 @@ impl FromFile for File {
     }
 }
 
-impl Parameters for HeightField {
-    fn parameters_mut(&mut self) -> Vec<Parameter<'_>> {
-        let mut all = Vec::new();
-        self.size.add_to("size", Quantity::Length, &mut all);
-        all
-    }
-}
+parameters!(HeightField {
+    size: Quantity::Length
+});
 
 impl Part for HeightField {
     fn name(&self) -> &'static str {

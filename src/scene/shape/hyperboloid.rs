@@ -1,7 +1,8 @@
 //! A hyperboloid of one or of two sheets.
 
-use super::part::{Numbers, Parameters};
-use super::{Bounds3, Parameter, Part, Properties, Quadric, Shape};
+use super::part::parameters;
+use super::quadric::straight_quadric;
+use super::{Bounds3, Part, Properties, Quadric, Shape};
 use crate::scene::notation::{Length, Number, Reader, Sheets};
 use crate::scene::shape::FromFile;
 use crate::scene::{Quantity, SceneError};
@@ -40,14 +41,10 @@ impl FromFile for File {
     }
 }
 
-impl Parameters for Hyperboloid {
-    fn parameters_mut(&mut self) -> Vec<Parameter<'_>> {
-        let mut all = Vec::new();
-        self.waist.add_to("waist", Quantity::Length, &mut all);
-        self.rise.add_to("rise", Quantity::Length, &mut all);
-        all
-    }
-}
+parameters!(Hyperboloid {
+    waist: Quantity::Length,
+    rise: Quantity::Length
+});
 
 impl Part for Hyperboloid {
     fn name(&self) -> &'static str {
@@ -62,17 +59,7 @@ impl Part for Hyperboloid {
         f64::from(self.waist.max(self.rise))
     }
 
-    fn value(&self, _: &[Shape], p: DVec3) -> f64 {
-        self.form().distance_bound(p)
-    }
-
-    fn shader_numbers(&self, _: &[Shape]) -> Vec<f64> {
-        self.form().straight_numbers()
-    }
-
-    fn arguments(&self) -> &'static [usize] {
-        Quadric::STRAIGHT_ARGUMENTS
-    }
+    straight_quadric!();
 }
 
 impl Hyperboloid {

@@ -47,7 +47,7 @@ mod user_field;
 
 pub(crate) use check::{MOST_NODES, halton};
 pub(crate) use list::{ShapeFile, every_part, form_of, shape_names};
-pub(crate) use part::{Numbers, Part};
+pub(crate) use part::{LARGEST, Numbers, Part};
 use quadric::Quadric;
 pub(crate) use read::{FromFile, Operands};
 

@@ -92,6 +92,9 @@ pub(crate) trait Part: Parameters {
 pub(crate) trait Parameters {
     /// Each with its name and what it measures, in order.
     fn parameters_mut(&mut self) -> Vec<Parameter<'_>>;
+
+    /// Each without its name, which takes no memory: for every frame.
+    fn each_number(&self, visit: &mut dyn FnMut(Quantity, f32));
 }
 
 /// The greatest slowness of some trees, at least 1.
@@ -99,40 +102,44 @@ pub(super) fn slowest(of: &[Shape]) -> f64 {
     of.iter().map(Shape::slowness).fold(1.0, f64::max)
 }
 
-/// The largest length or coordinate, in metres: what is computed of it in `f32`, squares
-/// included, stays finite.
-const LARGEST: f32 = 1e9;
+/// The largest coordinate, size or time that a scene may hold, in metres or seconds: what is
+/// computed of it in `f32`, squares included, stays finite.
+pub(crate) const LARGEST: f32 = 1e9;
 
-impl<'a> Parameter<'a> {
-    /// One parameter alone.
-    pub(super) fn of(name: &str, quantity: Quantity, number: &'a mut f32) -> Vec<Parameter<'a>> {
-        let mut all = Vec::new();
-        number.add_to(name, quantity, &mut all);
-        all
+/// Whether a number is in the range of its quantity, and what it must be.
+fn range(quantity: Quantity, value: f32) -> (bool, &'static str) {
+    match quantity {
+        Quantity::Length | Quantity::Factor => (
+            value > 0.0 && value <= LARGEST,
+            "greater than 0 and at most 1e9",
+        ),
+        Quantity::Share => ((0.0..=1.0).contains(&value), "0 to 1"),
+        _ => (
+            value.is_finite() && value.abs() <= LARGEST,
+            "finite and at most 1e9 in size",
+        ),
     }
+}
 
+/// Whether every number of a part is in the range of its quantity.
+pub(super) fn in_range(part: &dyn Part) -> bool {
+    let mut all = true;
+    part.each_number(&mut |quantity, value| all &= range(quantity, value).0);
+    all
+}
+
+impl Parameter<'_> {
     /// Refuses a number out of the range of its quantity.
     ///
     /// # Errors
     /// A sentence on what it must be.
     pub(super) fn check(&self) -> Result<(), String> {
         let value = *self.number;
-        let unit = self.quantity.unit();
-        let (is_right, must) = match self.quantity {
-            Quantity::Length | Quantity::Factor => (
-                value > 0.0 && value <= LARGEST,
-                "greater than 0 and at most 1e9",
-            ),
-            Quantity::Share => ((0.0..=1.0).contains(&value), "0 to 1"),
-            _ => (
-                value.is_finite() && value.abs() <= LARGEST,
-                "finite and at most 1e9 in size",
-            ),
-        };
+        let (is_right, must) = range(self.quantity, value);
         if is_right {
             return Ok(());
         }
-        let name = self.name.replace('_', " ");
+        let (name, unit) = (self.name.replace('_', " "), self.quantity.unit());
         Err(format!("its {name} must be {must}{unit}, not {value}"))
     }
 }
@@ -141,6 +148,9 @@ impl<'a> Parameter<'a> {
 pub(crate) trait Numbers {
     /// Adds each with its name.
     fn add_to<'a>(&'a mut self, name: &str, quantity: Quantity, all: &mut Vec<Parameter<'a>>);
+
+    /// Visits each.
+    fn each(&self, visit: &mut dyn FnMut(f32));
 }
 
 impl Numbers for f32 {
@@ -151,6 +161,10 @@ impl Numbers for f32 {
             quantity,
         });
     }
+
+    fn each(&self, visit: &mut dyn FnMut(f32)) {
+        visit(*self);
+    }
 }
 
 impl Numbers for Vec2 {
@@ -158,6 +172,10 @@ impl Numbers for Vec2 {
         let Vec2 { x, y } = self;
         x.add_to(&format!("{name}.x"), quantity, all);
         y.add_to(&format!("{name}.y"), quantity, all);
+    }
+
+    fn each(&self, visit: &mut dyn FnMut(f32)) {
+        self.to_array().into_iter().for_each(visit);
     }
 }
 
@@ -168,6 +186,10 @@ impl Numbers for Vec3 {
         y.add_to(&format!("{name}.y"), quantity, all);
         z.add_to(&format!("{name}.z"), quantity, all);
     }
+
+    fn each(&self, visit: &mut dyn FnMut(f32)) {
+        self.to_array().into_iter().for_each(visit);
+    }
 }
 
 /// Numbers in a row are called after their place: `corners.0.x`.
@@ -175,6 +197,12 @@ impl<T: Numbers, const N: usize> Numbers for [T; N] {
     fn add_to<'a>(&'a mut self, name: &str, quantity: Quantity, all: &mut Vec<Parameter<'a>>) {
         for (index, number) in self.iter_mut().enumerate() {
             number.add_to(&format!("{name}.{index}"), quantity, all);
+        }
+    }
+
+    fn each(&self, visit: &mut dyn FnMut(f32)) {
+        for number in self {
+            number.each(visit);
         }
     }
 }
@@ -242,22 +270,40 @@ macro_rules! numbers {
             }
         }
 
+        $crate::scene::shape::part::parameters!($part {
+            $($field: <$crate::scene::notation::$unit as $crate::scene::notation::Unit>::QUANTITY,)*
+        });
+    };
+}
+pub(super) use numbers;
+
+/// Says which numbers of a part may move, and what each measures.
+macro_rules! parameters {
+    ($part:ident { $($field:ident: $quantity:expr),* $(,)? }) => {
         impl $crate::scene::shape::part::Parameters for $part {
             fn parameters_mut(&mut self) -> Vec<$crate::scene::shape::Parameter<'_>> {
-                use $crate::scene::notation::Unit;
+                #[allow(unused_mut)]
                 let mut all = Vec::new();
                 $($crate::scene::shape::part::Numbers::add_to(
                     &mut self.$field,
                     stringify!($field),
-                    $crate::scene::notation::$unit::QUANTITY,
+                    $quantity,
                     &mut all,
                 );)*
                 all
             }
+
+            #[allow(unused_variables)]
+            fn each_number(&self, visit: &mut dyn FnMut($crate::scene::Quantity, f32)) {
+                $($crate::scene::shape::part::Numbers::each(
+                    &self.$field,
+                    &mut |number| visit($quantity, number),
+                );)*
+            }
         }
     };
 }
-pub(super) use numbers;
+pub(super) use parameters;
 
 /// A part without numbers: a unit struct. What a scene file says of a shape is its name alone.
 macro_rules! no_numbers {
@@ -279,7 +325,7 @@ macro_rules! no_numbers {
             }
         }
 
-        $crate::scene::shape::part::never_moves!($part);
+        $crate::scene::shape::part::parameters!($part {});
     };
     ($(#[$doc:meta])* $part:ident over $operands:ty) => {
         $(#[$doc])*
@@ -300,19 +346,7 @@ macro_rules! no_numbers {
             }
         }
 
-        $crate::scene::shape::part::never_moves!($part);
+        $crate::scene::shape::part::parameters!($part {});
     };
 }
 pub(super) use no_numbers;
-
-/// Says that nothing of a part may move.
-macro_rules! never_moves {
-    ($part:ident) => {
-        impl $crate::scene::shape::part::Parameters for $part {
-            fn parameters_mut(&mut self) -> Vec<$crate::scene::shape::Parameter<'_>> {
-                Vec::new()
-            }
-        }
-    };
-}
-pub(super) use never_moves;

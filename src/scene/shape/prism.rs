@@ -2,8 +2,8 @@
 
 use super::capped_cylinder::corner_value;
 use super::cone::segment_distance;
-use super::part::{Numbers, Parameters};
-use super::{Bounds3, Parameter, Part, Properties, Shape};
+use super::part::parameters;
+use super::{Bounds3, Part, Properties, Shape};
 use crate::scene::notation::{Corners, Length, Number, ReadNumbers, Reader};
 use crate::scene::shape::FromFile;
 use crate::scene::{Quantity, SceneError};
@@ -38,14 +38,10 @@ impl FromFile for File {
     }
 }
 
-impl Parameters for Prism {
-    fn parameters_mut(&mut self) -> Vec<Parameter<'_>> {
-        let mut all = Vec::new();
-        self.corners.add_to("corners", Quantity::Position, &mut all);
-        self.depth.add_to("depth", Quantity::Length, &mut all);
-        all
-    }
-}
+parameters!(Prism {
+    corners: Quantity::Position,
+    depth: Quantity::Length
+});
 
 /// Area of a triangle, as a share of its longest side's square, below which its corners count
 /// as lying on one line: `f32` does not tell their places better.

@@ -5,8 +5,8 @@
 //! φ = 2 F / (g + √(g² + 4 λ |F|)) is never more than the distance, agrees with it to first
 //! order at the surface, and is Lipschitz with constant 1, for |∇g| ≤ 2 λ.
 
-use super::part::{Numbers, Parameters};
-use super::{Bounds3, Parameter, Part, Properties, Shape};
+use super::part::parameters;
+use super::{Bounds3, Part, Properties, Shape};
 use crate::scene::notation::{Number, Plain, Reader};
 use crate::scene::shape::FromFile;
 use crate::scene::{Quantity, SceneError};
@@ -35,14 +35,9 @@ impl FromFile for File {
     }
 }
 
-impl Parameters for GeneralQuadric {
-    fn parameters_mut(&mut self) -> Vec<Parameter<'_>> {
-        let mut all = Vec::new();
-        let quantity = Quantity::Plain;
-        self.coefficients.add_to("coefficients", quantity, &mut all);
-        all
-    }
-}
+parameters!(GeneralQuadric {
+    coefficients: Quantity::Plain
+});
 
 impl Part for GeneralQuadric {
     fn name(&self) -> &'static str {
@@ -102,6 +97,24 @@ impl GeneralQuadric {
         }
     }
 }
+
+/// What the parts have in common that are quadrics along the coordinates' axes, by their `form`.
+macro_rules! straight_quadric {
+    () => {
+        fn value(&self, _: &[Shape], p: DVec3) -> f64 {
+            self.form().distance_bound(p)
+        }
+
+        fn shader_numbers(&self, _: &[Shape]) -> Vec<f64> {
+            self.form().straight_numbers()
+        }
+
+        fn arguments(&self) -> &'static [usize] {
+            Quadric::STRAIGHT_ARGUMENTS
+        }
+    };
+}
+pub(super) use straight_quadric;
 
 /// pᵀ Q p + b · p + c, Q symmetric.
 #[derive(Clone, Copy, Debug, PartialEq)]

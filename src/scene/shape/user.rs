@@ -1,8 +1,8 @@
 //! A user's own field, as a shape.
 
 use super::cuboid::box_value;
-use super::part::Parameters;
-use super::{Bounds3, Parameter, Part, Properties, Shape, UserField};
+use super::part::parameters;
+use super::{Bounds3, Part, Properties, Shape, UserField};
 use crate::scene::SceneError;
 use crate::scene::notation::{Lipschitz, Reader, Size};
 use crate::scene::shape::FromFile;
@@ -36,11 +36,7 @@ impl FromFile for File {
     }
 }
 
-impl Parameters for User {
-    fn parameters_mut(&mut self) -> Vec<Parameter<'_>> {
-        Vec::new()
-    }
-}
+parameters!(User {});
 
 impl Part for User {
     fn name(&self) -> &'static str {

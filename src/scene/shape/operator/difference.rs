@@ -1,6 +1,6 @@
 //! The difference.
 
-use super::part::never_moves;
+use super::part::parameters;
 use super::{Part, Properties, Shape, ShapeFile, merged};
 use crate::scene::SceneError;
 use crate::scene::notation::Reader;
@@ -28,7 +28,7 @@ impl FromFile for File {
     }
 }
 
-never_moves!(Difference);
+parameters!(Difference {});
 
 impl Part for Difference {
     fn name(&self) -> &'static str {

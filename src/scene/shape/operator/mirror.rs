@@ -1,6 +1,6 @@
 //! One side shown on both.
 
-use super::part::never_moves;
+use super::part::parameters;
 use super::{Part, Properties, Shape, ShapeFile};
 use crate::scene::SceneError;
 use crate::scene::notation::{MirrorAxes, Reader};
@@ -30,7 +30,7 @@ impl FromFile for File {
     }
 }
 
-never_moves!(Mirror);
+parameters!(Mirror {});
 
 impl Part for Mirror {
     fn name(&self) -> &'static str {

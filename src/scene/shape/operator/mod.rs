@@ -36,6 +36,6 @@ pub use twist::Twist;
 pub use union::Union;
 
 // What the files of the operators share.
-use super::part::{self, Parameters};
+use super::part;
 use super::properties::{hull, merged};
-use super::{Bounds3, Exactness, Node, Parameter, Part, Properties, Shape, ShapeFile};
+use super::{Bounds3, Exactness, Node, Part, Properties, Shape, ShapeFile};

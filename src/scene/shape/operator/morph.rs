@@ -1,6 +1,7 @@
 //! Between two fields.
 
-use super::{Parameter, Parameters, Part, Properties, Shape, ShapeFile, hull, merged};
+use super::part::parameters;
+use super::{Part, Properties, Shape, ShapeFile, hull, merged};
 use crate::scene::notation::{Number, Reader, Share};
 use crate::scene::shape::{FromFile, Operands};
 use crate::scene::{Quantity, SceneError};
@@ -31,11 +32,9 @@ impl FromFile for File {
     }
 }
 
-impl Parameters for Morph {
-    fn parameters_mut(&mut self) -> Vec<Parameter<'_>> {
-        Parameter::of("amount", Quantity::Share, &mut self.amount)
-    }
-}
+parameters!(Morph {
+    amount: Quantity::Share
+});
 
 impl Part for Morph {
     fn name(&self) -> &'static str {

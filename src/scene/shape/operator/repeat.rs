@@ -10,8 +10,8 @@
 //! away, and then would jump where that copy is evaluated no longer. So it is held at what
 //! such a copy has at the least there, see [`Cap`].
 
-use super::part::Numbers;
-use super::{Bounds3, Exactness, Node, Parameter, Parameters, Part, Properties, Shape, ShapeFile};
+use super::part::parameters;
+use super::{Bounds3, Exactness, Node, Part, Properties, Shape, ShapeFile};
 use crate::scene::notation::{Metres, ReadNumbers, Reader, Vector};
 use crate::scene::shape::{FromFile, Operands};
 use crate::scene::{Quantity, SceneError};
@@ -45,13 +45,9 @@ impl FromFile for File {
     }
 }
 
-impl Parameters for Repeat {
-    fn parameters_mut(&mut self) -> Vec<Parameter<'_>> {
-        let mut all = Vec::new();
-        self.period.add_to("period", Quantity::Position, &mut all);
-        all
-    }
-}
+parameters!(Repeat {
+    period: Quantity::Position
+});
 
 /// Counts below which `f32` can tell each copy from the next.
 const MOST_COUNTED: u32 = 1 << 24;

@@ -118,8 +118,9 @@ fn norm_of_turning(axis: usize, s: f64) -> f64 {
 /// [`Turning`] about one axis.
 macro_rules! turning {
     ($(#[$doc:meta])* $part:ident $name:literal about $axis:literal, a metre of $along:literal) => {
+        use super::part::parameters;
         use super::turning::{Turning, check_stated};
-        use super::{Parameter, Parameters, Part, Properties, Shape, ShapeFile};
+        use super::{Part, Properties, Shape, ShapeFile};
         use crate::scene::notation::{Angle, Lipschitz, Number, Reader};
         use crate::scene::shape::{FromFile, Operands};
         use crate::scene::{Quantity, SceneError};
@@ -154,11 +155,7 @@ macro_rules! turning {
             }
         }
 
-        impl Parameters for $part {
-            fn parameters_mut(&mut self) -> Vec<Parameter<'_>> {
-                Parameter::of("rate", Quantity::Rate, &mut self.rate)
-            }
-        }
+        parameters!($part { rate: Quantity::Rate });
 
         impl Part for $part {
             fn name(&self) -> &'static str {

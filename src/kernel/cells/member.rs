@@ -1,0 +1,114 @@
+//! A surface in the grid, and how far it is from a cell.
+
+use super::ENDLESS;
+use crate::kernel::layout::Layout;
+use crate::scene::{Bounds3, Exactness, Node, Scene, Surface};
+use glam::{BVec3, DVec3};
+
+/// A surface in the grid.
+#[derive(Clone, Debug)]
+pub struct Member {
+    /// Its index in the scene.
+    pub index: u32,
+    pub surface: Surface,
+    pub bounds: Bounds3,
+    /// Whether positive values are the distance itself.
+    pub exact: bool,
+}
+
+impl Member {
+    pub fn new(index: u32, surface: &Surface) -> Member {
+        let exact = surface.shape.properties().in_air == Exactness::Exact;
+        Member {
+            index,
+            surface: surface.clone(),
+            bounds: surface.bounds(),
+            exact,
+        }
+    }
+
+    /// Whether its value at the middle of a box says the distance there: not where there are
+    /// unbounded axes and it has ends.
+    fn is_told_by_value(&self, unbounded_axes: [bool; 3]) -> bool {
+        let column = (0..3).find(|&axis| unbounded_axes[axis]);
+        column.is_none_or(|axis| {
+            unbounded_axes.iter().filter(|c| **c).count() == 1
+                && matches!(self.surface.shape.node, Node::Cylinder(_))
+                && self.bounds.min[axis].is_infinite()
+        })
+    }
+
+    pub fn reaches_into(&self, bounds: Bounds3, unbounded_axes: [bool; 3]) -> bool {
+        self.least_distance(bounds, unbounded_axes) <= radius(bounds, unbounded_axes)
+    }
+
+    /// Never more than its distance from the middle of a box.
+    fn least_distance(&self, bounds: Bounds3, unbounded_axes: [bool; 3]) -> f64 {
+        let middle = middle(bounds, unbounded_axes);
+        if self.is_told_by_value(unbounded_axes) {
+            return f64::from(self.surface.distance(middle.as_vec3()));
+        }
+        let mask = BVec3::from_array(unbounded_axes);
+        let flat = Bounds3 {
+            min: DVec3::select(mask, DVec3::NEG_INFINITY, self.bounds.min),
+            max: DVec3::select(mask, DVec3::INFINITY, self.bounds.max),
+        };
+        flat.distance(middle)
+    }
+
+    /// Never more than its value there, which for a bound may be less than the distance.
+    pub fn least_value(&self, bounds: Bounds3, unbounded_axes: [bool; 3]) -> f64 {
+        match self.exact || self.is_told_by_value(unbounded_axes) {
+            true => self.least_distance(bounds, unbounded_axes),
+            false => f64::NEG_INFINITY,
+        }
+    }
+
+    /// Never less than that distance.
+    pub fn most_distance(&self, bounds: Bounds3, unbounded_axes: [bool; 3]) -> f64 {
+        if !self.is_told_by_value(unbounded_axes) {
+            return f64::INFINITY;
+        }
+        let middle = middle(bounds, unbounded_axes);
+        if self.exact {
+            return f64::from(self.surface.distance(middle.as_vec3()));
+        }
+        let far = (middle - self.bounds.min)
+            .abs()
+            .max((self.bounds.max - middle).abs());
+        far.length()
+    }
+}
+
+/// The middle of a box, 0 along unbounded axes.
+fn middle(bounds: Bounds3, unbounded_axes: [bool; 3]) -> DVec3 {
+    let middle = 0.5 * (bounds.min + bounds.max);
+    DVec3::select(BVec3::from_array(unbounded_axes), DVec3::ZERO, middle)
+}
+
+/// Half the diagonal of a box, what unbounded axes add left out, and what `f32` rounds a distance
+/// by.
+pub fn radius(bounds: Bounds3, unbounded_axes: [bool; 3]) -> f64 {
+    let flat = |v: DVec3| DVec3::select(BVec3::from_array(unbounded_axes), DVec3::ZERO, v);
+    let half = flat(0.5 * (bounds.max - bounds.min));
+    let place = flat(bounds.min.abs().max(bounds.max.abs()));
+    half.length() + 8.0 * f64::from(f32::EPSILON) * place.max_element()
+}
+
+/// The surfaces of a scene that lie in cells.
+pub fn members(scene: &Scene, layout: &Layout) -> Vec<Member> {
+    let in_cells = (0..scene.surfaces.len()).filter(|&i| layout.kind_of[i].is_some());
+    let members = in_cells.map(|index| Member::new(index as u32, &scene.surfaces[index]));
+    members.collect()
+}
+
+/// What holds all members; without end along unbounded axes.
+pub fn hull(members: &[Member], unbounded_axes: [bool; 3]) -> Bounds3 {
+    let all = members.iter().map(|m| m.bounds).reduce(Bounds3::hull);
+    let hull = all.unwrap_or(Bounds3::EVERYWHERE);
+    let mask = BVec3::from_array(unbounded_axes);
+    Bounds3 {
+        min: DVec3::select(mask, DVec3::splat(-ENDLESS), hull.min),
+        max: DVec3::select(mask, DVec3::splat(ENDLESS), hull.max),
+    }
+}
