@@ -13,7 +13,6 @@ usage: scripts/mutate.sh glsl [--every N] [FILE...]
   rust   runs cargo-mutants over scene, kernel, trace and audio, with these arguments more
 
 What survived stands in target/mutate/survivors.txt (glsl), or in target/mutate/mutants.out.
-docs/mutations.md lists what is known to survive, and why.
 
 examples:
   scripts/mutate.sh glsl glsl/shape/cylinder.glsl

@@ -1,20 +1,13 @@
 //! Waves as they were traced, against all the answers that are right.
 
 use super::case::{Bound, Planted};
-use super::report::{LENGTH_ROUNDING, ProfileResult};
+use super::report::ProfileResult;
+use super::rounding::{END_ROUNDING, LENGTH_ROUNDING, START_ROUNDING};
 use crate::reference::{ExactScene, sequence_hash};
 use crate::scene::Scene;
 use crate::stats::median;
 use crate::trace::{Fate, Profile, Wave};
 use glam::{DVec3, Vec3};
-
-/// How far off a start may be that still counts as the same, as a share of the scene's
-/// extent for its place and in radians for its direction: eight units in the last place of
-/// an `f32`, what a flight and a reflection may lose.
-pub const START_ROUNDING: f64 = 8.0 * f32::EPSILON as f64;
-
-/// What an end point may be off besides, as a share of the scene's extent.
-pub const END_ROUNDING: f64 = 16.0 * f32::EPSILON as f64;
 
 /// A scene with what its judgements are measured by.
 pub(super) struct Judge {

@@ -25,8 +25,8 @@
 //! must be heard as chance allows.
 //!
 //! Whatever the right answer, in every state no number may be a NaN or infinite, no wave may
-//! be in a solid, no direction may lose its length of 1, and no march may end at the step
-//! bound.
+//! be in a solid, no direction may lose its length of 1, and no march may reach the step
+//! limit.
 //!
 //! # Cost
 //! Some hundred cases by three profiles, mostly the compiling of shaders: a minute on llvmpipe.
@@ -35,10 +35,11 @@ mod case;
 mod cases;
 mod judge;
 mod report;
+mod rounding;
 mod run;
 
 pub use case::{Bound, Case, Check, Planted};
 pub use cases::all;
-pub use judge::{END_ROUNDING, START_ROUNDING};
-pub use report::{CaseReport, LENGTH_ROUNDING, ProfileResult, VerifyReport};
+pub use report::{CaseReport, ProfileResult, VerifyReport};
+pub use rounding::{END_ROUNDING, LENGTH_ROUNDING, START_ROUNDING};
 pub use run::{run, run_case};

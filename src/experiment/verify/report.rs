@@ -1,12 +1,9 @@
 //! What the hard cases gave, as plain data.
 
-use super::judge::{END_ROUNDING, START_ROUNDING};
+use super::rounding::{END_ROUNDING, LENGTH_ROUNDING, START_ROUNDING};
 use crate::report::{Column, Document, Report, Row, Table, significant};
 use crate::trace::Profile;
 use serde::Serialize;
-
-/// What a direction's length may be off: normalising in `f32` leaves a unit or two.
-pub const LENGTH_ROUNDING: f64 = 4.0 * f32::EPSILON as f64;
 
 /// All cases that were run.
 #[derive(Clone, Debug, Serialize)]
@@ -183,7 +180,13 @@ impl Report for VerifyReport {
             passes.join(", ")
         ));
         document.paragraph(format!(
-            "spread: within twice what a start {START_ROUNDING:.1e} off (of the extent, and in              radians) does to the exact end, and {END_ROUNDING:.1e} of the extent, plus a unit in              the last place of a world coordinate, which reading back as f32 costs. error: the              largest among right waves, as a share of the extent or, if that is longer, of the              way. off: waves with other objects or an end outside the bound; lost: dead, and              should not be; heard of: of those that should be heard; median: of distances from              the exact end."
+            "spread: within twice what a start {START_ROUNDING:.1e} off (of the extent, and in \
+             radians) does to the exact end, and {END_ROUNDING:.1e} of the extent, plus a unit in \
+             the last place of a world coordinate, which reading back as f32 costs. error: the \
+             largest among right waves, as a share of the extent or, if that is longer, of the \
+             way. off: waves with other objects or an end outside the bound; lost: dead, and \
+             should not be; heard of: of those that should be heard; median: of distances from \
+             the exact end."
         ));
         document
     }
