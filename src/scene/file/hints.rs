@@ -28,7 +28,7 @@ pub(super) fn about_shape(text: &str, error: &SpannedError) -> Option<String> {
 }
 
 fn no_such_shape(found: &str) -> String {
-    let told = format!("there is no shape or operator {found}");
+    let told = format!("there is no shape or operator `{found}`");
     match nearest(found, shape_names().iter().copied()) {
         Some(nearest) => format!("{told}; did you mean {nearest}?"),
         None => format!("{told}; there are {}", shape_names().join(", ")),
