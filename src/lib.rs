@@ -41,7 +41,7 @@
 //! | `report` | what experiments found, for people and for programs (feature `experiment`) |
 //! | `demo` | the window: walk through a scene and hear it (feature `demo`) |
 //! | [`input`] | what keeps files from being read |
-//! | [`output`] | files that are there whole or not at all |
+//! | [`output`] | atomic file writes |
 //!
 //! # Scenes from strangers
 //! A scene may name GLSL of its own, which the driver compiles within this process, and which can

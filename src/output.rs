@@ -1,4 +1,4 @@
-//! Files that are there whole or not at all.
+//! Atomic file writes.
 //!
 //! Everything is written beside its target and renamed at the end, so that a run that
 //! is broken off leaves an older file as it was. What was read as an input (a scene, a file

@@ -125,7 +125,7 @@ pub enum TraceError {
         /// How the process ended.
         how: String,
     },
-    /// The process in which users' fields are tried is not to be had, or gave no answer.
+    /// The process in which users' fields are tried cannot be started, or gave no answer.
     #[error("the process in which fields are tried {why}")]
     NoFieldTrial {
         /// What it did.
