@@ -69,7 +69,8 @@ impl Surface {
         at_one_place == *other && self.shape.is_alike(&other.shape)
     }
 
-    /// The same surface, whose rotation will change: see [`turns`](Surface::turns).
+    /// The same surface, whose rotation will change: see
+    /// [`dynamic_rotation`](Surface::dynamic_rotation).
     pub fn turning(mut self) -> Surface {
         self.dynamic_rotation = true;
         self
