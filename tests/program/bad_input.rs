@@ -48,6 +48,17 @@ fn refused(folder: &Path, arguments: &[&str]) -> Output {
     output
 }
 
+/// One iteration of the thesis' algorithm.
+const THESIS_ONCE: &[&str] = &["--profile", "thesis", "--iterations", "1"];
+
+/// A scene file of this text, in a folder that lasts as long as it is held.
+fn scene_file(text: &str) -> (TempDir, PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("scene.ron");
+    std::fs::write(&file, text).unwrap();
+    (folder, file)
+}
+
 /// The one line that the program says to arguments that it refuses itself.
 fn refusal(folder: &Path, arguments: &[&str]) -> String {
     let output = refused(folder, arguments);
@@ -526,26 +537,17 @@ fn odd_places_are_warned_of() {
 /// start directions, 74 of 65,536. The thesis' own 0.1 m is met at once.
 #[test]
 fn marches_without_end_are_given_up_and_counted() {
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("graze.ron");
-    let text = "\
+    let (_folder, file) = scene_file(
+        "\
 Scene(
     surfaces: [Surface(shape: Plane)],
     source: Source(position: (0, 0.01, 0)),
     listener: Listener(position: (0, 50, 0), radius: 1),
 )
-";
-    std::fs::write(&file, text).unwrap();
-    let grazing = [
-        "trace",
-        argument(&file),
-        "--profile",
-        "thesis",
-        "--iterations",
-        "1",
-        "--min-distance",
-        "1e-6",
-    ];
+",
+    );
+    let once = [&["trace", argument(&file)], THESIS_ONCE].concat();
+    let grazing = [once.as_slice(), &["--min-distance", "1e-6"]].concat();
     let report = json(&grazing);
     let step_limit_reached = report["step_limit_reached"].as_u64().unwrap();
     // Five standard errors of a count about 74: √74 = 8.6.
@@ -560,31 +562,22 @@ Scene(
     let told = format!("warning: {step_limit_reached} marches reached the step limit of 4096");
     assert!(stderr(&output).contains(&told), "{}", stderr(&output));
 
-    let thesis = json(&[
-        "trace",
-        argument(&file),
-        "--profile",
-        "thesis",
-        "--iterations",
-        "1",
-    ]);
-    assert_eq!(thesis["step_limit_reached"], 0);
+    assert_eq!(json(&once)["step_limit_reached"], 0);
 }
 
 /// Protects the step limit's number where fields are marched: tori without end, between which waves
 /// fly far.
 #[test]
 fn the_step_limit_of_fields_is_told() {
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("tori.ron");
-    let text = "\
+    let (_folder, file) = scene_file(
+        "\
 Scene(
     surfaces: [Surface(shape: Repeat(of: Torus(ring: 0.3, tube: 0.05), period: (4, 4, 4)))],
     source: Source(position: (2, 2, 2)),
     listener: Listener(position: (6, 2, 2), radius: 0.5),
 )
-";
-    std::fs::write(&file, text).unwrap();
+",
+    );
     let sparse = [
         "trace",
         argument(&file),
@@ -610,18 +603,8 @@ Scene(
 #[test]
 fn the_least_minimum_distance_ends() {
     for metres in ["1e-6", "1e-30"] {
-        let report = json(&[
-            "trace",
-            "open-field",
-            "--profile",
-            "thesis",
-            "--iterations",
-            "1",
-            "--waves",
-            "4096",
-            "--min-distance",
-            metres,
-        ]);
+        let least = ["--waves", "4096", "--min-distance", metres];
+        let report = json(&[&["trace", "open-field"], THESIS_ONCE, &least].concat());
         let count = |key: &str| report[key].as_u64().unwrap();
         let sum = count("listener_hits") + count("dead") + count("travelling");
         assert_eq!(sum, 4096);

@@ -1,7 +1,7 @@
 //! The window as a person uses it.
 #![cfg(all(feature = "cli", feature = "demo"))]
 
-use crate::common::cli::{argument, command, echomarch, stderr, succeed};
+use crate::common::cli::{argument, command, echomarch, json, stderr, succeed};
 use crate::common::window::{Display, Image};
 use serde_json::Value;
 
@@ -197,18 +197,17 @@ fn a_field_that_does_not_compile_opens_no_window() {
 #[test]
 fn the_picture_goes_on_while_waves_take_long() {
     let display = Display::new();
-    let mut slow = command();
-    slow.args([
-        "demo",
-        "obstacles",
-        "--profile",
-        "thesis",
-        "--waves",
-        "262144",
+    let slow = ["obstacles", "--profile", "thesis", "--waves", "262144"];
+    let mut window = command();
+    window.arg("demo").args(slow).args([
         "--json",
-    ])
-    .args(["--scale", "0.2", "--screenshot", "last.png", "--no-help"]);
-    let demo = display.open(slow);
+        "--scale",
+        "0.2",
+        "--screenshot",
+        "last.png",
+        "--no-help",
+    ]);
+    let demo = display.open(window);
     demo.wait_traced(2);
     demo.key("3");
     demo.wait_until("hybrid", |frame| frame["heard"]["profile"] == "hybrid");
@@ -225,16 +224,7 @@ fn the_picture_goes_on_while_waves_take_long() {
         pictures > 4.0 * heard,
         "{pictures} pictures and {heard} frames of waves a second"
     );
-    let arguments = [
-        "trace",
-        "obstacles",
-        "--profile",
-        "thesis",
-        "--waves",
-        "262144",
-        "--json",
-    ];
-    let traced: Value = serde_json::from_slice(&succeed(&arguments).stdout).unwrap();
+    let traced = json(&[&["trace"], slow.as_slice()].concat());
     assert!(of("thesis").all(|pan| pan["pan"] == traced["pan"]));
     assert!(of("hybrid").count() > 3);
 }
