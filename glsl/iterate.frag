@@ -9,6 +9,7 @@ layout(location = 0) out vec4 outOrigin;
 layout(location = 1) out vec4 outDirection;
 
 void main() {
+    copyUniforms();
     ivec2 texel = ivec2(gl_FragCoord.xy);
     vec4 origin = texelFetch(uOrigins, texel, 0);
     vec4 direction = texelFetch(uDirections, texel, 0);

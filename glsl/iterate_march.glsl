@@ -26,14 +26,6 @@ bool finished(float status) {
     return status < 0.1;
 }
 
-float boundedDistance(vec3 p, vec3 d, float last, out float object, out float second) {
-    float nearest = directedDistance(p, d, last, object, second);
-    COUNT_EVALUATIONS(1.0);
-    float scale = uDistanceFactor / uLipschitz;
-    second *= scale;
-    return nearest * scale;
-}
-
 const float GLANCE = 16.0;   // roundings along the ray that make a landing inexact
 
 // How far the wave gets along its direction, or -1.
@@ -41,12 +33,19 @@ float traceWave(vec3 origin, vec3 direction, float last, out float object, out b
     float t = 0.0;
     bool refined = false;
     float coarseness = ROUNDING * largest(origin);
+    // Copies for the loop, as those of copyUniforms.
+    float shell = uShell;
+    float maxDistance = uMaxDistance;
+    int stepLimit = uStepLimit;
+    float scale = uDistanceFactor / uLipschitz;
     limitReached = false;
-    for (int i = 0; i < uStepLimit; ++i) {
+    for (int i = 0; i < stepLimit; ++i) {
         vec3 p = origin + t * direction;
         float second;
-        float nearest = boundedDistance(p, direction, last, object, second);
-        if (nearest < uShell) {
+        float nearest = directedDistance(p, direction, last, object, second) * scale;
+        second *= scale;
+        COUNT_EVALUATIONS(1.0);
+        if (nearest < shell) {
 #if LANDING
             if (object == STATUS_LISTENER && nearest <= 0.0) {
                 return t;
@@ -77,7 +76,7 @@ float traceWave(vec3 origin, vec3 direction, float last, out float object, out b
             // The second nearest is never nearer, but nothing is known beyond a cell.
             t += min(nearest, second);
         }
-        if (!(t < uMaxDistance)) {
+        if (!(t < maxDistance)) {
             return -1.0;
         }
     }

@@ -21,18 +21,22 @@ float traceWave(vec3 origin, vec3 direction, out float object, out bool limitRea
     float t = 0.0;
     limitReached = false;
     object = STATUS_DEAD;
-    for (int i = 0; i < uStepLimit; ++i) {
-        if (!(t < uMaxDistance)) {
+    // Copies for the loop, as those of copyUniforms.
+    float minDistance = uMinDistance;
+    float maxDistance = uMaxDistance;
+    int stepLimit = uStepLimit;
+    for (int i = 0; i < stepLimit; ++i) {
+        if (!(t < maxDistance)) {
             return -1.0;
         }
         float nearest = distanceFunction(origin + t * direction, object);
         COUNT_EVALUATIONS(1.0);
-        if (nearest < uMinDistance) {
+        if (nearest < minDistance) {
             return t;
         }
         t += nearest;
     }
-    limitReached = t < uMaxDistance;
+    limitReached = t < maxDistance;
     return -1.0;
 }
 

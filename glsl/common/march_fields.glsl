@@ -39,7 +39,8 @@ float marchFields(vec3 origin, vec3 d, float last, float limit, out float object
     int looks = LOOKS;
     limitReached = false;
     int steps = 0;
-    while (steps < uFieldSteps) {
+    int stepLimit = uFieldSteps;
+    while (steps < stepLimit) {
         vec3 p;
         float f;
         float reach;

@@ -161,7 +161,7 @@ vec3 addSource(vec3 colour, vec3 eye, vec3 direction, float t) {
 vec3 look(vec2 pixel) {
     vec2 aim = (pixel - 0.5 * uSize) * uPixel;
     vec3 direction = normalize(uForward + aim.x * uRight + aim.y * uUp);
-    vec3 eye = uListener.xyz;
+    vec3 eye = listener.xyz;
     float object;
     float t = traceView(eye, direction, object);
     vec3 colour = sky(direction);
@@ -175,6 +175,7 @@ vec3 look(vec2 pixel) {
 }
 
 void main() {
+    copyUniforms();
     vec3 sum = vec3(0.0);
     for (int i = 0; i < 4; ++i) {
         vec2 part = vec2(float(i & 1), float(i >> 1)) * 0.5 - 0.25;

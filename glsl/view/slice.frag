@@ -27,6 +27,7 @@ float slope(vec2 place) {
 }
 
 void main() {
+    copyUniforms();
     vec2 pixel = vec2(gl_FragCoord.x, uRows - gl_FragCoord.y);
     vec2 place = uCorner + pixel * uMetres;
     float object;

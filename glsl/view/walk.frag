@@ -124,9 +124,10 @@ vec3 addSource(vec3 colour, vec3 eye, vec3 direction, float t) {
 }
 
 void main() {
+    copyUniforms();
     vec2 aim = (gl_FragCoord.xy - 0.5 * uSize) * uPixel;
     vec3 direction = normalize(uForward + aim.x * uRight + aim.y * uUp);
-    vec3 eye = uListener.xyz;
+    vec3 eye = listener.xyz;
     float object;
     float t = traceView(eye, direction, object);
     vec3 colour = sky(direction);

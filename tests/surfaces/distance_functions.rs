@@ -143,6 +143,7 @@ const EVALUATE: &str = "
 uniform highp sampler2D uPoints;
 layout(location = 0) out vec4 outAnswer;
 void main() {
+    copyUniforms();
     vec3 p = texelFetch(uPoints, ivec2(gl_FragCoord.xy), 0).xyz;
     float surfaceObject;
     float anyObject;

@@ -102,7 +102,7 @@ fn directed_gradient(text: &Text) -> String {
              return gradientOfKind(entry.y, int(entry.z), p, d, errorBound);\n    }\n",
         );
     }
-    out + "    errorBound = roundErrorBound(uListener);\n    return normalize(p - uListener.xyz);\n}\n\n"
+    out + "    errorBound = roundErrorBound(listener);\n    return normalize(p - listener.xyz);\n}\n\n"
 }
 
 fn gradient_statement(named: &Named) -> String {

@@ -18,10 +18,15 @@ pub(in crate::kernel) struct Named<'a> {
 /// Where the values of a surface stand.
 #[derive(Clone, Copy)]
 enum Values {
-    /// In `uSurfaces`, from this vector on.
+    /// In variables that are copied from `uSurfaces`, from this vector on.
     Uniforms(usize),
     /// In the scene's data, from the vector `data` on.
     Data,
+}
+
+/// The variable that is a copy of a vector of `uSurfaces`.
+pub(in crate::kernel) fn value_name(place: usize) -> String {
+    format!("surfaceValue{place}")
 }
 
 /// What must not stand in a comment: GLSL's character set is ASCII, and a backslash would
@@ -88,7 +93,7 @@ impl<'a> Named<'a> {
     /// The n-th vector of its values.
     pub fn value(&self, n: usize) -> String {
         match self.values {
-            Values::Uniforms(first) => format!("uSurfaces[{}]", first + n),
+            Values::Uniforms(first) => value_name(first + n),
             Values::Data => format!("sceneData(data + {n})"),
         }
     }

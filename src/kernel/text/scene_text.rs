@@ -3,12 +3,13 @@
 use super::field;
 use super::library::library;
 use super::link::{self, Part};
-use super::named::Named;
+use super::named::{Named, value_name};
 use super::source::Source;
 use crate::kernel::assets::Assets;
 use crate::kernel::layout::Layout;
 use crate::scene::Scene;
 use std::borrow::Cow;
+use std::fmt::Write;
 
 /// What the text of a scene is written from.
 pub(in crate::kernel) struct Text<'a> {
@@ -76,12 +77,26 @@ impl<'a> Text<'a> {
         self.add(parts, "the surfaces", text);
     }
 
-    /// The declaration of `uSurfaces`.
+    /// The declaration of `uSurfaces`, a variable for each vector of it, and the function that
+    /// every main function calls first, `copyUniforms`.
+    ///
+    /// Some drivers load a uniform again at each use. In loops over iterations and steps that took
+    /// up to half of the time (docs/cost.md).
     fn uniforms(&self) -> String {
         let count: usize = self.unrolled.iter().map(|named| named.value_count()).sum();
-        match count {
-            0 => String::new(),
-            count => format!("uniform vec4 uSurfaces[{count}];\n\n"),
+        let mut declarations = String::new();
+        let mut copies = String::from("    listener = uListener;\n");
+        if count > 0 {
+            declarations = format!("uniform vec4 uSurfaces[{count}];\n");
         }
+        for place in 0..count {
+            let name = value_name(place);
+            let _ = writeln!(declarations, "vec4 {name};");
+            let _ = writeln!(copies, "    {name} = uSurfaces[{place}];");
+        }
+        format!(
+            "{declarations}\n// Copies for the loops: a uniform may be loaded again at each use.\n\
+             void copyUniforms() {{\n{copies}}}\n\n"
+        )
     }
 }

@@ -31,6 +31,7 @@ uniform highp sampler2D uDirections;
 uniform int uWhich;
 layout(location = 0) out vec4 outAnswer;
 void main() {
+    copyUniforms();
     ivec2 at = ivec2(gl_FragCoord.xy);
     outAnswer = answer(uWhich, texelFetch(uPoints, at, 0).xyz, texelFetch(uDirections, at, 0).xyz);
 }
