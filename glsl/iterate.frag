@@ -10,6 +10,7 @@ layout(location = 1) out vec4 outDirection;
 
 void main() {
     copyUniforms();
+    copySettings();
     ivec2 texel = ivec2(gl_FragCoord.xy);
     vec4 origin = texelFetch(uOrigins, texel, 0);
     vec4 direction = texelFetch(uDirections, texel, 0);

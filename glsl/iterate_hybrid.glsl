@@ -7,13 +7,19 @@
 
 uniform float uMaxDistance;   // a wave counts as dead beyond this, metres; far below NO_HIT
 
+float maxDistance;
+
+void copySettings() {
+    maxDistance = uMaxDistance;
+}
+
 bool finished(float status) {
     return status < 0.1;
 }
 
 void iterate(inout vec4 origin, inout vec4 direction) {
     float object;
-    float t = closestHit(origin.xyz, direction.xyz, origin.w, uMaxDistance, object);
+    float t = closestHit(origin.xyz, direction.xyz, origin.w, maxDistance, object);
     bool limitReached = t < 0.0;
 #if MARCHES_FIELDS
     float fieldMet;
@@ -24,19 +30,16 @@ void iterate(inout vec4 origin, inout vec4 direction) {
         object = fieldMet;
     }
 #endif
-    if (limitReached || !(t < uMaxDistance)) {
-        direction.w = countPass(direction.w, false, limitReached);
-        origin.w = STATUS_DEAD;
-        return;
-    }
-    vec3 hit = origin.xyz + t * direction.xyz;
-    direction.w = countPass(direction.w, t == 0.0, false);
-    if (object == STATUS_LISTENER) {
-        origin = vec4(hit, STATUS_LISTENER);
-        return;
-    }
-    vec3 normal;
-    project(object, direction.xyz, hit, normal);
-    origin = vec4(hit, object);
-    direction.xyz = mirror(direction.xyz, normal);
+    bool met = !limitReached && t < maxDistance;
+    bool reflects = met && object != STATUS_LISTENER;
+    // Waves of every fate go the same way, each with its own values: waves that are drawn together
+    // wait for each other at every branch.
+    vec3 p = origin.xyz;
+    vec3 d = direction.xyz;
+    reflectWave(object, t, p, d);
+    vec3 end = origin.xyz + (met ? t : 0.0) * direction.xyz;
+    origin.xyz = reflects ? p : end;
+    origin.w = met ? object : STATUS_DEAD;
+    direction.xyz = reflects ? d : direction.xyz;
+    direction.w = countPass(direction.w, met && t == 0.0, limitReached);
 }

@@ -22,6 +22,18 @@ uniform float uDistanceFactor;  // the distance is multiplied by this: 1, or a t
 uniform int uStepLimit;         // evaluations in one march at the most
 uniform float uNormalStep;      // of difference normals, metres
 
+float shell;
+float maxDistance;
+float distanceScale;
+int stepLimit;
+
+void copySettings() {
+    shell = uShell;
+    maxDistance = uMaxDistance;
+    distanceScale = uDistanceFactor / uLipschitz;
+    stepLimit = uStepLimit;
+}
+
 bool finished(float status) {
     return status < 0.1;
 }
@@ -33,17 +45,12 @@ float traceWave(vec3 origin, vec3 direction, float last, out float object, out b
     float t = 0.0;
     bool refined = false;
     float coarseness = ROUNDING * largest(origin);
-    // Copies for the loop, as those of copyUniforms.
-    float shell = uShell;
-    float maxDistance = uMaxDistance;
-    int stepLimit = uStepLimit;
-    float scale = uDistanceFactor / uLipschitz;
     limitReached = false;
     for (int i = 0; i < stepLimit; ++i) {
         vec3 p = origin + t * direction;
         float second;
-        float nearest = directedDistance(p, direction, last, object, second) * scale;
-        second *= scale;
+        float nearest = directedDistance(p, direction, last, object, second) * distanceScale;
+        second *= distanceScale;
         COUNT_EVALUATIONS(1.0);
         if (nearest < shell) {
 #if LANDING
@@ -105,7 +112,7 @@ void iterate(inout vec4 origin, inout vec4 direction) {
     // Where the basic shapes gave up, nothing is known of what lies ahead.
     float fieldMet;
     bool fieldLimitReached = false;
-    float limit = t < 0.0 ? uMaxDistance : t;
+    float limit = t < 0.0 ? maxDistance : t;
     float marched = limitReached ? -1.0
         : marchFields(origin.xyz, direction.xyz, origin.w, limit, fieldMet, fieldLimitReached);
     limitReached = limitReached || fieldLimitReached;
@@ -127,15 +134,15 @@ void iterate(inout vec4 origin, inout vec4 direction) {
         direction.w = counters;
         return;
     }
-    vec3 normal;
-    vec3 projected = hit;
-    project(object, direction.xyz, projected, normal);
+    vec3 projected = origin.xyz;
+    vec3 mirrored = direction.xyz;
+    reflectWave(object, t, projected, mirrored);
 #if !EXACT_NORMALS
-    normal = differenceNormal(hit);
+    mirrored = mirror(direction.xyz, differenceNormal(hit));
 #endif
 #if LANDING
     hit = projected;
 #endif
     origin = vec4(hit, object);
-    direction = vec4(mirror(direction.xyz, normal), counters);
+    direction = vec4(mirrored, counters);
 }

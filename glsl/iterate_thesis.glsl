@@ -11,6 +11,16 @@ uniform float uStartOffset;   // along the direction, metres
 uniform float uNormalStep;    // of the central differences, metres
 uniform int uStepLimit;       // evaluations in one march at the most
 
+float minDistance;
+float maxDistance;
+int stepLimit;
+
+void copySettings() {
+    minDistance = uMinDistance;
+    maxDistance = uMaxDistance;
+    stepLimit = uStepLimit;
+}
+
 // Figure 8: only waves that reached the listener stop.
 bool finished(float status) {
     return reachedListener(status);
@@ -21,10 +31,6 @@ float traceWave(vec3 origin, vec3 direction, out float object, out bool limitRea
     float t = 0.0;
     limitReached = false;
     object = STATUS_DEAD;
-    // Copies for the loop, as those of copyUniforms.
-    float minDistance = uMinDistance;
-    float maxDistance = uMaxDistance;
-    int stepLimit = uStepLimit;
     for (int i = 0; i < stepLimit; ++i) {
         if (!(t < maxDistance)) {
             return -1.0;

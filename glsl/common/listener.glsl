@@ -1,6 +1,8 @@
 // The listener: centre in metres, in the march's coordinates; radius.
 uniform vec4 uListener;
-vec4 listener;   // its copy (copyUniforms)
+// Its copy, and the square of the radius (copyUniforms).
+vec4 listener;
+float squaredListenerRadius;
 
 float listenerDistance(vec3 p) {
     return length(p - listener.xyz) - listener.w;
@@ -18,8 +20,6 @@ float sdListenerDirected(vec3 p, vec3 d) {
 // Where a ray intersects the listener; a wave that starts inside has arrived.
 float hitListener(vec3 p, vec3 d) {
     vec3 offset = p - listener.xyz;
-    if (dot(offset, offset) <= listener.w * listener.w) {
-        return 0.0;
-    }
-    return hitBall(offset, d, listener.w);
+    float t = hitBall(offset, d, squaredListenerRadius);
+    return dot(offset, offset) <= squaredListenerRadius ? 0.0 : t;
 }

@@ -1,8 +1,20 @@
-// 1 / v with components of 0 taken as a tiny number: what is divided by it lands far
-// behind or far ahead, and nothing becomes a NaN.
-vec3 safeInverse(vec3 v) {
+// The sign of each component of a direction: -1, or 1 for none.
+vec3 headingSigns(vec3 d) {
+    return vec3(d.x < 0.0 ? -1.0 : 1.0, d.y < 0.0 ? -1.0 : 1.0, d.z < 0.0 ? -1.0 : 1.0);
+}
+
+// Components of 0 are taken as a tiny number: what is divided by it lands far behind or far ahead,
+// and nothing becomes a NaN.
+vec3 notZero(vec3 sizes) {
     const float TINY = 1e-20;
-    vec3 tiny = vec3(v.x < 0.0 ? -TINY : TINY, v.y < 0.0 ? -TINY : TINY, v.z < 0.0 ? -TINY : TINY);
-    bvec3 small = lessThan(abs(v), vec3(TINY));
-    return 1.0 / vec3(small.x ? tiny.x : v.x, small.y ? tiny.y : v.y, small.z ? tiny.z : v.z);
+    return max(sizes, TINY);
+}
+
+// How many metres of a line are a metre along each axis.
+vec3 inverseSpeeds(vec3 d) {
+    return 1.0 / notZero(abs(d));
+}
+
+vec3 safeInverse(vec3 d) {
+    return headingSigns(d) * inverseSpeeds(d);
 }

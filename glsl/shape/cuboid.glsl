@@ -30,16 +30,13 @@ vec4 gdBox(vec3 p, vec3 halfSize) {
 // on its way in it meets the box at once, on its way out not at all. A chord shorter than
 // the error bound (the box's own, and that of the way to it) is rounding too, not a box.
 float hitBox(vec3 p, vec3 d, vec4 halfSizeAndErrorBound) {
-    vec3 inverse = safeInverse(d);
-    vec3 middle = -p * inverse;
-    vec3 reach = halfSizeAndErrorBound.xyz * abs(inverse);
-    vec3 enters = middle - reach;
-    vec3 leaves = middle + reach;
+    vec3 inverse = inverseSpeeds(d);
+    vec3 ahead = headingSigns(d) * p;
+    vec3 enters = (-halfSizeAndErrorBound.xyz - ahead) * inverse;
+    vec3 leaves = (halfSizeAndErrorBound.xyz - ahead) * inverse;
     float enter = max(enters.x, max(enters.y, enters.z));
     float leave = min(leaves.x, min(leaves.y, leaves.z));
-    float ahead = max(enter, 0.0);
-    float errorBound = halfSizeAndErrorBound.w + ROUNDING * ahead;
-    return leave > ahead + errorBound && leave + enter > 0.0 ? ahead : NO_HIT;
+    return hitChord(enter, leave, halfSizeAndErrorBound.w);
 }
 
 // Puts a point that is met onto the box, and says the normal there: of the faces that

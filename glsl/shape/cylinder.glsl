@@ -17,19 +17,16 @@ vec4 gdCylinder(vec3 p, float radius) {
 }
 
 // Where a ray from outside meets the endless cylinder about y: the circle in the plane.
-float hitCylinder(vec3 p, vec3 d, float radius) {
+float hitCylinder(vec3 p, vec3 d, float squaredRadius) {
+    const float SLOWEST = 1e-12;   // below, the line is parallel to the axis for all that matters
     float speed = length(d.xz);
-    if (speed < 1e-12) {
-        return NO_HIT;
-    }
-    vec2 heading = d.xz / speed;
+    float inverseSpeed = 1.0 / max(speed, SLOWEST);
+    vec2 heading = d.xz * inverseSpeed;
     float along = dot(p.xz, heading);
     vec2 aside = p.xz - along * heading;
-    float under = radius * radius - dot(aside, aside);
-    if (along >= 0.0 || under <= 0.0) {
-        return NO_HIT;
-    }
-    return max((-along - sqrt(under)) / speed, 0.0);
+    float under = squaredRadius - dot(aside, aside);
+    float t = max((-along - sqrt(max(under, 0.0))) * inverseSpeed, 0.0);
+    return along < 0.0 && under > 0.0 && speed >= SLOWEST ? t : NO_HIT;
 }
 
 // Puts a point that is met onto the cylinder, and says the normal there.

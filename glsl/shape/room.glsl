@@ -39,9 +39,7 @@ vec4 gdRoom(vec3 p, vec3 halfSize) {
 // ahead. It always meets one, so a wave cannot leak; a wall behind is never met, so a wave
 // cannot meet the wall it leaves.
 float hitRoom(vec3 p, vec3 d, vec3 halfSize) {
-    vec3 inverse = abs(safeInverse(d));
-    vec3 ahead = vec3(d.x < 0.0 ? -p.x : p.x, d.y < 0.0 ? -p.y : p.y, d.z < 0.0 ? -p.z : p.z);
-    vec3 t = (halfSize - ahead) * inverse;
+    vec3 t = (halfSize - headingSigns(d) * p) * inverseSpeeds(d);
     return max(min(t.x, min(t.y, t.z)), 0.0);
 }
 

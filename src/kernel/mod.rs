@@ -68,13 +68,13 @@ mod tests {
     /// What a pass calls, and where from.
     const CALLS: [(&str, Parts); 4] = [
         ("distanceFunction()", distance_parts),
-        ("directedDistance() directedGradient() project()", |scene| {
+        ("directedDistance() directedGradient() reflectWave()", |scene| {
             directed_parts(scene, false)
         }),
-        ("directedDistance() surfaceDistance() project()", |scene| {
+        ("directedDistance() surfaceDistance() reflectWave()", |scene| {
             directed_parts(scene, true)
         }),
-        ("closestHit() project()", closed_form_parts),
+        ("closestHit() reflectWave()", closed_form_parts),
     ];
 
     /// Every text of a scene, each with the functions that a pass calls.

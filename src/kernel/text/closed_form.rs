@@ -5,11 +5,12 @@ use super::fields_ahead::{Marched, fields_ahead};
 use super::link::Part;
 use super::named::Named;
 use super::of_kind::of_kind;
-use super::project::project_text;
+use super::reflect::reflect_text;
 use super::scene_text::Text;
 use crate::scene::Scene;
+use std::fmt::Write;
 
-/// `closestHit(p, d, last, limit, object)` and `project(object, d, p, normal)` of a scene; where
+/// `closestHit(p, d, last, limit, object)` and `reflectWave(object, t, p, d)` of a scene; where
 /// fields have no closed form `marchFields(p, d, last, limit, object, limitReached)` for these.
 pub fn closed_form_parts(scene: &Scene) -> Vec<Part> {
     let text = Text::new(scene);
@@ -19,7 +20,7 @@ pub fn closed_form_parts(scene: &Scene) -> Vec<Part> {
     text.add_fields(&mut parts, marched, value_text);
     text.add_fields(&mut parts, |_| true, gradient_text);
     text.add_fields(&mut parts, |_| true, normal_text);
-    let functions = hit_of_kind(&text) + &closest_hit(&text) + &project_text(&text);
+    let functions = hit_of_kind(&text) + &closest_hit(&text) + &reflect_text(&text);
     text.add(&mut parts, "the scene", functions);
     parts.extend(fields_ahead(&text, Marched::Others));
     parts
@@ -77,10 +78,15 @@ fn closest_hit(text: &Text) -> String {
 
 fn candidate(named: &Named) -> String {
     let hit = named.hit("p", "d", "nearest");
-    let hit = named.unless_left(&named.left(), "NO_HIT", &hit);
-    format!(
-        "    // {}\n    candidate = {hit};\n    \
-         if (candidate < nearest) {{ nearest = candidate; object = {}.0; }}\n",
-        named.label, named.tag
-    )
+    let mut out = format!("    // {}\n    candidate = {hit};\n", named.label);
+    if named.surface.shape.is_convex() {
+        let _ = writeln!(out, "    candidate = {} ? NO_HIT : candidate;", named.left());
+    }
+    let _ = writeln!(
+        out,
+        "    object = candidate < nearest ? {}.0 : object;\n    \
+         nearest = min(candidate, nearest);",
+        named.tag
+    );
+    out
 }

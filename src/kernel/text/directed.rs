@@ -6,13 +6,13 @@ use super::fields_ahead::{Marched, fields_ahead};
 use super::link::Part;
 use super::named::Named;
 use super::of_kind::of_kind;
-use super::project::project_text;
+use super::reflect::reflect_text;
 use super::scene_text::Text;
 use crate::scene::{Node, Scene};
 use std::fmt::Write;
 
 /// `directedDistance(p, d, last, object, second)`, `directedGradient(p, d, object, errorBound)`,
-/// `project(object, d, p, normal)` of a scene, `surfaceDistance(p, object)` where normals are
+/// `reflectWave(object, t, p, d)` of a scene, `surfaceDistance(p, object)` where normals are
 /// taken from differences of it, and `marchFields(p, d, last, limit, object, limitReached)` where
 /// there are fields.
 pub fn directed_parts(scene: &Scene, difference_normals: bool) -> Vec<Part> {
@@ -25,7 +25,7 @@ pub fn directed_parts(scene: &Scene, difference_normals: bool) -> Vec<Part> {
         text.add(&mut parts, "the scene's distance", surface_distances(&text));
     }
     let functions = of_kinds(&text) + &directed_distance(&text) + &directed_gradient(&text);
-    text.add(&mut parts, "the scene", functions + &project_text(&text));
+    text.add(&mut parts, "the scene", functions + &reflect_text(&text));
     parts.extend(fields_ahead(&text, Marched::All));
     parts
 }

@@ -32,7 +32,7 @@ macro_rules! files_of_parts {
 static LIBRARY: LazyLock<Vec<Part>> = LazyLock::new(|| {
     let shared = files!(
         "common": ball bound chord corner exit listener mirror no_hit onto_field quadric_form
-        rounding safe_inverse scene_data segment turn turning
+        reflect_at_face rounding safe_inverse scene_data segment turn turning
     );
     let cells = files!("cells": directed distance fields fields_free grid grid_traversal hit);
     let all: Vec<Source> = [shared, cells, every_part!(files_of_parts)].concat();

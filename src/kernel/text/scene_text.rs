@@ -85,7 +85,10 @@ impl<'a> Text<'a> {
     fn uniforms(&self) -> String {
         let count: usize = self.unrolled.iter().map(|named| named.value_count()).sum();
         let mut declarations = String::new();
-        let mut copies = String::from("    listener = uListener;\n");
+        let mut copies = String::from(
+            "    listener = uListener;\n    \
+             squaredListenerRadius = listener.w * listener.w;\n",
+        );
         if count > 0 {
             declarations = format!("uniform vec4 uSurfaces[{count}];\n");
         }
@@ -93,6 +96,11 @@ impl<'a> Text<'a> {
             let name = value_name(place);
             let _ = writeln!(declarations, "vec4 {name};");
             let _ = writeln!(copies, "    {name} = uSurfaces[{place}];");
+        }
+        let squared_radii = self.unrolled.iter().filter_map(Named::squared_radius_of);
+        for (name, value) in squared_radii {
+            let _ = writeln!(declarations, "float {name};");
+            let _ = writeln!(copies, "    {name} = {value}.w * {value}.w;");
         }
         format!(
             "{declarations}\n// Copies for the loops: a uniform may be loaded again at each use.\n\

@@ -1,0 +1,200 @@
+//! The reflection of a wave at the surface that it meets: the point on it, and the mirrored
+//! direction.
+//!
+//! Surfaces of a kind are one piece of text: the values of the one that is met are selected, then
+//! one box, one cylinder is computed. Waves that are drawn together meet different surfaces, and
+//! a renderer that draws them in lockstep would compute every branch for all of them.
+
+use super::named::Named;
+use super::of_kind::of_kind;
+use super::scene_text::Text;
+use crate::scene::Node;
+use std::fmt::Write;
+
+/// Surfaces that are reflected at by one piece of text.
+enum Group<'a> {
+    /// Rooms and boxes along the axes.
+    Faces(Vec<&'a Named<'a>>),
+    /// Basic shapes of one kind.
+    Kind(Vec<&'a Named<'a>>),
+    /// A field.
+    Field(&'a Named<'a>),
+}
+
+/// `reflectWave(object, t, p, d)` over all surfaces.
+pub(super) fn reflect_text(text: &Text) -> String {
+    let mut out = String::new();
+    if !text.instanced.is_empty() {
+        out += &of_kind(
+            text,
+            "// Puts p, met along d, onto a surface in cells; the normal there.\n\
+             void projectOntoKind(float kind, int data, vec3 d, inout vec3 p, out vec3 normal) {\n    \
+             vec3 q;\n    normal = -d;\n",
+            |_| true,
+            |named| projection(named, "p", "d").join(" "),
+            "",
+        );
+    }
+    out += "// Reflects a wave at the object that it meets t ahead: p, from where it flies along d,\n\
+         // becomes the point on the surface, and d is mirrored.\n\
+         void reflectWave(float object, float t, inout vec3 p, inout vec3 d) {\n    \
+         vec3 from = p;\n    vec3 along = d;\n    vec3 hit = p + t * d;\n    vec3 q;\n    \
+         vec3 normal;\n";
+    for group in groups(text) {
+        out += &match group {
+            Group::Faces(members) => at_faces(&members),
+            Group::Kind(members) => at_kind(&members),
+            Group::Field(named) => at_field(named),
+        };
+    }
+    if !text.instanced.is_empty() {
+        out += &in_cells(text);
+    }
+    out + "}\n\n"
+}
+
+fn groups<'a>(text: &'a Text) -> Vec<Group<'a>> {
+    let mut groups: Vec<Group> = Vec::new();
+    for named in &text.unrolled {
+        if named.field().is_some() {
+            groups.push(Group::Field(named));
+            continue;
+        }
+        let same = groups.iter_mut().find_map(|group| match group {
+            Group::Faces(members) if has_faces_along_axes(named) => Some(members),
+            Group::Kind(members) if is_same_kind(members[0], named) => Some(members),
+            _ => None,
+        });
+        match same {
+            Some(members) => members.push(named),
+            None if has_faces_along_axes(named) => groups.push(Group::Faces(vec![named])),
+            None => groups.push(Group::Kind(vec![named])),
+        }
+    }
+    groups
+}
+
+fn has_faces_along_axes(named: &Named) -> bool {
+    is_box(named) && !named.surface.has_rotation()
+}
+
+fn is_box(named: &Named) -> bool {
+    matches!(named.surface.shape.node, Node::Cuboid(_) | Node::Room(_))
+}
+
+fn is_same_kind(one: &Named, other: &Named) -> bool {
+    one.shape() == other.shape() && one.surface.has_rotation() == other.surface.has_rotation()
+}
+
+/// Rooms and boxes along the axes: their mirrored directions are exact.
+fn at_faces(members: &[&Named]) -> String {
+    let side = |named: &Named| match named.surface.shape.node {
+        Node::Room(_) => "1.0",
+        _ => "-1.0",
+    };
+    let values = |named: &Named| {
+        [
+            ("vec3 centre", format!("{}.xyz", named.value(0))),
+            ("vec3 halfSize", format!("{}.xyz", named.value(1))),
+            ("float side", side(named).to_owned()),
+        ]
+        .to_vec()
+    };
+    let reflection = "        vec3 onto = from;\n        vec3 mirrored = along;\n        \
+                      reflectAtFace(onto, mirrored, t, centre, halfSize, side);\n";
+    block(members, &select(members, values), reflection)
+}
+
+/// Basic shapes of one kind.
+fn at_kind(members: &[&Named]) -> String {
+    let count = members[0].value_count();
+    let values = |named: &Named| {
+        let selected = (0..count).map(|n| (SELECTED[n], named.value(n)));
+        selected.collect::<Vec<_>>()
+    };
+    let one = members[0].selected();
+    let mut reflection = String::from("        vec3 onto = hit;\n");
+    for statement in projection(&one, "onto", "along") {
+        let _ = writeln!(reflection, "        {statement}");
+    }
+    reflection.push_str("        vec3 mirrored = mirror(along, normal);\n");
+    block(members, &select(members, values), &reflection)
+}
+
+/// Declarations of the values of the surface that is met: a basic shape has three at the most.
+const SELECTED: [&str; 3] = ["vec4 selected0", "vec4 selected1", "vec4 selected2"];
+
+/// Declares the values of the first of some surfaces, and selects those of the one that is met.
+fn select(members: &[&Named], values: impl Fn(&Named) -> Vec<(&'static str, String)>) -> String {
+    let mut out = String::new();
+    for (declaration, value) in values(members[0]) {
+        let _ = writeln!(out, "        {declaration} = {value};");
+    }
+    for named in &members[1..] {
+        let is_met = named.is_met();
+        for (declaration, value) in values(named) {
+            let name = declaration.rsplit(' ').next().unwrap_or(declaration);
+            let _ = writeln!(out, "        {name} = {is_met} ? {value} : {name};");
+        }
+    }
+    out
+}
+
+/// The reflection of those waves that meet one of some surfaces.
+fn block(members: &[&Named], values: &str, reflection: &str) -> String {
+    let labels: Vec<&str> = members.iter().map(|named| named.label.as_str()).collect();
+    let met: Vec<String> = members.iter().map(|named| named.is_met()).collect();
+    format!(
+        "    // {}\n    {{\n{values}{reflection}        bool isMet = {};\n        \
+         p = isMet ? onto : p;\n        d = isMet ? mirrored : d;\n    }}\n",
+        labels.join(", "),
+        met.join(" || ")
+    )
+}
+
+fn at_field(named: &Named) -> String {
+    let mut out = format!(
+        "    // {}\n    if ({}) {{\n        p = hit;\n",
+        named.label,
+        named.is_met()
+    );
+    for statement in projection(named, "p", "along") {
+        let _ = writeln!(out, "        {statement}");
+    }
+    out + "        d = mirror(along, normal);\n    }\n"
+}
+
+fn in_cells(text: &Text) -> String {
+    let unrolled = text.unrolled.iter();
+    let others: String = unrolled
+        .map(|named| format!(" && object != {}.0", named.tag))
+        .collect();
+    format!(
+        "    if (object > 0.0{others}) {{\n        vec4 entry = entryOf(object);\n        p = hit;\n        \
+         projectOntoKind(entry.y, int(entry.z), along, p, normal);\n        \
+         d = mirror(along, normal);\n    }}\n"
+    )
+}
+
+/// Puts the point `p`, met along `d`, onto a surface, and says the normal there.
+fn projection(named: &Named, p: &str, d: &str) -> Vec<String> {
+    let mut statements = vec![format!("q = {};", named.point(p))];
+    let vector = named.vector(d);
+    if is_box(named) {
+        let (shape, size) = (named.shape(), named.size());
+        statements.push(format!("project{shape}(q, {vector}{size}, normal);"));
+    } else if named.field().is_none() {
+        let (shape, size) = (named.shape(), named.size());
+        statements.push(format!("project{shape}(q{size}, normal);"));
+    } else {
+        // A Newton step onto the field's surface, and the gradient there.
+        let gradient = named.field_gradient("q");
+        statements.push(format!("q = ontoField(q, {gradient});"));
+        let normal = named.field_normal("q");
+        statements.push(format!("normal = facing({normal}.xyz, {vector});"));
+    }
+    let (q, normal) = (named.outward("q"), named.outward("normal"));
+    statements.push(format!("{p} = {q} + {}.xyz;", named.value(0)));
+    statements.push(format!("normal = {normal};"));
+    statements
+}
