@@ -78,7 +78,7 @@ pub mod error;
 pub mod experiment;
 pub mod gpu;
 pub mod input;
-pub mod kernel;
+mod kernel;
 pub mod offline;
 pub mod output;
 #[cfg(feature = "picture")]
@@ -92,6 +92,13 @@ pub mod scene;
 mod stats;
 mod text;
 pub mod trace;
+
+/// What is shared with the integration tests, which call the crate by its name.
+#[cfg(test)]
+extern crate self as echomarch;
+#[cfg(test)]
+#[path = "../tests/common/shared.rs"]
+mod test_common;
 
 /// What is promised of threads above, checked when this is compiled.
 const _: () = {

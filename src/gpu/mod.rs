@@ -35,6 +35,7 @@ mod list;
 mod log;
 mod osmesa;
 mod pass;
+#[cfg(any(test, feature = "picture"))]
 mod picture;
 mod ping_pong;
 mod program;
@@ -46,19 +47,26 @@ mod timer;
 mod window;
 
 pub use api::Api;
-pub use async_read::AsyncRead;
-pub use context::{Context, ContextOptions, Limits};
-pub use data_texture::DataTexture;
+pub(crate) use async_read::AsyncRead;
+pub(crate) use context::Limits;
+pub use context::{Context, ContextOptions};
+pub(crate) use data_texture::DataTexture;
 pub use error::GpuError;
 pub use list::{GpuInfo, Renderer, list_gpus};
-pub use log::{LogError, log_errors};
-pub use pass::{Target, full_screen_pass, full_screen_pass_rows};
-pub use picture::Picture;
-pub use ping_pong::{PingPong, TexturePair};
-pub use program::{Program, header};
-pub use program_cache::ProgramCache;
-pub use render_target::RenderTarget;
-pub use texture::Texture;
-pub use timer::GpuTimer;
+pub(crate) use log::log_errors;
+pub(crate) use pass::{Target, full_screen_pass, full_screen_pass_rows};
+#[cfg(any(test, feature = "picture"))]
+pub(crate) use picture::Picture;
+pub(crate) use ping_pong::{PingPong, TexturePair};
+pub(crate) use program::Program;
+#[cfg(feature = "cli")]
+pub(crate) use program::header;
+pub(crate) use program_cache::ProgramCache;
+pub(crate) use render_target::RenderTarget;
+pub(crate) use texture::Texture;
+pub(crate) use timer::GpuTimer;
 #[cfg(feature = "demo")]
-pub use window::{WindowContext, WindowDisplay};
+pub(crate) use window::{WindowContext, WindowDisplay};
+
+#[cfg(test)]
+pub(crate) mod tests;
