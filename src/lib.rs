@@ -30,11 +30,10 @@
 //! | module | what it holds |
 //! | --- | --- |
 //! | [`scene`] | surfaces, source, listener, paths; RON files; distances |
-//! | [`kernel`] | what the GPU is told: shader text, data and key of a scene |
 //! | [`trace`] | settings, the [`Tracer`], one [`Frame`], [`Panning`] |
 //! | [`audio`] | sounds, panning laws, mixer, WAV files; live sound (feature `audio`) |
 //! | [`offline`] | a moving scene to sound, without a sound card |
-//! | [`gpu`] | OpenGL without acoustics: contexts, programs, textures, passes, clocks |
+//! | [`gpu`] | contexts with no window, and the renderers that there are |
 //! | [`mod@reference`] | the same and the exact waves on the CPU, to check against |
 //! | `picture` | what the listener sees, and the plan with paths (feature `picture`) |
 //! | `experiment` | the thesis' experiments, run for real, and what accuracy costs (feature `experiment`) |
@@ -98,6 +97,7 @@ pub mod trace;
 extern crate self as echomarch;
 #[cfg(test)]
 #[path = "../tests/common/shared.rs"]
+#[allow(dead_code)] // The integration tests use another part of it.
 mod test_common;
 
 /// What is promised of threads above, checked when this is compiled.
