@@ -92,12 +92,10 @@ mod stats;
 mod text;
 pub mod trace;
 
-/// What is shared with the integration tests, which call the crate by its name.
+/// What is shared with the integration tests calls the crate by its name.
 #[cfg(test)]
 extern crate self as echomarch;
 #[cfg(test)]
-#[path = "../tests/common/shared.rs"]
-#[allow(dead_code)] // The integration tests use another part of it.
 mod test_common;
 
 /// What is promised of threads above, checked when this is compiled.

@@ -2,8 +2,9 @@
 
 use super::exit::BadInput;
 use super::numbers::{count, real};
-use super::options::{Common, LawOption, TraceOptions, Values, check_ending, check_range};
+use super::options::{Common, LawOption, TraceOptions, check_ending, check_range};
 use super::print;
+use super::scene::SceneArguments;
 use crate::audio::{SAMPLE_RATE, Sound};
 use crate::demo::{DemoError, DemoOptions, OPENING_SCENE, Report, run as run_demo};
 use crate::error::Error;
@@ -28,12 +29,10 @@ parabolic-mirrors, colonnade, cave, morphing-room, menger, glasshouse.";
 /// Arguments of `demo`.
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
+#[command(mut_arg("scene", |scene| scene.required(false).default_value(OPENING_SCENE)))]
 pub struct Arguments {
-    /// Built-in scene or scene file
-    #[arg(default_value = OPENING_SCENE)]
-    scene: String,
     #[command(flatten)]
-    values: Values,
+    scene: SceneArguments,
     #[command(flatten)]
     trace: TraceOptions,
     #[command(flatten)]
@@ -128,7 +127,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
         return list_devices(common);
     }
     let options = options(arguments, common)?;
-    common.scene_with(&arguments.scene, &arguments.values)?;
+    common.scene_with_values(&arguments.scene)?;
     check_outputs(arguments)?;
     check_device(&arguments.sound)?;
     super::interrupt::ask_from_now_on();
@@ -177,8 +176,8 @@ fn options(arguments: &Arguments, common: &Common) -> anyhow::Result<DemoOptions
     let (sound, window) = (&arguments.sound, &arguments.window);
     check(sound, window, common)?;
     Ok(DemoOptions {
-        scene: arguments.scene.clone(),
-        values: arguments.values.pairs().to_vec(),
+        scene: arguments.scene.name_or_file.clone(),
+        values: arguments.scene.set.clone(),
         settings: arguments.trace.settings()?,
         trace_every: window.trace_every,
         adapt_waves: window.adapt_waves || arguments.trace.waves.is_none(),

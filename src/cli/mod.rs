@@ -39,6 +39,7 @@ mod options;
 mod print;
 mod render;
 mod report;
+mod scene;
 mod shader;
 mod slice;
 mod trace;

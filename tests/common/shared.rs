@@ -1,8 +1,8 @@
 //! What the library's unit tests share with the integration tests.
+#![allow(dead_code)] // Every test program uses its own part of this.
 
 use echomarch::gpu::{Api, Context, ContextOptions};
-use glam::{DVec3, Vec3};
-use std::f64::consts::TAU;
+use echomarch::{Scene, Settings, Tracer};
 
 /// Runs `test` once for every API, each on a thread of its own.
 pub fn on_a_thread_for_each_api(test: impl Fn(Api) + Sync) {
@@ -28,37 +28,19 @@ pub fn context(api: Api) -> Context {
     Context::headless(&ContextOptions::new(api)).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// SplitMix64 (Steele et al. 2014): the same numbers on every machine.
-pub struct Random(pub u64);
+/// A tracer on a context of the preferred API.
+pub fn tracer() -> Tracer {
+    Tracer::new(&context(Api::Gl)).unwrap()
+}
 
-impl Random {
-    /// Uniform in 0 … 1.
-    pub fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut bits = self.0;
-        bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((bits ^ (bits >> 31)) >> 11) as f64 * (-53f64).exp2()
-    }
+/// The thesis' settings with these counts.
+pub fn thesis(waves: u32, iterations: u32) -> Settings {
+    Settings::thesis()
+        .with_waves(waves)
+        .with_iterations(iterations)
+}
 
-    pub fn signed(&mut self) -> f64 {
-        2.0 * self.unit() - 1.0
-    }
-
-    /// Uniform over the unit sphere (Archimedes: its height is uniform).
-    pub fn direction(&mut self) -> DVec3 {
-        let height = self.signed();
-        let (sin, cos) = (TAU * self.unit()).sin_cos();
-        let ring = (1.0 - height * height).sqrt();
-        DVec3::new(ring * cos, height, ring * sin)
-    }
-
-    pub fn directions(&mut self, count: usize) -> Vec<Vec3> {
-        (0..count).map(|_| self.direction().as_vec3()).collect()
-    }
-
-    /// Uniform in the logarithm, from 10⁻³ to 10⁴.
-    pub fn scale(&mut self) -> f64 {
-        10f64.powf(7.0 * self.unit() - 3.0)
-    }
+/// A scene that a test needs and that must be there.
+pub fn builtin(name: &str) -> Scene {
+    Scene::builtin(name).unwrap()
 }

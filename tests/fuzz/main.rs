@@ -12,6 +12,8 @@
 //! `ECHOMARCH_FUZZ_FIRST=i ECHOMARCH_FUZZ_RUNS=1`.
 
 mod mutate;
+#[path = "../common/random.rs"]
+mod random;
 mod scratch;
 
 mod answers;
