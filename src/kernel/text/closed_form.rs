@@ -80,7 +80,11 @@ fn candidate(named: &Named) -> String {
     let hit = named.hit("p", "d", "nearest");
     let mut out = format!("    // {}\n    candidate = {hit};\n", named.label);
     if named.surface.shape.is_convex() {
-        let _ = writeln!(out, "    candidate = {} ? NO_HIT : candidate;", named.left());
+        let _ = writeln!(
+            out,
+            "    candidate = {} ? NO_HIT : candidate;",
+            named.left()
+        );
     }
     let _ = writeln!(
         out,

@@ -178,10 +178,7 @@ impl<'a> Named<'a> {
 
     /// The variable of [`Named::squared_radius`], and the value that it is a copy of.
     pub fn squared_radius_of(&self) -> Option<(String, String)> {
-        let is_round = matches!(
-            self.surface.shape.node,
-            Node::Sphere(_) | Node::Cylinder(_)
-        );
+        let is_round = matches!(self.surface.shape.node, Node::Sphere(_) | Node::Cylinder(_));
         match self.values {
             Values::Uniforms(first) if is_round => {
                 Some((squared_radius_name(first), value_name(first)))
