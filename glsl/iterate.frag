@@ -15,15 +15,7 @@ void main() {
     vec4 origin = texelFetch(uOrigins, texel, 0);
     vec4 direction = texelFetch(uDirections, texel, 0);
     int iterations = waveIndex() < uWaveCount ? uIterationsInPass : 0;
-    for (int i = 0; i < iterations; ++i) {
-        if (finished(origin.w)) {
-            break;
-        }
-        iterate(origin, direction);
-    }
-#ifdef COUNTS_EVALUATIONS
-    direction.w += evaluations;
-#endif
+    traceIterations(iterations, origin, direction);
     outOrigin = origin;
     outDirection = direction;
 }

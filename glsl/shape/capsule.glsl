@@ -30,7 +30,7 @@ float hitCapsule(vec3 p, vec3 d, float radius, float halfHeight, float errorBoun
     }
     vec3 up = vec3(0.0, halfHeight, 0.0);
     // From outside the inner half of a ball is never met before the side.
-    return min(nearest, min(hitBall(p - up, d, radius), hitBall(p + up, d, radius)));
+    return min(nearest, min(hitSphere(p - up, d, radius), hitSphere(p + up, d, radius)));
 }
 
 float exitCapsule(vec3 p, vec3 d, float radius, float halfHeight) {

@@ -17,7 +17,7 @@ vec4 gdCylinder(vec3 p, float radius) {
 }
 
 // Where a ray from outside meets the endless cylinder about y: the circle in the plane.
-float hitCylinder(vec3 p, vec3 d, float squaredRadius) {
+float hitCircle(vec3 p, vec3 d, float squaredRadius) {
     const float SLOWEST = 1e-12;   // below, the line is parallel to the axis for all that matters
     float speed = length(d.xz);
     float inverseSpeed = 1.0 / max(speed, SLOWEST);
@@ -27,6 +27,10 @@ float hitCylinder(vec3 p, vec3 d, float squaredRadius) {
     float under = squaredRadius - dot(aside, aside);
     float t = max((-along - sqrt(max(under, 0.0))) * inverseSpeed, 0.0);
     return along < 0.0 && under > 0.0 && speed >= SLOWEST ? t : NO_HIT;
+}
+
+float hitCylinder(vec3 p, vec3 d, float radius) {
+    return hitCircle(p, d, radius * radius);
 }
 
 // Puts a point that is met onto the cylinder, and says the normal there.

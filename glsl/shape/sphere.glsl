@@ -14,8 +14,8 @@ vec4 gdSphere(vec3 p, float radius) {
     return vec4(p / max(apart, 1e-30), apart - radius);
 }
 
-float hitSphere(vec3 p, vec3 d, float squaredRadius) {
-    return hitBall(p, d, squaredRadius);
+float hitSphere(vec3 p, vec3 d, float radius) {
+    return hitBall(p, d, radius * radius);
 }
 
 // Puts a point that is met onto the ball, and says the normal there.

@@ -43,7 +43,7 @@ pub use passes::Directions;
 pub(crate) use passes::is_marched;
 pub(crate) use passes::{
     AlgorithmText, Key, MarchText, initialise_text, march_text, marches_fields, pan_text,
-    sum_contributions_text, sum_text,
+    sum_contributions_text, sum_text, whole_frame_text,
 };
 pub(crate) use rebasing::{OriginRebasing, RebasedScene};
 #[cfg(any(test, feature = "demo"))]

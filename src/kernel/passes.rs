@@ -2,7 +2,8 @@
 
 use super::structure::{Structure, structure};
 use super::text::{
-    Source, closed_form_parts, directed_parts, distance_parts, field, join, link, source,
+    Part, Source, closed_form_parts, directed_parts, distance_parts, field, join, library, link,
+    source,
 };
 use crate::scene::{Scene, Surface};
 use serde::Serialize;
@@ -14,6 +15,8 @@ use std::str::FromStr;
 pub(crate) enum Key {
     Initialise(Directions),
     March(Structure, MarchText),
+    /// All of them in one.
+    WholeFrame(Structure, MarchText, Directions),
     Pan,
     /// The first pass of the sum on the GPU.
     SumContributions,
@@ -58,24 +61,47 @@ impl Key {
     pub fn march(scene: &Scene, text: MarchText) -> Key {
         Key::March(structure(scene), text)
     }
+
+    /// The key of a whole frame in one pass.
+    pub fn whole_frame(scene: &Scene, text: MarchText, directions: Directions) -> Key {
+        Key::WholeFrame(structure(scene), text, directions)
+    }
 }
 
 /// The text of the pass that starts the waves.
 pub(crate) fn initialise_text(directions: Directions) -> String {
     let mut sources = vec![source!("wave.glsl")];
-    sources.extend(match directions {
-        Directions::Random => vec![source!("direction/random.glsl")],
-        Directions::Fibonacci => vec![
-            source!("common/turn.glsl"),
-            source!("direction/fibonacci.glsl"),
-        ],
-    });
+    sources.extend(start(directions));
     sources.push(source!("initialise.frag"));
-    join(&sources)
+    join(&link(sources, library()))
+}
+
+/// How a wave starts.
+fn start(directions: Directions) -> [Source; 2] {
+    let direction = match directions {
+        Directions::Random => source!("direction/random.glsl"),
+        Directions::Fibonacci => source!("direction/fibonacci.glsl"),
+    };
+    [direction, source!("start.glsl")]
 }
 
 /// The text of the march through a scene, which should have been [checked](super::check).
 pub(crate) fn march_text(scene: &Scene, text: MarchText) -> String {
+    let (mut roots, parts) = iterations(scene, text);
+    roots.push(source!("iterate.frag"));
+    join(&link(roots, parts))
+}
+
+/// The text of a whole frame in one pass.
+pub(crate) fn whole_frame_text(scene: &Scene, text: MarchText, directions: Directions) -> String {
+    let (mut roots, parts) = iterations(scene, text);
+    roots.extend(start(directions));
+    roots.extend([source!("panning.glsl"), source!("whole_frame.frag")]);
+    join(&link(roots, parts))
+}
+
+/// What takes a wave through iterations, and the parts that it calls.
+fn iterations(scene: &Scene, text: MarchText) -> (Vec<Source>, Vec<Part>) {
     let counters = match text.count_evaluations {
         true => source!("counters_evaluations.glsl"),
         false => source!("counters.glsl"),
@@ -108,13 +134,17 @@ pub(crate) fn march_text(scene: &Scene, text: MarchText) -> String {
             closed_form_parts(scene)
         }
     };
-    roots.push(source!("iterate.frag"));
-    join(&link(roots, parts))
+    roots.push(source!("iterations.glsl"));
+    (roots, parts)
 }
 
 /// The text of the panning pass.
 pub(crate) fn pan_text() -> String {
-    join(&[source!("wave.glsl"), source!("pan.frag")])
+    join(&[
+        source!("wave.glsl"),
+        source!("panning.glsl"),
+        source!("pan.frag"),
+    ])
 }
 
 /// The text of the first pass of the sum on the GPU.

@@ -56,6 +56,23 @@ impl Programs {
         })
     }
 
+    /// A whole frame of a scene's structure in one pass.
+    pub fn whole_frame(
+        &mut self,
+        context: &Context,
+        scene: &Scene,
+        settings: &Settings,
+    ) -> Result<Rc<Program>, Error> {
+        let (options, directions) = (march_options(settings), settings.directions);
+        let key = Key::whole_frame(scene, options, directions);
+        self.cache.get_or_compile(key, || {
+            kernel::check(scene)?;
+            let label = format!("frame ({}) of {}", settings.profile(), scene.name);
+            let text = kernel::whole_frame_text(scene, options, directions);
+            Ok(Program::fragment(context, &label, &text)?)
+        })
+    }
+
     /// The panning pass.
     pub fn pan(&mut self, context: &Context) -> Result<Rc<Program>, Error> {
         self.get(context, Key::Pan, "pan", kernel::pan_text)

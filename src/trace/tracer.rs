@@ -15,9 +15,10 @@ use super::scene_data::SceneData;
 use super::sum::Sum;
 use super::user_fields::UserFields;
 use super::waves::waves;
-use super::{Frame, Grid, Settings, Wave};
+use super::{Frame, Grid, Profile, Settings, Wave};
 use crate::error::Error;
 use crate::gpu::{Context, GpuTimer};
+use crate::kernel::{OriginRebasing, RebasedScene};
 use crate::scene::Scene;
 use glam::Vec3;
 pub use heard::HeardPaths;
@@ -25,7 +26,7 @@ use passes::Targets;
 use prepared::{FramePrograms, PreparedFrame};
 use std::cell::RefCell;
 use std::rc::Rc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 use steps::{FrameUnderWay, ReadBack};
 use throughput::Throughput;
 
@@ -48,6 +49,13 @@ pub struct Tracer {
     under_way: Option<FrameUnderWay>,
     /// What the last frame was read back with.
     spare: Option<ReadBack>,
+}
+
+/// Whether the waves of a frame are asked for, besides what is heard of them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Waves {
+    Kept,
+    Dropped,
 }
 
 /// What tracers may share.
@@ -113,11 +121,8 @@ impl Tracer {
     /// As [`Tracer::frame`].
     pub fn check(&mut self, scene: &Scene, settings: &Settings) -> Result<(), Error> {
         let _entered = self.context.enter()?;
-        self.check_input(scene, settings)?;
-        let programs = &mut self.shared.borrow_mut().programs;
-        programs.march(&self.context, scene, settings)?;
-        programs.initialise(&self.context, settings.directions)?;
-        programs.pan(&self.context)?;
+        let budget = Budget::of(scene, settings);
+        self.programs(scene, settings, Waves::Dropped, &budget)?;
         Ok(())
     }
 
@@ -146,7 +151,7 @@ impl Tracer {
     ) -> Result<(Frame, Vec<Wave>), Error> {
         let _entered = self.context.enter()?;
         self.aside(|tracer| {
-            tracer.begin(scene, settings)?;
+            tracer.begin(scene, settings, Waves::Kept)?;
             let (starts, reading) = timed(|| tracer.read_pair())?;
             let mut frame = tracer.frame_to_its_end()?;
             frame.milliseconds.total -= reading;
@@ -165,7 +170,7 @@ impl Tracer {
     /// As [`Tracer::frame`].
     pub fn paths(&mut self, scene: &Scene, settings: &Settings) -> Result<Vec<Vec<Wave>>, Error> {
         let _entered = self.context.enter()?;
-        let frame = self.prepare(scene, settings)?;
+        let frame = self.prepare(scene, settings, Waves::Kept)?;
         self.initialise(&frame)?;
         self.follow(&frame)
     }
@@ -189,7 +194,7 @@ impl Tracer {
         let units = unit_directions(directions)?;
         let waves = u32::try_from(units.len()).unwrap_or(u32::MAX);
         let settings = settings.clone().with_waves(waves);
-        let frame = self.prepare(scene, &settings)?;
+        let frame = self.prepare(scene, &settings, Waves::Kept)?;
         self.upload_starts(&frame, &units)?;
         self.follow(&frame)
     }
@@ -198,28 +203,67 @@ impl Tracer {
 /// What frames begin with.
 impl Tracer {
     /// Checks the input, gets the programs and the textures, and sends the scene's data.
-    fn prepare(&mut self, scene: &Scene, settings: &Settings) -> Result<PreparedFrame, Error> {
+    fn prepare(
+        &mut self,
+        scene: &Scene,
+        settings: &Settings,
+        keep: Waves,
+    ) -> Result<PreparedFrame, Error> {
         self.check_input(scene, settings)?;
         // The textures are this frame's now. Of one that is drawn the result is elsewhere.
         if self.frame_marching_for().is_some() {
             self.give_up();
         }
-        let programs = self.make_room(scene, settings)?;
-        // What only a first frame pays is over.
-        let began = Instant::now();
-        let rebasing = PreparedFrame::rebasing(scene, settings);
-        let rebased = rebasing.apply(scene);
-        let lists = budget::lists(settings);
-        self.scene_data.set(scene, &rebasing, &rebased, lists)?;
-        let budget = Budget::with_cells(scene, settings, self.scene_data.cells());
+        let (prepared, setup) = timed(|| self.set_scene_data(scene, settings))?;
+        let (rebasing, rebased, budget) = prepared;
+        let programs = self.programs(scene, settings, keep, &budget)?;
+        self.make_room(settings, &programs)?;
+        // Compiling and making textures, which a first frame alone does, is not in its time.
+        let setup = Duration::from_secs_f64(setup * 1e-3);
+        let now = Instant::now();
+        let began = now.checked_sub(setup).unwrap_or(now);
         let place = (&rebasing, &rebased);
         Ok(PreparedFrame::new(
             scene, settings, place, budget, programs, began,
         ))
     }
 
-    /// Makes textures for so many waves, and compiles programs, where there are none yet.
-    fn make_room(&mut self, scene: &Scene, settings: &Settings) -> Result<FramePrograms, Error> {
+    /// Sends the scene's data, in the coordinates of the shaders.
+    fn set_scene_data(
+        &mut self,
+        scene: &Scene,
+        settings: &Settings,
+    ) -> Result<(OriginRebasing, RebasedScene, Budget), Error> {
+        let rebasing = PreparedFrame::rebasing(scene, settings);
+        let rebased = rebasing.apply(scene);
+        let lists = budget::lists(settings);
+        self.scene_data.set(scene, &rebasing, &rebased, lists)?;
+        let budget = Budget::with_cells(scene, settings, self.scene_data.cells());
+        Ok((rebasing, rebased, budget))
+    }
+
+    /// The programs of a frame, compiled where they are not yet.
+    fn programs(
+        &mut self,
+        scene: &Scene,
+        settings: &Settings,
+        keep: Waves,
+        budget: &Budget,
+    ) -> Result<FramePrograms, Error> {
+        let (programs, context) = (&mut self.shared.borrow_mut().programs, &self.context);
+        if keep == Waves::Dropped && fits_one_pass(scene, settings, budget) {
+            let program = programs.whole_frame(context, scene, settings)?;
+            return Ok(FramePrograms::WholeFrame(program));
+        }
+        Ok(FramePrograms::Passes {
+            march: programs.march(context, scene, settings)?,
+            initialise: programs.initialise(context, settings.directions)?,
+            pan: programs.pan(context)?,
+        })
+    }
+
+    /// Makes textures for so many waves where there are none yet.
+    fn make_room(&mut self, settings: &Settings, of: &FramePrograms) -> Result<(), Error> {
         let grid = Grid::new(settings.waves);
         let targets = match self.targets.take().filter(|targets| targets.grid == grid) {
             Some(targets) => targets,
@@ -227,16 +271,14 @@ impl Tracer {
             None => Targets::new(&self.context, grid)?,
         };
         let targets = self.targets.insert(targets);
-        let programs = &mut self.shared.borrow_mut().programs;
-        let of_frame = FramePrograms {
-            march: programs.march(&self.context, scene, settings)?,
-            initialise: programs.initialise(&self.context, settings.directions)?,
-            pan: programs.pan(&self.context)?,
-        };
+        if !of.are_one() {
+            targets.provide_pairs(&self.context)?;
+        }
         if settings.sum_on_gpu && targets.sum.is_none() {
+            let programs = &mut self.shared.borrow_mut().programs;
             targets.sum = Some(Sum::new(&self.context, programs, grid)?);
         }
-        Ok(of_frame)
+        Ok(())
     }
 
     /// What is checked once a frame, and of users' fields before the first.
@@ -263,4 +305,12 @@ impl Tracer {
         }
         Ok(states)
     }
+}
+
+/// Whether all passes of a frame are drawn as one. The thesis' are not. Users' fields, whose
+/// programs are tried before they are used, have one program: that of the march.
+fn fits_one_pass(scene: &Scene, settings: &Settings, budget: &Budget) -> bool {
+    settings.profile() != Profile::Thesis
+        && settings.iterations <= budget.iterations_per_pass
+        && scene.user_fields().next().is_none()
 }

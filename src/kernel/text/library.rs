@@ -40,7 +40,7 @@ static LIBRARY: LazyLock<Vec<Part>> = LazyLock::new(|| {
 });
 
 /// Every function, to be linked where it is called.
-pub(super) fn library() -> Vec<Part> {
+pub(in crate::kernel) fn library() -> Vec<Part> {
     LIBRARY.clone()
 }
 

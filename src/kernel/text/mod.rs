@@ -25,6 +25,7 @@ mod user;
 pub use closed_form::closed_form_parts;
 pub use directed::directed_parts;
 pub use distance::distance_parts;
+pub(in crate::kernel) use library::library;
 pub use link::{Part, link};
 #[cfg(glsl_at_run_time)]
 pub(crate) use source::read_at_run_time;

@@ -249,9 +249,9 @@ impl<'a> Named<'a> {
         }
         match self.surface.shape.node {
             Node::Cuboid(_) => format!("hitBox({point}, {vector}, {})", self.value(1)),
-            Node::Sphere(_) | Node::Cylinder(_) => {
-                let (shape, squared_radius) = (self.shape(), self.squared_radius());
-                format!("hit{shape}({point}, {vector}, {squared_radius})")
+            Node::Sphere(_) => format!("hitBall({point}, {vector}, {})", self.squared_radius()),
+            Node::Cylinder(_) => {
+                format!("hitCircle({point}, {vector}, {})", self.squared_radius())
             }
             _ => format!("hit{}({point}, {vector}{})", self.shape(), self.size()),
         }

@@ -1,16 +1,15 @@
 //! The passes of a frame, and the textures that they draw to.
 
-use super::super::directions::random_turn;
 use super::super::sum::Sum;
 use super::super::waves::STATUS_DEAD;
 use super::super::{Grid, TraceError};
 use super::Tracer;
-use super::prepared::{EVALUATIONS_PER_DRAW, PreparedFrame};
+use super::prepared::{EVALUATIONS_PER_DRAW, FramePrograms, PreparedFrame};
 use crate::error::Error;
 use crate::gpu::{
     Context, GpuError, PingPong, Program, RenderTarget, Target, Texture, full_screen_pass_rows,
 };
-use glam::{Vec3, Vec4};
+use glam::Vec3;
 use std::ops::Range;
 
 /// Waves in one draw call at the most: a frame of more is drawn in bands of rows, so that
@@ -20,7 +19,8 @@ const WAVES_PER_DRAW: u64 = 1 << 20;
 /// The textures for one count of waves.
 pub(super) struct Targets {
     pub grid: Grid,
-    pub pairs: PingPong,
+    /// Made for the first frame in several passes.
+    pairs: Option<PingPong>,
     pub contributions: Texture,
     pub pan: RenderTarget,
     /// Made for the first frame that is summed on the GPU.
@@ -32,11 +32,19 @@ impl Targets {
         let contributions = Texture::new(context, grid.width, grid.height)?;
         Ok(Targets {
             grid,
-            pairs: PingPong::new(context, grid.width, grid.height)?,
+            pairs: None,
             pan: RenderTarget::new(context, &[&contributions])?,
             contributions,
             sum: None,
         })
+    }
+
+    /// Makes the texture pairs where there are none yet.
+    pub fn provide_pairs(&mut self, context: &Context) -> Result<(), GpuError> {
+        if self.pairs.is_none() {
+            self.pairs = Some(PingPong::new(context, self.grid.width, self.grid.height)?);
+        }
+        Ok(())
     }
 }
 
@@ -46,12 +54,19 @@ impl Tracer {
         self.targets.as_ref().ok_or(TraceError::NothingTraced)
     }
 
-    /// Puts every wave at the source.
+    fn pairs(&self) -> Result<&PingPong, TraceError> {
+        let pairs = self.targets()?.pairs.as_ref();
+        pairs.ok_or(TraceError::NothingTraced)
+    }
+
+    /// Puts every wave at the source, where that is a pass of its own.
     pub(super) fn initialise(&self, frame: &PreparedFrame) -> Result<(), Error> {
-        frame.set_initialise_uniforms(Vec4::from(random_turn(frame.settings.seed)));
-        let target = self.targets()?.pairs.current();
-        let program = &frame.programs.initialise;
-        self.draw(program, frame.grid, target, 1, 0..frame.grid.height)
+        let FramePrograms::Passes { initialise, .. } = &frame.programs else {
+            return Ok(());
+        };
+        frame.set_start_uniforms(initialise);
+        let target = self.pairs()?.current();
+        self.draw(initialise, frame.grid, target, 1, 0..frame.grid.height)
     }
 
     /// What the initialise pass does, for directions that are given.
@@ -68,7 +83,7 @@ impl Tracer {
             .map(|direction| direction.extend(0.0).to_array())
             .collect();
         headings.resize(texels, [0.0; 4]);
-        let current = self.targets()?.pairs.current();
+        let current = self.pairs()?.current();
         current.first.upload(origins.as_flattened())?;
         current.second.upload(headings.as_flattened())?;
         Ok(())
@@ -77,7 +92,7 @@ impl Tracer {
     /// Sets every uniform of the march that is the same for all iterations.
     pub(super) fn set_march_uniforms(&self, frame: &PreparedFrame) {
         frame.set_march_uniforms();
-        self.scene_data.set_uniforms(&frame.programs.march);
+        self.scene_data.set_uniforms(frame.programs.march());
     }
 
     /// Some rows of a march pass of so many iterations; when all are drawn the pairs are to be
@@ -88,10 +103,7 @@ impl Tracer {
         iterations: u32,
         rows: Range<u32>,
     ) -> Result<(), Error> {
-        let program = &frame.programs.march;
-        let pairs = &self.targets()?.pairs;
-        program.set_texture("uOrigins", 0, &pairs.current().first);
-        program.set_texture("uDirections", 1, &pairs.current().second);
+        let program = frame.programs.march();
         self.scene_data.bind(program, 2);
         program.set_i32("uIterationsInPass", iterations as i32);
         let mut evaluations = frame.evaluations(iterations);
@@ -99,24 +111,34 @@ impl Tracer {
         if !self.context.is_software() {
             evaluations = evaluations.saturating_mul(frame.weight());
         }
+        if frame.programs.are_one() {
+            let target = &self.targets()?.pan;
+            return self.draw(program, frame.grid, target, evaluations, rows);
+        }
+        let pairs = self.pairs()?;
+        program.set_texture("uOrigins", 0, &pairs.current().first);
+        program.set_texture("uDirections", 1, &pairs.current().second);
         self.draw(program, frame.grid, pairs.next(), evaluations, rows)
     }
 
     /// What was written last is read next.
     pub(super) fn flip(&mut self) {
-        if let Some(targets) = &mut self.targets {
-            targets.pairs.flip();
+        let pairs = self.targets.as_mut().and_then(|t| t.pairs.as_mut());
+        if let Some(pairs) = pairs {
+            pairs.flip();
         }
     }
 
-    /// What each wave gives to either side.
+    /// What each wave gives to either side, where that is a pass of its own.
     pub(super) fn pan(&self, frame: &PreparedFrame) -> Result<(), Error> {
-        let program = &frame.programs.pan;
+        let FramePrograms::Passes { pan: program, .. } = &frame.programs else {
+            return Ok(());
+        };
         let targets = self.targets()?;
-        let current = targets.pairs.current();
+        let current = self.pairs()?.current();
         program.set_texture("uOrigins", 0, &current.first);
         program.set_texture("uDirections", 1, &current.second);
-        frame.set_pan_uniforms();
+        frame.set_pan_uniforms(program);
         self.draw(program, frame.grid, &targets.pan, 1, 0..frame.grid.height)
     }
 
@@ -124,7 +146,7 @@ impl Tracer {
     pub(super) fn read_pair(&self) -> Result<[Vec<f32>; 2], Error> {
         let targets = self.targets()?;
         let length = 4 * targets.grid.waves as usize;
-        let target = &targets.pairs.current().target;
+        let target = &self.pairs()?.current().target;
         let mut origins = target.read(0)?;
         let mut directions = target.read(1)?;
         origins.truncate(length);

@@ -1,6 +1,7 @@
 //! What one frame needs: its input, checked, and what follows from it.
 
 use super::super::budget::Budget;
+use super::super::directions::random_turn;
 use super::super::waves::{STATUS_DEAD, STATUS_STARTED};
 use super::super::{Algorithm, Grid, MarchOptions, Settings};
 use crate::gpu::Program;
@@ -39,11 +40,31 @@ pub(super) struct PreparedFrame {
     evaluation_seconds: Option<f64>,
 }
 
-/// The programs of the passes of a frame.
-pub(super) struct FramePrograms {
-    pub initialise: Rc<Program>,
-    pub march: Rc<Program>,
-    pub pan: Rc<Program>,
+/// The programs of a frame.
+pub(super) enum FramePrograms {
+    /// A program a pass, with the waves in texture pairs between them.
+    Passes {
+        initialise: Rc<Program>,
+        march: Rc<Program>,
+        pan: Rc<Program>,
+    },
+    /// All passes in one: the waves are in no texture.
+    WholeFrame(Rc<Program>),
+}
+
+impl FramePrograms {
+    /// The program that takes waves through iterations.
+    pub fn march(&self) -> &Rc<Program> {
+        match self {
+            FramePrograms::Passes { march, .. } => march,
+            FramePrograms::WholeFrame(program) => program,
+        }
+    }
+
+    /// Whether all passes are one.
+    pub fn are_one(&self) -> bool {
+        matches!(self, FramePrograms::WholeFrame(_))
+    }
 }
 
 /// What the programs are told of the scene, in the shaders' coordinates.
@@ -94,20 +115,23 @@ impl PreparedFrame {
         }
     }
 
-    /// Sets the uniforms of the initialise pass.
-    pub fn set_initialise_uniforms(&self, turn: Vec4) {
-        let program = &self.programs.initialise;
+    /// Sets the uniforms of what starts the waves.
+    pub fn set_start_uniforms(&self, program: &Program) {
         set_grid(program, self.grid);
         program.set_vec3("uSource", self.uniforms.source);
         program.set_f32("uStartStatus", self.uniforms.start_status);
         program.set_u32("uSeed", self.settings.seed);
-        program.set_vec4("uTurn", turn);
+        program.set_vec4("uTurn", Vec4::from(random_turn(self.settings.seed)));
     }
 
     /// Sets the uniforms of the march that are the same for all iterations. Those that the
     /// program does not have are skipped.
     pub fn set_march_uniforms(&self) {
-        let (program, settings) = (&self.programs.march, &self.settings);
+        let (program, settings) = (self.programs.march(), &self.settings);
+        if self.programs.are_one() {
+            self.set_start_uniforms(program);
+            self.set_pan_uniforms(program);
+        }
         set_grid(program, self.grid);
         program.set_vec4_array("uSurfaces", &self.uniforms.surfaces);
         program.set_vec4("uListener", self.uniforms.listener);
@@ -134,9 +158,8 @@ impl PreparedFrame {
         }
     }
 
-    /// Sets the uniforms of the panning pass.
-    pub fn set_pan_uniforms(&self) {
-        let program = &self.programs.pan;
+    /// Sets the uniforms of what pans.
+    pub fn set_pan_uniforms(&self, program: &Program) {
         program.set_vec4("uListener", self.uniforms.listener);
         program.set_vec3("uListenerRight", self.uniforms.listener_right);
     }

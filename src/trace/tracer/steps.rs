@@ -12,7 +12,7 @@ use super::super::frame::in_milliseconds;
 use super::super::{Counts, Frame, Milliseconds, Panning, Settings, TraceError, panning, sum};
 use super::prepared::PreparedFrame;
 use super::throughput::Progress;
-use super::{Targets, Tracer};
+use super::{Targets, Tracer, Waves};
 use crate::error::Error;
 use crate::gpu::{AsyncRead, Context, GpuError, GpuTimer};
 use crate::scene::Scene;
@@ -140,7 +140,7 @@ impl Tracer {
     /// As [`Tracer::frame`].
     pub fn frame_begin(&mut self, scene: &Scene, settings: &Settings) -> Result<(), Error> {
         let _entered = self.context.enter()?;
-        self.begin(scene, settings)
+        self.begin(scene, settings, Waves::Dropped)
     }
 
     /// Traces the frame begun for about so many milliseconds, one row of waves at the least;
@@ -195,7 +195,7 @@ impl Tracer {
         scene: &Scene,
         settings: &Settings,
     ) -> Result<Frame, Error> {
-        self.begin(scene, settings)?;
+        self.begin(scene, settings, Waves::Dropped)?;
         self.frame_to_its_end()
     }
 
@@ -222,15 +222,20 @@ impl Tracer {
         done
     }
 
-    pub(super) fn begin(&mut self, scene: &Scene, settings: &Settings) -> Result<(), Error> {
-        let prepared = self.prepare(scene, settings)?;
+    pub(super) fn begin(
+        &mut self,
+        scene: &Scene,
+        settings: &Settings,
+        keep: Waves,
+    ) -> Result<(), Error> {
+        let prepared = self.prepare(scene, settings, keep)?;
         self.give_up();
         let mut read_back = match self.spare.take() {
             Some(read_back) => read_back,
             None => ReadBack::new(&self.context)?,
         };
         self.throughput
-            .select(&prepared.programs.march, prepared.grid);
+            .select(prepared.programs.march(), prepared.grid);
         read_back.timer.restart()?;
         self.initialise(&prepared)?;
         read_back.timer.mark()?;

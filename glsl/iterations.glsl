@@ -1,0 +1,12 @@
+// Takes a wave through some iterations.
+void traceIterations(int iterations, inout vec4 origin, inout vec4 direction) {
+    for (int i = 0; i < iterations; ++i) {
+        if (finished(origin.w)) {
+            break;
+        }
+        iterate(origin, direction);
+    }
+#ifdef COUNTS_EVALUATIONS
+    direction.w += evaluations;
+#endif
+}

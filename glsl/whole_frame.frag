@@ -1,0 +1,19 @@
+// All passes of a frame in one: starts each wave, takes it through all iterations, and writes what
+// it gives to the left and the right. Where no one asks for the waves themselves, no texture pair
+// is written or read.
+
+uniform int uIterationsInPass;
+
+layout(location = 0) out vec4 outContribution;   // left, right, status, counters
+
+void main() {
+    copyUniforms();
+    copySettings();
+    uint wave = waveIndex();
+    vec4 origin;
+    vec4 direction;
+    startWave(wave, origin, direction);
+    int iterations = wave < uWaveCount ? uIterationsInPass : 0;
+    traceIterations(iterations, origin, direction);
+    outContribution = contribution(origin, direction.w, uListener.xyz);
+}
