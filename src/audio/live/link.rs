@@ -1,4 +1,4 @@
-//! Between a stream of the sound system and the renderer: what its callbacks do.
+//! The callbacks of a stream of the sound system, which drive the renderer.
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;

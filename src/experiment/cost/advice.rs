@@ -1,4 +1,4 @@
-//! What a person can do about it, in sentences.
+//! The conclusion of the report, in sentences.
 
 use super::change::Change;
 use super::options::AS_ASKED;

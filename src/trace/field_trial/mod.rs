@@ -1,4 +1,4 @@
-//! Trying users' fields where they can do no harm.
+//! Tries users' fields in a child process, where they can do no harm.
 //!
 //! A field's text is a program, and what compiles it, the driver, runs within the process that
 //! asks: a division that the compiler folds, a sum of twenty thousand terms or a loop of a
