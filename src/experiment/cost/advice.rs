@@ -11,7 +11,7 @@ const MUCH_NOISE: f64 = 5.0;
 pub(super) fn sentences(report: &CostReport) -> Vec<String> {
     if report.noise.heard <= 0.0 {
         return vec![
-            "Nothing is heard with everything in, so nobody can tell what could be left out; \
+            "Nothing is heard with everything in, so it cannot be told what could be left out; \
              the times stand."
                 .to_owned(),
         ];

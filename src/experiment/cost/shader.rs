@@ -82,10 +82,10 @@ impl ShaderReport {
     }
 
     /// Names in the text that the scene has no use for.
-    pub fn strangers(&self) -> Vec<&str> {
-        let strange = |f: &&Feature| !f.in_scene && f.called_by.is_empty();
-        let strangers = self.features.iter().filter(strange);
-        strangers.map(|feature| feature.name.as_str()).collect()
+    pub fn unneeded(&self) -> Vec<&str> {
+        let is_unneeded = |f: &&Feature| !f.in_scene && f.called_by.is_empty();
+        let unneeded = self.features.iter().filter(is_unneeded);
+        unneeded.map(|feature| feature.name.as_str()).collect()
     }
 }
 

@@ -1,7 +1,7 @@
 //! A field of one's own: GLSL text with a `float field(vec3 p)` in it, and perhaps a
 //! `vec3 fieldGradient(vec3 p)`.
 //!
-//! Only a GPU can evaluate it. What the CPU needs to know (whether the source is buried,
+//! Only a GPU can evaluate it. What the CPU needs to know (whether the source is in a solid,
 //! where a walker may go) it has from samples, which are taken once on the GPU when the
 //! field is checked; see `crate::trace`.
 

@@ -39,12 +39,12 @@ const STACK: usize = 4 << 20;
 #[derive(Clone, Debug, Default)]
 pub enum FieldTrial {
     /// They are not: this process compiles and samples them at once. A text that the driver
-    /// does not bear ends this process by a signal, takes gigabytes of memory, or never
+    /// cannot handle ends this process by a signal, takes gigabytes of memory, or never
     /// returns. For texts that one trusts.
     #[default]
     InThisProcess,
-    /// In a child process that this command starts, once for each text. For texts that come
-    /// from somewhere.
+    /// In a child process that this command starts, once for each text. For untrusted
+    /// texts.
     InChild(TrialCommand),
 }
 
