@@ -20,11 +20,11 @@ pub struct Frame {
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 #[non_exhaustive]
 pub struct Milliseconds {
-    /// The initialise pass.
+    /// The initialise pass; 0 where all passes of the frame are one.
     pub initialise: f64,
-    /// All march passes together.
+    /// All march passes together, or the one pass of the frame.
     pub march: f64,
-    /// The panning pass.
+    /// The panning pass; 0 where all passes of the frame are one.
     pub pan: f64,
     /// Reading the panning texture back, and summing it on the CPU.
     pub read_back: f64,

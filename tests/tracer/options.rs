@@ -30,6 +30,33 @@ fn fused_passes_change_no_bit() {
     }
 }
 
+/// Protects a whole frame in one pass, by every API: where no one asks for the waves, what is
+/// heard and counted has the bits of a frame in a pass an iteration.
+#[test]
+fn a_frame_in_one_pass_is_the_frame_of_its_passes() {
+    for_each_api(|context| {
+        let mut tracer = echomarch::Tracer::new(context).unwrap();
+        for name in ["corner", "obstacles", "open-pillars", "glasshouse"] {
+            for directions in [Directions::Random, Directions::Fibonacci] {
+                for profile in [Profile::Hybrid, Profile::March] {
+                    // A row that is not full, so that some texels hold no wave.
+                    let whole = Settings::new(profile)
+                        .with_waves(9_999)
+                        .with_directions(directions);
+                    let passes = whole.clone().with_iterations_per_pass(1);
+                    let scene = builtin(name);
+                    let heard = |frame: echomarch::Frame| (frame.panning, frame.counts);
+                    let of_passes = heard(tracer.frame(&scene, &passes).unwrap());
+                    let of_whole = heard(tracer.frame(&scene, &whole).unwrap());
+                    assert_eq!(of_passes, of_whole, "{name}, {profile}, {directions}");
+                    let (beside_waves, _) = tracer.frame_with_waves(&scene, &whole).unwrap();
+                    assert_eq!(heard(beside_waves), of_whole, "{name}, {profile}, with waves");
+                }
+            }
+        }
+    });
+}
+
 /// Protects two worsened ways of `march` that the experiments measure: without a landing
 /// ends are off by the shell, but not by much more; with difference normals a wave in
 /// hundreds takes another way, where differences straddle an edge.
