@@ -69,14 +69,19 @@ pub(super) fn sum(contributions: &[f32], are_evaluations: bool) -> (Panning, Cou
     let mut panning = Panning::default();
     let mut counts = Counts::default();
     for &[left, right, status, counters] in contributions.as_chunks::<4>().0 {
-        panning.left += f64::from(left);
-        panning.right += f64::from(right);
         match Fate::of(status) {
-            Fate::Listener => counts.listener_hits += 1,
+            // All others give 0.
+            Fate::Listener => {
+                counts.listener_hits += 1;
+                panning.left += f64::from(left);
+                panning.right += f64::from(right);
+            }
             Fate::Dead => counts.dead += 1,
             Fate::Travelling => counts.travelling += 1,
         }
-        counts.add_counters(counters, are_evaluations);
+        if counters != 0.0 {
+            counts.add_counters(counters, are_evaluations);
+        }
     }
     (panning, counts)
 }
