@@ -8,6 +8,7 @@ mod endless_repeats;
 mod hard_cases;
 mod implicit_scenes;
 mod marched_fields;
+mod points_on_surfaces;
 mod properties;
 mod reference_exact;
 mod scene_format;

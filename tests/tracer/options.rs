@@ -50,7 +50,11 @@ fn a_frame_in_one_pass_is_the_frame_of_its_passes() {
                     let of_whole = heard(tracer.frame(&scene, &whole).unwrap());
                     assert_eq!(of_passes, of_whole, "{name}, {profile}, {directions}");
                     let (beside_waves, _) = tracer.frame_with_waves(&scene, &whole).unwrap();
-                    assert_eq!(heard(beside_waves), of_whole, "{name}, {profile}, with waves");
+                    assert_eq!(
+                        heard(beside_waves),
+                        of_whole,
+                        "{name}, {profile}, with waves"
+                    );
                 }
             }
         }

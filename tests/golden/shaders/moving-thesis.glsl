@@ -3,12 +3,14 @@
 // glsl/shape/torus.glsl
 // the values of the surfaces
 uniform vec4 uSurfaces[2];
+vec4 surfaceValue0;
+vec4 surfaceValue1;
 
 // glsl/operator/offset.glsl
 // the surfaces
 // surface 1 (Offset)
 float field1(vec3 p) {
-    float d1 = sdTorus(p, uSurfaces[1].x, uSurfaces[1].y);
+    float d1 = sdTorus(p, surfaceValue1.x, surfaceValue1.y);
     float d2 = opOffset(d1, 0.1);
     return d2;
 }
@@ -17,7 +19,7 @@ float field1(vec3 p) {
 // Signed distance to the nearest surface, and its number from 1.
 float surfaceDistance(vec3 p, out float object) {
     // surface 1 (Offset)
-    float nearest = field1(p - uSurfaces[0].xyz);
+    float nearest = field1(p - surfaceValue0.xyz);
     object = 1.0;
     return nearest;
 }
@@ -33,4 +35,14 @@ float distanceFunction(vec3 p, out float object) {
 }
 
 // glsl/iterate_thesis.glsl
+// glsl/iterations.glsl
+// the values of the surfaces
+// Copies for the loops: a uniform may be loaded again at each use.
+void copyUniforms() {
+    listener = uListener;
+    squaredListenerRadius = listener.w * listener.w;
+    surfaceValue0 = uSurfaces[0];
+    surfaceValue1 = uSurfaces[1];
+}
+
 // glsl/iterate.frag

@@ -7,9 +7,10 @@
 // glsl/common/no_hit.glsl
 // glsl/common/ball.glsl
 // glsl/common/listener.glsl
-// glsl/shape/sphere.glsl
 // the values of the surfaces
 uniform vec4 uSurfaces[1];
+vec4 surfaceValue0;
+float squaredRadius0;
 
 // the scene
 // How far from p along d the next object is, and its number. A convex surface is
@@ -21,26 +22,48 @@ float closestHit(vec3 p, vec3 d, float last, float limit, out float object) {
     object = 0.0;
     float candidate;
     // surface 1 (Sphere)
-    candidate = last == 1.0 ? NO_HIT : hitSphere(p - uSurfaces[0].xyz, d, uSurfaces[0].w);
-    if (candidate < nearest) { nearest = candidate; object = 1.0; }
+    candidate = hitBall(p - surfaceValue0.xyz, d, squaredRadius0);
+    candidate = last == 1.0 ? NO_HIT : candidate;
+    object = candidate < nearest ? 1.0 : object;
+    nearest = min(candidate, nearest);
     return nearest;
 }
 
 // glsl/shape/sphere.glsl
+// glsl/common/mirror.glsl
 // the scene
-// Puts p, met along d, onto the object met; the normal there.
-void project(float object, vec3 d, inout vec3 p, out vec3 normal) {
+// Reflects a wave at the object that it meets t ahead: p, from where it flies along d,
+// becomes the point on the surface, and d is mirrored.
+void reflectWave(float object, float t, inout vec3 p, inout vec3 d) {
+    vec3 from = p;
+    vec3 along = d;
+    vec3 hit = p + t * d;
     vec3 q;
-    normal = -d;
-    if (object == 1.0) { // surface 1 (Sphere)
-        q = p - uSurfaces[0].xyz;
-        projectSphere(q, uSurfaces[0].w, normal);
-        p = q + uSurfaces[0].xyz;
+    vec3 normal;
+    // surface 1 (Sphere)
+    {
+        vec4 selected0 = surfaceValue0;
+        vec3 onto = hit;
+        q = onto - selected0.xyz;
+        projectSphere(q, selected0.w, normal);
+        onto = q + selected0.xyz;
         normal = normal;
-        return;
+        vec3 mirrored = mirror(along, normal);
+        bool isMet = object == 1.0;
+        p = isMet ? onto : p;
+        d = isMet ? mirrored : d;
     }
 }
 
-// glsl/common/mirror.glsl
 // glsl/iterate_hybrid.glsl
+// glsl/iterations.glsl
+// the values of the surfaces
+// Copies for the loops: a uniform may be loaded again at each use.
+void copyUniforms() {
+    listener = uListener;
+    squaredListenerRadius = listener.w * listener.w;
+    surfaceValue0 = uSurfaces[0];
+    squaredRadius0 = surfaceValue0.w * surfaceValue0.w;
+}
+
 // glsl/iterate.frag

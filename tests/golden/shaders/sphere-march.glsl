@@ -5,10 +5,13 @@
 #define LANDING 1
 #define MARCHES_FIELDS 0
 
+// glsl/common/rounding.glsl
 // glsl/common/listener.glsl
 // glsl/shape/sphere.glsl
 // the values of the surfaces
 uniform vec4 uSurfaces[1];
+vec4 surfaceValue0;
+float squaredRadius0;
 
 // the scene
 // Distance to the nearest object that a wave at p along d can meet, its number, and
@@ -21,7 +24,7 @@ float directedDistance(vec3 p, vec3 d, float last, out float object, out float s
     second = 1e30;
     float candidate;
     // surface 1 (Sphere)
-    candidate = last == 1.0 ? 1e30 : sdSphereDirected(p - uSurfaces[0].xyz, d, uSurfaces[0].w);
+    candidate = last == 1.0 ? 1e30 : sdSphereDirected(p - surfaceValue0.xyz, d, surfaceValue0.w);
     if (candidate < nearest) { second = nearest; nearest = candidate; object = 1.0; }
     else { second = min(second, candidate); }
     return nearest;
@@ -32,27 +35,47 @@ float directedDistance(vec3 p, vec3 d, float last, out float object, out float s
 // the scene
 // The gradient of the distance to one object, and what rounding may do to it.
 vec3 directedGradient(vec3 p, vec3 d, float object, out float errorBound) {
-    if (object == 1.0) { errorBound = roundErrorBound(uSurfaces[0]); return gradientSphere(p - uSurfaces[0].xyz); } // surface 1 (Sphere)
-    errorBound = roundErrorBound(uListener);
-    return normalize(p - uListener.xyz);
+    if (object == 1.0) { errorBound = roundErrorBound(surfaceValue0); return gradientSphere(p - surfaceValue0.xyz); } // surface 1 (Sphere)
+    errorBound = roundErrorBound(listener);
+    return normalize(p - listener.xyz);
 }
 
 // glsl/common/rounding.glsl
 // glsl/shape/sphere.glsl
+// glsl/common/mirror.glsl
 // the scene
-// Puts p, met along d, onto the object met; the normal there.
-void project(float object, vec3 d, inout vec3 p, out vec3 normal) {
+// Reflects a wave at the object that it meets t ahead: p, from where it flies along d,
+// becomes the point on the surface, and d is mirrored.
+void reflectWave(float object, float t, inout vec3 p, inout vec3 d) {
+    vec3 from = p;
+    vec3 along = d;
+    vec3 hit = p + t * d;
     vec3 q;
-    normal = -d;
-    if (object == 1.0) { // surface 1 (Sphere)
-        q = p - uSurfaces[0].xyz;
-        projectSphere(q, uSurfaces[0].w, normal);
-        p = q + uSurfaces[0].xyz;
+    vec3 normal;
+    // surface 1 (Sphere)
+    {
+        vec4 selected0 = surfaceValue0;
+        vec3 onto = hit;
+        q = onto - selected0.xyz;
+        projectSphere(q, selected0.w, normal);
+        onto = q + selected0.xyz;
         normal = normal;
-        return;
+        vec3 mirrored = mirror(along, normal);
+        bool isMet = object == 1.0;
+        p = isMet ? onto : p;
+        d = isMet ? mirrored : d;
     }
 }
 
-// glsl/common/mirror.glsl
 // glsl/iterate_march.glsl
+// glsl/iterations.glsl
+// the values of the surfaces
+// Copies for the loops: a uniform may be loaded again at each use.
+void copyUniforms() {
+    listener = uListener;
+    squaredListenerRadius = listener.w * listener.w;
+    surfaceValue0 = uSurfaces[0];
+    squaredRadius0 = surfaceValue0.w * surfaceValue0.w;
+}
+
 // glsl/iterate.frag

@@ -3,12 +3,14 @@
 // glsl/shape/sphere.glsl
 // the values of the surfaces
 uniform vec4 uSurfaces[1];
+vec4 surfaceValue0;
+float squaredRadius0;
 
 // the scene's distance
 // Signed distance to the nearest surface, and its number from 1.
 float surfaceDistance(vec3 p, out float object) {
     // surface 1 (Sphere)
-    float nearest = sdSphere(p - uSurfaces[0].xyz, uSurfaces[0].w);
+    float nearest = sdSphere(p - surfaceValue0.xyz, surfaceValue0.w);
     object = 1.0;
     return nearest;
 }
@@ -24,4 +26,14 @@ float distanceFunction(vec3 p, out float object) {
 }
 
 // glsl/iterate_thesis.glsl
+// glsl/iterations.glsl
+// the values of the surfaces
+// Copies for the loops: a uniform may be loaded again at each use.
+void copyUniforms() {
+    listener = uListener;
+    squaredListenerRadius = listener.w * listener.w;
+    surfaceValue0 = uSurfaces[0];
+    squaredRadius0 = surfaceValue0.w * surfaceValue0.w;
+}
+
 // glsl/iterate.frag

@@ -5,6 +5,7 @@
 #define LANDING 1
 #define MARCHES_FIELDS 1
 
+// glsl/common/rounding.glsl
 // glsl/common/listener.glsl
 // the scene
 // Distance to the nearest object that a wave at p along d can meet, its number, and
@@ -23,8 +24,8 @@ float directedDistance(vec3 p, vec3 d, float last, out float object, out float s
 // the scene
 // The gradient of the distance to one object, and what rounding may do to it.
 vec3 directedGradient(vec3 p, vec3 d, float object, out float errorBound) {
-    errorBound = roundErrorBound(uListener);
-    return normalize(p - uListener.xyz);
+    errorBound = roundErrorBound(listener);
+    return normalize(p - listener.xyz);
 }
 
 // glsl/common/rounding.glsl
@@ -44,6 +45,7 @@ float field1(vec3 p) {
 
 // the values of the surfaces
 uniform vec4 uSurfaces[1];
+vec4 surfaceValue0;
 
 // the fields
 // The least value of the fields that a wave at p along d can meet, and whose it is. It
@@ -56,7 +58,7 @@ float fieldsAhead(vec3 p, vec3 d, float last, out float object, out float reach,
     object = -1.0;
     float candidate;
     // surface 1 (SmoothUnion)
-    candidate = field1(p - uSurfaces[0].xyz);
+    candidate = field1(p - surfaceValue0.xyz);
     if (candidate < nearest) { nearest = candidate; object = 1.0; }
     return nearest;
 }
@@ -78,7 +80,7 @@ vec4 gradient1(vec3 p) {
 // The gradient of one of them, and what rounding may do to its value.
 vec3 fieldGradient(vec3 p, float object, out float errorBound) {
     errorBound = 0.0;
-    if (object == 1.0) { errorBound = uSurfaces[0].w; return gradient1(p - uSurfaces[0].xyz).xyz; } // surface 1 (SmoothUnion)
+    if (object == 1.0) { errorBound = surfaceValue0.w; return gradient1(p - surfaceValue0.xyz).xyz; } // surface 1 (SmoothUnion)
     return vec3(0.0);
 }
 
@@ -103,28 +105,43 @@ float fieldsFree(vec3 p, vec3 d, float last, float errorBound) {
     float way = NO_END;
     float candidate;
     // surface 1 (SmoothUnion)
-    candidate = field1(p - uSurfaces[0].xyz);
-    if (candidate < way) { way = min(way, max(candidate, free1(p - uSurfaces[0].xyz, d, max(errorBound, uSurfaces[0].w)))); }
+    candidate = field1(p - surfaceValue0.xyz);
+    if (candidate < way) { way = min(way, max(candidate, free1(p - surfaceValue0.xyz, d, max(errorBound, surfaceValue0.w)))); }
     return way;
 }
 
 // glsl/common/march_fields.glsl
 // glsl/common/onto_field.glsl
+// glsl/common/mirror.glsl
 // the scene
-// Puts p, met along d, onto the object met; the normal there.
-void project(float object, vec3 d, inout vec3 p, out vec3 normal) {
+// Reflects a wave at the object that it meets t ahead: p, from where it flies along d,
+// becomes the point on the surface, and d is mirrored.
+void reflectWave(float object, float t, inout vec3 p, inout vec3 d) {
+    vec3 from = p;
+    vec3 along = d;
+    vec3 hit = p + t * d;
     vec3 q;
-    normal = -d;
-    if (object == 1.0) { // surface 1 (SmoothUnion)
-        q = p - uSurfaces[0].xyz;
+    vec3 normal;
+    // surface 1 (SmoothUnion)
+    if (object == 1.0) {
+        p = hit;
+        q = p - surfaceValue0.xyz;
         q = ontoField(q, gradient1(q));
-        normal = facing(gradient1(q).xyz, d);
-        p = q + uSurfaces[0].xyz;
+        normal = facing(gradient1(q).xyz, along);
+        p = q + surfaceValue0.xyz;
         normal = normal;
-        return;
+        d = mirror(along, normal);
     }
 }
 
-// glsl/common/mirror.glsl
 // glsl/iterate_march.glsl
+// glsl/iterations.glsl
+// the values of the surfaces
+// Copies for the loops: a uniform may be loaded again at each use.
+void copyUniforms() {
+    listener = uListener;
+    squaredListenerRadius = listener.w * listener.w;
+    surfaceValue0 = uSurfaces[0];
+}
+
 // glsl/iterate.frag

@@ -1,0 +1,164 @@
+//! Points that are met lie on the surface, closed rooms lose no wave, and what only rounding makes
+//! a hit is none: each guards a statement of the shaders that nothing else was found to guard.
+
+use crate::common::tracer;
+use echomarch::glam::{Quat, Vec3};
+use echomarch::scene::shape::{Cuboid, Cylinder, Plane, Room, Sphere};
+use echomarch::trace::Fate;
+use echomarch::{Listener, Node, Profile, Scene, Settings, Source, Surface};
+
+/// Metres from the source to what it aims at: far enough that a rounding of the way is a
+/// thousand roundings of a place.
+const FAR: f32 = 2000.0;
+
+/// What rounding may leave between a point on a surface next to the origin and that surface:
+/// some units in the last place of coordinates of up to 4 m, in metres.
+const ON_IT: f32 = 4.0 * 4.0 * f32::EPSILON;
+
+fn listener() -> Listener {
+    Listener::at(Vec3::new(0.0, 4.0, 0.0), 0.1)
+}
+
+/// Directions from `source` to places about the origin, most of which meet a solid there.
+fn aimed(source: Vec3) -> Vec<Vec3> {
+    let place = |index: u32| {
+        let (x, y, z) = (index % 8, index / 8 % 8, index / 64);
+        0.25 * (Vec3::new(x as f32, y as f32, z as f32) - 3.5) - source
+    };
+    (0..512).map(place).collect()
+}
+
+/// Protects the projection onto every kind of basic shape: from 2 km off the way alone places a
+/// hit within a millimetre, and the next hits start from there.
+#[test]
+fn a_point_that_is_met_lies_on_the_surface() {
+    let mut tracer = tracer();
+    let turned = Quat::from_euler(echomarch::glam::EulerRot::YXZ, 0.4, 0.3, 0.2);
+    let cuboid = || {
+        Surface::new(Cuboid {
+            size: Vec3::new(2.0, 3.0, 1.5),
+        })
+    };
+    let solids = [
+        Surface::new(Sphere { radius: 1.5 }),
+        Surface::new(Cylinder { radius: 1.2 }),
+        Surface::new(Cylinder { radius: 1.2 }).turned(turned),
+        cuboid(),
+        cuboid().turned(turned),
+        Surface::new(Node::Plane(Plane)),
+        Surface::new(Node::Plane(Plane)).turned(turned),
+    ];
+    let source = Vec3::new(0.3, 0.6, 0.74).normalize() * FAR;
+    for solid in solids {
+        for profile in [Profile::Hybrid, Profile::March] {
+            let what = format!("{} {:?}, {profile}", solid.shape.name(), solid.rotation);
+            let scene = Scene::new("far", vec![solid.clone()], Source::at(source), listener());
+            let settings = Settings::new(profile).with_iterations(1);
+            let states = tracer
+                .trace_directions(&scene, &settings, &aimed(source))
+                .unwrap();
+            let met = states[1].iter().filter(|wave| wave.status == 1.0);
+            let mut count = 0;
+            for wave in met {
+                let off = scene.surface_distance(wave.position).distance.abs();
+                let places = wave.position.abs().max_element().max(4.0);
+                assert!(
+                    off <= ON_IT * places / 4.0,
+                    "{what}: {off} m off at {}",
+                    wave.position
+                );
+                count += 1;
+            }
+            assert!(count > 100, "{what}: {count} met");
+        }
+    }
+}
+
+/// Protects waves that rounding puts a little beyond the wall ahead of them: where places are as
+/// coarse as a millimetre that happens in every corner, and such a wave meets the wall at once.
+#[test]
+fn a_closed_room_far_from_the_listener_loses_no_wave() {
+    let mut tracer = tracer();
+    let middle = Vec3::new(9000.0, 4000.0, -7000.0);
+    let room = Surface::new(Room {
+        size: Vec3::new(3.1, 2.3, 4.7),
+    })
+    .at(middle);
+    let pillar = Surface::new(Cylinder { radius: 0.2 }).at(middle + Vec3::new(0.7, 0.0, 0.4));
+    let scene = Scene::new(
+        "far room",
+        vec![room, pillar],
+        Source::at(middle + Vec3::new(-0.4, 0.3, 0.2)),
+        Listener::at(Vec3::ZERO, 0.1),
+    );
+    for profile in [Profile::Hybrid, Profile::March] {
+        let settings = Settings::new(profile)
+            .with_waves(20_000)
+            .with_iterations(60);
+        let (frame, waves) = tracer.frame_with_waves(&scene, &settings).unwrap();
+        assert_eq!(frame.counts.dead, 0, "{profile}");
+        let outside = waves.iter().filter(|wave| {
+            let from_middle = (wave.position - middle).abs();
+            (from_middle - Vec3::new(1.55, 1.15, 2.35)).max_element() > 0.01
+        });
+        assert_eq!(outside.count(), 0, "{profile}");
+    }
+}
+
+/// Protects a wave in the very plane of a wall, along which it flies: it goes on to the wall
+/// ahead, and is not put onto another one.
+#[test]
+fn a_wave_in_the_plane_of_a_wall_flies_on() {
+    let mut tracer = tracer();
+    let scene = Scene::new(
+        "along a wall",
+        vec![Surface::new(Room {
+            size: Vec3::new(4.0, 6.0, 8.0),
+        })],
+        Source::at(Vec3::new(2.0, 0.5, 0.0)),
+        Listener::at(Vec3::new(-1.0, -2.0, -3.0), 0.1),
+    );
+    let settings = Settings::hybrid().with_iterations(3);
+    let states = tracer
+        .trace_directions(&scene, &settings, &[Vec3::Z, Vec3::NEG_Z])
+        .unwrap();
+    for (wave, way) in [(0, 1.0), (1, -1.0)] {
+        let reached = states.iter().map(|state| state[wave].position);
+        let to_the_wall = Vec3::new(2.0, 0.5, 4.0 * way);
+        assert!(
+            reached
+                .clone()
+                .any(|place| place.distance(to_the_wall) < 1e-5)
+        );
+        // Nothing takes it from the wall that it flies along.
+        reached.for_each(|place| assert!((place.x - 2.0).abs() < 1e-5, "{place}"));
+    }
+}
+
+/// Protects the error bound of a box: of a wall that stands flush on the floor, a wave that is
+/// mirrored at the floor right before it, or flies along its face, meets no sliver of it.
+#[test]
+fn a_chord_that_is_rounding_is_no_hit() {
+    let mut tracer = tracer();
+    let size = Vec3::new(1.0, 3.0, 20.0);
+    let wall = Surface::new(Cuboid { size }).at(Vec3::new(1000.3, 0.7, 0.1));
+    let face = 1000.3 - 0.5;
+    let scene = Scene::new(
+        "beside a wall",
+        vec![wall],
+        Source::at(Vec3::new(face, 0.4, -50.0)),
+        Listener::at(Vec3::new(0.0, 5.0, 0.0), 0.1),
+    );
+    // Along the face, and a rounding towards it or away from it.
+    let rounding = 1000.0 * f32::EPSILON / 70.0;
+    let directions: Vec<Vec3> = (-8..=8)
+        .map(|n| Vec3::new(0.25 * n as f32 * rounding, 0.0, 1.0))
+        .collect();
+    let settings = Settings::hybrid().with_iterations(1);
+    let states = tracer
+        .trace_directions(&scene, &settings, &directions)
+        .unwrap();
+    for (wave, direction) in states[1].iter().zip(&directions) {
+        assert_eq!(wave.fate(), Fate::Dead, "along {direction}");
+    }
+}
