@@ -7,7 +7,7 @@
 
 uniform float uMaxDistance;   // a wave counts as dead beyond this, metres; far below NO_HIT
 
-float maxDistance;
+float maxDistance = 0.0;
 
 void copySettings() {
     maxDistance = uMaxDistance;

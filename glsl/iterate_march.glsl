@@ -22,10 +22,10 @@ uniform float uDistanceFactor;  // the distance is multiplied by this: 1, or a t
 uniform int uStepLimit;         // evaluations in one march at the most
 uniform float uNormalStep;      // of difference normals, metres
 
-float shell;
-float maxDistance;
-float distanceScale;
-int stepLimit;
+float shell = 0.0;
+float maxDistance = 0.0;
+float distanceScale = 0.0;
+int stepLimit = 0;
 
 void copySettings() {
     shell = uShell;

@@ -11,9 +11,9 @@ uniform float uStartOffset;   // along the direction, metres
 uniform float uNormalStep;    // of the central differences, metres
 uniform int uStepLimit;       // evaluations in one march at the most
 
-float minDistance;
-float maxDistance;
-int stepLimit;
+float minDistance = 0.0;
+float maxDistance = 0.0;
+int stepLimit = 0;
 
 void copySettings() {
     minDistance = uMinDistance;

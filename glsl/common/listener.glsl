@@ -1,8 +1,8 @@
 // The listener: centre in metres, in the march's coordinates; radius.
 uniform vec4 uListener;
 // Its copy, and the square of the radius (copyUniforms).
-vec4 listener;
-float squaredListenerRadius;
+vec4 listener = vec4(0.0);
+float squaredListenerRadius = 0.0;
 
 float listenerDistance(vec3 p) {
     return length(p - listener.xyz) - listener.w;

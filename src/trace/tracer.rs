@@ -121,6 +121,7 @@ impl Tracer {
     /// As [`Tracer::frame`].
     pub fn check(&mut self, scene: &Scene, settings: &Settings) -> Result<(), Error> {
         let _entered = self.context.enter()?;
+        self.check_input(scene, settings)?;
         let budget = Budget::of(scene, settings);
         self.programs(scene, settings, Waves::Dropped, &budget)?;
         Ok(())

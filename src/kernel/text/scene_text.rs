@@ -94,12 +94,12 @@ impl<'a> Text<'a> {
         }
         for place in 0..count {
             let name = value_name(place);
-            let _ = writeln!(declarations, "vec4 {name};");
+            let _ = writeln!(declarations, "vec4 {name} = vec4(0.0);");
             let _ = writeln!(copies, "    {name} = uSurfaces[{place}];");
         }
         let squared_radii = self.unrolled.iter().filter_map(Named::squared_radius_of);
         for (name, value) in squared_radii {
-            let _ = writeln!(declarations, "float {name};");
+            let _ = writeln!(declarations, "float {name} = 0.0;");
             let _ = writeln!(copies, "    {name} = {value}.w * {value}.w;");
         }
         format!(
