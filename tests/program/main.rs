@@ -11,6 +11,7 @@ mod cli_options;
 mod cost;
 mod demo_scenes;
 mod demo_window;
+mod gpu_report;
 mod localise;
 mod localise_form;
 mod localise_score;
