@@ -1,3 +1,16 @@
+// The part of a chord that is between the planes at -halfHeight and halfHeight; beside them the
+// chord ends before it begins.
+void clipToSlab(float y, float d, float halfHeight, inout float enter, inout float leave) {
+    if (abs(d) > 1e-12) {
+        float middle = -y / d;
+        float reach = halfHeight / abs(d);
+        enter = max(enter, middle - reach);
+        leave = min(leave, middle + reach);
+    } else if (abs(y) >= halfHeight) {
+        leave = -NO_HIT;
+    }
+}
+
 // A convex solid is met where the ray enters it, if it leaves it later and further ahead than
 // behind: a point that rounding put into it is on its way in, or on its way out.
 float hitChord(float enter, float leave, float errorBound) {

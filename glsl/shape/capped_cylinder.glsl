@@ -33,14 +33,7 @@ float hitCappedCylinder(vec3 p, vec3 d, float radius, float halfHeight, float er
     } else if (dot(p.xz, p.xz) >= radius * radius) {
         return NO_HIT;
     }
-    if (abs(d.y) > 1e-12) {
-        float middle = -p.y / d.y;
-        float reach = halfHeight / abs(d.y);
-        enter = max(enter, middle - reach);
-        leave = min(leave, middle + reach);
-    } else if (abs(p.y) >= halfHeight) {
-        return NO_HIT;
-    }
+    clipToSlab(p.y, d.y, halfHeight, enter, leave);
     return hitChord(enter, leave, errorBound);
 }
 

@@ -46,9 +46,9 @@ vec4 gdPrism(vec3 p, vec2 a, vec2 b, vec2 c, float halfDepth) {
     return vec4(shares.x * triangle.xy, p.z < 0.0 ? -shares.y : shares.y, sdCorner(beyond));
 }
 
-// Where a ray intersects a triangle a b c of positive sense, extruded along z: it is in where it
-// is behind all five planes.
-void hitEdge(vec2 p, vec2 d, vec2 from, vec2 to, inout float enter, inout float leave) {
+// The part of a chord that is behind the plane of an edge; beside it the chord ends before it
+// begins.
+void clipToEdge(vec2 p, vec2 d, vec2 from, vec2 to, inout float enter, inout float leave) {
     vec2 outward = normalize(vec2(to.y - from.y, from.x - to.x));
     float beyond = dot(outward, p - from);
     float speed = dot(outward, d);
@@ -61,20 +61,15 @@ void hitEdge(vec2 p, vec2 d, vec2 from, vec2 to, inout float enter, inout float 
     }
 }
 
+// Where a ray intersects a triangle a b c of positive sense, extruded along z: it is in where it
+// is behind all five planes.
 float hitPrism(vec3 p, vec3 d, vec2 a, vec2 b, vec2 c, float halfDepth, float errorBound) {
     float enter = -NO_HIT;
     float leave = NO_HIT;
-    hitEdge(p.xy, d.xy, a, b, enter, leave);
-    hitEdge(p.xy, d.xy, b, c, enter, leave);
-    hitEdge(p.xy, d.xy, c, a, enter, leave);
-    if (abs(d.z) > 1e-12) {
-        float middle = -p.z / d.z;
-        float reach = halfDepth / abs(d.z);
-        enter = max(enter, middle - reach);
-        leave = min(leave, middle + reach);
-    } else if (abs(p.z) >= halfDepth) {
-        return NO_HIT;
-    }
+    clipToEdge(p.xy, d.xy, a, b, enter, leave);
+    clipToEdge(p.xy, d.xy, b, c, enter, leave);
+    clipToEdge(p.xy, d.xy, c, a, enter, leave);
+    clipToSlab(p.z, d.z, halfDepth, enter, leave);
     return hitChord(enter, leave, errorBound);
 }
 

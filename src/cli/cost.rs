@@ -1,9 +1,10 @@
 //! `echomarch cost`: what each surface and each option costs, and what could be left out.
 
 use super::numbers::count;
-use super::options::{Common, TraceOptions, Values, check_ending, check_range};
+use super::options::{Common, TraceOptions, check_ending, check_range};
 use super::print;
 use super::report::{print_report, with_progress};
+use super::scene::SceneArguments;
 use crate::experiment::cost::{self, CostOptions};
 use crate::output::{check_file, write_whole};
 use crate::report::Report;
@@ -20,10 +21,8 @@ Examples:
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
-    /// Built-in scene or scene file
-    scene: String,
     #[command(flatten)]
-    values: Values,
+    scene: SceneArguments,
     #[command(flatten)]
     options: TraceOptions,
     /// Pairs of frames for each row, a seed each; times are medians
@@ -45,7 +44,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     if let Some(path) = &arguments.output {
         check_ending(path, "csv")?;
     }
-    let scene = common.scene_with(&arguments.scene, &arguments.values)?;
+    let scene = common.scene_with_values(&arguments.scene)?;
     if let Some(path) = &arguments.output {
         check_file(path)?;
     }

@@ -2,8 +2,9 @@
 
 use super::exit::BadInput;
 use super::numbers::{count, real};
-use super::options::{Common, LawOption, TraceOptions, Values, check_ending, check_range};
+use super::options::{Common, LawOption, TraceOptions, check_ending, check_range};
 use super::print;
+use super::scene::SceneArguments;
 use crate::audio::{SAMPLE_RATE, Sound};
 use crate::demo::{DemoError, DemoOptions, OPENING_SCENE, Report, run as run_demo};
 use crate::error::Error;
@@ -28,12 +29,10 @@ parabolic-mirrors, colonnade, cave, morphing-room, menger, glasshouse.";
 /// Arguments of `demo`.
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
+#[command(mut_arg("scene", |scene| scene.required(false).default_value(OPENING_SCENE)))]
 pub struct Arguments {
-    /// Built-in scene or scene file
-    #[arg(default_value = OPENING_SCENE)]
-    scene: String,
     #[command(flatten)]
-    values: Values,
+    scene: SceneArguments,
     #[command(flatten)]
     trace: TraceOptions,
     #[command(flatten)]
@@ -59,7 +58,7 @@ struct SoundOptions {
     /// List the sound devices and open no window
     #[arg(long)]
     list_devices: bool,
-    /// Samples that the sound device takes at a time: fewer are sooner heard
+    /// Samples in a buffer of the sound device: fewer give less latency
     #[arg(
         long,
         allow_negative_numbers = true,
@@ -81,11 +80,11 @@ struct WindowOptions {
         default_value_t = 1,
         value_name = "N", value_parser = count::<u32>)]
     trace_every: u32,
-    /// Let the number of waves follow the frame's time, 4096 or more, although --waves says
-    /// where it begins; without --waves it does
+    /// Let the number of waves (4096 or more) follow the frame's time also when --waves is
+    /// given, from there on; without --waves it always does
     #[arg(long)]
     adapt_waves: bool,
-    /// Frames a second that are to be held
+    /// Frame rate to hold, in frames a second
     #[arg(
         long,
         allow_negative_numbers = true,
@@ -128,7 +127,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
         return list_devices(common);
     }
     let options = options(arguments, common)?;
-    common.scene_with(&arguments.scene, &arguments.values)?;
+    common.scene_with_values(&arguments.scene)?;
     check_outputs(arguments)?;
     check_device(&arguments.sound)?;
     super::interrupt::ask_from_now_on();
@@ -177,8 +176,8 @@ fn options(arguments: &Arguments, common: &Common) -> anyhow::Result<DemoOptions
     let (sound, window) = (&arguments.sound, &arguments.window);
     check(sound, window, common)?;
     Ok(DemoOptions {
-        scene: arguments.scene.clone(),
-        values: arguments.values.pairs().to_vec(),
+        scene: arguments.scene.name_or_file.clone(),
+        values: arguments.scene.set.clone(),
         settings: arguments.trace.settings()?,
         trace_every: window.trace_every,
         adapt_waves: window.adapt_waves || arguments.trace.waves.is_none(),
@@ -208,7 +207,7 @@ fn options(arguments: &Arguments, common: &Common) -> anyhow::Result<DemoOptions
 /// Refuses what cannot be, before a window is opened.
 fn check(sound: &SoundOptions, window: &WindowOptions, common: &Common) -> anyhow::Result<()> {
     if common.gl != Api::Gl || common.gpu.is_some() {
-        let text = "--gl and --gpu are for what needs no window: it is drawn where the display is";
+        let text = "--gl and --gpu are for commands without a window: the window is drawn on the display's GPU";
         return Err(BadInput(text.into()).into());
     }
     Sound::parse(&sound.sound, SAMPLE_RATE).map_err(Error::from)?;

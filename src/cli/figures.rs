@@ -1,11 +1,11 @@
 //! `echomarch figures`: the thesis' performance experiment.
 
 use super::numbers::count;
-use super::options::{Common, check_range};
+use super::options::{Common, ProfilesOption, check_range};
 use super::report;
 use crate::experiment::WAVE_COUNTS;
 use crate::experiment::figures::{self, FiguresOptions};
-use crate::trace::{Profile, Settings};
+use crate::trace::Settings;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -34,14 +34,8 @@ pub struct Arguments {
         default_value_t = 5,
         value_name = "N", value_parser = count::<u32>)]
     runs: u32,
-    /// Profiles to set side by side, separated by commas
-    #[arg(
-        long,
-        value_delimiter = ',',
-        value_name = "NAMES",
-        default_value = "thesis,march,hybrid"
-    )]
-    profiles: Vec<Profile>,
+    #[command(flatten)]
+    compared: ProfilesOption,
     /// Chooses the random directions
     #[arg(
         long,
@@ -60,7 +54,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     let most = f64::from(u32::MAX);
     check_range("--max-waves", f64::from(arguments.max_waves), least, most)?;
     check_range("--runs", f64::from(arguments.runs), 1.0, 1000.0)?;
-    let profiles = arguments.profiles.iter();
+    let profiles = arguments.compared.profiles.iter();
     let options = FiguresOptions {
         profiles: profiles
             .map(|&p| Settings::new(p).with_seed(arguments.seed))

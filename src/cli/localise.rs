@@ -3,7 +3,7 @@
 
 use super::exit::BadInput;
 use super::numbers::{count, real};
-use super::options::{Common, check_range};
+use super::options::{Common, ProfilesOption, check_range};
 use super::print;
 use super::report::{self, with_progress};
 use crate::audio::{PanningLaw, SAMPLE_RATE, Sound, SoundSpec};
@@ -84,14 +84,8 @@ struct Stimuli {
 struct RunArguments {
     #[command(flatten)]
     stimuli: Stimuli,
-    /// Profiles, separated by commas
-    #[arg(
-        long,
-        value_delimiter = ',',
-        value_name = "NAMES",
-        default_value = "thesis,march,hybrid"
-    )]
-    profiles: Vec<Profile>,
+    #[command(flatten)]
+    compared: ProfilesOption,
     /// Numbers of waves, separated by commas [default: 64 … 1048576, each four times as many]
     #[arg(long, value_delimiter = ',', value_name = "N", value_parser = count::<u32>)]
     waves: Vec<u32>,
@@ -146,7 +140,7 @@ struct FormArguments {
 #[derive(Args, Debug)]
 #[command(after_help = SCORE_EXAMPLES)]
 struct ScoreArguments {
-    /// Files that the page saved; broken-off sessions too
+    /// Files that the page saved; interrupted sessions too
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
     /// Write score.csv, .json and .md into this folder
@@ -180,7 +174,7 @@ fn run_options(arguments: &RunArguments, common: &Common) -> anyhow::Result<Loca
         options = options.quick();
     }
     options.law = arguments.stimuli.law;
-    options.profiles = distinct(&arguments.profiles);
+    options.profiles = distinct(&arguments.compared.profiles);
     if !arguments.waves.is_empty() {
         options.waves = distinct(&arguments.waves);
     }

@@ -6,23 +6,16 @@ use super::print;
 use crate::audio::PanningLaw;
 use crate::error::Error;
 use crate::gpu::{Api, Context, ContextOptions};
-use crate::kernel::Layout;
-use crate::scene::{Scene, SceneError};
+use crate::scene::Scene;
 use crate::trace::{Algorithm, Budget, Directions, Profile, Settings, Tracer};
 use clap::Args;
 use std::path::Path;
-
-/// Warnings of one scene that are told; of more, how many there are.
-const MOST_WARNINGS: usize = 8;
-
-/// From about here on compiling a scene's shader takes seconds (docs/scene-format.md).
-const MANY_SURFACES: usize = 64;
 
 /// For every subcommand.
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Renderer and output")]
 pub struct Common {
-    /// OpenGL by way of: gl (EGL, desktop 3.3), gles (EGL, ES 3.0), osmesa
+    /// How OpenGL is reached: gl (EGL, desktop 3.3), gles (EGL, ES 3.0), osmesa
     #[arg(long, global = true, default_value_t = Api::Gl, value_name = "API")]
     pub gl: Api,
     /// EGL device to use, as numbered by `info`; without it the first that works
@@ -46,7 +39,7 @@ impl Common {
         let context = Context::headless(&options)?;
         // A device that is there but cannot be used is told even with --quiet.
         for reason in context.passed_over() {
-            print::tell(&format!("warning: passed over {reason}"));
+            print::tell(&format!("warning: skipped {reason}"));
         }
         self.note(&format!("renderer: {}", context.renderer()));
         Ok(context)
@@ -57,118 +50,11 @@ impl Common {
         Tracer::new(&self.context()?)
     }
 
-    /// Loads a scene and tells what is odd about it.
-    pub fn scene(&self, name_or_file: &str) -> Result<Scene, Error> {
-        self.scene_with(name_or_file, &Values::default())
-    }
-
-    /// Loads a scene, sets its named values, and tells what is odd about it then.
-    pub fn scene_with(&self, name_or_file: &str, values: &Values) -> Result<Scene, Error> {
-        let scene = values.load(name_or_file)?;
-        self.warn_when_known(&scene, false);
-        self.note_many(&scene);
-        Ok(scene)
-    }
-
-    /// Tells of more surfaces than a shader is quickly made of.
-    fn note_many(&self, scene: &Scene) {
-        let unrolled = Layout::of(scene).unrolled.len();
-        if unrolled > MANY_SURFACES {
-            self.note(&format!(
-                "note: {unrolled} surfaces that lie in no cells: compiling their shader the first time can take long"
-            ));
-        }
-    }
-
-    /// Tells what is odd about a scene that the renderer has checked, unless it was already
-    /// told when it was loaded: of users' fields nothing is known before.
-    pub fn warn_checked(&self, scene: &Scene) {
-        self.warn_when_known(scene, true);
-    }
-
-    fn warn_when_known(&self, scene: &Scene, is_checked: bool) {
-        if is_checked == scene.user_fields().next().is_some() {
-            self.warn(scene);
-        }
-    }
-
-    /// Tells what is odd about a scene as it stands.
-    pub fn warn(&self, scene: &Scene) {
-        let warnings = scene.warnings();
-        for warning in warnings.iter().take(MOST_WARNINGS) {
-            self.note(&format!("warning: {}: {warning}", scene.name));
-        }
-        if let Some(more) = warnings.len().checked_sub(MOST_WARNINGS + 1) {
-            self.note(&format!("warning: {}: and {} more", scene.name, more + 1));
-        }
-    }
-
-    /// The scene with its named values set, as it stands at a time on its paths.
-    pub fn scene_at(
-        &self,
-        name_or_file: &str,
-        values: &Values,
-        seconds: Option<f64>,
-    ) -> anyhow::Result<Scene> {
-        let Some(seconds) = seconds else {
-            return Ok(self.scene_with(name_or_file, values)?);
-        };
-        if !(seconds.is_finite() && seconds >= 0.0) {
-            let text = format!("--time must be finite and 0 or more, not {seconds}");
-            return Err(BadInput(text).into());
-        }
-        let loaded = values.load(name_or_file).map_err(Error::from)?;
-        let scene = loaded.at(seconds);
-        let possible = scene.validate().map_err(|refused| refused.at(seconds));
-        possible.map_err(Error::from)?;
-        self.warn_when_known(&scene, false);
-        self.note_many(&scene);
-        Ok(scene)
-    }
-
     /// A line on standard error, unless `--quiet`.
     pub fn note(&self, line: &str) {
         if !self.quiet {
             print::tell(line);
         }
-    }
-}
-
-/// Named values of a scene.
-#[derive(Args, Clone, Debug, Default)]
-pub struct Values {
-    /// Set a named value of the scene, in the unit of its file: metres, degrees; repeatable
-    #[arg(long = "set", value_name = "NAME=VALUE", value_parser = name_and_value)]
-    set: Vec<(String, f32)>,
-}
-
-impl Values {
-    /// The names and what they are set to.
-    #[cfg(feature = "demo")]
-    pub fn pairs(&self) -> &[(String, f32)] {
-        &self.set
-    }
-
-    /// The scene with the values set, checked once more.
-    pub fn load(&self, name_or_file: &str) -> Result<Scene, SceneError> {
-        let mut scene = Scene::load(name_or_file)?;
-        for (name, value) in &self.set {
-            scene.set_value(name, *value)?;
-        }
-        if !self.set.is_empty() {
-            scene.check()?;
-        }
-        Ok(scene)
-    }
-}
-
-fn name_and_value(said: &str) -> Result<(String, f32), String> {
-    let Some((name, value)) = said.rsplit_once('=') else {
-        return Err("it must be NAME=VALUE".to_owned());
-    };
-    match real::<f32>(value.trim()) {
-        Ok(number) if number.is_finite() => Ok((name.trim().to_owned(), number)),
-        _ => Err(format!("{value:?} is not a finite number")),
     }
 }
 
@@ -188,11 +74,24 @@ impl LawOption {
     }
 }
 
+/// Algorithms to compare.
+#[derive(Args, Debug)]
+pub struct ProfilesOption {
+    /// Profiles to set side by side, separated by commas
+    #[arg(
+        long,
+        value_delimiter = ',',
+        value_name = "NAMES",
+        default_value = "thesis,march,hybrid"
+    )]
+    pub profiles: Vec<Profile>,
+}
+
 /// How to trace.
 #[derive(Args, Debug)]
 #[command(next_help_heading = "How to trace")]
 pub struct TraceOptions {
-    /// The algorithm: hybrid (closed form), march (sphere tracing done right), thesis
+    /// The algorithm: hybrid (closed form), march (accurate sphere tracing), thesis
     #[arg(long, default_value_t = Profile::Hybrid, value_name = "NAME")]
     pub profile: Profile,
     /// Number of sound waves, 1 to 16777216 [default: 65536]

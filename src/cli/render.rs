@@ -2,8 +2,9 @@
 
 use super::exit::BadInput;
 use super::numbers::real;
-use super::options::{Common, LawOption, TraceOptions, Values, check_ending, check_range};
+use super::options::{Common, LawOption, TraceOptions, check_ending, check_range};
 use super::print;
+use super::scene::SceneArguments;
 use crate::audio::{Mixer, SAMPLE_RATE, Sound, SoundSpec, WavWriter};
 use crate::error::Error;
 use crate::offline::{self, Block, Timing};
@@ -30,10 +31,8 @@ const LONGEST_SECONDS: f64 = 3.0 * 3600.0;
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
-    /// Built-in scene or scene file
-    scene: String,
     #[command(flatten)]
-    values: Values,
+    scene: SceneArguments,
     /// The WAV to write: 48 kHz, 32-bit float, stereo
     #[arg(short, long, value_name = "FILE.wav")]
     output: PathBuf,
@@ -86,7 +85,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     let settings = arguments.options.settings()?;
     let law = arguments.law.of(settings.profile());
     check_ending(&arguments.output, "wav")?;
-    let scene = common.scene_with(&arguments.scene, &arguments.values)?;
+    let scene = common.scene_with_values(&arguments.scene)?;
     let timing = timing(arguments, scene.duration())?;
     let mut sound = Sound::load(&arguments.sound, SAMPLE_RATE).map_err(Error::from)?;
     check_file(&arguments.output)?;

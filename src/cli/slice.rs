@@ -1,8 +1,9 @@
 //! `echomarch slice`: the plan from above.
 
 use super::numbers::{count, real};
-use super::options::{Common, TraceOptions, Values, check_ending, check_range};
+use super::options::{Common, TraceOptions, check_ending, check_range};
 use super::print;
+use super::scene::SceneAtTime;
 use crate::output::check_file;
 use crate::picture::{SliceOptions, save_png, slice};
 use crate::trace::HeardPaths;
@@ -32,10 +33,8 @@ Examples:
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES, after_long_help = LEGEND)]
 pub struct Arguments {
-    /// Built-in scene or scene file
-    scene: String,
     #[command(flatten)]
-    values: Values,
+    scene: SceneAtTime,
     /// The picture to write
     #[arg(short, long, value_name = "FILE.png")]
     output: PathBuf,
@@ -53,9 +52,6 @@ pub struct Arguments {
     /// the most)
     #[arg(long, default_value_t = 0, value_name = "N", value_parser = count::<u32>)]
     heard_paths: u32,
-    /// Seconds on the scene's paths; without it everything stands where the file puts it
-    #[arg(long, allow_negative_numbers = true, value_name = "SECONDS", value_parser = real::<f64>)]
-    time: Option<f64>,
     #[command(flatten)]
     options: TraceOptions,
     /// What is called --image-width now
@@ -72,7 +68,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     check_paths("--paths", arguments.paths, settings.iterations)?;
     check_paths("--heard-paths", arguments.heard_paths, settings.iterations)?;
     check_ending(&arguments.output, "png")?;
-    let scene = common.scene_at(&arguments.scene, &arguments.values, arguments.time)?;
+    let scene = common.scene_at_time(&arguments.scene)?;
     check_file(&arguments.output)?;
     let mut tracer = common.tracer()?;
     let wanted = arguments.heard_paths as usize;

@@ -2,8 +2,9 @@
 
 use super::exit::BadInput;
 use super::numbers::{count, real};
-use super::options::{Common, LawOption, TraceOptions, Values, check_ending, check_range};
+use super::options::{Common, LawOption, TraceOptions, check_ending, check_range};
 use super::print;
+use super::scene::SceneAtTime;
 use crate::audio::PanningLaw;
 use crate::output::{OutputError, check_file, write_whole};
 use crate::scene::{BUILTIN_NAMES, Scene};
@@ -29,22 +30,12 @@ const BETWEEN_LOOKS: Duration = Duration::from_millis(50);
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
-    /// Built-in scene or scene file
-    scene: String,
     #[command(flatten)]
-    values: Values,
+    scene: SceneAtTime,
     #[command(flatten)]
     options: TraceOptions,
     #[command(flatten)]
     law: LawOption,
-    /// Seconds on the paths of source, listener and surfaces; without it all stand where the
-    /// scene puts them
-    #[arg(
-        long,
-        allow_negative_numbers = true,
-        value_name = "SECONDS",
-        conflicts_with = "watch", value_parser = real::<f64>)]
-    time: Option<f64>,
     /// Write every wave's start, end, direction and status as CSV
     #[arg(long, value_name = "FILE.csv")]
     dump_waves: Option<PathBuf>,
@@ -57,7 +48,7 @@ pub struct Arguments {
         conflicts_with = "watch", value_parser = count::<u32>)]
     repeat: u32,
     /// Trace again whenever the scene file, or a file that it names, changes, until Ctrl-C
-    #[arg(long)]
+    #[arg(long, conflicts_with = "time")]
     watch: bool,
     /// End --watch after this time
     #[arg(long, value_name = "SECONDS", requires = "watch", hide = true, value_parser = real::<f64>)]
@@ -95,7 +86,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     if arguments.watch {
         return watch(arguments, common, &settings);
     }
-    let scene = common.scene_at(&arguments.scene, &arguments.values, arguments.time)?;
+    let scene = common.scene_at_time(&arguments.scene)?;
     check_output(arguments)?;
     let mut tracer = common.tracer()?;
     tracer.check(&scene, &settings)?;
@@ -111,15 +102,16 @@ fn check_output(arguments: &Arguments) -> Result<(), OutputError> {
 
 /// Traces again whenever a file of the scene changes, until the program is ended.
 fn watch(arguments: &Arguments, common: &Common, settings: &Settings) -> anyhow::Result<()> {
-    if BUILTIN_NAMES.contains(&arguments.scene.as_str()) {
-        let text = format!("{} is built in: it has no file to --watch", arguments.scene);
+    let watched = arguments.scene.scene.clone();
+    let file = watched.name_or_file.clone();
+    if BUILTIN_NAMES.contains(&file.as_str()) {
+        let text = format!("{file} is built in: it has no file to --watch");
         return Err(BadInput(text).into());
     }
     let began = Instant::now();
     let mut tracer = common.tracer()?;
-    let (file, values) = (arguments.scene.clone(), arguments.values.clone());
-    let load = move || values.load(&file);
-    let mut reloading = Reloading::open_with(&arguments.scene, load, &mut tracer, settings)?;
+    let load = move || watched.load();
+    let mut reloading = Reloading::open_with(&file, load, &mut tracer, settings)?;
     check_output(arguments)?;
     common.warn(reloading.scene());
     trace(arguments, common, &mut tracer, reloading.scene(), settings)?;

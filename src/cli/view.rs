@@ -1,8 +1,9 @@
 //! `echomarch view`: what the listener sees.
 
 use super::numbers::{count, real};
-use super::options::{Common, Values, check_ending};
+use super::options::{Common, check_ending};
 use super::print;
+use super::scene::SceneAtTime;
 use crate::output::check_file;
 use crate::picture::{ViewOptions, first_person, save_png};
 use clap::Args;
@@ -18,10 +19,8 @@ Examples:
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
-    /// Built-in scene or scene file
-    scene: String,
     #[command(flatten)]
-    values: Values,
+    scene: SceneAtTime,
     /// The picture to write
     #[arg(short, long, value_name = "FILE.png")]
     output: PathBuf,
@@ -34,9 +33,6 @@ pub struct Arguments {
     /// Vertical field of view
     #[arg(long, default_value_t = 70.0, value_name = "DEGREES", value_parser = real::<f32>)]
     fov: f32,
-    /// Seconds on the scene's paths; without it everything stands where the file puts it
-    #[arg(long, allow_negative_numbers = true, value_name = "SECONDS", value_parser = real::<f64>)]
-    time: Option<f64>,
     /// What is called --image-width now
     #[arg(long, hide = true, value_name = "PIXELS")]
     width: Option<String>,
@@ -48,7 +44,7 @@ pub struct Arguments {
 /// Runs the subcommand.
 pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     check_ending(&arguments.output, "png")?;
-    let scene = common.scene_at(&arguments.scene, &arguments.values, arguments.time)?;
+    let scene = common.scene_at_time(&arguments.scene)?;
     check_file(&arguments.output)?;
     let context = common.context()?;
     let options = ViewOptions {

@@ -66,7 +66,7 @@ impl Kind {
 }
 
 /// The fragment shader of a picture, as it is compiled after the driver's own
-/// [`header`](crate::gpu::header). Needs no context; the scene should have been
+/// header. Needs no context; the scene should have been
 /// [checked](Scene::check).
 pub fn shader_text(scene: &Scene, kind: Kind) -> String {
     text(scene, kind.source())

@@ -1,6 +1,6 @@
 //! The shader programs of a frame, each compiled once for what its text depends on.
 
-use super::{Algorithm, Directions, Settings, trial};
+use super::{Algorithm, Directions, Settings, field_trial};
 use crate::error::Error;
 use crate::gpu::{Context, Program, ProgramCache};
 use crate::kernel::{self, AlgorithmText, Key, MarchText};
@@ -51,7 +51,7 @@ impl Programs {
             kernel::check(scene)?;
             let label = format!("march ({}) of {}", settings.profile(), scene.name);
             let text = kernel::march_text(scene, options);
-            trial::ensure(scene, &[&text])?;
+            field_trial::ensure(scene, &[&text])?;
             Ok(Program::fragment(context, &label, &text)?)
         })
     }
@@ -112,7 +112,7 @@ pub enum Pass {
 }
 
 /// The fragment shader of a pass, as a [`Tracer`](super::Tracer) compiles it after the
-/// driver's own [`header`](crate::gpu::header). Needs no context; the scene should have been
+/// driver's own header. Needs no context; the scene should have been
 /// [checked](Scene::check).
 pub fn shader_text(scene: &Scene, settings: &Settings, pass: Pass) -> String {
     match pass {

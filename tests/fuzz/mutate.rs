@@ -1,5 +1,7 @@
 //! Spoils valid files, the same way for the same seed and number.
 
+use super::random::Random;
+
 /// The most bytes that a spoilt file has.
 const LONGEST: usize = 1 << 16;
 
@@ -31,31 +33,20 @@ const NUMBERS: [&str; 22] = [
 
 /// Draws numbers and spoils files with them.
 pub struct Mutator {
-    state: u64,
+    random: Random,
 }
 
 impl Mutator {
     /// For the input `index` of a seed.
     pub fn new(seed: u64, index: u64) -> Mutator {
-        let mut mutator = Mutator {
-            state: seed.wrapping_mul(0xd134_2543_de82_ef95) ^ index,
-        };
-        mutator.next();
-        mutator
-    }
-
-    /// SplitMix64.
-    fn next(&mut self) -> u64 {
-        self.state = self.state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.state;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
+        let mut random = Random(seed.wrapping_mul(0xd134_2543_de82_ef95) ^ index);
+        random.bits();
+        Mutator { random }
     }
 
     /// From 0 to below `end`; 0 if that is 0.
     fn below(&mut self, end: usize) -> usize {
-        (self.next() % end.max(1) as u64) as usize
+        (self.random.bits() % end.max(1) as u64) as usize
     }
 
     fn one_of<'a, T: ?Sized>(&mut self, of: &'a [&'a T]) -> Option<&'a T> {
@@ -96,7 +87,7 @@ impl Mutator {
 
     fn overwrite(&mut self, data: &mut [u8]) {
         let at = self.below(data.len());
-        let drawn = self.next() as u8;
+        let drawn = self.random.bits() as u8;
         if let Some(byte) = data.get_mut(at) {
             *byte = drawn;
         }
@@ -105,7 +96,7 @@ impl Mutator {
     fn insert_noise(&mut self, data: &mut Vec<u8>) {
         let at = self.below(data.len() + 1);
         let count = 1 + self.below(8);
-        let noise: Vec<u8> = (0..count).map(|_| self.next() as u8).collect();
+        let noise: Vec<u8> = (0..count).map(|_| self.random.bits() as u8).collect();
         data.splice(at..at, noise);
     }
 

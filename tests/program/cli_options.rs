@@ -1,5 +1,6 @@
 //! What a person types and what comes back: numbers, names, options that do nothing, tables.
 
+use crate::answers::{answer_file, trial};
 use crate::common::cli::{argument, command, json, refuse, stderr, stdout, succeed};
 use serde_json::Value;
 
@@ -199,28 +200,15 @@ fn render_plays_speech_by_the_law_of_the_profile() {
     assert_eq!(render(&["--law", "linear"])["law"], "linear");
 }
 
-/// A file of answers with one trial, answered.
+/// A file of answers with one trial, answered, whose stimulus takes much room.
 fn answered() -> Value {
-    serde_json::json!({
-        "format": "echomarch-localise-answers", "version": 2, "experiment": "00c0ffee",
-        "session": "0123456789abcdef", "participant": "p1", "order": [1],
-        "started": "2026-11-20T19:50:00.000Z", "saved": "2026-11-20T20:00:00.000Z",
-        "trials": [{
-            "number": 1,
-            "stimulus": {
-                "scene": "whispering-gallery", "yaw_deg": 0.0, "sound": "speech",
-                "law": "constant-power", "profile": "hybrid", "waves": 1048576,
-                "iterations": 16, "seed": 1, "pan": -0.1, "hits": 60,
-                "source_azimuth_deg": -48.0, "source_lateral_deg": -48.0,
-                "observer_lateral_deg": -8.0,
-            },
-            "answer": {
-                "right_m": -2.0, "ahead_m": 2.0, "azimuth_deg": -45.0, "side": "left",
-                "confidence": 3, "plays": 2, "seconds": 6.5,
-                "answered": "2026-11-20T20:00:00.000Z",
-            },
-        }],
-    })
+    let mut trial = trial(1, -48.0, -45.0);
+    let stimulus = &mut trial["stimulus"];
+    stimulus["scene"] = "whispering-gallery".into();
+    stimulus["law"] = "constant-power".into();
+    stimulus["waves"] = 1_048_576.into();
+    stimulus["iterations"] = 16.into();
+    answer_file("0123456789abcdef", &[1], [trial])
 }
 
 /// Protects terminals: neither a table nor a sentence of a report is wider than 100 columns.

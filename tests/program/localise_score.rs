@@ -1,34 +1,11 @@
 //! The score of people's answers: figures that can be reckoned by hand, files of one session,
 //! and files that are refused.
 
+use crate::answers::{answer_file, trial};
 use crate::common::cli::{argument, json, refuse, stdout, succeed};
 use serde_json::{Value, json};
 use std::fs;
 use std::path::{Path, PathBuf};
-
-/// One trial of a file of answers.
-fn trial(number: usize, truth: f64, clicked: f64) -> Value {
-    let side = match clicked {
-        angle if angle < -15.0 => "left",
-        angle if angle > 15.0 => "right",
-        _ => "centre",
-    };
-    let (sin, cos) = f64::to_radians(clicked).sin_cos();
-    json!({
-        "number": number,
-        "stimulus": {
-            "scene": "corner", "yaw_deg": 0.0, "sound": "speech", "law": "linear",
-            "profile": "hybrid", "waves": 1024, "iterations": 8, "seed": 1, "pan": -0.1,
-            "hits": 60, "source_azimuth_deg": truth, "source_lateral_deg": truth,
-            "observer_lateral_deg": -8.0,
-        },
-        "answer": {
-            "right_m": 4.0 * sin, "ahead_m": 4.0 * cos, "azimuth_deg": clicked, "side": side,
-            "confidence": 3, "plays": 2, "seconds": 6.5,
-            "answered": "2026-11-20T20:00:00.000Z",
-        },
-    })
-}
 
 /// A file of answers as the form saves it: so many given of three trials, to the left, ahead
 /// and right.
@@ -41,12 +18,7 @@ fn answers(session: &str, given: usize) -> Value {
         }
         trial
     };
-    json!({
-        "format": "echomarch-localise-answers", "version": 2, "experiment": "00c0ffee",
-        "session": session, "participant": "p1", "started": "2026-11-20T19:50:00.000Z",
-        "saved": "2026-11-20T20:00:00.000Z", "order": [2, 3, 1],
-        "trials": trials.into_iter().enumerate().map(of).collect::<Vec<_>>(),
-    })
+    answer_file(session, &[2, 3, 1], trials.into_iter().enumerate().map(of))
 }
 
 fn write(folder: &Path, name: &str, text: &Value) -> PathBuf {
@@ -160,7 +132,7 @@ fn silence_laws_and_forms_are_told_apart() {
     assert!(notes.contains("2 different forms"), "{notes}");
 }
 
-/// A session that was broken off counts for what it holds, files of one session count once,
+/// A session that was interrupted counts for what it holds, files of one session count once,
 /// and an empty one is told as such.
 #[test]
 fn broken_off_sessions_are_scored_and_merged() {

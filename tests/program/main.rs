@@ -1,9 +1,10 @@
-//! The program as a person uses it: commands, files from strangers, the form, the window.
+//! The program as a person uses it: commands, untrusted files, the form, the window.
 #![cfg(feature = "cli")]
 
 #[path = "../common/mod.rs"]
 mod common;
 
+mod answers;
 mod bad_input;
 mod browser;
 mod cli;
@@ -12,8 +13,8 @@ mod cost;
 mod demo_scenes;
 mod demo_window;
 mod gpu_report;
+mod interrupted;
 mod localise;
 mod localise_form;
 mod localise_score;
-mod strangers_fields;
-mod strangers_files;
+mod untrusted;

@@ -21,25 +21,29 @@ pub struct Case {
 #[derive(Clone, Debug)]
 pub enum Check {
     /// Waves against their exact end points.
-    Waves {
-        /// Where.
-        scene: Scene,
-        /// The same world for the judge, where a tree of the library's states in `f64` what
-        /// a user's text in `scene` states, surface by surface.
-        truth: Option<Box<Scene>>,
-        /// In which directions the waves leave the source (world axes).
-        directions: Vec<Vec3>,
-        /// Flights of each wave.
-        iterations: u32,
-        /// How far off the exact answer is right.
-        bound: Bound,
-        /// `march`: every distance is multiplied by this, and the stated Lipschitz
-        /// bound is somewhat larger than it.
-        overestimate: f32,
-    },
+    Waves(WaveCheck),
     /// Input that must be refused with a typed error, each with what is wrong with it. A profile
     /// is given what has its settings.
     Refused(Vec<(&'static str, Scene, Settings)>),
+}
+
+/// Waves, and how far from their exact end points they may be.
+#[derive(Clone, Debug)]
+pub struct WaveCheck {
+    /// Where.
+    pub scene: Scene,
+    /// The same world for the judge, where a tree of the library's states in `f64` what
+    /// a user's text in `scene` states, surface by surface.
+    pub truth: Option<Box<Scene>>,
+    /// In which directions the waves leave the source (world axes).
+    pub directions: Vec<Vec3>,
+    /// Flights of each wave.
+    pub iterations: u32,
+    /// How far off the exact answer is right.
+    pub bound: Bound,
+    /// `march`: every distance is multiplied by this, and the stated Lipschitz
+    /// bound is somewhat larger than it.
+    pub overestimate: f32,
 }
 
 /// How far off the exact answer is right.
@@ -84,21 +88,21 @@ impl Case {
             name: name.into(),
             hard,
             exact: exact.into(),
-            check: Check::Waves {
+            check: Check::Waves(WaveCheck {
                 scene,
                 truth: None,
                 directions,
                 iterations,
                 bound: Bound::Spread { exceptions: 0.0 },
                 overestimate: 1.0,
-            },
+            }),
         }
     }
 
     /// The same with answers that are known beforehand, met within `share` of the extent.
     pub(super) fn planted(mut self, with_share: f64, with_answers: Vec<Planted>) -> Case {
-        if let Check::Waves { bound, .. } = &mut self.check {
-            *bound = Bound::Planted {
+        if let Check::Waves(waves) = &mut self.check {
+            waves.bound = Bound::Planted {
                 share: with_share,
                 answers: with_answers,
             };
@@ -108,24 +112,24 @@ impl Case {
 
     /// The same with a share of waves that may be off.
     pub(super) fn but_for(mut self, share: f64) -> Case {
-        if let Check::Waves { bound, .. } = &mut self.check {
-            *bound = Bound::Spread { exceptions: share };
+        if let Check::Waves(waves) = &mut self.check {
+            waves.bound = Bound::Spread { exceptions: share };
         }
         self
     }
 
     /// The same, judged by another statement of the same world.
     pub(super) fn judged_by(mut self, other: Scene) -> Case {
-        if let Check::Waves { truth, .. } = &mut self.check {
-            *truth = Some(Box::new(other));
+        if let Check::Waves(waves) = &mut self.check {
+            waves.truth = Some(Box::new(other));
         }
         self
     }
 
     /// The same with a distance function that over-estimates.
     pub(super) fn overestimated(mut self, factor: f32) -> Case {
-        if let Check::Waves { overestimate, .. } = &mut self.check {
-            *overestimate = factor;
+        if let Check::Waves(waves) = &mut self.check {
+            waves.overestimate = factor;
         }
         self
     }

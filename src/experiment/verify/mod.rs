@@ -38,7 +38,7 @@ mod report;
 mod rounding;
 mod run;
 
-pub use case::{Bound, Case, Check, Planted};
+pub use case::{Bound, Case, Check, Planted, WaveCheck};
 pub use cases::all;
 pub use report::{CaseReport, ProfileResult, VerifyReport};
 pub use rounding::{END_ROUNDING, LENGTH_ROUNDING, START_ROUNDING};

@@ -1,12 +1,11 @@
 //! Runs hard cases by every profile.
 
-use super::case::{Bound, Case, Check};
+use super::case::{Bound, Case, Check, WaveCheck};
 use super::judge::Judge;
 use super::report::{CaseReport, ProfileResult, VerifyReport};
 use crate::error::Error;
 use crate::scene::Scene;
 use crate::trace::{Algorithm, Profile, Settings, Tracer};
-use glam::Vec3;
 
 /// How much larger than needed the Lipschitz bound of an over-estimated distance is: a
 /// bound that is stated is seldom exact.
@@ -39,26 +38,12 @@ pub fn run(
 pub fn run_case(tracer: &mut Tracer, case: &Case) -> Result<CaseReport, Error> {
     let results = match &case.check {
         Check::Refused(inputs) => Profile::ALL.map(|p| refusals(tracer, p, inputs)).into(),
-        Check::Waves {
-            scene,
-            truth,
-            directions,
-            iterations,
-            bound,
-            overestimate,
-        } => {
-            let judge = Judge::new(truth.as_deref().unwrap_or(scene), *iterations)?;
-            let job = Job {
-                scene,
-                directions,
-                iterations: *iterations,
-                bound,
-                overestimate: *overestimate,
-                judge,
-            };
+        Check::Waves(waves) => {
+            let truth = waves.truth.as_deref().unwrap_or(&waves.scene);
+            let judge = Judge::new(truth, waves.iterations)?;
             let mut results = Vec::new();
             for profile in Profile::ALL {
-                results.push(job.by(tracer, profile)?);
+                results.push(waves.by(tracer, profile, &judge)?);
             }
             results
         }
@@ -72,31 +57,26 @@ pub fn run_case(tracer: &mut Tracer, case: &Case) -> Result<CaseReport, Error> {
     })
 }
 
-/// The waves of a case.
-struct Job<'a> {
-    scene: &'a Scene,
-    directions: &'a [Vec3],
-    iterations: u32,
-    bound: &'a Bound,
-    overestimate: f32,
-    judge: Judge,
-}
-
-impl Job<'_> {
-    fn by(&self, tracer: &mut Tracer, profile: Profile) -> Result<ProfileResult, Error> {
+impl WaveCheck {
+    fn by(
+        &self,
+        tracer: &mut Tracer,
+        profile: Profile,
+        judge: &Judge,
+    ) -> Result<ProfileResult, Error> {
         let settings = Settings::new(profile).with_iterations(self.iterations);
         let settings = self.distorted(&settings, LIPSCHITZ_SLACK * self.overestimate);
-        let mut result = self.with(tracer, &settings)?;
+        let mut result = self.with(tracer, &settings, judge)?;
         // The judge is held against the planted answers, too.
-        if let Bound::Planted { share, answers } = self.bound {
-            let reference = self.judge.exact_against(self.directions, answers);
+        if let Bound::Planted { share, answers } = &self.bound {
+            let reference = judge.exact_against(&self.directions, answers);
             if reference > *share {
                 result.passed = false;
                 result.note = format!("the reference itself is {reference:e} off");
             }
         }
         if self.overestimate != 1.0 && profile == Profile::March {
-            let blind = self.with(tracer, &self.distorted(&settings, 1.0))?;
+            let blind = self.with(tracer, &self.distorted(&settings, 1.0), judge)?;
             result.note = format!("with a Lipschitz bound of 1: {} off", blind.off);
             // A case that is right without the bound says nothing about it.
             result.passed &= blind.off > 0;
@@ -119,9 +99,14 @@ impl Job<'_> {
         settings
     }
 
-    fn with(&self, tracer: &mut Tracer, settings: &Settings) -> Result<ProfileResult, Error> {
-        let states = tracer.trace_directions(self.scene, settings, self.directions)?;
-        let mut result = self.judge.judge(&states, self.bound, settings.profile());
+    fn with(
+        &self,
+        tracer: &mut Tracer,
+        settings: &Settings,
+        judge: &Judge,
+    ) -> Result<ProfileResult, Error> {
+        let states = tracer.trace_directions(&self.scene, settings, &self.directions)?;
+        let mut result = judge.judge(&states, &self.bound, settings.profile());
         result.profile = settings.profile().to_string();
         Ok(result)
     }
@@ -158,10 +143,10 @@ fn refusals(
 }
 
 fn in_words(check: &Check) -> String {
-    let Check::Waves { bound, .. } = check else {
+    let Check::Waves(waves) = check else {
         return "a typed error".to_owned();
     };
-    match bound {
+    match &waves.bound {
         Bound::Spread { exceptions: 0.0 } => "spread".to_owned(),
         Bound::Spread { exceptions: 1.0 } => {
             "none on ends: no NaN, no solid, length 1, none lost, as many heard".to_owned()

@@ -25,27 +25,16 @@ impl Source {
     }
 }
 
-/// A [`Source`] out of a file under `glsl/`.
-#[cfg(not(glsl_at_run_time))]
+/// A [`Source`] out of a file under `glsl/`. `scripts/mutate.sh` builds the tests with
+/// `--cfg glsl_at_run_time`: it changes the files and builds nothing anew.
 macro_rules! source {
-    ($file:expr) => {
-        $crate::kernel::Source::new(
-            concat!("glsl/", $file),
-            include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/glsl/", $file)),
-        )
-    };
-}
-
-/// A [`Source`] out of a file under `glsl/`, read when it is asked for. `scripts/mutate.sh`
-/// builds the tests so (`--cfg glsl_at_run_time`): it changes the files and builds nothing anew.
-#[cfg(glsl_at_run_time)]
-macro_rules! source {
-    ($file:expr) => {
-        $crate::kernel::Source::new(
-            concat!("glsl/", $file),
-            $crate::kernel::read_at_run_time($file),
-        )
-    };
+    ($file:expr) => {{
+        #[cfg(not(glsl_at_run_time))]
+        let text = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/glsl/", $file));
+        #[cfg(glsl_at_run_time)]
+        let text = $crate::kernel::read_at_run_time($file);
+        $crate::kernel::Source::new(concat!("glsl/", $file), text)
+    }};
 }
 pub(crate) use source;
 

@@ -1,0 +1,150 @@
+//! The named values of a scene, and the quantity that each measures.
+
+use super::{Motion, Scene, Surface};
+
+/// What a number of a surface measures, and so its unit in a scene file and how far it may go.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// A coordinate or a difference of such, in metres.
+    Position,
+    /// A length in metres, greater than 0.
+    Length,
+    /// A factor, greater than 0.
+    Factor,
+    /// An angle, in degrees.
+    Angle,
+    /// A turn along a way, in degrees a metre.
+    Rate,
+    /// From 0 to 1.
+    Share,
+    /// Any number.
+    Plain,
+}
+
+/// A named value as it stands in a scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NamedValue {
+    /// Its name.
+    pub name: String,
+    /// Where it stands, in the unit of the file.
+    pub value: f32,
+    /// What it measures; where it is used several times, the one that allows least.
+    pub quantity: Quantity,
+}
+
+impl Scene {
+    /// The named values of the scene in alphabetic order, each once.
+    pub fn named_values(&self) -> Vec<NamedValue> {
+        let mut values: Vec<NamedValue> = Vec::new();
+        for surface in &self.surfaces {
+            for driver in &surface.drivers {
+                let Motion::Named(name) = &driver.motion else {
+                    continue;
+                };
+                let Some((value, quantity)) = surface.parameter(&driver.parameter) else {
+                    continue;
+                };
+                let value = NamedValue {
+                    name: name.clone(),
+                    value: quantity.in_file(value),
+                    quantity,
+                };
+                match values.iter_mut().find(|known| known.name == *name) {
+                    None => values.push(value),
+                    Some(known) if known.quantity.rank() < quantity.rank() => *known = value,
+                    Some(_) => (),
+                }
+            }
+        }
+        values.sort_by(|a, b| a.name.cmp(&b.name));
+        values
+    }
+}
+
+impl Surface {
+    /// What a number of the surface measures, by its name (see [`Surface::parameters_mut`]).
+    pub fn quantity(&self, parameter: &str) -> Quantity {
+        let found = self.parameter(parameter);
+        found.map_or(Quantity::Plain, |(_, quantity)| quantity)
+    }
+
+    /// Where a number stands, and what it measures.
+    fn parameter(&self, parameter: &str) -> Option<(f32, Quantity)> {
+        let mut copy = self.clone();
+        let mut all = copy.parameters_mut().into_iter();
+        let found = all.find(|known| known.name == parameter)?;
+        Some((*found.number, found.quantity))
+    }
+}
+
+impl Quantity {
+    /// What stands behind a number in a sentence about the code's own units.
+    pub(super) fn unit(self) -> &'static str {
+        match self {
+            Quantity::Position | Quantity::Length => " metres",
+            Quantity::Angle => " radians",
+            Quantity::Rate => " radians a metre",
+            Quantity::Factor | Quantity::Share | Quantity::Plain => "",
+        }
+    }
+
+    /// A number of the code in the unit of the file.
+    pub fn in_file(self, value: f32) -> f32 {
+        match self {
+            Quantity::Angle | Quantity::Rate => value.to_degrees(),
+            _ => value,
+        }
+    }
+
+    /// A number of the file in the unit of the code.
+    pub fn in_code(self, value: f32) -> f32 {
+        match self {
+            Quantity::Angle | Quantity::Rate => value.to_radians(),
+            _ => value,
+        }
+    }
+
+    /// The more, the less is allowed.
+    fn rank(self) -> u8 {
+        match self {
+            Quantity::Plain => 0,
+            Quantity::Position => 1,
+            Quantity::Angle | Quantity::Rate => 2,
+            Quantity::Length | Quantity::Factor => 3,
+            Quantity::Share => 4,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every operator that turns, and what stands beside it; all by one name.
+    const TURNS: &str = r#"Scene(
+        surfaces: [
+            Surface(shape: Plane, position: (0, Value("a", 30), 0), rotation: (0, 0, Value("a", 30))),
+            Surface(shape: Union([
+                Translate(of: Rotate(of: Box(size: (1, 1, 1)), by: (0, Value("a", 30), 0)), by: (Value("a", 30), 0, 0)),
+                Twist(of: Box(size: (1, 1, 1)), rate: Value("a", 30), lipschitz: 90),
+                Bend(of: Box(size: (1, 1, 1)), rate: Value("a", 30), lipschitz: 90),
+            ])),
+        ],
+        source: Source(position: (0, 1, -5)), listener: Listener(position: (0, 1, 5), radius: 1))"#;
+
+    /// Protects the unit of the file everywhere that an angle may stand: a value that is set to what the file says
+    /// changes nothing, and 60 is 60 degrees.
+    #[test]
+    fn values_are_in_the_unit_of_the_file() {
+        let read = Scene::from_ron(TURNS, "turns").unwrap();
+        let mut set = read.clone();
+        set.set_value("a", 30.0).unwrap();
+        assert_eq!(set.surfaces, read.surfaces);
+        set.set_value("a", 60.0).unwrap();
+        let expected = Scene::from_ron(&TURNS.replace("30", "60"), "turns").unwrap();
+        assert_eq!(set.surfaces, expected.surfaces);
+        let values = set.named_values();
+        assert_eq!((values.len(), values[0].quantity), (1, Quantity::Angle));
+        assert!((values[0].value - 60.0).abs() < 1e-4);
+    }
+}

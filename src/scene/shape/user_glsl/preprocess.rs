@@ -1,0 +1,456 @@
+//! Directives and macros, within limits.
+
+use super::tokens::{Kind, Token};
+use super::{Refusal, condition};
+use std::collections::{HashMap, HashSet};
+
+/// Tokens that may be looked at until all macros are expanded, for each that may come out: at
+/// every level of eight.
+const STEPS_A_TOKEN: usize = 8;
+
+/// Characters of an `#error` that are told.
+const LONGEST_ERROR: usize = 200;
+
+/// Macros' calls within calls, at the most.
+const DEEPEST_CALL: u32 = 64;
+
+/// Conditions within conditions, at the most.
+const DEEPEST_CONDITION: usize = 64;
+
+/// What `__VERSION__` is: the lower of the two languages that a field is compiled in, GLSL ES
+/// 3.00 and GLSL 3.30.
+const VERSION: &str = "300";
+
+/// The text without directives and macros, of so many tokens at the most.
+pub fn preprocess<'a>(tokens: &[Token<'a>], most_tokens: usize) -> Result<Vec<Token<'a>>, Refusal> {
+    let mut state = Preprocessor {
+        expander: Expander::new(most_tokens),
+        conditions: Vec::new(),
+    };
+    let mut out = Vec::new();
+    let mut rest = tokens;
+    while let Some(first) = rest.first() {
+        let is_directive = |token: &Token| token.is_first && token.is("#");
+        if is_directive(first) {
+            let length = 1 + rest[1..].iter().take_while(|t| !t.is_first).count();
+            state.directive(first.line, &rest[1..length])?;
+            rest = &rest[length..];
+            continue;
+        }
+        let length = rest.iter().take_while(|t| !is_directive(t)).count();
+        if state.is_on() {
+            state.expander.expand(&rest[..length], &mut out, 0)?;
+        }
+        rest = &rest[length..];
+    }
+    match state.conditions.last() {
+        Some(open) => Err((Some(open.line), "this #if has no #endif".to_owned())),
+        None => Ok(out),
+    }
+}
+
+/// An `#if` that is not over.
+struct Condition {
+    line: u32,
+    /// Whether the lines around it count.
+    outer: bool,
+    /// Whether its present lines count.
+    is_on: bool,
+    /// Whether any of its lines have counted.
+    was_on: bool,
+    has_else: bool,
+}
+
+struct Preprocessor<'a> {
+    expander: Expander<'a>,
+    conditions: Vec<Condition>,
+}
+
+impl<'a> Preprocessor<'a> {
+    fn is_on(&self) -> bool {
+        self.conditions.last().is_none_or(|c| c.is_on)
+    }
+
+    fn directive(&mut self, line: u32, tokens: &[Token<'a>]) -> Result<(), Refusal> {
+        let Some((name, rest)) = tokens.split_first() else {
+            return Ok(());
+        };
+        let told = |why: String| (Some(line), why);
+        match name.text {
+            "if" | "ifdef" | "ifndef" => self.begin(line, name.text, rest),
+            "elif" | "else" | "endif" => self.go_on(line, name.text, rest),
+            _ if !self.is_on() => Ok(()),
+            "define" => self.expander.define(rest).map_err(told),
+            "undef" => {
+                if let Some(name) = rest.first() {
+                    self.expander.macros.remove(name.text);
+                }
+                Ok(())
+            }
+            // That of the shader as a whole is another.
+            "version" => Ok(()),
+            "error" => {
+                let words: Vec<&str> = rest.iter().take(20).map(|token| token.text).collect();
+                let mut words = words.join(" ");
+                words.truncate(LONGEST_ERROR);
+                Err(told(format!("#error {words}")))
+            }
+            "extension" | "pragma" | "line" | "include" => Err(told(format!(
+                "#{} is of a whole shader: a field cannot have it",
+                name.text
+            ))),
+            other => Err(told(format!("there is no directive #{other}"))),
+        }
+    }
+
+    fn begin(&mut self, line: u32, name: &str, rest: &[Token<'a>]) -> Result<(), Refusal> {
+        if self.conditions.len() == DEEPEST_CONDITION {
+            let why = format!("there are more than {DEEPEST_CONDITION} #if within each other");
+            return Err((Some(line), why));
+        }
+        let outer = self.is_on();
+        let is_defined = |rest: &[Token]| {
+            let name = rest.first().map_or("", |token| token.text);
+            self.expander.is_defined(name)
+        };
+        let is_on = match name {
+            _ if !outer => false,
+            "if" => self.holds(line, rest)?,
+            "ifdef" => is_defined(rest),
+            _ => !is_defined(rest),
+        };
+        self.conditions.push(Condition {
+            line,
+            outer,
+            is_on,
+            was_on: is_on,
+            has_else: false,
+        });
+        Ok(())
+    }
+
+    fn go_on(&mut self, line: u32, name: &str, rest: &[Token<'a>]) -> Result<(), Refusal> {
+        let Some(mut open) = self.conditions.pop() else {
+            return Err((Some(line), format!("this #{name} has no #if")));
+        };
+        if name == "endif" {
+            return Ok(());
+        }
+        if open.has_else {
+            return Err((Some(line), format!("this #{name} comes after an #else")));
+        }
+        let may_be_on = open.outer && !open.was_on;
+        open.is_on = match name {
+            "elif" => may_be_on && self.holds(line, rest)?,
+            _ => may_be_on,
+        };
+        open.has_else = name == "else";
+        open.was_on |= open.is_on;
+        self.conditions.push(open);
+        Ok(())
+    }
+
+    /// Whether the expression of an `#if` or `#elif` holds.
+    fn holds(&mut self, line: u32, tokens: &[Token<'a>]) -> Result<bool, Refusal> {
+        let mut known = Vec::with_capacity(tokens.len());
+        let mut rest = tokens;
+        while let Some((first, after)) = rest.split_first() {
+            if !first.is("defined") {
+                known.push(*first);
+                rest = after;
+                continue;
+            }
+            let (name, length) = match after {
+                [open, name, close, ..] if open.is("(") && close.is(")") => (name, 3),
+                [name, ..] if name.is_word() => (name, 1),
+                _ => return Err((Some(line), "'defined' wants a name".to_owned())),
+            };
+            let is_defined = self.expander.is_defined(name.text);
+            known.push(number(*first, if is_defined { "1" } else { "0" }));
+            rest = &after[length..];
+        }
+        let mut expanded = Vec::new();
+        self.expander.expand(&known, &mut expanded, 0)?;
+        condition::value(&expanded)
+            .map(|value| value != 0)
+            .map_err(|why| (Some(line), format!("#if: {why}")))
+    }
+}
+
+fn number<'a>(at: Token<'a>, text: &'a str) -> Token<'a> {
+    Token {
+        kind: Kind::Number,
+        text,
+        ..at
+    }
+}
+
+#[derive(Clone, PartialEq)]
+struct Macro<'a> {
+    /// None for a macro that is no function.
+    parameters: Option<Vec<&'a str>>,
+    body: Vec<&'a str>,
+    kinds: Vec<Kind>,
+}
+
+/// What is still to be looked at.
+enum Item<'a> {
+    Token(Token<'a>),
+    /// The end of a macro's own tokens, within which it is not expanded again.
+    End(&'a str),
+}
+
+struct Expander<'a> {
+    macros: HashMap<&'a str, Macro<'a>>,
+    /// Those that are being expanded.
+    hidden: HashSet<&'a str>,
+    steps: usize,
+    most_tokens: usize,
+}
+
+impl<'a> Expander<'a> {
+    fn new(most_tokens: usize) -> Expander<'a> {
+        Expander {
+            macros: HashMap::new(),
+            hidden: HashSet::new(),
+            steps: 0,
+            most_tokens,
+        }
+    }
+
+    fn is_defined(&self, name: &str) -> bool {
+        name == "__VERSION__" || self.macros.contains_key(name)
+    }
+
+    fn define(&mut self, tokens: &[Token<'a>]) -> Result<(), String> {
+        let Some((name, mut rest)) = tokens.split_first().filter(|(n, _)| n.is_word()) else {
+            return Err("this #define has no name".to_owned());
+        };
+        if name.is("defined") {
+            return Err("'defined' cannot be a macro".to_owned());
+        }
+        let is_function = |next: &Token| next.is("(") && next.space.is_empty();
+        let mut parameters = None;
+        if rest.first().is_some_and(is_function) {
+            let Some(end) = rest.iter().position(|token| token.is(")")) else {
+                return Err(format!("the macro '{}' has no ')'", name.text));
+            };
+            parameters = Some(parameter_names(name.text, &rest[1..end])?);
+            rest = &rest[end + 1..];
+        }
+        if let Some(odd) = rest.iter().find(|t| t.is("#") || t.is("##")) {
+            return Err(format!("'{}' in macros is not in GLSL", odd.text));
+        }
+        let new = Macro {
+            parameters,
+            body: rest.iter().map(|token| token.text).collect(),
+            kinds: rest.iter().map(|token| token.kind).collect(),
+        };
+        match self.macros.insert(name.text, new.clone()) {
+            Some(old) if old != new => Err(format!("'{}' is a macro already", name.text)),
+            _ => Ok(()),
+        }
+    }
+
+    fn step(&mut self, count: usize, line: u32) -> Result<(), Refusal> {
+        self.steps += count;
+        if self.steps <= self.most_tokens.saturating_mul(STEPS_A_TOKEN) {
+            return Ok(());
+        }
+        Err((Some(line), "its macros expand to too much".to_owned()))
+    }
+
+    /// Expands the macros of some tokens.
+    fn expand(
+        &mut self,
+        tokens: &[Token<'a>],
+        out: &mut Vec<Token<'a>>,
+        depth: u32,
+    ) -> Result<(), Refusal> {
+        let mut left: Vec<Item> = tokens.iter().rev().map(|t| Item::Token(*t)).collect();
+        // What follows a macro's tokens shall not become one with them.
+        let mut after_macro = false;
+        while let Some(item) = left.pop() {
+            let mut token = match item {
+                Item::End(name) => {
+                    self.hidden.remove(name);
+                    after_macro = true;
+                    continue;
+                }
+                Item::Token(token) => token,
+            };
+            self.step(1, token.line)?;
+            if std::mem::take(&mut after_macro) && token.space.is_empty() {
+                token.space = " ";
+            }
+            let is_call = token.is_word() && !self.hidden.contains(token.text);
+            if is_call && self.call(token, &mut left, depth)? {
+                continue;
+            }
+            if is_call && token.is("__VERSION__") {
+                token = number(token, VERSION);
+            }
+            out.push(token);
+            if out.len() > self.most_tokens {
+                let most = self.most_tokens;
+                let why = format!("it has more than {most} words, numbers and marks");
+                return Err((Some(token.line), why));
+            }
+        }
+        Ok(())
+    }
+
+    /// Puts a macro's tokens in its place; false for what is no macro, or not called.
+    fn call(
+        &mut self,
+        name: Token<'a>,
+        left: &mut Vec<Item<'a>>,
+        depth: u32,
+    ) -> Result<bool, Refusal> {
+        let Some(of) = self.macros.get(name.text) else {
+            return Ok(false);
+        };
+        let Some(parameters) = of.parameters.clone() else {
+            let body = body_of(of, name);
+            self.step(body.len(), name.line)?;
+            self.put(name, body, left);
+            return Ok(true);
+        };
+        let next = left.iter().rev().find_map(|item| match item {
+            Item::Token(token) => Some(token),
+            Item::End(_) => None,
+        });
+        if !next.is_some_and(|token| token.is("(")) {
+            return Ok(false);
+        }
+        let told = |why: &str| (Some(name.line), format!("the macro '{}' {why}", name.text));
+        let body = body_of(of, name);
+        let mut given = self.arguments(name, left)?;
+        // A call without anything in it has one argument, or none.
+        if parameters.is_empty() && given.len() == 1 && given[0].is_empty() {
+            given.clear();
+        }
+        if given.len() != parameters.len() {
+            let count = parameters.len();
+            return Err(told(&format!(
+                "takes {count} arguments, not {}",
+                given.len()
+            )));
+        }
+        if depth == DEEPEST_CALL {
+            return Err(told("is called within too many calls"));
+        }
+        let mut expanded = HashMap::new();
+        for (parameter, tokens) in parameters.iter().zip(given) {
+            let mut of_it = Vec::new();
+            self.expand(&tokens, &mut of_it, depth + 1)?;
+            expanded.insert(*parameter, of_it);
+        }
+        let mut whole = Vec::with_capacity(body.len());
+        for token in body {
+            match expanded.get(token.text).filter(|_| token.is_word()) {
+                Some(argument) => {
+                    self.step(argument.len(), name.line)?;
+                    whole.extend(argument.iter().map(|t| made(*t, name)));
+                }
+                None => whole.push(token),
+            }
+        }
+        self.step(whole.len(), name.line)?;
+        self.put(name, whole, left);
+        Ok(true)
+    }
+
+    /// The arguments of a call, whose `(` comes next, taken off what is left.
+    fn arguments(
+        &mut self,
+        name: Token<'a>,
+        left: &mut Vec<Item<'a>>,
+    ) -> Result<Vec<Vec<Token<'a>>>, Refusal> {
+        let mut given = vec![Vec::new()];
+        let mut depth = 0;
+        while let Some(item) = left.pop() {
+            let token = match item {
+                Item::End(name) => {
+                    self.hidden.remove(name);
+                    continue;
+                }
+                Item::Token(token) => token,
+            };
+            self.step(1, name.line)?;
+            match token.text {
+                "(" => depth += 1,
+                ")" => depth -= 1,
+                _ => (),
+            }
+            let last = given.len() - 1;
+            match token.text {
+                "(" if depth == 1 => (),
+                ")" if depth == 0 => return Ok(given),
+                "," if depth == 1 => given.push(Vec::new()),
+                _ => given[last].push(token),
+            }
+        }
+        let why = format!("the macro '{}' has no ')' after its '('", name.text);
+        Err((Some(name.line), why))
+    }
+
+    fn put(&mut self, name: Token<'a>, body: Vec<Token<'a>>, left: &mut Vec<Item<'a>>) {
+        self.hidden.insert(name.text);
+        left.push(Item::End(name.text));
+        let count = body.len();
+        for (index, mut token) in body.into_iter().rev().enumerate() {
+            if index + 1 == count && !name.space.is_empty() {
+                token.space = name.space;
+            }
+            left.push(Item::Token(token));
+        }
+    }
+}
+
+fn parameter_names<'a>(name: &str, tokens: &[Token<'a>]) -> Result<Vec<&'a str>, String> {
+    if tokens.is_empty() {
+        return Ok(Vec::new());
+    }
+    let mut names = Vec::new();
+    let mut known = HashSet::new();
+    for one in tokens.split(|token| token.is(",")) {
+        match one {
+            [parameter] if parameter.is_word() && known.insert(parameter.text) => {
+                names.push(parameter.text);
+            }
+            _ => {
+                return Err(format!(
+                    "the macro '{name}' needs one name for each parameter"
+                ));
+            }
+        }
+    }
+    Ok(names)
+}
+
+fn body_of<'a>(of: &Macro<'a>, name: Token<'a>) -> Vec<Token<'a>> {
+    let tokens = of.body.iter().zip(&of.kinds);
+    tokens
+        .map(|(text, kind)| {
+            made(
+                Token {
+                    kind: *kind,
+                    text,
+                    ..name
+                },
+                name,
+            )
+        })
+        .collect()
+}
+
+/// A token that a macro has made: it stands where the macro's name did.
+fn made<'a>(token: Token<'a>, name: Token<'a>) -> Token<'a> {
+    Token {
+        space: " ",
+        line: name.line,
+        is_first: false,
+        ..token
+    }
+}

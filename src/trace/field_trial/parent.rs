@@ -1,0 +1,285 @@
+//! The parent's side: start the child, wait for it or look after it now and then.
+
+use super::protocol::{self, Answer, Request, RequestedField};
+use super::{FieldTrial, LONGEST, MOST_MEMORY, TrialCommand};
+use crate::error::Error;
+use crate::scene::{Scene, UserField, UserSamples};
+use crate::trace::TraceError;
+use std::collections::{HashMap, HashSet};
+use std::fs::File;
+use std::hash::{BuildHasher, Hash, RandomState};
+use std::io::{Read, Seek, Write};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::{Arc, LazyLock, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+/// From one look at the child to the next, where it is waited for.
+const BETWEEN_LOOKS: Duration = Duration::from_millis(2);
+
+/// Texts and refusals that are remembered at the most; then all are forgotten.
+const MOST_KNOWN: usize = 1024;
+
+/// A child process that tries fields. Dropping it ends it.
+pub(crate) struct Trial {
+    child: Child,
+    /// What the child writes to: a file without a name, so that neither waits for the other.
+    answer: File,
+    began: Instant,
+    fields: Vec<Arc<UserField>>,
+    keys: Vec<u64>,
+    /// What the fields' files are called in messages.
+    files: String,
+}
+
+/// What was tried in this process' children.
+#[derive(Default)]
+struct Known {
+    passed: HashSet<u64>,
+    refused: HashMap<Vec<u64>, TraceError>,
+}
+
+static KNOWN: LazyLock<Mutex<Known>> = LazyLock::new(Mutex::default);
+
+/// Keys of another process are others, so that nobody can make two texts of one key.
+static KEYS: LazyLock<RandomState> = LazyLock::new(RandomState::new);
+
+fn known() -> MutexGuard<'static, Known> {
+    KNOWN.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn key_of(what: impl Hash) -> u64 {
+    KEYS.hash_one(what)
+}
+
+fn key_of_field(field: &UserField) -> u64 {
+    let numbers = [field.size.x, field.size.y, field.size.z, field.lipschitz];
+    key_of((&field.file, &field.text, numbers.map(f32::to_bits)))
+}
+
+/// Whether a child process has compiled and tried a field by itself, so that this one need not.
+pub(crate) fn has_passed(field: &UserField) -> bool {
+    let is_in_child = matches!(FieldTrial::chosen(), FieldTrial::InChild(_));
+    is_in_child && known().passed.contains(&key_of_field(field))
+}
+
+impl Trial {
+    /// Begins to try what of a scene's fields, and of the programs that they are part of, was
+    /// not tried yet; nothing if there is nothing to try, or fields are trusted.
+    ///
+    /// # Errors
+    /// [`Error::Trace`] for a text that is refused without being compiled, for what was tried
+    /// and refused before, and where no child can be started.
+    pub fn begin(scene: &Scene, programs: &[&str]) -> Result<Option<Trial>, Error> {
+        let FieldTrial::InChild(command) = FieldTrial::chosen() else {
+            return Ok(None);
+        };
+        let of_others = |field: &&Arc<UserField>| !field.is_own();
+        let all: Vec<_> = scene.user_fields().filter(of_others).collect();
+        if all.is_empty() {
+            return Ok(None);
+        }
+        let mut keys = Vec::new();
+        let mut is_new = |key: u64| {
+            let is_new = !known().passed.contains(&key) && !keys.contains(&key);
+            if is_new {
+                keys.push(key);
+            }
+            is_new
+        };
+        let mut fields = Vec::new();
+        for field in &all {
+            TraceError::check_text(field)?;
+            if is_new(key_of_field(field)) {
+                fields.push(Arc::clone(field));
+            }
+        }
+        let programs: Vec<String> = programs
+            .iter()
+            .filter(|program| is_new(key_of(program)))
+            .map(|program| (*program).to_owned())
+            .collect();
+        if keys.is_empty() {
+            return Ok(None);
+        }
+        if let Some(error) = known().refused.get(&keys) {
+            return Err(error.clone().into());
+        }
+        let files = named(if fields.is_empty() {
+            all.into_iter()
+        } else {
+            fields.iter().collect::<Vec<_>>().into_iter()
+        });
+        let request = Request {
+            fields: fields.iter().map(|field| requested(field)).collect(),
+            programs,
+        };
+        let started = start(&command, &request);
+        let (child, answer) = started.map_err(|error| TraceError::NoFieldTrial {
+            why: format!("cannot be started: {error}"),
+        })?;
+        Ok(Some(Trial {
+            child,
+            answer,
+            began: Instant::now(),
+            fields,
+            keys,
+            files,
+        }))
+    }
+
+    /// Whether the fields can be used, once that is known: for whoever has other things to do.
+    pub fn poll(&mut self) -> Option<Result<(), Error>> {
+        let ended = match self.child.try_wait() {
+            Ok(Some(status)) => self.judge(status),
+            Ok(None) if self.began.elapsed() < LONGEST => return None,
+            // Not remembered: on a machine that does much else a good field takes long too.
+            Ok(None) => {
+                let how = format!("took longer than {} s", LONGEST.as_secs());
+                return Some(Err(self.dies(how).into()));
+            }
+            Err(error) => Err(TraceError::NoFieldTrial {
+                why: format!("cannot be waited for: {error}"),
+            }),
+        };
+        self.remember(&ended);
+        Some(ended.map_err(Error::from))
+    }
+
+    /// Waits until it is known.
+    pub fn wait(mut self) -> Result<(), Error> {
+        loop {
+            match self.poll() {
+                Some(ended) => return ended,
+                None => std::thread::sleep(BETWEEN_LOOKS),
+            }
+        }
+    }
+
+    fn remember(&self, ended: &Result<(), TraceError>) {
+        let mut known = known();
+        if known.passed.len() + known.refused.len() > MOST_KNOWN {
+            *known = Known::default();
+        }
+        match ended {
+            Ok(()) => known.passed.extend(&self.keys),
+            // That may be otherwise the next time.
+            Err(TraceError::NoFieldTrial { .. }) => (),
+            Err(error) => {
+                known.refused.insert(self.keys.clone(), error.clone());
+            }
+        }
+    }
+
+    fn dies(&self, how: String) -> TraceError {
+        TraceError::FieldDies {
+            file: self.files.clone(),
+            how,
+        }
+    }
+
+    /// What the child's end and answer mean.
+    fn judge(&mut self, status: ExitStatus) -> Result<(), TraceError> {
+        if let Some(signal) = signal(status) {
+            let memory = MOST_MEMORY >> 20;
+            return Err(self.dies(format!(
+                "ended by {signal}: the driver fails on it, or it takes more than {memory} MiB"
+            )));
+        }
+        let failed = |why: String| TraceError::NoFieldTrial { why };
+        let mut bytes = Vec::new();
+        let read = self.answer.rewind();
+        read.and_then(|()| self.answer.read_to_end(&mut bytes))
+            .map_err(|error| failed(format!("gave an answer that cannot be read: {error}")))?;
+        let Some((answer, values)) = protocol::read(&bytes).filter(|_| status.success()) else {
+            return Err(failed(format!("gave no answer ({status})")));
+        };
+        match answer {
+            Answer::Refused(error) => Err(error),
+            Answer::Failed(why) => Err(failed(format!("has failed: {why}"))),
+            Answer::Passed(tried) => {
+                let mut values = values.as_slice();
+                for (field, tried) in self.fields.iter().zip(tried) {
+                    let count = tried.side.saturating_pow(3);
+                    let Some((own, rest)) = values.split_at_checked(count) else {
+                        return Err(failed("gave half an answer".to_owned()));
+                    };
+                    let samples = UserSamples {
+                        side: tried.side,
+                        values: own.to_vec(),
+                    };
+                    field.set_evaluation_seconds(tried.evaluation_seconds);
+                    field.set_samples(Arc::new(samples));
+                    values = rest;
+                }
+                Ok(())
+            }
+        }
+    }
+}
+
+impl Drop for Trial {
+    fn drop(&mut self) {
+        // Of one that has ended there is nothing to end.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+fn requested(field: &UserField) -> RequestedField {
+    RequestedField {
+        file: field.file.display().to_string(),
+        text: field.text.clone(),
+        size: field.size.to_array(),
+        lipschitz: field.lipschitz,
+    }
+}
+
+/// The files of fields, each once.
+fn named<'a>(fields: impl Iterator<Item = &'a Arc<UserField>>) -> String {
+    let mut names: Vec<String> = Vec::new();
+    for field in fields {
+        let name = field.file.display().to_string();
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    names.join(" or ")
+}
+
+fn start(command: &TrialCommand, request: &Request) -> std::io::Result<(Child, File)> {
+    let asked = ron::to_string(request).map_err(std::io::Error::other)?;
+    let mut question = tempfile::tempfile()?;
+    question.write_all(asked.as_bytes())?;
+    question.rewind()?;
+    let answer = tempfile::tempfile()?;
+    let child = Command::new(&command.program)
+        .args(&command.arguments)
+        .stdin(Stdio::from(question))
+        .stdout(Stdio::from(answer.try_clone()?))
+        // What a driver or a compiler says when it dies helps nobody.
+        .stderr(Stdio::null())
+        .spawn()?;
+    Ok((child, answer))
+}
+
+/// The name of the signal that has ended a process.
+#[cfg(unix)]
+fn signal(status: ExitStatus) -> Option<String> {
+    use std::os::unix::process::ExitStatusExt;
+    // As POSIX numbers them; the others differ from system to system.
+    let name = match status.signal()? {
+        4 => "SIGILL",
+        6 => "SIGABRT",
+        8 => "SIGFPE",
+        9 => "SIGKILL",
+        11 => "SIGSEGV",
+        15 => "SIGTERM",
+        other => return Some(format!("signal {other}")),
+    };
+    Some(name.to_owned())
+}
+
+#[cfg(not(unix))]
+fn signal(_: ExitStatus) -> Option<String> {
+    None
+}

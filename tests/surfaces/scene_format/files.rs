@@ -1,0 +1,98 @@
+//! The files that a scene names.
+
+use super::text;
+use echomarch::Scene;
+use echomarch::scene::shape::{HeightField, User};
+use echomarch::scene::{HeightImage, Node, UserField};
+use glam::{UVec2, Vec3};
+use std::path::Path;
+use std::sync::Arc;
+
+/// Protects scenes that name files: they are found beside the scene, wherever the program
+/// runs, and one that is missing or spoilt is named.
+#[test]
+fn files_lie_beside_the_scene() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, bytes: &[u8]| std::fs::write(folder.path().join(name), bytes).unwrap();
+    let read = |surface: &str| {
+        write("scene.ron", text(surface).as_bytes());
+        Scene::from_file(&folder.path().join("scene.ron"))
+    };
+    write(
+        "ball.glsl",
+        b"float field(vec3 p) { return length(p) - 1.0; }",
+    );
+    let image = image::GrayImage::from_fn(2, 3, |x, y| image::Luma([(100 * x + 20 * y) as u8]));
+    image.save(folder.path().join("hills.png")).unwrap();
+
+    const FIELD: &str = "Field(file: \"ball.glsl\", lipschitz: 1.5, size: (3, 3, 3))";
+    let scene = read(&format!("shape: Union([{FIELD}, {FIELD}])")).unwrap();
+    let field = &scene.surfaces[0].shape;
+    let Node::User(User { field: user }) = &field.children[0].node else {
+        panic!("{field:?}");
+    };
+    let text = "float field(vec3 p) { return length(p) - 1.0; }".to_owned();
+    let path = folder.path().join("ball.glsl");
+    assert_eq!(**user, UserField::new(path, text, Vec3::splat(3.0), 1.5));
+    let Node::User(User { field: second }) = &field.children[1].node else {
+        panic!("{field:?}");
+    };
+    assert!(Arc::ptr_eq(user, second), "the same file is read twice");
+
+    let scene = read("shape: HeightField(image: \"hills.png\", size: (8, 2, 8))").unwrap();
+    let Node::HeightField(HeightField { image, size }) = &scene.surfaces[0].shape.node else {
+        panic!("{:?}", scene.surfaces[0]);
+    };
+    assert_eq!(*size, Vec3::new(8.0, 2.0, 8.0));
+    let heights = [0u8, 100, 20, 120, 40, 140].map(|h| f32::from(h) / 255.0);
+    let name = folder.path().join("hills.png").display().to_string();
+    let expected = HeightImage::new(&name, UVec2::new(2, 3), heights.to_vec()).unwrap();
+    assert_eq!(image.size(), expected.size());
+    for (read, expected) in image.heights().iter().zip(expected.heights()) {
+        assert!((read - expected).abs() < 1e-4);
+    }
+
+    write("hills.txt", b"no image");
+    let refused = [
+        (
+            "Field(file: \"none.glsl\", lipschitz: 1, size: (1, 1, 1))",
+            "none.glsl: No such file",
+        ),
+        (
+            "HeightField(image: \"none.png\", size: (1, 1, 1))",
+            "none.png: No such file",
+        ),
+        (
+            "HeightField(image: \"hills.txt\", size: (1, 1, 1))",
+            "hills.txt: ",
+        ),
+        (
+            "Field(file: \".\", lipschitz: 1, size: (1, 1, 1))",
+            "directory",
+        ),
+    ];
+    for (shape, says) in refused {
+        let sentence = read(&format!("shape: {shape}")).unwrap_err().to_string();
+        let origin = folder.path().join("scene.ron").display().to_string();
+        assert!(sentence.starts_with(&format!("{origin}: ")), "{sentence}");
+        assert!(
+            sentence.contains(says) && !sentence.contains('\n'),
+            "{sentence}"
+        );
+    }
+}
+
+/// Protects whoever writes a scene in a program: files are then found from the current folder.
+#[test]
+fn text_finds_files_from_the_current_folder() {
+    let error = Scene::from_ron(
+        &text("shape: Field(file: \"none.glsl\", lipschitz: 1, size: (1, 1, 1))"),
+        "text",
+    );
+    let sentence = error.unwrap_err().to_string();
+    assert!(
+        sentence.starts_with("text: cannot read the field none.glsl: "),
+        "{sentence}"
+    );
+    assert!(!Path::new("none.glsl").exists());
+}

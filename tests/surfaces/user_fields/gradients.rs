@@ -1,0 +1,238 @@
+//! Normals of users' fields: by differences, and by the gradient that a text states.
+
+use super::{BALL, refusal, scene, settings, user};
+use crate::common::{context, for_each_api};
+use echomarch::gpu::Api;
+use echomarch::scene::shape::User;
+use echomarch::scene::{Node, UserField};
+use echomarch::{Listener, Profile, Scene, Settings, Source, Surface, Tracer};
+use glam::{DVec3, Vec3};
+use std::sync::Arc;
+
+/// A smooth surface about `centre`, as a user states it.
+struct Smooth {
+    name: &'static str,
+    value: String,
+    gradient: String,
+    box_size: f32,
+    centre: Vec3,
+    /// A length by which the source stands off.
+    size: f32,
+    /// At a point from the centre.
+    normal: fn(DVec3) -> DVec3,
+    /// What a mirrored direction may be off by, by differences and by the stated gradient.
+    most: [f64; 2],
+}
+
+fn smooth_surfaces() -> Vec<Smooth> {
+    let ball = |name, radius: f32, box_size: f32, centre: Vec3, most| {
+        let [x, y, z] = centre.to_array();
+        let from = format!("(p - vec3({x:?}, {y:?}, {z:?}))");
+        Smooth {
+            name,
+            value: format!("length({from}) - {radius:?}"),
+            gradient: format!("normalize({from})"),
+            box_size,
+            centre,
+            size: radius,
+            normal: |p| p.normalize(),
+            most,
+        }
+    };
+    let torus = |name, box_size| Smooth {
+        name,
+        value: "length(vec2(length(p.xz) - 1.2, p.y)) - 0.4".into(),
+        gradient:
+            "normalize(vec3(p.x - 1.2 * p.x / length(p.xz), p.y, p.z - 1.2 * p.z / length(p.xz)))"
+                .into(),
+        box_size,
+        centre: Vec3::ZERO,
+        size: 1.6,
+        normal: |p| {
+            let ring = DVec3::new(p.x, 0.0, p.z).normalize() * 1.2;
+            (p - ring).normalize()
+        },
+        // Where a wave lands is known to 5e-7 m in each coordinate, and the tube has 0.4 m.
+        most: [4e-5, 4e-6],
+    };
+    let away = Vec3::new(10.0, -4.0, 8.0);
+    vec![
+        ball("ball", 1.0, 4.0, Vec3::ZERO, [1e-5, 1e-6]),
+        ball("ball, large box", 1.0, 100.0, Vec3::ZERO, [1e-5, 1e-6]),
+        ball("small ball", 0.1, 10.0, Vec3::ZERO, [1e-5, 1e-6]),
+        ball("large ball", 50.0, 120.0, Vec3::ZERO, [1e-5, 1e-6]),
+        // A place is known to 1e-6 there, and so is the direction from the centre.
+        ball("ball away", 1.0, 40.0, away, [1e-5, 4e-6]),
+        torus("torus", 4.0),
+        torus("torus, large box", 100.0),
+    ]
+}
+
+/// Protects normals of users' fields: whatever the box of the field, the unit that its text is
+/// written in, and the scale of the surface, and those of a text that states its gradient from
+/// being any worse than a ball's.
+#[test]
+fn normals_do_not_depend_on_the_box() {
+    let mut tracer = Tracer::new(&context(Api::Gl)).unwrap();
+    for surface in smooth_surfaces() {
+        let (value, gradient) = (&surface.value, &surface.gradient);
+        let values = format!("float field(vec3 p) {{ return {value}; }}\n");
+        let stated = format!("{values}vec3 fieldGradient(vec3 p) {{ return {gradient}; }}\n");
+        for (text, most) in [values, stated].into_iter().zip(surface.most) {
+            let worst = worst_direction(&mut tracer, &surface, &text);
+            println!("{}, at most {most:e}: {worst:.2e}", surface.name);
+            assert!(worst < most, "{}: {worst:e}, not {most:e}", surface.name);
+        }
+    }
+}
+
+/// By how much mirrored directions are off at the most, in both profiles.
+fn worst_direction(tracer: &mut Tracer, surface: &Smooth, text: &str) -> f64 {
+    let box_size = Vec3::splat(surface.box_size);
+    let field = UserField::new("smooth.glsl", text.to_owned(), box_size, 1.0);
+    let node = Node::User(User {
+        field: Arc::new(field),
+    });
+    let size = surface.size;
+    let scene = Scene::new(
+        surface.name,
+        vec![Surface::new(node).at(-surface.centre)],
+        Source::at(Vec3::new(-4.0, 1.0, 0.5) * size),
+        Listener::at(Vec3::new(6.0, 3.0, 0.0) * size, size),
+    );
+    let mut worst: f64 = 0.0;
+    for profile in [Profile::Hybrid, Profile::March] {
+        let settings = Settings::new(profile).with_waves(16_384).with_iterations(1);
+        let (_, waves) = tracer.frame_with_waves(&scene, &settings).unwrap();
+        let met: Vec<_> = waves.iter().filter(|wave| wave.status == 1.0).collect();
+        assert!(met.len() > 100, "{profile}: {} waves met it", met.len());
+        for wave in met {
+            let normal = (surface.normal)(wave.position.as_dvec3());
+            let d = wave.start_direction.as_dvec3();
+            let mirrored = d - 2.0 * d.dot(normal) * normal;
+            worst = worst.max(mirrored.distance(wave.direction.as_dvec3()));
+        }
+    }
+    worst
+}
+
+/// Protects the waves from a gradient that is not the value's: it is refused with the place and
+/// both gradients.
+#[test]
+fn a_stated_gradient_that_is_none_is_refused() {
+    let ball = |gradient: &str| {
+        format!("{BALL}vec3 fieldGradient(vec3 p) {{\n    return {gradient};\n}}\n")
+    };
+    let context = context(Api::Gl);
+    for gradient in [
+        "-normalize(p)",
+        "2.0 * normalize(p)",
+        "normalize(p.yxz)",
+        "normalize(p * vec3(1.0, 1.1, 1.0))",
+        "p",
+        "vec3(0.0)",
+        // Right but for one side, and but for one place.
+        "p.x > 0.0 ? normalize(p) : vec3(-1.0, 0.0, 0.0)",
+        "normalize(p) * (distance(p, vec3(0.6, 0.0, 0.8)) < 0.3 ? 0.9 : 1.0)",
+        "normalize(p) / 0.0",
+        "sqrt(-1.0 - abs(p))",
+    ] {
+        let sentence = refusal(&context, &ball(gradient), 1.0);
+        assert!(
+            sentence.starts_with("my.glsl: fieldGradient is (")
+                && sentence.contains("where the value grows by ("),
+            "{gradient}: {sentence}"
+        );
+    }
+    let sentence = refusal(&context, &ball("foo"), 1.0);
+    assert!(sentence.starts_with("my.glsl:5: "), "{sentence}");
+    let sentence = refusal(&context, &ball("gl_FragCoord.xyz"), 1.0);
+    assert!(sentence.contains("'gl_FragCoord'"), "{sentence}");
+}
+
+/// Protects gradients that are right from being refused where differences cannot tell: at edges
+/// and ridges, where values are rounded much, and where there is no gradient.
+#[test]
+fn a_right_gradient_is_taken() {
+    let honest = [
+        // Edges of a cube, within and without.
+        (
+            "float field(vec3 p) { vec3 q = abs(p); return max(q.x, max(q.y, q.z)) - 1.0; }
+            vec3 fieldGradient(vec3 p) {
+                vec3 q = abs(p);
+                float most = max(q.x, max(q.y, q.z));
+                return q.x == most ? vec3(sign(p.x), 0, 0)
+                    : q.y == most ? vec3(0, sign(p.y), 0) : vec3(0, 0, sign(p.z));
+            }",
+            1.0,
+        ),
+        // A cone, with no gradient along its axis.
+        (
+            "float field(vec3 p) { return 0.8 * length(p.xz) + 0.6 * (p.y - 1.0); }
+            vec3 fieldGradient(vec3 p) {
+                return vec3(0.8 * p.x / length(p.xz), 0.6, 0.8 * p.z / length(p.xz));
+            }",
+            1.0,
+        ),
+        // A ripple of 6 cm.
+        (
+            "float field(vec3 p) { return 0.8 * p.y + 0.005 * sin(100.0 * p.x); }
+            vec3 fieldGradient(vec3 p) { return vec3(0.5 * cos(100.0 * p.x), 0.8, 0); }",
+            1.0,
+        ),
+        // Values that are rounded to a micrometre.
+        (
+            "float field(vec3 p) { return (length(p) + 10.0) - 11.0; }
+            vec3 fieldGradient(vec3 p) { return normalize(p); }",
+            1.01,
+        ),
+        // In units of a third of a millimetre.
+        (
+            "float field(vec3 p) { return 3000.0 * (length(p) - 1.0); }
+            vec3 fieldGradient(vec3 p) { return 3000.0 * normalize(p); }",
+            3000.0,
+        ),
+    ];
+    for_each_api(|context| {
+        let mut tracer = Tracer::new(context).unwrap();
+        for (text, lipschitz) in honest {
+            let scene = scene(&[user(text, lipschitz)]);
+            let checked = tracer.check(&scene, &settings(Profile::Hybrid));
+            assert!(checked.is_ok(), "{text}: {checked:?}");
+        }
+        // Two of them in one scene, and one that states none.
+        let fields = honest.map(|(text, lipschitz)| user(text, lipschitz));
+        let both = scene(&[fields[0].clone(), fields[1].clone(), user(BALL, 1.0)]);
+        for profile in Profile::ALL {
+            tracer.frame(&both, &settings(profile)).unwrap();
+        }
+    });
+}
+
+/// Protects a wave that is aimed at a tip, where the stated gradient divides 0 by 0.
+#[test]
+fn a_wave_that_meets_a_tip_is_mirrored() {
+    let text = "float field(vec3 p) { return 0.8 * length(p.xz) + 0.6 * (p.y - 1.0); }
+        vec3 fieldGradient(vec3 p) {
+            return vec3(0.8 * p.x / length(p.xz), 0.6, 0.8 * p.z / length(p.xz));
+        }";
+    let mut scene = scene(&[user(text, 1.0)]);
+    scene.surfaces[1].position = Vec3::ZERO;
+    scene.source = Source::at(Vec3::new(0.0, 4.0, 0.0));
+    let mut tracer = Tracer::new(&context(Api::Gl)).unwrap();
+    for profile in [Profile::Hybrid, Profile::March] {
+        let settings = Settings::new(profile).with_iterations(1);
+        let states = tracer
+            .trace_directions(&scene, &settings, &[Vec3::NEG_Y])
+            .unwrap();
+        let end = &states[1][0];
+        assert_eq!(end.status, 2.0, "{profile}: {end:?}");
+        assert!(end.position.distance(Vec3::Y) < 1e-5, "{profile}: {end:?}");
+        // One of the sides mirrors it, and no wave goes on as it came.
+        let expected = -1.0 + 2.0 * 0.6 * 0.6;
+        assert!(
+            (end.direction.y - expected).abs() < 1e-4,
+            "{profile}: {end:?}"
+        );
+    }
+}
