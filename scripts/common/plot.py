@@ -1,4 +1,4 @@
-"""Lines over two logarithmic axes as SVG: side by side, with one legend."""
+"""Lines over two logarithmic axes as SVG: panels in rows, with one legend."""
 
 import math
 from html import escape
@@ -8,20 +8,22 @@ STROKES = [("#d55e00", 4), ("#0072b2", 3), ("#00a878", 2), ("#e69f00", 2)]
 WIDTH, HEIGHT, LEFT, BOTTOM, TOP, RIGHT = 400, 330, 62, 52, 44, 16
 
 
-def svg(title, panels):
+def svg(title, panels, columns):
     """A panel is (caption, name of x, name of y, {name of a line: [(x, y), …]})."""
-    width = WIDTH * len(panels)
+    width = WIDTH * min(columns, len(panels))
+    below = 24 + HEIGHT * math.ceil(len(panels) / columns)
     parts = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {HEIGHT + 40}" '
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {below + 40}" '
         'font-family="sans-serif" font-size="12">',
-        f'<rect width="{width}" height="{HEIGHT + 40}" fill="white"/>',
-        text(width / 2, 20, title, size=16),
+        f'<rect width="{width}" height="{below + 40}" fill="white"/>',
+        text(width / 2, 24, title, size=16),
     ]
     for index, panel in enumerate(panels):
-        parts += [f'<g transform="translate({index * WIDTH} 24)">', *draw(*panel), "</g>"]
+        row, column = divmod(index, columns)
+        parts += [f'<g transform="translate({column * WIDTH} {24 + row * HEIGHT})">', *draw(*panel), "</g>"]
     names = list(dict.fromkeys(name for panel in panels for name in panel[3]))
     for index, name in enumerate(names):
-        x, y = LEFT + 170 * index, HEIGHT + 24
+        x, y = LEFT + 120 * index, below + 12
         colour, thickness = STROKES[index % len(STROKES)]
         parts.append(f'<path d="M{x} {y}h36" stroke="{colour}" stroke-width="{thickness}"/>')
         parts.append(text(x + 44, y + 4, name, anchor="start"))

@@ -71,7 +71,7 @@ def markdown(rows, missing, work, echomarch, quick):
         "## Rates",
         f"Million waves times iterations a second: waves × {ITERATIONS} over the time of a whole frame, in "
         "which directions are made, waves traced and arrivals summed. Medians over the rounds, and the least and "
-        "the greatest. *march* is the part of a frame between initialise and pan.",
+        "the greatest. *its march* is what lies between initialise and pan, or all that is drawn where a frame is one pass.",
         rates_table(rounds),
         "## Ratios",
         "Of the rates of one round; medians over the rounds.",

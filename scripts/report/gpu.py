@@ -11,13 +11,9 @@ from common.markdown import machine, short, table
 from common.program import first_line, slug, trace
 from report import growth, operations
 
-BYTES = {
-    # A wave's two texels, RGBA32F: what a pass reads and writes of each wave.
-    "initialise": 32,
-    "march": 64,
-    "pan": 32 + 16,
-    "read_back": 16,
-}
+# What a part of a frame reads and writes of each wave: two texels of RGBA32F are a wave, one is what
+# it contributes. A frame that is drawn as one pass writes that alone.
+BYTES = {"initialise": 32, "march": 64, "pan": 32 + 16, "whole": 16, "read_back": 16}
 SCENES = ("shoebox", "corner", "obstacles")
 PAPER = "../cost-on-paper.md"
 
@@ -103,6 +99,14 @@ class Pass:
         ]
 
 
+def fused(time, waves, plain):
+    """All iterations in one pass. Where that pass makes the waves and their contributions too, nothing
+    was drawn before it."""
+    if time["initialise"] == 0:
+        return Pass("all in one pass: the whole frame", waves, time["march"], BYTES["whole"], plain)
+    return Pass("march, all in one pass", waves, time["march"], BYTES["march"], plain)
+
+
 def passes(asked, scene, profile):
     """The parts of a frame, with a pass an iteration and with as many as fit."""
     waves = 4_096 if asked.quick else 1_048_576
@@ -121,8 +125,7 @@ def passes(asked, scene, profile):
         Pass("march, a pass an iteration", waves, apart["march"], BYTES["march"] * iterations, plain and plain * iterations),
     ]
     if profile != "thesis":
-        fused = frame()["march"]
-        made.append(Pass("march, all in one pass", waves, fused, BYTES["march"], plain and plain * iterations))
+        made.append(fused(frame(), waves, plain and plain * iterations))
     made += [
         Pass("pan", waves, apart["pan"], BYTES["pan"]),
         Pass("read back", waves, apart["read_back"], BYTES["read_back"]),
@@ -131,6 +134,13 @@ def passes(asked, scene, profile):
         [f"{scene}, {profile}, {waves:,} waves", "ms", "GB/s", "share", "G operations/s", "share"],
         [one.cells(asked) for one in made],
     )
+
+
+def operation_cells(asked, scene):
+    """Plain and special operations of each pass."""
+    for name in ("initialise", "march", "pan"):
+        counted = operations.of_shader(asked.echomarch, scene, ["--pass", name])
+        yield f"{counted[0]} + {counted[1]} special" if counted else "–"
 
 
 def shares(asked):
@@ -147,7 +157,10 @@ def shares(asked):
         f"its data sheet: bandwidth {most[0]}, arithmetic {most[1]}. Operations are counted for `hybrid`, if glslang and "
         "SPIRV-Tools are installed.",
     ]
-    for scene in SCENES[:1] if asked.quick else SCENES:
+    chosen = SCENES[:1] if asked.quick else SCENES
+    counted = [[scene, *operation_cells(asked, scene)] for scene in chosen]
+    parts.append(table(["operations a wave, `hybrid`", "initialise", "march, an iteration", "pan"], counted))
+    for scene in chosen:
         parts += [passes(asked, scene, profile) for profile in asked.profiles]
     return parts
 

@@ -101,15 +101,21 @@ class Sweep:
             cells.append(short(found["start"]))
         return cells
 
-    def panels(self):
-        times, memory = {}, {}
-        for profile in self.profiles:
-            found = list(zip(self.counts, self.of(profile)))
-            times[profile] = [(count, row["milliseconds"]["total"]) for count, row in found]
-            memory[profile] = [(count, row["kibibytes"] / 1024) for count, row in found if row["kibibytes"]]
-        yield (f"time by {self.name}", self.name, "milliseconds a frame", times)
-        if any(memory.values()):
-            yield (f"memory by {self.name}", self.name, "MiB", memory)
+    def times(self):
+        lines = {
+            profile: [(count, found["milliseconds"]["total"]) for count, found in zip(self.counts, self.of(profile))]
+            for profile in self.profiles
+        }
+        return (f"time by {self.name}", self.name, "milliseconds a frame", lines)
+
+    def memory(self):
+        """None where it is not known."""
+        lines = {
+            profile: [(count, (found["kibibytes"] or 0) / 1024) for count, found in zip(self.counts, self.of(profile))]
+            for profile in self.profiles
+        }
+        is_known = all(value > 0 for line in lines.values() for _, value in line)
+        return (f"memory by {self.name}", self.name, "MiB", lines) if is_known else None
 
 
 def powers(first, factor, last):
@@ -131,5 +137,7 @@ def sweeps(quick, profiles, only):
 
 
 def picture(measured, renderer):
-    panels = [panel for sweep in measured for panel in sweep.panels()]
-    return plot.svg(f"Growth, on {renderer}", panels)
+    """Times above, memory below."""
+    panels = [sweep.times() for sweep in measured] + [sweep.memory() for sweep in measured]
+    known = [panel for panel in panels if panel is not None]
+    return plot.svg(f"Growth, on {renderer}", known, columns=len(measured))
