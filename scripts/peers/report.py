@@ -144,9 +144,7 @@ def hits_tables(rounds):
     tables = []
     for scene in rounds.scenes:
         told = {(row["peer"], row["waves"]): row["hits"] for row in rounds.told if row["scene"] == scene}
-        lines = [
-            [label(peer), *map(str, hits), str(sum(hits))] for peer, hits in told.items()
-        ]
+        lines = [[label(peer), *map(str, hits), str(sum(hits))] for peer, hits in told.items()]
         heads = [f"{scene}: order", *map(str, range(ITERATIONS)), "all"]
         tables.append(table(heads, lines))
     return "\n\n".join(tables)

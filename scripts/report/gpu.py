@@ -116,13 +116,26 @@ def passes(asked, scene, profile):
     plain = counted and counted[0]
 
     def frame(**options):
-        return trace(command, asked.one_core, profile=profile, waves=waves, iterations=iterations,
-                     repeat=1 if asked.quick else 9, **options)["milliseconds"]
+        return trace(
+            command,
+            asked.one_core,
+            profile=profile,
+            waves=waves,
+            iterations=iterations,
+            repeat=1 if asked.quick else 9,
+            **options,
+        )["milliseconds"]
 
     apart = frame(iterations_per_pass=1)
     made = [
         Pass("initialise", waves, apart["initialise"], BYTES["initialise"]),
-        Pass("march, a pass an iteration", waves, apart["march"], BYTES["march"] * iterations, plain and plain * iterations),
+        Pass(
+            "march, a pass an iteration",
+            waves,
+            apart["march"],
+            BYTES["march"] * iterations,
+            plain and plain * iterations,
+        ),
     ]
     if profile != "thesis":
         made.append(fused(frame(), waves, plain and plain * iterations))

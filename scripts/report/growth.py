@@ -48,8 +48,14 @@ class Sweep:
             for profile in self.profiles:
                 print(f"{self.name}: {count}, {profile}", file=sys.stderr)
                 frames = min(9, max(1, MOST_WORK // (waves * iterations)))
-                found = trace([program, "trace", scene], one_core, profile=profile, waves=waves,
-                              iterations=iterations, repeat=frames)
+                found = trace(
+                    [program, "trace", scene],
+                    one_core,
+                    profile=profile,
+                    waves=waves,
+                    iterations=iterations,
+                    repeat=frames,
+                )
                 found["ns"] = 1e6 * found["milliseconds"]["total"] / (waves * iterations)
                 found["start"] = found["seconds"] - 1e-3 * frames * found["milliseconds"]["total"]
                 self.found[count, profile] = found
@@ -66,9 +72,7 @@ class Sweep:
         """The counts at which that is so, as words."""
         usual = self.usual(profile)
         near = [
-            count
-            for count, found in zip(self.counts, self.of(profile))
-            if abs(found["ns"] / usual - 1) <= OFF_THE_LINE
+            count for count, found in zip(self.counts, self.of(profile)) if abs(found["ns"] / usual - 1) <= OFF_THE_LINE
         ]
         words = ", ".join(f"{count:,}" for count in near) or "nowhere"
         return f"- `{profile}`: {short(usual)} ns within {OFF_THE_LINE:.0%} at {words}"
@@ -81,7 +85,9 @@ class Sweep:
                 heads += ["init", "march", "pan", "read"]
             if self.name == "surfaces":
                 heads += ["start"]
-        lines = [[f"{count:,}", *(cell for p in self.profiles for cell in self.cells(count, p))] for count in self.counts]
+        lines = [
+            [f"{count:,}", *(cell for p in self.profiles for cell in self.cells(count, p))] for count in self.counts
+        ]
         legend = LEGENDS[self.name].format(waves=self.waves)
         parts = [f"### {self.name.capitalize()}", legend, table(heads, lines)]
         if self.name != "surfaces":

@@ -15,13 +15,43 @@ import subprocess
 import tempfile
 from pathlib import Path
 
-PLAIN = {"OpFAdd", "OpFSub", "OpFMul", "OpVectorTimesScalar", "OpSelect", "OpIAdd", "OpISub", "OpIMul",
-         "OpBitwiseAnd", "OpBitwiseOr", "OpBitwiseXor", "OpShiftRightLogical", "OpShiftLeftLogical",
-         "OpConvertSToF", "OpConvertUToF", "OpConvertFToS", "OpConvertFToU", "OpFMod"}
+PLAIN = {
+    "OpFAdd",
+    "OpFSub",
+    "OpFMul",
+    "OpVectorTimesScalar",
+    "OpSelect",
+    "OpIAdd",
+    "OpISub",
+    "OpIMul",
+    "OpBitwiseAnd",
+    "OpBitwiseOr",
+    "OpBitwiseXor",
+    "OpShiftRightLogical",
+    "OpShiftLeftLogical",
+    "OpConvertSToF",
+    "OpConvertUToF",
+    "OpConvertFToS",
+    "OpConvertFToU",
+    "OpFMod",
+}
 SPECIAL = {"OpFDiv"}
 # Plain and special operations a component, and those beside.
-EXTENDED = {"FMin": 1, "FMax": 1, "NMin": 1, "NMax": 1, "FClamp": 2, "NClamp": 2, "FSign": 1, "Floor": 1,
-            "Round": 1, "Fract": 1, "FMix": 3, "Fma": 2, "Step": 1}
+EXTENDED = {
+    "FMin": 1,
+    "FMax": 1,
+    "NMin": 1,
+    "NMax": 1,
+    "FClamp": 2,
+    "NClamp": 2,
+    "FSign": 1,
+    "Floor": 1,
+    "Round": 1,
+    "Fract": 1,
+    "FMix": 3,
+    "Fma": 2,
+    "Step": 1,
+}
 EXTENDED_SPECIAL = {"Sqrt", "InverseSqrt", "Sin", "Cos", "Tan", "Exp", "Exp2", "Log", "Pow", "Atan2", "Acos", "Asin"}
 
 
