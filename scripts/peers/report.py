@@ -159,7 +159,8 @@ def versions(rows, missing, work, echomarch):
         f"- echomarch: {first_line([echomarch, '--version'])}, {commit()}; {renderer(rows)}, one thread",
         f"- C++: {first_line([os.environ.get('CXX', 'g++'), '--version'])}, `-O3 -mavx2 -mfma`",
         f"- Embree: {package('libembree-dev')}; walls and boxes are quads, pillars user geometry that solves for the "
-        "circle eight rays at a time, the listener a closed form beside it",
+        "circle eight rays at a time (the fastest of three ways, see embree.cpp), the listener a closed form beside it; it chooses AVX-512 "
+        "by itself where the processor has it",
         f"- pyroomacoustics: {pyroom_version(work)}; A is its shoe box, B its general room, pillars prisms of 16 sides",
         f"- {machine()}",
     ]

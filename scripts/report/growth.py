@@ -20,11 +20,11 @@ OFF_THE_LINE = 0.25
 
 LEGENDS = {
     "waves": f"`{SCENE}`, {ITERATIONS} iterations. *ns*: nanoseconds of a frame a wave and iteration. *init … read*: "
-    "share of initialise, march, pan and read-back in the frame, percent. *MiB*: the most that the process had in memory; "
-    "a graphics card's own is not in it.",
+    "share of initialise, march, pan and read-back in the frame, percent. *MiB*: the most that the process had in "
+    "memory; a graphics card's own is not in it.",
     "iterations": f"`{SCENE}`, {{waves:,}} waves.",
-    "surfaces": f"A hall of pillars 4 m apart, room included; {{waves:,}} waves, {ITERATIONS} iterations. *start*: seconds "
-    "to load the scene, to make and compile what it needs, and of its first frame.",
+    "surfaces": f"A hall of pillars 4 m apart, room included; {{waves:,}} waves, {ITERATIONS} iterations. *start*: "
+    "seconds to load the scene, to make and compile what it needs, and of its first frame.",
 }
 
 
