@@ -5,6 +5,7 @@
 //! loses no bits. Box faces that another solid covers are extended into that solid, so that
 //! rounding at the seam cannot open a gap between the two (`extend.rs`).
 
+use super::cells::Lists;
 use super::extend::extend_covered_faces;
 use super::layout::Layout;
 use super::values::push_values;
@@ -26,8 +27,6 @@ pub struct OriginRebasing {
 pub struct RebasedScene {
     surfaces: Vec<Surface>,
     error_bounds: Vec<f32>,
-    /// Indices of the surfaces whose values are uniforms.
-    unrolled: Vec<usize>,
 }
 
 impl OriginRebasing {
@@ -81,7 +80,6 @@ impl OriginRebasing {
         RebasedScene {
             surfaces,
             error_bounds,
-            unrolled: Layout::of(scene).unrolled,
         }
     }
 }
@@ -91,8 +89,13 @@ impl RebasedScene {
     /// error bound), then its half size and error bound if it has one, then the inverse of
     /// its rotation if it has one, then the numbers of its field that move.
     pub fn uniform_values(&self) -> Vec<Vec4> {
+        self.uniform_values_for(Lists::NearestCandidates)
+    }
+
+    /// The same for a text that reads these lists of cells.
+    pub(crate) fn uniform_values_for(&self, lists: Lists) -> Vec<Vec4> {
         let mut all = Vec::new();
-        for &index in &self.unrolled {
+        for index in Layout::of(&self.surfaces, lists).unrolled {
             push_values(
                 &self.surfaces[index],
                 self.error_bounds[index],
@@ -101,6 +104,11 @@ impl RebasedScene {
             );
         }
         all
+    }
+
+    /// A surface by its index.
+    pub(super) fn surface(&self, index: usize) -> &Surface {
+        &self.surfaces[index]
     }
 
     /// Appends the values of one surface (by its index) as the text of its kind reads them.

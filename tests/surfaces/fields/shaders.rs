@@ -3,7 +3,7 @@
 use super::promises::trees;
 use super::table::{Entry, entries, scene_of, surfaces, to_local, to_world};
 use crate::common::{Random, context};
-use echomarch::gpu::{Api, Context, DataTexture, Program, RenderTarget, Texture, full_screen_pass};
+use echomarch::gpu::{Api, Context, DataList, Program, RenderTarget, Texture, full_screen_pass};
 use echomarch::kernel;
 use echomarch::reference::ExactScene;
 use echomarch::scene::shape::Ellipsoid;
@@ -20,7 +20,7 @@ const IN_ONE: usize = 8;
 pub struct Asked {
     context: Context,
     program: Program,
-    data: DataTexture,
+    data: DataList,
 }
 
 impl Asked {
@@ -43,7 +43,7 @@ void main() {
         let text = kernel::join(&kernel::link(roots, parts));
         let program = Program::fragment(context, "ask", &text)
             .unwrap_or_else(|error| panic!("{error}\n{:#?}", scene.surfaces));
-        let mut data = DataTexture::new(context, kernel::DATA_WIDTH).unwrap();
+        let mut data = DataList::new(context, kernel::DATA_WIDTH).unwrap();
         data.set(&kernel::scene_data(scene)).unwrap();
         let values = kernel::OriginRebasing::world()
             .apply(scene)
@@ -74,8 +74,7 @@ void main() {
         let target = RenderTarget::new(&self.context, &[&output]).unwrap();
         self.program.set_texture("uPoints", 0, &points_in);
         self.program.set_texture("uDirections", 1, &directions_in);
-        self.program
-            .set_texture("uSceneData", 2, self.data.texture());
+        self.data.bind(&self.program, "uSceneData", 2);
         self.program.set_i32("uWhich", which as i32);
         full_screen_pass(&self.context, &self.program, &target, width, height).unwrap();
         let read = target.read(0).unwrap();
