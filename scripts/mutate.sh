@@ -9,7 +9,7 @@ usage: scripts/mutate.sh glsl [--every N] [FILE...]
        scripts/mutate.sh rust [ARGUMENT...]
 
   glsl   changes the shaders (all of glsl/, or the files named) by scripts/mutate/glsl.rules,
-         one change a run of the tests of surfaces and frames; --every N tries each N-th alone
+         one change a run of the tests of shaders, surfaces and frames; --every N tries each N-th alone
   rust   runs cargo-mutants over scene, kernel, trace and audio, with these arguments more
 
 What survived stands in target/mutate/survivors.txt (glsl), or in target/mutate/mutants.out.
@@ -39,11 +39,12 @@ provide_universalmutator() {
     readonly MUTATE="$environment/bin/mutate"
 }
 
-# Builds the tests that read the shaders when they run; sets SURFACES and TRACER.
+# Builds the tests that read the shaders when they run; sets UNITS, SURFACES and TRACER.
 build_tests() {
     local built
     built="$(RUSTFLAGS="--cfg glsl_at_run_time" CARGO_TARGET_DIR="$WORK/build" \
-        cargo test --locked --no-run --test surfaces --test tracer 2>&1 | tee /dev/stderr)"
+        cargo test --locked --no-run --lib --test surfaces --test tracer 2>&1 | tee /dev/stderr)"
+    UNITS="$WORK/build/$(grep -oE 'debug/deps/echomarch-[0-9a-f]+' <<<"$built")"
     SURFACES="$WORK/build/$(grep -oE 'debug/deps/surfaces-[0-9a-f]+' <<<"$built")"
     TRACER="$WORK/build/$(grep -oE 'debug/deps/tracer-[0-9a-f]+' <<<"$built")"
 }
@@ -53,8 +54,8 @@ build_tests() {
 tests_pass() {
     local limited=(timeout "$LONGEST_S")
     "${limited[@]}" "$TRACER" gpu_against_cpu &&
-        "${limited[@]}" "$SURFACES" fields:: &&
-        "${limited[@]}" "$SURFACES" --skip fields:: --skip shader_text:: &&
+        "${limited[@]}" "$UNITS" kernel::tests:: trace::tests::field_waves &&
+        "${limited[@]}" "$SURFACES" --skip shader_text:: &&
         "${limited[@]}" "$TRACER" --skip gpu_against_cpu
 }
 

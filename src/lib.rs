@@ -30,11 +30,10 @@
 //! | module | what it holds |
 //! | --- | --- |
 //! | [`scene`] | surfaces, source, listener, paths; RON files; distances |
-//! | [`kernel`] | what the GPU is told: shader text, data and key of a scene |
 //! | [`trace`] | settings, the [`Tracer`], one [`Frame`], [`Panning`] |
 //! | [`audio`] | sounds, panning laws, mixer, WAV files; live sound (feature `audio`) |
 //! | [`offline`] | a moving scene to sound, without a sound card |
-//! | [`gpu`] | OpenGL without acoustics: contexts, programs, textures, passes, clocks |
+//! | [`gpu`] | contexts with no window, and the renderers that there are |
 //! | [`mod@reference`] | the same and the exact waves on the CPU, to check against |
 //! | `picture` | what the listener sees, and the plan with paths (feature `picture`) |
 //! | `experiment` | the thesis' experiments, run for real, and what accuracy costs (feature `experiment`) |
@@ -78,7 +77,7 @@ pub mod error;
 pub mod experiment;
 pub mod gpu;
 pub mod input;
-pub mod kernel;
+mod kernel;
 pub mod offline;
 pub mod output;
 #[cfg(feature = "picture")]
@@ -92,6 +91,12 @@ pub mod scene;
 mod stats;
 mod text;
 pub mod trace;
+
+/// What is shared with the integration tests calls the crate by its name.
+#[cfg(test)]
+extern crate self as echomarch;
+#[cfg(test)]
+mod test_common;
 
 /// What is promised of threads above, checked when this is compiled.
 const _: () = {

@@ -8,6 +8,7 @@ struct GridLine {
     CELL_VECTOR offset;
     CELL_VECTOR between;
     CELL_VECTOR ahead;   // 1 where it goes up along the axis: the face ahead of a cell is the next one
+    CELL_VECTOR onward;  // 1 where it goes up, else -1
     CELL_VECTOR place;   // of its first cell
     float enters;        // where it comes to what the cells hold, and leaves that
     float leaves;
@@ -18,6 +19,7 @@ GridLine gridLine(CELL_VECTOR p, CELL_VECTOR d, CELL_VECTOR inverse, CELL_VECTOR
     line.offset = (origin - p) * inverse;
     line.between = size * inverse;
     line.ahead = step(CELL_VECTOR(0.0), inverse);
+    line.onward = 2.0 * line.ahead - 1.0;
     CELL_VECTOR a = (low - p) * inverse;
     CELL_VECTOR b = (high - p) * inverse;
     line.enters = max(greatest(min(a, b)), 0.0);
@@ -28,7 +30,7 @@ GridLine gridLine(CELL_VECTOR p, CELL_VECTOR d, CELL_VECTOR inverse, CELL_VECTOR
 
 // The cell behind the faces that the line crosses next, at `next`.
 CELL_VECTOR nextCell(CELL_VECTOR place, GridLine line, CELL_VECTOR faces, float next) {
-    return place + mix(CELL_VECTOR(0.0), 2.0 * line.ahead - 1.0, lessThanEqual(faces, CELL_VECTOR(next)));
+    return place + mix(CELL_VECTOR(0.0), line.onward, lessThanEqual(faces, CELL_VECTOR(next)));
 }
 
 float least(float v) { return v; }
@@ -40,7 +42,7 @@ float greatest(vec3 v) { return max(v.x, max(v.y, v.z)); }
 
 // Where a line from outside meets an endless pillar whose axis is at -p in the plane. `heading` is
 // the line's direction there, and `stretch` its length a metre in the plane.
-float hitPillar(vec2 p, vec2 heading, float stretch, float radius) {
+float enterPillar(vec2 p, vec2 heading, float stretch, float radius) {
     float along = dot(p, heading);
     vec2 aside = p - along * heading;
     float under = radius * radius - dot(aside, aside);
@@ -49,7 +51,7 @@ float hitPillar(vec2 p, vec2 heading, float stretch, float radius) {
 }
 
 // hitBox for a line whose direction was inverted before.
-float hitBoxAlong(vec3 p, vec3 inverse, vec4 halfSizeAndErrorBound) {
+float enterBox(vec3 p, vec3 inverse, vec4 halfSizeAndErrorBound) {
     vec3 middle = -p * inverse;
     vec3 reach = halfSizeAndErrorBound.xyz * abs(inverse);
     float enter = greatest(middle - reach);

@@ -104,11 +104,6 @@ impl AsyncRead {
         }
     }
 
-    /// Whether a read is under way.
-    pub fn is_pending(&self) -> bool {
-        self.pending.is_some()
-    }
-
     /// The texels, if they are there: then the vector is given their number of floats, and the read is over. Never
     /// waits.
     ///
@@ -285,7 +280,7 @@ mod tests {
         RESET_STATUS.set(GUILTY_CONTEXT_RESET);
         let lost = |error| matches!(error, GpuError::ContextLost { .. });
         assert!(read.wait(&mut texels).is_err_and(lost));
-        assert!(!read.is_pending());
+        assert!(read.pending.is_none());
         assert!(target.read(0).is_err_and(lost));
         assert!(Texture::new(&context, 2, 2).is_err_and(lost));
         RESET_STATUS.set(glow::NO_ERROR);

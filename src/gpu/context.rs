@@ -199,7 +199,7 @@ impl Context {
     }
 
     /// What the driver allows.
-    pub fn limits(&self) -> Limits {
+    pub(crate) fn limits(&self) -> Limits {
         self.inner.limits
     }
 
@@ -208,7 +208,7 @@ impl Context {
     ///
     /// Where the context cannot be made current none is; then GL calls do nothing, and [`check`](Context::check)
     /// reports it.
-    pub fn gl(&self) -> &glow::Context {
+    pub(crate) fn gl(&self) -> &glow::Context {
         let _ = current::make(&self.inner.backend);
         &self.inner.gl
     }
@@ -218,7 +218,7 @@ impl Context {
     /// # Errors
     /// The first of them, named after what was being done: [`GpuError::OutOfMemory`], [`GpuError::ContextLost`] or
     /// [`GpuError::Gl`].
-    pub fn check(&self, what: &str) -> Result<(), GpuError> {
+    pub(crate) fn check(&self, what: &str) -> Result<(), GpuError> {
         current::make(&self.inner.backend).map_err(|reason| GpuError::ContextLost { reason })?;
         // SAFETY: the context is current.
         let next = || unsafe { self.inner.gl.get_error() };
@@ -275,7 +275,7 @@ impl Context {
     ///
     /// # Errors
     /// Those of [`check`](Context::check).
-    pub fn debug_check(&self, what: &str) -> Result<(), GpuError> {
+    pub(crate) fn debug_check(&self, what: &str) -> Result<(), GpuError> {
         static ASKED: OnceLock<bool> = OnceLock::new();
         let asked = || std::env::var_os("ECHOMARCH_GL_CHECK").is_some_and(|value| value == "1");
         if cfg!(debug_assertions) || *ASKED.get_or_init(asked) {

@@ -31,7 +31,7 @@ pub struct Renderer {
     /// Whether the processor draws.
     pub is_software: bool,
     /// What the driver allows.
-    pub limits: Limits,
+    pub(crate) limits: Limits,
 }
 
 impl fmt::Display for GpuInfo {

@@ -1,17 +1,24 @@
-//! OpenGL without acoustics: contexts with no window, programs, textures of four floats a texel, full-screen
-//! passes, read-back and timers.
+//! OpenGL contexts with no window, and the renderers that there are.
 //!
-//! Computation is done by fragment shaders alone, as on hardware of OpenGL 3.3 core or OpenGL ES 3.0 with
-//! `EXT_color_buffer_float`: a pass reads textures, and draws one triangle over a [`RenderTarget`], whose texels
-//! are the results. A [`PingPong`] keeps two pairs of textures, so that a pass reads from the one and writes to the
-//! other.
+//! A [`Context`] is what a [`Tracer`](crate::Tracer) computes with, by fragment shaders alone: OpenGL 3.3 core or
+//! OpenGL ES 3.0 with `EXT_color_buffer_float`, on a graphics card or on Mesa's software renderer.
+//!
+//! ```
+//! use echomarch::gpu::{Api, Context, ContextOptions, list_gpus};
+//!
+//! for gpu in list_gpus(Api::Gl)? {
+//!     println!("{gpu}");
+//! }
+//! let context = Context::headless(&ContextOptions::default())?;
+//! println!("{}, software: {}", context.renderer(), context.is_software());
+//! # Ok::<(), echomarch::gpu::GpuError>(())
+//! ```
 //!
 //! # Ownership and threads
 //! A [`Context`] is a counted reference and belongs to the thread that made it; neither it nor anything made with
-//! it can be sent to another thread. Programs, textures and targets hold a reference to their context, so they may
-//! be dropped in any order. Several contexts, of different [`Api`]s too, may be used in turns on one thread: every
-//! operation makes its own context current first. A reference got from [`Context::gl`] is for use at once; ask
-//! for it again after anything that touched (or dropped) another context.
+//! it can be sent to another thread. What is made with a context holds a reference to it, so all may be dropped in
+//! any order. Several contexts, of different [`Api`]s too, may be used in turns on one thread: every operation makes
+//! its own context current first.
 //!
 //! # Cost
 //! Making a context current that already is costs one comparison of pointers. Switching between contexts flushes
@@ -20,6 +27,11 @@
 //! `ECHOMARCH_GL_CHECK=1`; after creation and read-back always.
 //!
 //! All unsafe code of the crate that talks to a driver is in this module.
+//
+// Private to the crate: programs, textures of four floats a texel, full-screen passes, read-back and timers. A pass
+// reads textures, and draws one triangle over a `RenderTarget`, whose texels are the results. A `PingPong` keeps two
+// pairs of textures, so that a pass reads from the one and writes to the other. A reference got from `Context::gl` is
+// for use at once; ask for it again after anything that touched (or dropped) another context.
 #![deny(clippy::undocumented_unsafe_blocks)]
 
 mod api;
@@ -36,6 +48,7 @@ mod list;
 mod log;
 mod osmesa;
 mod pass;
+#[cfg(any(test, feature = "picture"))]
 mod picture;
 mod ping_pong;
 mod program;
@@ -48,20 +61,27 @@ mod timer;
 mod window;
 
 pub use api::Api;
-pub use async_read::AsyncRead;
-pub use context::{Context, ContextOptions, Limits};
-pub use data_list::DataList;
-pub use data_texture::DataTexture;
+pub(crate) use async_read::AsyncRead;
+pub(crate) use context::Limits;
+pub use context::{Context, ContextOptions};
+pub(crate) use data_list::DataList;
+pub(crate) use data_texture::DataTexture;
 pub use error::GpuError;
 pub use list::{GpuInfo, Renderer, list_gpus};
-pub use log::{LogError, log_errors};
-pub use pass::{Target, full_screen_pass, full_screen_pass_rows};
-pub use picture::Picture;
-pub use ping_pong::{PingPong, TexturePair};
-pub use program::{Program, header};
-pub use program_cache::ProgramCache;
-pub use render_target::RenderTarget;
-pub use texture::Texture;
-pub use timer::GpuTimer;
+pub(crate) use log::log_errors;
+pub(crate) use pass::{Target, full_screen_pass, full_screen_pass_rows};
+#[cfg(any(test, feature = "picture"))]
+pub(crate) use picture::Picture;
+pub(crate) use ping_pong::{PingPong, TexturePair};
+pub(crate) use program::Program;
+#[cfg(feature = "cli")]
+pub(crate) use program::header;
+pub(crate) use program_cache::ProgramCache;
+pub(crate) use render_target::RenderTarget;
+pub(crate) use texture::Texture;
+pub(crate) use timer::GpuTimer;
 #[cfg(feature = "demo")]
-pub use window::{WindowContext, WindowDisplay};
+pub(crate) use window::{WindowContext, WindowDisplay};
+
+#[cfg(test)]
+pub(crate) mod tests;

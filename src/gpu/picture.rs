@@ -60,11 +60,13 @@ impl Picture {
     }
 
     /// Width in pixels.
+    #[cfg(feature = "demo")]
     pub fn width(&self) -> u32 {
         self.width
     }
 
     /// Height in pixels.
+    #[cfg(feature = "demo")]
     pub fn height(&self) -> u32 {
         self.height
     }

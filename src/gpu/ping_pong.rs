@@ -71,14 +71,4 @@ impl PingPong {
     pub fn flip(&mut self) {
         self.current = 1 - self.current;
     }
-
-    /// Width in texels.
-    pub fn width(&self) -> u32 {
-        self.pairs[0].target.width()
-    }
-
-    /// Height in texels.
-    pub fn height(&self) -> u32 {
-        self.pairs[0].target.height()
-    }
 }

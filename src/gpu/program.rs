@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use glam::{Mat3, Vec2, Vec3, Vec4};
+use glam::{Vec3, Vec4};
 use glow::HasContext;
 
 use super::{Api, Context, GpuError, Texture};
@@ -122,7 +122,8 @@ impl Program {
     }
 
     /// Sets a `vec2`.
-    pub fn set_vec2(&self, name: &str, value: Vec2) {
+    #[cfg(any(test, feature = "picture"))]
+    pub fn set_vec2(&self, name: &str, value: glam::Vec2) {
         // SAFETY: as in set_i32.
         self.set(name, |gl, location| unsafe {
             gl.uniform_2_f32(Some(location), value.x, value.y)
@@ -155,14 +156,6 @@ impl Program {
         // SAFETY: as in set_i32; GL leaves out what is beyond the end.
         self.set(name, |gl, location| unsafe {
             gl.uniform_4_f32_slice(Some(location), &floats)
-        });
-    }
-
-    /// Sets a `mat3`.
-    pub fn set_mat3(&self, name: &str, value: Mat3) {
-        // SAFETY: as in set_i32; both glam and GL store columns.
-        self.set(name, |gl, location| unsafe {
-            gl.uniform_matrix_3_f32_slice(Some(location), false, &value.to_cols_array());
         });
     }
 

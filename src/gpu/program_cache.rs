@@ -47,6 +47,7 @@ impl<K: Eq + Hash> ProgramCache<K> {
     }
 
     /// Programs that are kept now.
+    #[cfg(test)]
     pub fn kept(&self) -> usize {
         self.kept.len()
     }

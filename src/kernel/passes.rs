@@ -1,7 +1,7 @@
 //! The fragment shaders of a frame's passes, and what the text of each depends on.
 
 use super::cells::Lists;
-use super::structure::{Structure, structure_for};
+use super::structure::{Structure, structure};
 use super::text::{
     Source, closed_form_parts, directed_parts, distance_parts, field, join, link, source,
 };
@@ -69,7 +69,7 @@ impl AlgorithmText {
 impl Key {
     /// The key of a scene's march.
     pub fn march(scene: &Scene, text: MarchText) -> Key {
-        Key::March(structure_for(scene, text.algorithm.lists()), text)
+        Key::March(structure(scene, text.algorithm.lists()), text)
     }
 }
 

@@ -88,12 +88,9 @@ impl RebasedScene {
     /// The values of `uSurfaces`: for each unrolled surface its position (and radius, or
     /// error bound), then its half size and error bound if it has one, then the inverse of
     /// its rotation if it has one, then the numbers of its field that move.
-    pub fn uniform_values(&self) -> Vec<Vec4> {
-        self.uniform_values_for(Lists::NearestCandidates)
-    }
-
-    /// The same for a text that reads these lists of cells.
-    pub(crate) fn uniform_values_for(&self, lists: Lists) -> Vec<Vec4> {
+    ///
+    /// Of those that are unrolled in a text that reads these lists of cells.
+    pub fn uniform_values(&self, lists: Lists) -> Vec<Vec4> {
         let mut all = Vec::new();
         for index in Layout::of(&self.surfaces, lists).unrolled {
             push_values(

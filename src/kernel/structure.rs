@@ -19,13 +19,8 @@ pub struct Structure {
     images: Vec<usize>,
 }
 
-/// The structure of the text of distances; see [`Structure`].
-pub fn structure(scene: &Scene) -> Structure {
-    structure_for(scene, Lists::NearestCandidates)
-}
-
-/// The structure of the text that reads these lists of cells.
-pub(super) fn structure_for(scene: &Scene, lists: Lists) -> Structure {
+/// The structure of the text that reads these lists of cells; see [`Structure`].
+pub fn structure(scene: &Scene, lists: Lists) -> Structure {
     let layout = Layout::of(&scene.surfaces, lists);
     let unrolled = |&index: &usize| (index, SurfaceStructure::unrolled(&scene.surfaces[index]));
     let as_data = |&index: &usize| SurfaceStructure::as_data(&scene.surfaces[index]);

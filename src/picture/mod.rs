@@ -4,7 +4,7 @@
 //! cuts the scene at a height and looks down on it, x to the right and z downwards, as
 //! figure 10 of the thesis does, with the paths of waves on request. Both are fragment
 //! shaders (`glsl/view/`) around the very distance function that the waves march
-//! through ([`crate::kernel`]), so that a picture shows what a wave meets and no
+//! through (`src/kernel`), so that a picture shows what a wave meets and no
 //! model of it; what has no distance (paths, marks) is drawn over it by `tiny-skia`.
 //!
 //! # Cost

@@ -35,7 +35,10 @@ pub(super) fn program(
     let mut data = SceneData::new(context)?;
     data.set(scene, &rebasing, &rebased, Lists::NearestCandidates)?;
     data.set_uniforms(&program);
-    program.set_vec4_array("uSurfaces", &rebased.uniform_values());
+    program.set_vec4_array(
+        "uSurfaces",
+        &rebased.uniform_values(Lists::NearestCandidates),
+    );
     let listener = &scene.listener;
     program.set_vec4("uListener", listener.position.extend(listener.radius));
     Ok(Shader { program, data })
@@ -66,7 +69,7 @@ impl Kind {
 }
 
 /// The fragment shader of a picture, as it is compiled after the driver's own
-/// [`header`](crate::gpu::header). Needs no context; the scene should have been
+/// header. Needs no context; the scene should have been
 /// [checked](Scene::check).
 pub fn shader_text(scene: &Scene, kind: Kind) -> String {
     text(scene, kind.source())

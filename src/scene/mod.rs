@@ -2,7 +2,7 @@
 //!
 //! A [`Scene`] is plain data. It is read from a RON file ([`Scene::load`]),
 //! taken from the built-in ones ([`Scene::builtin`]) or written in Rust, and it
-//! knows nothing of OpenGL: [`crate::kernel`] turns it into shader text and
+//! knows nothing of OpenGL: the module `kernel` turns it into shader text and
 //! numbers, [`Scene::distance`] is the same signed distance function on the CPU.
 //!
 //! World axes: x to the right, y up, z towards the viewer (right-handed).

@@ -55,3 +55,6 @@ pub use trial::{FieldTrial, TrialCommand, answer_field_trial};
 pub(crate) use user_fields::UserFields;
 pub(crate) use waves::STATUS_STARTED;
 pub use waves::{Fate, Grid, STATUS_DEAD, STATUS_LISTENER, Wave};
+
+#[cfg(test)]
+mod tests;

@@ -112,7 +112,7 @@ pub enum Pass {
 }
 
 /// The fragment shader of a pass, as a [`Tracer`](super::Tracer) compiles it after the
-/// driver's own [`header`](crate::gpu::header). Needs no context; the scene should have been
+/// driver's own header. Needs no context; the scene should have been
 /// [checked](Scene::check).
 pub fn shader_text(scene: &Scene, settings: &Settings, pass: Pass) -> String {
     match pass {

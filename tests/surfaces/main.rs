@@ -4,9 +4,7 @@
 mod common;
 
 mod cells;
-mod distance_functions;
 mod endless_repeats;
-mod fields;
 mod hard_cases;
 mod implicit_scenes;
 mod marched_fields;

@@ -7,7 +7,6 @@ mod accuracy;
 mod asynchronous_frames;
 mod gpu_against_cpu;
 mod gpu_contexts;
-mod gpu_passes;
 mod heard_paths;
 mod loop_budget;
 mod options;

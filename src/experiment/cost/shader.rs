@@ -45,8 +45,8 @@ const PREFIXES: [&str; 6] = ["sd", "gd", "hit", "project", "gradient", "op"];
 const SUFFIXES: [&str; 2] = ["Directed", "Cap"];
 
 /// What such functions are called after without being a shape or an operator.
-const HELPERS: [&str; 9] = [
-    "Ball", "Chord", "Corner", "Edge", "InCells", "Kind", "Listener", "OfKind", "OntoKind",
+const HELPERS: [&str; 8] = [
+    "Ball", "Chord", "Corner", "Edge", "Kind", "Listener", "OfKind", "OntoKind",
 ];
 
 /// Functions that are called otherwise.

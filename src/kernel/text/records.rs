@@ -110,11 +110,12 @@ fn candidate(named: &Named) -> (&'static str, String) {
             "    float speed = length(d.xz);\n    \
              float stretch = 1.0 / max(speed, 1e-12);\n    \
              vec2 heading = speed < 1e-12 ? vec2(0.0) : d.xz * stretch;\n",
-            "hitPillar(p.xz - sceneData(data).xz, heading, stretch, sceneData(data).w)".to_owned(),
+            "enterPillar(p.xz - sceneData(data).xz, heading, stretch, sceneData(data).w)"
+                .to_owned(),
         ),
         Node::Cuboid(_) if !turned => (
             "",
-            "hitBoxAlong(p - sceneData(data).xyz, inverse, sceneData(data + 1))".to_owned(),
+            "enterBox(p - sceneData(data).xyz, inverse, sceneData(data + 1))".to_owned(),
         ),
         _ => ("", named.hit("p", "d", "end")),
     }

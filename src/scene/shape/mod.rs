@@ -40,6 +40,8 @@ mod read;
 mod room;
 mod rounded_box;
 mod sphere;
+#[cfg(test)]
+pub(crate) mod tests;
 mod text;
 mod torus;
 mod user;

@@ -76,7 +76,7 @@ impl PreparedFrame {
     ) -> PreparedFrame {
         let listener = &scene.listener;
         let uniforms = Uniforms {
-            surfaces: rebased.uniform_values_for(lists(settings)),
+            surfaces: rebased.uniform_values(lists(settings)),
             source: rebasing.place(scene.source.position),
             start_status: start_status(scene, settings, rebased),
             listener: rebasing.place(listener.position).extend(listener.radius),

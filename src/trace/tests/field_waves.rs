@@ -1,12 +1,12 @@
 //! Whole waves in a room with each field, against the exact reference.
 
-use super::table::{Entry, on_cpu, scene_of, surfaces, to_world};
-use crate::common::{Random, context};
-use echomarch::gpu::Api;
-use echomarch::reference::{ExactScene, ExactWave};
-use echomarch::scene::shape::Room;
-use echomarch::trace::{Fate, Wave};
-use echomarch::{Listener, Node, Scene, Settings, Source, Surface, Tracer};
+use crate::gpu::Api;
+use crate::reference::{ExactScene, ExactWave};
+use crate::scene::shape::Room;
+use crate::scene::shape::tests::table::{Entry, on_cpu, scene_of, surfaces, to_world};
+use crate::test_common::{Random, context};
+use crate::trace::{Fate, Wave};
+use crate::{Listener, Node, Scene, Settings, Source, Surface, Tracer};
 use glam::{DVec3, Vec3};
 
 const WAVES: u32 = 200;

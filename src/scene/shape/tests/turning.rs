@@ -1,7 +1,7 @@
 //! The sense in which fields are turned: right-handed, as all angles of a scene are.
 
-use echomarch::scene::shape::Cuboid;
-use echomarch::scene::{Node, Shape};
+use crate::scene::shape::Cuboid;
+use crate::scene::{Node, Shape};
 use glam::{DVec3, Vec3};
 
 /// A bar along x, thin along the other two axes.

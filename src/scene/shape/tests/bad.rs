@@ -1,12 +1,12 @@
 //! What cannot be a field is refused, with a sentence that names the node.
 
 use super::table::{cuboid, sphere};
-use echomarch::scene::shape::{
+use crate::scene::shape::{
     Bend, CappedCylinder, Capsule, Complement, Cone, Cuboid, Cylinder, Difference, Ellipsoid,
     GeneralQuadric, HalfSpace, HeightField, Hyperboloid, Morph, Paraboloid, Plane, Prism, Room,
     RoundedBox, Sphere, Torus, Twist, User,
 };
-use echomarch::scene::{HeightImage, Node, Shape, UserField};
+use crate::scene::{HeightImage, Node, Shape, UserField};
 use glam::{UVec2, Vec2, Vec3};
 use std::sync::Arc;
 

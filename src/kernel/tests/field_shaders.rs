@@ -1,14 +1,16 @@
 //! The shaders' values, gradients and hits against the CPU.
 
-use super::promises::trees;
-use super::table::{Entry, entries, scene_of, surfaces, to_local, to_world};
-use crate::common::{Random, context};
-use echomarch::gpu::{Api, Context, DataList, Program, RenderTarget, Texture, full_screen_pass};
-use echomarch::kernel;
-use echomarch::reference::ExactScene;
-use echomarch::scene::shape::Ellipsoid;
-use echomarch::scene::{Exactness, Motion, Node};
-use echomarch::{Scene, Surface};
+use crate::gpu::{Api, Context, DataList, Program, RenderTarget, Texture, full_screen_pass};
+use crate::kernel;
+use crate::kernel::Lists;
+use crate::kernel::text::{Part, closed_form_parts, directed_parts};
+use crate::reference::ExactScene;
+use crate::scene::shape::Ellipsoid;
+use crate::scene::shape::tests::promises::trees;
+use crate::scene::shape::tests::table::{Entry, entries, scene_of, surfaces, to_local, to_world};
+use crate::scene::{Exactness, Motion, Node};
+use crate::test_common::{Random, context};
+use crate::{Scene, Surface};
 use glam::{DVec3, Vec3};
 use proptest::strategy::{Strategy, ValueTree};
 use proptest::test_runner::TestRunner;
@@ -24,7 +26,7 @@ pub struct Asked {
 }
 
 impl Asked {
-    fn new(context: &Context, scene: &Scene, parts: Vec<kernel::Part>, ask: String) -> Asked {
+    fn new(context: &Context, scene: &Scene, parts: Vec<Part>, ask: String) -> Asked {
         let main = "
 uniform highp sampler2D uPoints;
 uniform highp sampler2D uDirections;
@@ -47,11 +49,11 @@ void main() {
         data.set(&kernel::scene_data(scene)).unwrap();
         let values = kernel::OriginRebasing::world()
             .apply(scene)
-            .uniform_values();
+            .uniform_values(Lists::Lines);
         program.set_vec4_array("uSurfaces", &values);
         let listener = scene.listener.position.extend(scene.listener.radius);
         program.set_vec4("uListener", listener);
-        program.set_i32("uCopySteps", echomarch::trace::MAX_COPY_STEPS as i32);
+        program.set_i32("uCopySteps", crate::trace::MAX_COPY_STEPS as i32);
         Asked {
             context: context.clone(),
             program,
@@ -173,7 +175,7 @@ fn asked(context: &Context, scene: &Scene) -> Asked {
         first += kernel::uniform_count(&scene_of(vec![surface.clone()]));
     }
     ask += &field_calls(scene.surfaces.len());
-    let parts = kernel::directed_parts(scene, false);
+    let parts = directed_parts(scene, false);
     Asked::new(context, scene, parts, ask)
 }
 
@@ -342,7 +344,7 @@ fn closed_forms_meet_what_a_march_meets() {
         let mut ask = String::from("vec4 answer(int which, vec3 p, vec3 d) {\n");
         ask += "    float object;\n    float t = closestHit(p, d, -1.0, NO_HIT, object);\n";
         ask += "    return vec4(t, object, 0.0, 0.0);\n}\n";
-        let asked = Asked::new(&context, &scene, kernel::closed_form_parts(&scene), ask);
+        let asked = Asked::new(&context, &scene, closed_form_parts(&scene), ask);
         let mut random = Random(23);
         let mut lines: Vec<(Vec3, Vec3)> = Vec::new();
         for _ in 0..400 {

@@ -1,11 +1,13 @@
 //! The distance functions of the shaders against their twins on the CPU: one list of surfaces,
 //! walked by both over the same points, on every API.
 
-use crate::common::{builtin, for_each_api};
-use echomarch::gpu::{Context, Program, RenderTarget, Texture, full_screen_pass};
-use echomarch::kernel;
-use echomarch::scene::shape::{Cuboid, Cylinder, Plane, Room, Sphere};
-use echomarch::{Listener, Node, Scene, Source, Surface};
+use crate::gpu::{Context, Program, RenderTarget, Texture, full_screen_pass};
+use crate::kernel::{
+    Lists, OriginRebasing, Source as Text, Structure, distance_parts, join, link, structure,
+};
+use crate::scene::shape::{Cuboid, Cylinder, Plane, Room, Sphere};
+use crate::test_common::for_each_api;
+use crate::{Listener, Node, Scene, Source, Surface};
 use glam::{EulerRot, Quat, Vec3};
 
 /// Units in the last place, of the largest number that an evaluation meets, by which shader and
@@ -28,7 +30,7 @@ fn kind(shape: &Node) -> usize {
         Node::Room(_) => 2,
         Node::Sphere(_) => 3,
         Node::Cylinder(_) => 4,
-        _ => unreachable!("other shapes have a table of their own, tests/fields"),
+        _ => unreachable!("other shapes have a table of their own, scene/shape/tests/table.rs"),
     }
 }
 
@@ -118,7 +120,7 @@ fn on_surface(shape: &Node, direction: Vec3) -> Vec3 {
             let ring = direction.with_y(0.0).try_normalize().unwrap_or(Vec3::X);
             ring * radius + Vec3::Y * direction.y * 5.0
         }
-        _ => unreachable!("other shapes have a table of their own, tests/fields"),
+        _ => unreachable!("other shapes have a table of their own, scene/shape/tests/table.rs"),
     }
 }
 
@@ -153,9 +155,9 @@ void main() {
 ";
 
 fn shader(context: &Context, scene: &Scene) -> Program {
-    let roots = vec![kernel::Source::new("evaluate", EVALUATE)];
-    let sources = kernel::link(roots, kernel::distance_parts(scene));
-    Program::fragment(context, "evaluate", &kernel::join(&sources)).unwrap()
+    let roots = vec![Text::new("evaluate", EVALUATE)];
+    let sources = link(roots, distance_parts(scene));
+    Program::fragment(context, "evaluate", &join(&sources)).unwrap()
 }
 
 fn evaluate(context: &Context, program: &Program, scene: &Scene, points: &[Vec3]) -> Vec<Answer> {
@@ -168,9 +170,9 @@ fn evaluate(context: &Context, program: &Program, scene: &Scene, points: &[Vec3]
     let output = Texture::new(context, width, height).unwrap();
     let target = RenderTarget::new(context, &[&output]).unwrap();
     program.set_texture("uPoints", 0, &input);
-    let values = kernel::OriginRebasing::world()
+    let values = OriginRebasing::world()
         .apply(scene)
-        .uniform_values();
+        .uniform_values(Lists::NearestCandidates);
     program.set_vec4_array("uSurfaces", &values);
     let listener = scene.listener.position.extend(scene.listener.radius);
     program.set_vec4("uListener", listener);
@@ -227,12 +229,12 @@ fn every_shape_is_in_the_list() {
 #[test]
 fn shaders_and_cpu_agree_on_every_shape() {
     for_each_api(|context| {
-        let mut compiled: Vec<(kernel::Structure, Program)> = Vec::new();
+        let mut compiled: Vec<(Structure, Program)> = Vec::new();
         for surface in surfaces() {
             let points = points(&surface);
             let scene = scene_of(surface);
             let surface = &scene.surfaces[0];
-            let structure = kernel::structure(&scene);
+            let structure = structure(&scene, Lists::NearestCandidates);
             if !compiled.iter().any(|(known, _)| *known == structure) {
                 compiled.push((structure.clone(), shader(context, &scene)));
             }
@@ -268,9 +270,9 @@ fn shaders_and_cpu_agree_on_every_shape() {
 #[test]
 fn shaders_and_cpu_name_the_same_nearest_object() {
     for_each_api(|context| {
-        for name in echomarch::scene::BUILTIN_NAMES {
-            let scene = builtin(name);
-            // Other shapes have a table of their own, tests/fields.
+        for name in crate::scene::BUILTIN_NAMES {
+            let scene = Scene::builtin(name).unwrap();
+            // Other shapes have a table of their own, scene/shape/tests/table.rs.
             if scene.surfaces.iter().any(|s| !s.shape.is_basic()) {
                 continue;
             }

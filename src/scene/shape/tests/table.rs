@@ -1,12 +1,12 @@
 //! Every shape and every operator, and combinations of them: what the tests walk.
 
-use echomarch::scene::shape::{
+use crate::scene::shape::{
     CappedCylinder, Capsule, Complement, Cone, Cuboid, Cylinder, Difference, Ellipsoid,
     GeneralQuadric, HalfSpace, HeightField, Hyperboloid, Intersection, Paraboloid, Plane, Prism,
     Room, RoundedBox, Sphere, Torus, Union, User,
 };
-use echomarch::scene::{HeightImage, Node, Shape, UserField};
-use echomarch::{Listener, Scene, Source, Surface};
+use crate::scene::{HeightImage, Node, Shape, UserField};
+use crate::{Listener, Scene, Source, Surface};
 use glam::{DVec3, EulerRot, Quat, UVec2, Vec2, Vec3};
 use std::sync::Arc;
 
@@ -79,6 +79,7 @@ fn kind(node: &Node) -> usize {
         Node::Twist(_) => 31,
         Node::Bend(_) => 32,
         Node::Morph(_) => 33,
+        Node::Octahedron(_) => unreachable!("an example, which has a test of its own"),
     }
 }
 

@@ -1,8 +1,8 @@
 //! What `properties` promise, against what is found by sampling, on the CPU alone.
 
 use super::table::{Entry, on_cpu, operators, shapes};
-use crate::common::Random;
-use echomarch::scene::{Exactness, Shape};
+use crate::scene::{Exactness, Shape};
+use crate::test_common::Random;
 use glam::{DVec3, Vec3};
 use proptest::prelude::*;
 

@@ -1,0 +1,5 @@
+//! Contexts, textures and passes, without acoustics.
+
+mod contexts;
+mod passes;
+pub mod raw_egl;

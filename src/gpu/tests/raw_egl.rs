@@ -1,0 +1,94 @@
+//! EGL beside the library: contexts that a program makes for itself.
+
+use glow::HasContext;
+use glutin::api::egl::context::PossiblyCurrentContext;
+use glutin::api::egl::device::Device;
+use glutin::api::egl::display::Display;
+use glutin::config::{ConfigSurfaceTypes, ConfigTemplateBuilder};
+use glutin::context::ContextAttributesBuilder;
+use glutin::display::{AsRawDisplay, DisplayFeatures, RawDisplay};
+use glutin::prelude::*;
+use std::ffi::CString;
+
+/// EGL by raw calls, as a program has it that knows nothing of echomarch's contexts.
+pub struct RawEgl {
+    egl: &'static glutin::api::egl::Egl,
+    display: Display,
+    context: PossiblyCurrentContext,
+}
+
+impl RawEgl {
+    /// A context of the program's own, on the first device on which one can be made; not current.
+    pub fn new() -> RawEgl {
+        let made = Device::query_devices().unwrap().find_map(|device| {
+            // SAFETY: there is no native display or window, and nothing is shared.
+            unsafe {
+                let display = Display::with_device(&device, None).ok()?;
+                let template = ConfigTemplateBuilder::new()
+                    .with_surface_type(ConfigSurfaceTypes::empty())
+                    .build();
+                let config = display.find_configs(template).ok()?.next()?;
+                let attributes = ContextAttributesBuilder::new().build(None);
+                let context = display.create_context(&config, &attributes).ok()?;
+                let egl = display.egl();
+                let context = context.treat_as_possibly_current();
+                Some(RawEgl {
+                    egl,
+                    display,
+                    context,
+                })
+            }
+        });
+        made.unwrap()
+    }
+
+    /// Makes it current.
+    pub fn bind(&self) {
+        self.context.make_current_surfaceless().unwrap();
+    }
+
+    /// No context at all is current.
+    pub fn unbind(&self) {
+        let RawDisplay::Egl(display) = self.display.raw_display();
+        let none = std::ptr::null();
+        // SAFETY: the display lives, and null means none.
+        unsafe { self.egl.MakeCurrent(display, none, none, none) };
+    }
+
+    /// Whether EGL says that it is current.
+    pub fn is_current(&self) -> bool {
+        self.context.is_current()
+    }
+
+    /// Whether its display offers contexts that are told of resets.
+    pub fn offers_robustness(&self) -> bool {
+        let features = self.display.supported_features();
+        features.contains(DisplayFeatures::CONTEXT_ROBUSTNESS)
+    }
+
+    /// Sets the viewport of the context that is current: x, y, width and height.
+    pub fn set_viewport(&self, [x, y, width, height]: [i32; 4]) {
+        // SAFETY: the functions are those of the library of the context that is current.
+        unsafe { self.gl().viewport(x, y, width, height) };
+    }
+
+    /// The viewport of the context that is current.
+    pub fn viewport(&self) -> [i32; 4] {
+        let mut found = [0; 4];
+        // SAFETY: as above, and the slice has room for four numbers.
+        unsafe {
+            self.gl()
+                .get_parameter_i32_slice(glow::VIEWPORT, &mut found)
+        };
+        found
+    }
+
+    fn gl(&self) -> glow::Context {
+        let address = |name: &str| {
+            let name = CString::new(name).unwrap();
+            self.display.get_proc_address(&name)
+        };
+        // SAFETY: a context is current, and the addresses are those of its library.
+        unsafe { glow::Context::from_loader_function(address) }
+    }
+}

@@ -1,0 +1,46 @@
+//! What the library's unit tests share with the integration tests.
+#![allow(dead_code)] // Every test program uses its own part of this.
+
+use echomarch::gpu::{Api, Context, ContextOptions};
+use echomarch::{Scene, Settings, Tracer};
+
+/// Runs `test` once for every API, each on a thread of its own.
+pub fn on_a_thread_for_each_api(test: impl Fn(Api) + Sync) {
+    for api in Api::ALL {
+        let ended = std::thread::scope(|scope| {
+            std::thread::Builder::new()
+                .name(api.to_string())
+                .spawn_scoped(scope, || test(api))
+                .unwrap()
+                .join()
+        });
+        assert!(ended.is_ok(), "failed with the API {api}");
+    }
+}
+
+/// Runs `test` once with a context of every API, each on a thread of its own.
+pub fn for_each_api(test: impl Fn(&Context) + Sync) {
+    on_a_thread_for_each_api(|api| test(&context(api)));
+}
+
+/// A context of the API on the first device that gives one.
+pub fn context(api: Api) -> Context {
+    Context::headless(&ContextOptions::new(api)).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// A tracer on a context of the preferred API.
+pub fn tracer() -> Tracer {
+    Tracer::new(&context(Api::Gl)).unwrap()
+}
+
+/// The thesis' settings with these counts.
+pub fn thesis(waves: u32, iterations: u32) -> Settings {
+    Settings::thesis()
+        .with_waves(waves)
+        .with_iterations(iterations)
+}
+
+/// A scene that a test needs and that must be there.
+pub fn builtin(name: &str) -> Scene {
+    Scene::builtin(name).unwrap()
+}
