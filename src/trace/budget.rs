@@ -239,7 +239,7 @@ mod tests {
     fn lists_make_for_shorter_passes() {
         for profile in Profile::ALL {
             let settings = asked(profile);
-            let few = Budget::of(&balls(20), &settings).iterations_per_pass;
+            let few = Budget::of(&balls(9), &settings).iterations_per_pass;
             let many = Budget::of(&balls(40), &settings).iterations_per_pass;
             let crowd = Budget::of(&balls(1000), &settings).iterations_per_pass;
             assert!(few > many, "{profile}: {few}, {many}");
