@@ -1,4 +1,4 @@
-//! Scenes whose text would compile for minutes.
+//! Refuses scenes whose text would compile for minutes.
 
 use super::cells::Lists;
 use super::layout::{Layout, MOST_UNROLLED};

@@ -14,8 +14,9 @@
 mod budget;
 mod directions;
 mod error;
+mod field_trial;
 mod frame;
-mod heard;
+mod heard_search;
 mod limits;
 mod panning;
 mod programs;
@@ -24,16 +25,16 @@ mod scene_data;
 mod settings;
 mod sum;
 mod tracer;
-mod trial;
 mod user_fields;
 mod waves;
 
 pub use crate::kernel::Directions;
 pub use budget::Budget;
 pub use error::TraceError;
+pub use field_trial::{FieldTrial, TrialCommand, answer_field_trial};
 pub use frame::{Frame, Milliseconds};
 #[cfg(feature = "demo")]
-pub(crate) use heard::{HeardSearch, MostKept};
+pub(crate) use heard_search::{HeardSearch, MostKept};
 #[cfg(feature = "picture")]
 pub(crate) use limits::check_surfaces;
 pub use panning::{Counts, Panning};
@@ -50,7 +51,6 @@ pub use settings::{
     MAX_STEPS, MAX_WAVES, MarchOptions, Profile, Settings, ThesisOptions,
 };
 pub use tracer::{HeardPaths, Tracer};
-pub use trial::{FieldTrial, TrialCommand, answer_field_trial};
 #[cfg(feature = "picture")]
 pub(crate) use user_fields::UserFields;
 pub(crate) use waves::STATUS_STARTED;
