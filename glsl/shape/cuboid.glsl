@@ -30,8 +30,12 @@ vec4 gdBox(vec3 p, vec3 halfSize) {
 // on its way in it meets the box at once, on its way out not at all. A chord shorter than
 // the error bound (the box's own, and that of the way to it) is rounding too, not a box.
 float hitBox(vec3 p, vec3 d, vec4 halfSizeAndErrorBound) {
-    vec3 inverse = inverseSpeeds(d);
-    vec3 ahead = headingSigns(d) * p;
+    return enterBox(p, headingSigns(d), inverseSpeeds(d), halfSizeAndErrorBound);
+}
+
+// The same for who has the signs and the inverse speeds of the direction.
+float enterBox(vec3 p, vec3 heading, vec3 inverse, vec4 halfSizeAndErrorBound) {
+    vec3 ahead = heading * p;
     vec3 enters = (-halfSizeAndErrorBound.xyz - ahead) * inverse;
     vec3 leaves = (halfSizeAndErrorBound.xyz - ahead) * inverse;
     float enter = max(enters.x, max(enters.y, enters.z));

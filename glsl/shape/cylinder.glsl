@@ -18,15 +18,25 @@ vec4 gdCylinder(vec3 p, float radius) {
 
 // Where a ray from outside meets the endless cylinder about y: the circle in the plane.
 float hitCircle(vec3 p, vec3 d, float squaredRadius) {
-    const float SLOWEST = 1e-12;   // below, the line is parallel to the axis for all that matters
+    vec3 heading = planeHeading(d);
+    return enterCircle(p.xz, heading.xy, heading.z, squaredRadius);
+}
+
+// The direction of a line in the plane of x and z, and its length a metre there. A line that is
+// parallel to the axis for all that matters has the direction 0, and meets no circle.
+vec3 planeHeading(vec3 d) {
+    const float SLOWEST = 1e-12;
     float speed = length(d.xz);
     float inverseSpeed = 1.0 / max(speed, SLOWEST);
-    vec2 heading = d.xz * inverseSpeed;
-    float along = dot(p.xz, heading);
-    vec2 aside = p.xz - along * heading;
+    return vec3(speed < SLOWEST ? vec2(0.0) : d.xz * inverseSpeed, inverseSpeed);
+}
+
+float enterCircle(vec2 p, vec2 heading, float inverseSpeed, float squaredRadius) {
+    float along = dot(p, heading);
+    vec2 aside = p - along * heading;
     float under = squaredRadius - dot(aside, aside);
     float t = max((-along - sqrt(max(under, 0.0))) * inverseSpeed, 0.0);
-    return along < 0.0 && under > 0.0 && speed >= SLOWEST ? t : NO_HIT;
+    return along < 0.0 && under > 0.0 ? t : NO_HIT;
 }
 
 float hitCylinder(vec3 p, vec3 d, float radius) {

@@ -17,6 +17,7 @@ mod library;
 mod link;
 pub(super) mod named;
 mod of_kind;
+mod records;
 mod reflect;
 pub(super) mod scene_text;
 mod source;
