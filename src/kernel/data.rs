@@ -10,7 +10,7 @@
 
 use super::assets::Assets;
 use super::cells::{Cells, ENDLESS, Group, Lists, SceneCells};
-use super::layout::Layout;
+use super::layout::{GRID_VECTORS, Layout};
 use super::rebasing::{OriginRebasing, RebasedScene, rounding_of};
 use super::record::Record;
 use crate::scene::Scene;
@@ -29,9 +29,6 @@ pub fn scene_data(scene: &Scene) -> Vec<Vec4> {
     }
     data
 }
-
-/// Vectors by which the shader is told of the grid of a kind that has cells of its own.
-pub const GRID_VECTORS: usize = 5;
 
 /// Where the surfaces in cells lie, as the shader is told.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -20,6 +20,9 @@ const LINES_FROM: usize = 10;
 /// Surfaces of a kind from which on distances are found sooner in cells.
 const DISTANCES_FROM: usize = 24;
 
+/// Vectors by which the shader is told of the grid of a kind that has cells of its own.
+pub const GRID_VECTORS: usize = 5;
+
 /// Surfaces that could lie in cells and are unrolled at the most: more take long to compile,
 /// however few there are of each kind.
 const UNROLLED_AT_MOST: usize = 23;

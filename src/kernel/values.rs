@@ -1,8 +1,7 @@
 //! The vectors that the text of a surface reads: uniforms, or data of the scene.
 
 use super::cells::Lists;
-use super::data::GRID_VECTORS;
-use super::layout::Layout;
+use super::layout::{GRID_VECTORS, Layout};
 use crate::scene::shape::{Cuboid, Cylinder, Room, Sphere};
 use crate::scene::{Node, Scene, Shape, Surface};
 use glam::{Quat, Vec4};

@@ -2,7 +2,7 @@
 
 use super::named::Named;
 use super::scene_text::Text;
-use crate::kernel::data::GRID_VECTORS;
+use crate::kernel::layout::GRID_VECTORS;
 use crate::kernel::record::Record;
 use crate::scene::Node;
 use std::fmt::Write;
