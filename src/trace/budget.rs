@@ -10,7 +10,7 @@
 use super::{
     Algorithm, MAX_COPY_STEPS, MAX_FIELD_STEPS, MAX_STEPS, MarchOptions, Settings, ThesisOptions,
 };
-use crate::kernel::{self, Cells, Layout, Lists, Loops};
+use crate::kernel::{self, Cells, Lists, Loops};
 use crate::scene::Scene;
 
 /// Turns of all loops of a shader together at the most.
@@ -42,9 +42,10 @@ pub struct Budget {
 
 impl Budget {
     /// The budget of a scene as it stands.
+    #[cfg(any(test, feature = "experiment"))]
     pub fn of(scene: &Scene, settings: &Settings) -> Budget {
         let lists = lists(settings);
-        let mut cells = Cells::new(scene, &Layout::of(scene));
+        let mut cells = Cells::new(scene, &kernel::Layout::of(scene));
         if let Some(cells) = &mut cells {
             cells.prepare(lists);
         }

@@ -9,8 +9,6 @@ mod hard_cases;
 mod implicit_scenes;
 mod marched_fields;
 mod properties;
-mod reference_exact;
 mod scene_format;
-mod shader_text;
 mod touching_boxes;
 mod user_fields;

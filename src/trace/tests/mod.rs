@@ -2,3 +2,6 @@
 
 mod field_waves;
 mod foreign_contexts;
+mod gpu_against_cpu;
+mod loop_budget;
+mod shader_text;
