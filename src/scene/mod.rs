@@ -57,6 +57,8 @@ use std::sync::Arc;
 /// assert_eq!((nearest.object, nearest.distance), (2, 0.5));
 /// # Ok::<(), echomarch::Error>(())
 /// ```
+///
+/// A scene serialises as its file would say it (`docs/scene-format.md`), and is read from that.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Scene {
