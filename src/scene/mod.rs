@@ -30,8 +30,8 @@ pub(crate) use file::BasedScene;
 pub use motion::{Driver, Motion};
 pub use named::{NamedValue, Quantity};
 pub use path::{Key, Path};
-pub use shape::{Bounds3, Copies, Exactness, HeightImage, Node, Properties, Shape, UserField};
-pub(crate) use shape::{UserSamples, halton};
+pub use shape::{Bounds3, Exactness, HeightImage, Node, Properties, Shape, UserField};
+pub(crate) use shape::{Copies, UserSamples, halton};
 pub use surface::Surface;
 pub(crate) use watch::SceneWatch;
 

@@ -65,9 +65,10 @@ pub use height_field::HeightField;
 pub use height_image::HeightImage;
 pub use hyperboloid::Hyperboloid;
 pub use list::Node;
+pub(crate) use operator::Copies;
 pub use operator::{
-    Bend, Complement, Copies, Difference, Elongate, Intersection, Mirror, Morph, Offset, Repeat,
-    Rotate, Scale, Shell, SmoothUnion, Translate, Twist, Union,
+    Bend, Complement, Difference, Elongate, Intersection, Mirror, Morph, Offset, Repeat, Rotate,
+    Scale, Shell, SmoothUnion, Translate, Twist, Union,
 };
 pub use paraboloid::Paraboloid;
 pub(crate) use part::Parameter;

@@ -305,7 +305,7 @@ impl Shape {
     ///
     /// # Errors
     /// A sentence on why the repetition cannot be safe.
-    pub fn copies(&self) -> Result<[Copies; 3], String> {
+    pub(crate) fn copies(&self) -> Result<[Copies; 3], String> {
         match (&self.node, self.children.first()) {
             (Node::Repeat(repeat), Some(child)) => repeat.copies(child),
             _ => Ok([Copies::None; 3]),
