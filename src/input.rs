@@ -1,7 +1,7 @@
 //! Files in: regular ones alone, none larger than its kind may be, and each remembered as an
 //! input, so that no output replaces it.
 //!
-//! A scene may come from a stranger, and it names other files. A pipe would be waited for, a
+//! A scene may be untrusted, and it names other files. A pipe would be waited for, a
 //! device has no end, and a file may be larger than the memory: all are refused before a byte
 //! is taken in.
 

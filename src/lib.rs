@@ -44,10 +44,10 @@
 //! | `demo` | the window: walk through a scene and hear it (feature `demo`) |
 //! | [`error`] | what can go wrong |
 //!
-//! # Scenes from strangers
+//! # Untrusted scenes
 //! A scene may name GLSL of its own, which the driver compiles within this process, and which can
-//! end it, fill its memory or never return. Whoever traces scenes that come from somewhere has
-//! their fields tried in a child process first: see [`trace::FieldTrial`].
+//! end it, fill its memory or never return. For untrusted scenes let fields be tried in a child
+//! process first: see [`trace::FieldTrial`].
 //!
 //! # Features
 //! | feature | default | what it adds |

@@ -1,7 +1,7 @@
 //! Atomic file writes.
 //!
 //! Everything is written beside its target and renamed at the end, so that a run that
-//! is broken off leaves an older file as it was. What was read as an input (a scene, a file
+//! is interrupted leaves an older file as it was. What was read as an input (a scene, a file
 //! that it names, a sound, answers) is never replaced, whatever path or link leads to it.
 #![cfg_attr(not(feature = "cli"), allow(dead_code))] // The library alone writes sounds alone.
 
@@ -86,7 +86,7 @@ fn parts() -> MutexGuard<'static, Vec<PathBuf>> {
 }
 
 /// Removes every temporary file there is, and lets none come into being from now on: whoever
-/// begins one waits for ever. For a program that is being broken off, as its last act.
+/// begins one waits for ever. For a program that is being interrupted, as its last act.
 ///
 /// Recordings of what is heard stay: their temporary files are to be found.
 pub fn remove_parts() {
@@ -98,7 +98,7 @@ pub fn remove_parts() {
     std::mem::forget(parts);
 }
 
-/// A file on its way to its name: removed when dropped, and when the program is broken off.
+/// A file on its way to its name: removed when dropped, and when the program is interrupted.
 #[derive(Debug)]
 pub(crate) struct PartFile {
     /// There until the file has its name.
@@ -162,7 +162,7 @@ pub(crate) fn temporary_beside(target: &Path) -> io::Result<PartFile> {
     PartFile::new(|| temporary_named(target, ".echomarch-".as_ref(), ".part"))
 }
 
-/// The same under a name that is seen: what a program that is broken off leaves is to be found.
+/// The same under a name that is seen: what an interrupted program leaves is to be found.
 /// `heard.wav` becomes `heard-XXXXXX.part.wav`.
 #[cfg(feature = "audio")]
 pub(crate) fn visible_part_beside(target: &Path) -> io::Result<PartFile> {
@@ -263,7 +263,7 @@ mod tests {
         write_whole(&path, |out| out.write_all(b"old")).unwrap();
         let failed = write_whole(&path, |out| {
             out.write_all(b"new")?;
-            Err(io::Error::other("broken off"))
+            Err(io::Error::other("interrupted"))
         });
         assert!(failed.is_err());
         assert_eq!(std::fs::read(&path).unwrap(), b"old");

@@ -1,4 +1,4 @@
-//! Text that came from somewhere, as it may be shown: on a terminal, in a CSV cell, within a page.
+//! Untrusted text, as it may be shown: on a terminal, in a CSV cell, within a page.
 
 use std::borrow::Cow;
 

@@ -39,7 +39,7 @@ pub enum AudioError {
         found: String,
     },
     /// A WAV file that breaks off, or whose samples cannot be decoded.
-    #[error("{} breaks off at sample {sample} ({source}): write the file anew", path.display())]
+    #[error("{} ends early, at sample {sample} ({source}): write the file again", path.display())]
     DamagedWav {
         /// The file that was read.
         path: PathBuf,

@@ -1,4 +1,4 @@
-//! What a sound is made of.
+//! The trait of everything that can be played as a sound.
 
 /// Mono samples, one after the other; 1 is full scale.
 ///

@@ -1,4 +1,4 @@
-//! A sine without drift.
+//! A sine whose phase does not drift.
 
 use std::f64::consts::TAU;
 

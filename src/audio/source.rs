@@ -1,4 +1,4 @@
-//! What makes a sound at the rate of a device.
+//! Sources of sounds: each makes its sound at the sample rate of a device.
 
 use super::{AudioError, Sound, SoundSpec};
 use std::fmt;

@@ -1,4 +1,4 @@
-//! A voice that says syllables without words, made by the program.
+//! A synthetic voice: syllables without words.
 //!
 //! # Theory
 //! A voice is a train of glottal pulses at a gliding pitch, shaped by the resonances of the mouth,

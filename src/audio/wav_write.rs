@@ -65,7 +65,7 @@ impl WavWriter {
     }
 
     /// As [`create_at`](Self::create_at), for a sound that comes as it is heard: the temporary
-    /// file's name is not hidden, so that it is found if the program is broken off.
+    /// file's name is not hidden, so that it is found if the program is interrupted.
     #[cfg(feature = "audio")]
     pub(super) fn record_at(target: &Path, rate_hz: u32) -> Result<Self, AudioError> {
         Self::start(target.to_owned(), rate_hz, visible_part_beside)

@@ -58,7 +58,7 @@ struct SoundOptions {
     /// List the sound devices and open no window
     #[arg(long)]
     list_devices: bool,
-    /// Samples that the sound device takes at a time: fewer are sooner heard
+    /// Samples in a buffer of the sound device: fewer give less latency
     #[arg(
         long,
         allow_negative_numbers = true,
@@ -80,11 +80,11 @@ struct WindowOptions {
         default_value_t = 1,
         value_name = "N", value_parser = count::<u32>)]
     trace_every: u32,
-    /// Let the number of waves follow the frame's time, 4096 or more, although --waves says
-    /// where it begins; without --waves it does
+    /// Let the number of waves (4096 or more) follow the frame's time also when --waves is
+    /// given, from there on; without --waves it always does
     #[arg(long)]
     adapt_waves: bool,
-    /// Frames a second that are to be held
+    /// Frame rate to hold, in frames a second
     #[arg(
         long,
         allow_negative_numbers = true,
@@ -207,7 +207,7 @@ fn options(arguments: &Arguments, common: &Common) -> anyhow::Result<DemoOptions
 /// Refuses what cannot be, before a window is opened.
 fn check(sound: &SoundOptions, window: &WindowOptions, common: &Common) -> anyhow::Result<()> {
     if common.gl != Api::Gl || common.gpu.is_some() {
-        let text = "--gl and --gpu are for what needs no window: it is drawn where the display is";
+        let text = "--gl and --gpu are for commands without a window: the window is drawn on the display's GPU";
         return Err(BadInput(text.into()).into());
     }
     Sound::parse(&sound.sound, SAMPLE_RATE).map_err(Error::from)?;

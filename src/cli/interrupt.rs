@@ -1,4 +1,4 @@
-//! Programs that are broken off: from the terminal (SIGINT), by another program (SIGTERM), or
+//! Signals that end the program: from the terminal (SIGINT), by another program (SIGTERM), or
 //! because the terminal is closed (SIGHUP).
 //!
 //! The temporary files are removed, and the exit code is 128 and the signal's number, as a

@@ -140,7 +140,7 @@ struct FormArguments {
 #[derive(Args, Debug)]
 #[command(after_help = SCORE_EXAMPLES)]
 struct ScoreArguments {
-    /// Files that the page saved; broken-off sessions too
+    /// Files that the page saved; interrupted sessions too
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
     /// Write score.csv, .json and .md into this folder

@@ -10,7 +10,6 @@ mod demo;
 mod exit;
 mod field_trial;
 mod figures;
-mod ignored;
 mod info;
 #[cfg(unix)]
 mod interrupt;
@@ -37,6 +36,7 @@ mod localise;
 mod numbers;
 mod options;
 mod print;
+mod refused_options;
 mod render;
 mod report;
 mod scene;
@@ -53,14 +53,14 @@ const EXAMPLES: &str = "\
 Examples:
   echomarch demo                             the window: walk and listen
   echomarch figures -o out                   the thesis' four tables, CSV and plot
-  echomarch accuracy -o out                  what is how fast, and how wrong
+  echomarch accuracy -o out                  speed and error of each profile
   echomarch cost corner                      what each surface and option costs
   echomarch trace corner                     one frame of a built-in scene
   echomarch trace my.ron --waves 1048576 --json
   echomarch render open-field -o out.wav     what the listener hears
   echomarch view corner -o view.png          what the listener sees
   echomarch slice corner --paths 200 -o plan.png
-  echomarch shader corner                    the shader that a scene becomes
+  echomarch shader corner                    the shader that is generated from a scene
   echomarch verify                           the hard cases, pass or fail
   echomarch localise form -o form            where is the source? a form for people
   echomarch info                             the renderers there are
@@ -88,11 +88,11 @@ enum Command {
     Trace(trace::Arguments),
     /// Render a WAV of what the listener hears
     Render(render::Arguments),
-    /// Picture of what the listener sees, by the waves' own distance function
+    /// Picture of what the listener sees, by the distance function that the waves use
     View(view::Arguments),
     /// Plan of the scene from above, with wave paths on request
     Slice(slice::Arguments),
-    /// Print a shader that a scene becomes
+    /// Print a shader that is generated from a scene
     Shader(shader::Arguments),
     /// The performance experiment: figures 11.1 to 11.4 beside the thesis' own
     Figures(figures::Arguments),
@@ -102,7 +102,7 @@ enum Command {
     Cost(cost::Arguments),
     /// The hard cases: by every profile, against exact answers
     Verify(verify::Arguments),
-    /// Where is the source? The localisation experiment, for an observer and for people
+    /// The localisation experiment, by a computed observer and with people
     Localise(localise::Arguments),
     /// Try users' fields for another process of this program
     #[command(hide = true)]
@@ -120,14 +120,14 @@ pub fn run() -> ExitCode {
         Ok(parsed) => parsed,
         Err(error) => return exit::refuse_arguments(&error),
     };
-    if let Err(error) = ignored::check(&matches) {
+    if let Err(error) = refused_options::check(&matches) {
         return exit::report(&error.into());
     }
     if matches!(cli.command, Command::FieldTrial) {
         return field_trial::answer(&cli.common);
     }
     if let Err(error) = interrupt::install() {
-        print::tell(&format!("warning: signals are not answered: {error}"));
+        print::tell(&format!("warning: cannot handle signals: {error}"));
     }
     field_trial::choose(&cli.common);
     let result = match &cli.command {

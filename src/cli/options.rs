@@ -15,7 +15,7 @@ use std::path::Path;
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Renderer and output")]
 pub struct Common {
-    /// OpenGL by way of: gl (EGL, desktop 3.3), gles (EGL, ES 3.0), osmesa
+    /// How OpenGL is reached: gl (EGL, desktop 3.3), gles (EGL, ES 3.0), osmesa
     #[arg(long, global = true, default_value_t = Api::Gl, value_name = "API")]
     pub gl: Api,
     /// EGL device to use, as numbered by `info`; without it the first that works
@@ -39,7 +39,7 @@ impl Common {
         let context = Context::headless(&options)?;
         // A device that is there but cannot be used is told even with --quiet.
         for reason in context.passed_over() {
-            print::tell(&format!("warning: passed over {reason}"));
+            print::tell(&format!("warning: skipped {reason}"));
         }
         self.note(&format!("renderer: {}", context.renderer()));
         Ok(context)
@@ -91,7 +91,7 @@ pub struct ProfilesOption {
 #[derive(Args, Debug)]
 #[command(next_help_heading = "How to trace")]
 pub struct TraceOptions {
-    /// The algorithm: hybrid (closed form), march (sphere tracing done right), thesis
+    /// The algorithm: hybrid (closed form), march (accurate sphere tracing), thesis
     #[arg(long, default_value_t = Profile::Hybrid, value_name = "NAME")]
     pub profile: Profile,
     /// Number of sound waves, 1 to 16777216 [default: 65536]

@@ -99,7 +99,7 @@ impl Common {
         let unrolled = Layout::of(scene).unrolled.len();
         if unrolled > MANY_SURFACES {
             self.note(&format!(
-                "note: {unrolled} surfaces that lie in no cells: compiling their shader the first time can take long"
+                "note: {unrolled} surfaces are not in cells: compiling their shader the first time can take long"
             ));
         }
     }

@@ -27,7 +27,7 @@ pub struct Arguments {
     /// Which of its shaders
     #[arg(long, value_enum, default_value_t = Which::March, value_name = "NAME")]
     pass: Which,
-    /// The algorithm: hybrid (closed form), march (sphere tracing done right), thesis
+    /// The algorithm: hybrid (closed form), march (accurate sphere tracing), thesis
     #[arg(long, default_value_t = Profile::Hybrid, value_name = "NAME")]
     profile: Profile,
     /// Start directions: random (the thesis), fibonacci (an even lattice)
@@ -48,7 +48,7 @@ enum Which {
     Initialise,
     /// The waves through the scene
     March,
-    /// What each wave gives to either side
+    /// The contribution of each wave to left and right
     Pan,
     /// What the listener sees
     View,

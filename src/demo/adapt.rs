@@ -19,7 +19,7 @@ pub const SCALES: [f32; 8] = [0.2, 0.25, 0.33, 0.4, 0.5, 0.65, 0.8, 1.0];
 const FRAMES: usize = 6;
 
 /// Frames with room to spare before more is asked for.
-const PATIENCE: usize = 18;
+const FRAMES_TO_SPARE: usize = 18;
 
 /// Above this share of the time that is to be held, less is done.
 const FULL: f64 = 0.92;
@@ -40,7 +40,7 @@ impl Control {
     pub fn add(&mut self, whole: f64, part: f64) {
         self.whole.push(whole);
         self.part.push(part);
-        if self.whole.len() > PATIENCE {
+        if self.whole.len() > FRAMES_TO_SPARE {
             self.whole.remove(0);
             self.part.remove(0);
         }
@@ -60,7 +60,7 @@ impl Control {
                 .rev()
                 .find(|&step| foreseen(step) <= ROOM * target)
                 .unwrap_or(0)
-        } else if self.whole.len() >= PATIENCE
+        } else if self.whole.len() >= FRAMES_TO_SPARE
             && now + 1 < costs.len()
             && foreseen(now + 1) <= ROOM * target
         {

@@ -1,4 +1,4 @@
-//! Events in, frames out.
+//! The window's whole state, and its event loop.
 
 use super::adapt::{Control, SCALES, step_of};
 use super::display::Connection;

@@ -1,4 +1,4 @@
-//! What keeps the window from being shown.
+//! Errors of the window.
 
 /// A window that cannot be shown, or has to be closed.
 #[derive(Debug, thiserror::Error)]
@@ -11,7 +11,7 @@ pub enum DemoError {
         reason: String,
     },
     /// The display is there, but shows no window.
-    #[error("the display shows no window: {reason}")]
+    #[error("cannot open a window: {reason}")]
     NoWindow {
         /// What it answered.
         reason: String,
@@ -26,7 +26,7 @@ pub enum DemoError {
     #[error("{}", sentence(.0))]
     Failed(#[from] crate::Error),
     /// A recording that could not be ended whole.
-    #[error("the recording is not whole: {reason}")]
+    #[error("the recording is incomplete: {reason}")]
     Recording {
         /// Why.
         reason: String,

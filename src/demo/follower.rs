@@ -1,5 +1,5 @@
-//! A scene's file under watch, the scene before the one that has just come, and the next one
-//! until its users' fields were tried.
+//! Scenes in waiting: the file that is watched, the scene before the present one, and the next
+//! one until its users' fields were tried.
 
 use super::state::World;
 use crate::error::Error;

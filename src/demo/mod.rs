@@ -27,7 +27,7 @@
 //! Threads: everything that draws and traces is on the thread that calls [`run`], which
 //! must be the process' first.
 
-mod act;
+mod actions;
 mod adapt;
 mod app;
 mod display;

@@ -1,4 +1,4 @@
-//! A scene file that changes while one walks in it.
+//! Reloads the scene file when it changes.
 
 use super::app::{App, Stage};
 use super::error::sentence;

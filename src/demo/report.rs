@@ -1,4 +1,4 @@
-//! What a run of the window did, in numbers: for `--json`, for tests, for people.
+//! The report of a run of the window, in numbers: for `--json`, for tests, for people.
 
 use super::latency::Parts;
 use super::sound::SoundStatus;

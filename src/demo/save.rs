@@ -22,7 +22,7 @@ const ROUNDING: f32 = 1e-5;
 pub enum SaveError {
     /// The file that was opened is not the scene that is heard any more, or what was to be
     /// written is not.
-    #[error("cannot save the scene: read again it is another one")]
+    #[error("cannot save the scene: its text does not give the same scene when it is read")]
     Differs,
     /// What was opened or is to be written is no scene.
     #[error("cannot save the scene: {0}")]

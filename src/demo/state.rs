@@ -1,4 +1,4 @@
-//! What was chosen, and how the scene stands: all that keys and panels change.
+//! The choices and the scene as it stands: all that keys and panels change.
 
 use super::DemoOptions;
 use super::values::{ValueSlider, value_sliders};

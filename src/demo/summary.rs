@@ -1,4 +1,4 @@
-//! What is told of a frame, and of the run at its end.
+//! The records of a frame, and of the run at its end.
 
 use super::app::App;
 use super::report::{FrameLine, Report, Standing};

@@ -241,7 +241,7 @@ impl View {
 pub fn shader_text(scene: &Scene) -> String {
     let roots = vec![
         kernel::source!("view/colour.glsl"),
-        kernel::source!("view/walk.frag"),
+        kernel::source!("view/first_person_fast.frag"),
     ];
     kernel::join(&kernel::link(roots, kernel::distance_parts(scene)))
 }

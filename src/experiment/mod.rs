@@ -8,7 +8,7 @@ pub mod accuracy;
 pub mod cost;
 pub mod figures;
 pub mod localise;
-mod log_plot;
+mod plot;
 mod thesis_tables;
 pub mod verify;
 

@@ -1,4 +1,4 @@
-//! What a library that makes contexts has to be able to do.
+//! The interface of the libraries that make contexts.
 
 use std::ffi::{CStr, c_void};
 

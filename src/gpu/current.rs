@@ -2,7 +2,7 @@
 //!
 //! EGL and OSMesa each remember the context that they made current last, but share Mesa's slot for the one that
 //! calls go to. So a context is always released by its own library before the other's is made current; otherwise
-//! EGL would take its context for current still, and its calls would go to OSMesa's in silence.
+//! EGL would take its context for current still, and its calls would silently go to OSMesa's.
 //!
 //! A program may have contexts of its own, which echomarch does not know: so the library is asked each time whether the
 //! context is still the current one, and [`Entered`] puts back what was current before.

@@ -1,4 +1,4 @@
-//! Scenes whose text would compile for minutes.
+//! Refuses scenes whose text would compile for minutes.
 
 use super::layout::{Layout, MOST_UNROLLED};
 use crate::scene::{Scene, SceneError};

@@ -1,5 +1,5 @@
-//! What a wave truly does: references on the CPU that no shader can agree with by
-//! sharing its mistakes.
+//! References on the CPU: what a wave truly does. They share no code with the shaders, so that
+//! they cannot share their mistakes.
 //!
 //! # Theory
 //! Sound is taken as rays (geometrical acoustics: Kuttruff, *Room Acoustics*,

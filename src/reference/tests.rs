@@ -26,7 +26,7 @@ fn start(scene: &Scene) -> DVec3 {
 }
 
 /// A listener too far away to be met.
-fn nobody() -> Listener {
+fn listener_outside() -> Listener {
     Listener::at(Vec3::splat(3e6), 0.5)
 }
 
@@ -217,7 +217,7 @@ fn waves_stay_mirrored_and_shut_in() {
 fn two_hundred_reflections_keep_their_place() {
     let size = Vec3::new(12.0, 6.0, 16.0);
     let room = Surface::new(Node::Room(Room { size }));
-    let scene = scene(vec![room], Vec3::new(-3.5, 0.5, -5.0), nobody());
+    let scene = scene(vec![room], Vec3::new(-3.5, 0.5, -5.0), listener_outside());
     let half = size.as_dvec3() * 0.5;
     for direction in Random(11).directions(5_000) {
         let wave = exact(&scene).trace(start(&scene), direction.as_dvec3(), 200);
@@ -249,7 +249,7 @@ fn corners_and_edges_do_not_leak() {
         let turn = [Quat::IDENTITY, rotation(&mut random)][case % 2];
         let into_world = turn.as_dquat().normalize();
         let room = Surface::new(Node::Room(Room { size })).turned(turn);
-        let exact = exact(&scene(vec![room], Vec3::ZERO, nobody()));
+        let exact = exact(&scene(vec![room], Vec3::ZERO, listener_outside()));
         let mut signed = || DVec3::from_array(std::array::from_fn(|_| random.signed()));
         let origin = half * signed() * 0.99;
         let side = signed().signum();
@@ -388,7 +388,7 @@ fn normals_of_marched_shapes_are_those_of_their_equation() {
     let scene = scene(
         vec![Surface::new(gallery)],
         Vec3::new(1.0, 2.0, -1.0),
-        nobody(),
+        listener_outside(),
     );
     let exact = exact(&scene);
     for direction in Random(31).directions(500) {
@@ -451,7 +451,7 @@ fn plant(random: &mut Random) -> (Scene, DVec3, DVec3, Hit) {
         normal,
     };
     let surface = Surface::new(shape).at(position);
-    let scene = scene(vec![surface], Vec3::ZERO, nobody());
+    let scene = scene(vec![surface], Vec3::ZERO, listener_outside());
     (scene, origin + position.as_dvec3(), -away, hit)
 }
 

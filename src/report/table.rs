@@ -98,6 +98,11 @@ impl<R> Column<R> {
         self
     }
 
+    /// The column's cells are words that say what a row is.
+    pub fn label(self) -> Column<R> {
+        self.key().text()
+    }
+
     /// The unit of the numbers.
     pub fn unit(mut self, unit: &'static str) -> Column<R> {
         self.head.unit = unit;

@@ -1,4 +1,4 @@
-//! Scenes that cannot be traced, and scenes that can but hardly mean to.
+//! Checks of a scene: errors where it cannot be traced, warnings where it is odd.
 
 use super::{Motion, Scene, SceneError, Surface};
 use crate::scene::shape::LARGEST;

@@ -14,7 +14,7 @@ mod distance;
 mod error;
 mod file;
 mod motion;
-mod named;
+mod named_values;
 mod notation;
 mod path;
 pub mod shape;
@@ -28,7 +28,7 @@ pub use error::SceneError;
 #[cfg(feature = "demo")]
 pub(crate) use file::BasedScene;
 pub use motion::{Driver, Motion};
-pub use named::{NamedValue, Quantity};
+pub use named_values::{NamedValue, Quantity};
 pub use path::{Key, Path};
 pub use shape::{Bounds3, Exactness, HeightImage, Node, Properties, Shape, UserField};
 pub(crate) use shape::{Copies, UserSamples, halton};

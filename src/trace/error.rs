@@ -1,4 +1,4 @@
-//! What can go wrong between settings and a frame.
+//! Errors of tracing.
 
 use crate::scene::UserField;
 use glam::Vec3;
@@ -118,7 +118,7 @@ pub enum TraceError {
     },
     /// A user's field that ended the process in which it was tried, or took too long there: see
     /// [`FieldTrial`](super::FieldTrial).
-    #[error("{file}: trying it in a process of its own {how}")]
+    #[error("{file}: trying it in a child process {how}")]
     FieldDies {
         /// The field's file; where several were tried, all of them.
         file: String,
@@ -126,7 +126,7 @@ pub enum TraceError {
         how: String,
     },
     /// The process in which users' fields are tried cannot be started, or gave no answer.
-    #[error("the process in which fields are tried {why}")]
+    #[error("the child process that tries fields {why}")]
     NoFieldTrial {
         /// What it did.
         why: String,

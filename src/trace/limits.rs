@@ -1,4 +1,4 @@
-//! What a renderer cannot take, told before anything is made.
+//! Limits of a renderer, checked before anything is made.
 
 use super::{Grid, TraceError};
 use crate::gpu::Context;

@@ -14,8 +14,9 @@
 mod budget;
 mod directions;
 mod error;
+mod field_trial;
 mod frame;
-mod heard;
+mod heard_search;
 mod limits;
 mod panning;
 mod programs;
@@ -24,7 +25,6 @@ mod scene_data;
 mod settings;
 mod sum;
 mod tracer;
-mod trial;
 mod user_fields;
 mod waves;
 
@@ -32,9 +32,10 @@ pub use crate::kernel::Directions;
 #[cfg(any(test, feature = "experiment"))]
 pub(crate) use budget::Budget;
 pub use error::TraceError;
+pub use field_trial::{FieldTrial, TrialCommand, answer_field_trial};
 pub use frame::{Frame, Milliseconds};
 #[cfg(feature = "demo")]
-pub(crate) use heard::{HeardSearch, MostKept};
+pub(crate) use heard_search::{HeardSearch, MostKept};
 #[cfg(feature = "picture")]
 pub(crate) use limits::check_surfaces;
 pub use panning::{Counts, Panning};
@@ -52,7 +53,6 @@ pub use settings::{
 pub(crate) use settings::{MARCHES_PER_PASS, MarchVariant};
 pub(crate) use settings::{MAX_COPY_STEPS, MAX_FIELD_STEPS, MAX_STEPS};
 pub use tracer::{HeardPaths, Tracer};
-pub use trial::{FieldTrial, TrialCommand, answer_field_trial};
 #[cfg(feature = "picture")]
 pub(crate) use user_fields::UserFields;
 pub(crate) use waves::Grid;

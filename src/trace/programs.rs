@@ -1,6 +1,6 @@
 //! The shader programs of a frame, each compiled once for what its text depends on.
 
-use super::{Algorithm, Directions, Settings, trial};
+use super::{Algorithm, Directions, Settings, field_trial};
 use crate::error::Error;
 use crate::gpu::{Context, Program, ProgramCache};
 use crate::kernel::{self, AlgorithmText, Key, MarchText};
@@ -51,7 +51,7 @@ impl Programs {
             kernel::check(scene)?;
             let label = format!("march ({}) of {}", settings.profile(), scene.name);
             let text = kernel::march_text(scene, options);
-            trial::ensure(scene, &[&text])?;
+            field_trial::ensure(scene, &[&text])?;
             Ok(Program::fragment(context, &label, &text)?)
         })
     }

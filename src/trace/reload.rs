@@ -1,6 +1,6 @@
 //! A scene that follows its files while it is traced.
 
-use super::trial::Trial;
+use super::field_trial::Trial;
 use super::{Pass, Settings, Tracer, shader_text};
 use crate::error::Error;
 use crate::kernel;

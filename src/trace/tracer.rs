@@ -1,6 +1,6 @@
-//! One frame after the other on one context.
+//! The tracer: frame after frame on one context.
 
-mod heard;
+mod heard_paths;
 mod passes;
 mod prepared;
 mod steps;
@@ -20,7 +20,7 @@ use crate::error::Error;
 use crate::gpu::{Context, GpuTimer};
 use crate::scene::Scene;
 use glam::Vec3;
-pub use heard::HeardPaths;
+pub use heard_paths::HeardPaths;
 use passes::Targets;
 use prepared::{FramePrograms, PreparedFrame};
 use std::cell::RefCell;

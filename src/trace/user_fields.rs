@@ -17,7 +17,7 @@
 
 mod gradient;
 
-use super::{TraceError, trial};
+use super::{TraceError, field_trial};
 use crate::error::Error;
 use crate::gpu::{
     Context, DataTexture, GpuError, Program, RenderTarget, Texture, full_screen_pass_rows,
@@ -102,7 +102,7 @@ impl UserFields {
             TraceError::check_text(field)?;
         }
         kernel::check(scene)?;
-        trial::ensure(scene, &[&program()])?;
+        field_trial::ensure(scene, &[&program()])?;
         let known = self.checked.len();
         let checked = self.check_new(context, scene);
         if self.checked.len() > known {
@@ -127,7 +127,7 @@ impl UserFields {
                     }
                 }
                 // What has come from a child: the field's own program is not used again.
-                None if field.samples().is_some() && trial::has_passed(field) => (),
+                None if field.samples().is_some() && field_trial::has_passed(field) => (),
                 None => check(context, field)?,
             }
             self.checked.push(Arc::clone(field));

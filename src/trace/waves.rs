@@ -1,4 +1,4 @@
-//! How waves lie in texels, and what is read back of them.
+//! The layout of waves in texels, and the waves that are read back.
 
 use glam::Vec3;
 

@@ -18,7 +18,7 @@ use tempfile::TempDir;
 static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
 
 /// How long anything may take before a test is given up: no machine is so busy.
-const PATIENCE: Duration = Duration::from_secs(300);
+const TIMEOUT: Duration = Duration::from_secs(300);
 
 /// A display without a screen; it goes when dropped.
 pub struct Display {
@@ -145,7 +145,7 @@ impl Demo<'_> {
         let now = since_1970.unwrap().as_secs_f64();
         let mut fresh = 0;
         while fresh < 3 {
-            match self.frames.recv_timeout(PATIENCE) {
+            match self.frames.recv_timeout(TIMEOUT) {
                 Ok(line) => {
                     let frame: Value = serde_json::from_str(&line).unwrap();
                     fresh += u32::from(frame["began"].as_f64() > Some(now));
@@ -158,7 +158,7 @@ impl Demo<'_> {
 
     /// Waits for a frame of which this is so, as the program tells its frames.
     pub fn wait_until(&self, what: &str, mut is_so: impl FnMut(&Value) -> bool) -> Value {
-        let end = Instant::now() + PATIENCE;
+        let end = Instant::now() + TIMEOUT;
         let mut last = Value::Null;
         loop {
             let left = end.saturating_duration_since(Instant::now());
@@ -186,7 +186,7 @@ impl Demo<'_> {
     /// What the display calls the window, once it is there.
     pub fn window(&self) -> String {
         let began = Instant::now();
-        while began.elapsed() < PATIENCE {
+        while began.elapsed() < TIMEOUT {
             let found = self.display.xdotool(&["search", "--name", "^Echomarch$"]);
             if let Some(window) = found.lines().next() {
                 return window.to_owned();
@@ -201,7 +201,7 @@ impl Demo<'_> {
 
     /// Waits until the program says a line that holds this.
     pub fn wait_for(&self, part: &str) -> String {
-        let end = Instant::now() + PATIENCE;
+        let end = Instant::now() + TIMEOUT;
         loop {
             let left = end.saturating_duration_since(Instant::now());
             let line = self.told.recv_timeout(left);

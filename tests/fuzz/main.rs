@@ -1,4 +1,4 @@
-//! Files as a stranger may have made them: valid ones, spoilt by a seeded generator.
+//! Untrusted files: valid ones, spoilt by a seeded generator.
 //!
 //! Each module is a target: `one(data)` reads the bytes as that kind of file. What is no such
 //! file must be refused, within the limits on time and memory, and never by a panic. A short
@@ -85,32 +85,32 @@ fn fuzz(target: &Target) {
     }
 }
 
-/// Protects from scene files that come from somewhere: text, structure and numbers.
+/// Protects from untrusted scene files: text, structure and numbers.
 #[test]
 fn scenes() {
     fuzz(&scene::target());
 }
 
-/// Protects from sounds that come from somewhere.
+/// Protects from untrusted sounds.
 #[test]
 fn wavs() {
     fuzz(&wav::target());
 }
 
-/// Protects from height images that come from somewhere.
+/// Protects from untrusted height images.
 #[test]
 fn height_images() {
     fuzz(&height_image::target());
 }
 
-/// Protects from answers that come from somewhere.
+/// Protects from untrusted answers.
 #[cfg(feature = "experiment")]
 #[test]
 fn answers() {
     fuzz(&answers::target());
 }
 
-/// Protects from fields' texts that come from somewhere, before any driver sees them.
+/// Protects from untrusted texts of fields, before any driver sees them.
 #[test]
 fn field_texts() {
     fuzz(&field_text::target());

@@ -136,7 +136,7 @@ fn no_built_in_scene_has_the_text_of_a_feature_that_it_lacks() {
         for profile in Profile::ALL {
             let settings = Settings::new(profile);
             let shader = ShaderReport::of(&scene, &settings);
-            assert_eq!(shader.strangers(), [""; 0], "{name}, {profile}");
+            assert_eq!(shader.unneeded(), [""; 0], "{name}, {profile}");
             assert!(!shader.features.is_empty(), "{name}, {profile}");
             let uncalled = shader.unused_functions.iter().map(String::as_str);
             let new: Vec<&str> = uncalled.filter(|f| !UNCALLED.contains(f)).collect();

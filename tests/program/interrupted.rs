@@ -7,7 +7,7 @@ use std::thread::sleep;
 use std::time::Duration;
 
 /// Starts the program, waits for a temporary file with something in it, and sends the signal.
-fn broken_off(signal: &str, number: i32, arguments: &[&str]) {
+fn interrupt(signal: &str, number: i32, arguments: &[&str]) {
     let folder = tempfile::tempdir().unwrap();
     let mut program = command();
     let program = program.args(arguments).current_dir(folder.path());
@@ -37,10 +37,10 @@ fn broken_off(signal: &str, number: i32, arguments: &[&str]) {
     assert!(left.is_empty(), "{signal}: {:?}", left.keys());
 }
 
-/// Protects folders from what is left of runs that are broken off: from the terminal, by a
+/// Protects folders from what is left of runs that are interrupted: from the terminal, by a
 /// program, by a terminal that is closed.
 #[test]
-fn a_run_that_is_broken_off_leaves_nothing() {
+fn an_interrupted_run_leaves_nothing() {
     let render = ["render", "corner", "-o", "o.wav", "--seconds", "9000"];
     let dump = [
         "trace",
@@ -53,22 +53,22 @@ fn a_run_that_is_broken_off_leaves_nothing() {
         "w.csv",
     ];
     for (signal, number) in [("INT", 2), ("TERM", 15)] {
-        broken_off(signal, number, &render);
+        interrupt(signal, number, &render);
     }
-    broken_off("TERM", 15, &dump);
+    interrupt("TERM", 15, &dump);
     // `nohup` says that it is to go on.
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
     let ignored = ignored.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
     if ignored.unwrap_or(0) & 1 == 0 {
-        broken_off("HUP", 1, &render);
+        interrupt("HUP", 1, &render);
     }
 }
 
-/// Protects what the window keeps: broken off, it ends as if it had been closed.
+/// Protects what the window keeps: interrupted, it ends as if it had been closed.
 #[cfg(feature = "demo")]
 #[test]
-fn a_window_that_is_broken_off_is_closed() {
+fn an_interrupted_window_is_closed() {
     use std::io::{BufRead, BufReader};
     let display = crate::common::window::Display::new();
     let folder = tempfile::tempdir().unwrap();

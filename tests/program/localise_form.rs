@@ -1,4 +1,4 @@
-//! The form for people, filled in by a headless browser: played, answered, broken off, taken
+//! The form for people, filled in by a headless browser: played, answered, interrupted, taken
 //! up, saved, and scored.
 
 use crate::browser::{Browser, Driver};
@@ -173,7 +173,7 @@ fn a_session_is_answered_broken_off_taken_up_and_scored() {
     assert_eq!(found["sessions"][0]["answered"], 1);
     assert_eq!(found["sessions"][0]["trials"], 3);
     assert_eq!(found["sessions"][0]["participant"], "p1");
-    assert!(found["notes"][0].as_str().unwrap().contains("broken off"));
+    assert!(found["notes"][0].as_str().unwrap().contains("interrupted"));
 
     // The same browser, later.
     let whole = go_on(&driver.open(&home, &downloads), &page, &downloads);

@@ -132,7 +132,7 @@ fn silence_laws_and_forms_are_told_apart() {
     assert!(notes.contains("2 different forms"), "{notes}");
 }
 
-/// A session that was broken off counts for what it holds, files of one session count once,
+/// A session that was interrupted counts for what it holds, files of one session count once,
 /// and an empty one is told as such.
 #[test]
 fn broken_off_sessions_are_scored_and_merged() {

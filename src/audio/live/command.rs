@@ -1,4 +1,4 @@
-//! What the supervising thread is asked for.
+//! Commands to the supervising thread.
 
 use crate::audio::SoundSource;
 

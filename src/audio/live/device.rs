@@ -44,7 +44,7 @@ fn kept_host() -> MutexGuard<'static, Option<Arc<Host>>> {
     HOST.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// The sound system. What it says to nobody in particular is not shown: errors are returned.
+/// The sound system. What it writes to standard error is not shown: errors are returned.
 fn host() -> Arc<Host> {
     hush();
     let kept = kept_host().clone();

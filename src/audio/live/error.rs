@@ -24,7 +24,7 @@ pub enum LiveError {
         known: String,
     },
     /// The device takes no form of sample that is made here.
-    #[error("the sound device {device} takes {format} samples, which are not made here")]
+    #[error("the sound device {device} takes {format} samples, which are not supported")]
     UnsupportedFormat {
         /// The device.
         device: String,
@@ -46,7 +46,7 @@ pub enum LiveError {
         seconds: u64,
     },
     /// The sound system's client panicked.
-    #[error("the sound system's client has broken down: it is started anew")]
+    #[error("the sound system's client has failed: it is started again")]
     BrokenDown,
     /// The device broke off.
     #[error("the sound device {device} is lost: {reason}")]
@@ -71,7 +71,7 @@ pub enum LiveError {
         rate_hz: u32,
     },
     /// A recording whose callback hangs.
-    #[error("the recording ended: the sound device has not given back what writes it")]
+    #[error("the recording ended: the sound device has not released it")]
     RecordingHeld,
     /// The operating system gave no thread.
     #[error("cannot start a thread: {source}")]

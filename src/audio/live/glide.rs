@@ -1,4 +1,4 @@
-//! Gains that take the same time to change, whatever the length of the blocks.
+//! Gains that change over a fixed time, whatever the length of the blocks.
 
 use crate::audio::Gains;
 

@@ -1,4 +1,4 @@
-//! Silence from JACK's client library.
+//! Turns off the messages of JACK's client library.
 //!
 //! ALSA has a plugin that plays to JACK. Whoever asks ALSA for its devices has that plugin look
 //! for a server, and where there is none the library writes so to the standard error stream, some

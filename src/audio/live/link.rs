@@ -1,4 +1,4 @@
-//! Between a stream of the sound system and the renderer: what its callbacks do.
+//! The callbacks of a stream of the sound system, which drive the renderer.
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
@@ -12,7 +12,7 @@ use super::command::Command;
 use super::renderer::Renderer;
 use super::shared::Shared;
 
-/// Where the renderer is while nobody plays: it outlives streams. Taking it and putting it back
+/// Where the renderer is while nothing plays: it outlives streams. Taking it and putting it back
 /// swap one pointer.
 pub(super) type Slot = AtomicCell<Option<Box<Renderer>>>;
 
@@ -145,7 +145,7 @@ mod tests {
     /// back what it had, and the newer one stays, whichever comes first; the other is freed by the
     /// supervisor, not by the callback.
     #[test]
-    fn the_newer_renderer_stays_and_the_older_is_buried() {
+    fn the_newer_renderer_stays_and_the_older_is_retired() {
         for (there, back) in [(2, 1), (1, 2)] {
             let (commands, _receiver) = std::sync::mpsc::channel();
             let link = Link {

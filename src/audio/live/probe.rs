@@ -1,4 +1,4 @@
-//! What a device drives, without a device: for the test that forbids it to allocate.
+//! A device's callback without a device, for the test that forbids it to allocate.
 
 use std::path::Path;
 use std::sync::{Arc, mpsc};

@@ -20,7 +20,7 @@ const RING_S: usize = 4;
 /// How often the ring is emptied.
 const PERIOD: Duration = Duration::from_millis(20);
 
-/// How often the file is made playable as far as it is: what a program that is broken off loses.
+/// How often the file is made playable as far as it is: what an interrupted program loses.
 const FLUSH: Duration = Duration::from_secs(1);
 
 /// A recording under way, or one that is over and was not finished yet.

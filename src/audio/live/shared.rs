@@ -1,4 +1,4 @@
-//! What the callback and the other threads share: single atomic values, so that none waits.
+//! Values that the callback shares with other threads: single atomics, so that none waits.
 
 use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU32, AtomicU64, Ordering::Relaxed};
 

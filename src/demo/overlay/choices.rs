@@ -1,4 +1,4 @@
-//! What can be chosen: scene, algorithm, waves, sound, and what adapts.
+//! The controls: scene, algorithm, waves, sound, and what adapts.
 
 use super::super::adapt::{MOST_WAVES, SCALES};
 use super::super::keys::Action;

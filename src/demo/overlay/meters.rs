@@ -1,4 +1,4 @@
-//! What is heard: levels left and right, the pan, the waves, and how late it is.
+//! The meters: levels left and right, the pan, the waves by fate, and the latency.
 
 use super::{HudState, style};
 use egui::{Color32, CornerRadius, Pos2, Rect, Sense, Ui, Vec2};

@@ -31,9 +31,7 @@ impl report::Row for Line<'_> {
 fn settings<'a>() -> Vec<LineColumn<'a>> {
     vec![
         Column::for_programs("scene", |line: &Line| &line.scene.scene),
-        Column::new("setting", "setting", |line: &Line| &line.row.label)
-            .key()
-            .text(),
+        Column::new("setting", "setting", |line: &Line| &line.row.label).label(),
         Column::for_programs("profile", |line: &Line| &line.row.case.profile),
         Column::for_programs("min_distance", |line: &Line| line.row.case.min_distance),
         Column::new("iterations", "it.", |line: &Line| line.row.case.iterations).key(),
@@ -167,9 +165,7 @@ impl report::Row for &Target {
             None => "for information",
         };
         vec![
-            Column::new("what", "target", |target: &&Target| &target.what)
-                .key()
-                .text(),
+            Column::new("what", "target", |target: &&Target| &target.what).label(),
             Column::new("measured", "measured", |target: &&Target| target.measured).significant(2),
             Column::for_people("bound", bound),
             Column::for_people("verdict", verdict).text(),

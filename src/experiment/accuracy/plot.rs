@@ -3,22 +3,25 @@
 
 use super::recommend::{ITERATIONS, comparable, pareto_front};
 use super::report::{AccuracyReport, Row, SceneReport};
-use crate::experiment::log_plot::{LogAxis, Panel, Point, Stroke, chart, draw_legend, draw_line};
+use crate::experiment::plot::{
+    HYBRID, LogAxis, MARCH, Panel, Point, Sheet, Stroke, THESIS, chart, draw_legend, draw_line,
+};
 use crate::report::PlotError;
 use crate::trace::Profile;
 use plotters::prelude::*;
 
-const WIDTH: u32 = 1280;
+const SHEET: Sheet = Sheet {
+    width: 1280,
+    title_height: 48,
+    row_height: 460,
+};
 /// Pixels of a plot; the legend has the rest.
 const PLOT_WIDTH: u32 = 560;
-const TITLE_HEIGHT: u32 = 48;
-const ROW_HEIGHT: u32 = 460;
 
-/// Told apart by colour-blind eyes too (Okabe and Ito).
 const COLOURS: [(Profile, RGBColor); 3] = [
-    (Profile::Thesis, RGBColor(213, 94, 0)),
-    (Profile::March, RGBColor(0, 114, 178)),
-    (Profile::Hybrid, RGBColor(0, 158, 115)),
+    (Profile::Thesis, THESIS),
+    (Profile::March, MARCH),
+    (Profile::Hybrid, HYBRID),
 ];
 const FRONT: RGBColor = RGBColor(60, 60, 60);
 const FRONT_LINE: Stroke = Stroke {
@@ -35,18 +38,12 @@ type Dot = (Point, i32);
 /// # Errors
 /// When the drawing fails, which its text says.
 pub(super) fn plot_svg(report: &AccuracyReport) -> Result<String, PlotError> {
-    let mut svg = String::new();
-    let rows = report.scenes.len().max(1);
-    {
-        let height = TITLE_HEIGHT + ROW_HEIGHT * rows as u32;
-        let root = SVGBackend::with_string(&mut svg, (WIDTH, height)).into_drawing_area();
-        root.fill(&WHITE)?;
-        let title = format!(
-            "Speed against error, {ITERATIONS} iterations, {} (larger dots: more waves)",
-            report.renderer
-        );
-        let body = root.titled(&title, ("sans-serif", 20))?;
-        for (row, scene) in body.split_evenly((rows, 1)).iter().zip(&report.scenes) {
+    let title = format!(
+        "Speed against error, {ITERATIONS} iterations, {} (larger dots: more waves)",
+        report.renderer
+    );
+    SHEET.svg(&title, report.scenes.len().max(1), |rows| {
+        for (row, scene) in rows.iter().zip(&report.scenes) {
             let (left, rest) = row.split_horizontally(PLOT_WIDTH);
             let (right, legend) = rest.split_horizontally(PLOT_WIDTH);
             let what = format!("RMS panning error over {} seeds", report.seeds);
@@ -55,9 +52,8 @@ pub(super) fn plot_svg(report: &AccuracyReport) -> Result<String, PlotError> {
             plot(&right, scene, what, |row| row.waves.end.median)?;
             draw_legend(&legend, &entries())?;
         }
-        root.present()?;
-    }
-    Ok(svg)
+        Ok(())
+    })
 }
 
 /// What dots and line mean.

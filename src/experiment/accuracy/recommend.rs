@@ -1,4 +1,4 @@
-//! Which rows are worth having.
+//! The recommended setting: the fastest row within the stated error.
 
 use super::report::{Recommendation, Row};
 

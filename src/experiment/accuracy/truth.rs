@@ -1,4 +1,4 @@
-//! What the exact geometry answers, each question asked once.
+//! Results of the exact geometry, each computed once.
 
 use super::directions::lattice;
 use super::report::Limit;

@@ -1,4 +1,4 @@
-//! What a person can do about it, in sentences.
+//! The conclusion of the report, in sentences.
 
 use super::change::Change;
 use super::options::AS_ASKED;
@@ -11,7 +11,7 @@ const MUCH_NOISE: f64 = 5.0;
 pub(super) fn sentences(report: &CostReport) -> Vec<String> {
     if report.noise.heard <= 0.0 {
         return vec![
-            "Nothing is heard with everything in, so nobody can tell what could be left out; \
+            "Nothing is heard with everything in, so it cannot be told what could be left out; \
              the times stand."
                 .to_owned(),
         ];

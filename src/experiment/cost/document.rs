@@ -141,7 +141,7 @@ impl Row for Line<'_> {
             Column::for_programs("section", |line: &Line| line.section),
             Column::for_programs("name", |line: &Line| line.name),
             Column::for_programs("against", |line: &Line| line.against),
-            Column::for_people("changed", Line::change).key().text(),
+            Column::for_people("changed", Line::change).label(),
         ];
         columns.extend(times("march", |line: &Line| line.march.copied()));
         columns.extend(times("total", |line: &Line| line.total.copied()));

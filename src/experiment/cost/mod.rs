@@ -3,7 +3,7 @@
 //! Everything is measured in pairs: a frame with all in it beside a frame that is changed in
 //! one thing, in turns, of the same waves, a seed a run. What the change saves is the median
 //! of the pairs' differences. What it changes is set against what another seed changes: less
-//! than that nobody can hear, for any frame has it.
+//! than that cannot be heard, for any frame has it.
 
 mod advice;
 mod change;

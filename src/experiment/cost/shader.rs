@@ -1,11 +1,8 @@
 //! What is in the shader of a scene, and whether the scene has it.
 
-mod reduce;
-
-use crate::scene::shape::Plane;
+use crate::scene::shape::{Plane, code_lines};
 use crate::scene::{Node, Scene, Surface};
 use crate::trace::{Pass, Settings, shader_text};
-use reduce::reduced;
 use serde::Serialize;
 
 /// The march pass of a scene, as the compiler gets it: without comments, empty lines and what
@@ -45,8 +42,8 @@ const PREFIXES: [&str; 6] = ["sd", "gd", "hit", "project", "gradient", "op"];
 const SUFFIXES: [&str; 2] = ["Directed", "Cap"];
 
 /// What such functions are called after without being a shape or an operator.
-const HELPERS: [&str; 9] = [
-    "Ball", "Chord", "Corner", "Edge", "InCells", "Kind", "Listener", "OfKind", "OntoKind",
+const HELPERS: [&str; 8] = [
+    "Ball", "Chord", "Corner", "InCells", "Kind", "Listener", "OfKind", "OntoKind",
 ];
 
 /// Functions that are called otherwise.
@@ -69,10 +66,10 @@ const CALLERS: [(&str, &str); 5] = [
 impl ShaderReport {
     /// Of the scene's march pass; needs no renderer.
     pub fn of(scene: &Scene, settings: &Settings) -> ShaderReport {
-        let text = reduced(&shader_text(scene, settings, Pass::March));
+        let text = code(&shader_text(scene, settings, Pass::March));
         let mut least = scene.clone();
         least.surfaces = vec![Surface::new(Node::Plane(Plane))];
-        let least = reduced(&shader_text(&least, settings, Pass::March));
+        let least = code(&shader_text(&least, settings, Pass::March));
         let functions = defined(&text);
         ShaderReport {
             lines: text.len(),
@@ -85,11 +82,21 @@ impl ShaderReport {
     }
 
     /// Names in the text that the scene has no use for.
-    pub fn strangers(&self) -> Vec<&str> {
-        let strange = |f: &&Feature| !f.in_scene && f.called_by.is_empty();
-        let strangers = self.features.iter().filter(strange);
-        strangers.map(|feature| feature.name.as_str()).collect()
+    pub fn unneeded(&self) -> Vec<&str> {
+        let is_unneeded = |f: &&Feature| !f.in_scene && f.called_by.is_empty();
+        let unneeded = self.features.iter().filter(is_unneeded);
+        unneeded.map(|feature| feature.name.as_str()).collect()
     }
+}
+
+/// The lines of a text that are code; all of a text that cannot be read.
+fn code(text: &str) -> Vec<String> {
+    code_lines(text).unwrap_or_else(|_| text.lines().map(str::to_owned).collect())
+}
+
+/// The names and numbers of a line.
+fn words(line: &str) -> impl Iterator<Item = &str> {
+    line.split(|c: char| !(c.is_ascii_alphanumeric() || c == '_'))
 }
 
 fn features(scene: &Scene, functions: &[String]) -> Vec<Feature> {
@@ -172,7 +179,7 @@ fn unused(lines: &[String], functions: &[String]) -> Vec<String> {
     for name in functions.iter().filter(|name| *name != "main") {
         let definitions = functions.iter().filter(|other| *other == name).count();
         let is_word = |word: &&str| *word == name.as_str();
-        let words = lines.iter().flat_map(|line| reduce::words(line));
+        let words = lines.iter().flat_map(|line| words(line));
         if words.filter(is_word).count() <= definitions && !unused.contains(name) {
             unused.push(name.clone());
         }

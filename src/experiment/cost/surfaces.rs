@@ -52,7 +52,7 @@ pub enum Verdict {
     IsHeard,
     /// The scene would have no surface.
     LeavesNothing,
-    /// Nothing is heard with everything in, so nobody can tell.
+    /// Nothing is heard with everything in, so it cannot be told.
     NothingHeard,
 }
 

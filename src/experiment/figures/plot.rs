@@ -1,26 +1,29 @@
 //! The four tables as one picture: time and hits against waves, log-log.
 
 use super::{FRAME_BUDGET_MS, FigureRow, FigureTable, FiguresReport};
-use crate::experiment::log_plot::{LogAxis, Panel, Point, Stroke, chart, draw_legend, draw_line};
+use crate::experiment::plot::{
+    HYBRID, LogAxis, MARCH, Panel, Point, Sheet, Stroke, THESIS, chart, draw_legend, draw_line,
+};
 use crate::report::PlotError;
 use plotters::prelude::*;
 
-const WIDTH: u32 = 1240;
-const TITLE_HEIGHT: u32 = 40;
-const ROW_HEIGHT: u32 = 340;
+const SHEET: Sheet = Sheet {
+    width: 1240,
+    title_height: 40,
+    row_height: 340,
+};
 /// Pixels of a plot; the legend has the rest.
 const PLOT_WIDTH: u32 = 510;
 
-/// The thesis' two machines: greys. Colours for ours, told apart by colour-blind eyes
-/// too (Okabe and Ito). Lines that come later lie on those before them: they are thinner, or have
-/// gaps, through which those below are seen.
+/// The thesis' two machines: greys. Colours for ours. Lines that come later lie on those before
+/// them: they are thinner, or have gaps, through which those below are seen.
 const MOBILE: Stroke = stroke(RGBColor(185, 185, 185), 7, None);
 const DESKTOP: Stroke = stroke(RGBColor(110, 110, 110), 7, None);
 const BUDGET: Stroke = stroke(RGBColor(204, 121, 167), 1, Some((12, 4)));
 const OURS: [Stroke; 4] = [
-    stroke(RGBColor(213, 94, 0), 3, None),
-    stroke(RGBColor(0, 114, 178), 4, None),
-    stroke(RGBColor(0, 200, 140), 2, Some((7, 7))),
+    stroke(THESIS, 3, None),
+    stroke(MARCH, 4, None),
+    stroke(HYBRID, 2, Some((7, 7))),
     stroke(RGBColor(230, 159, 0), 2, Some((2, 5))),
 ];
 
@@ -43,14 +46,8 @@ struct Curve {
 /// # Errors
 /// When the drawing fails, which its text says.
 pub(super) fn plot_svg(report: &FiguresReport) -> Result<String, PlotError> {
-    let mut svg = String::new();
-    let height = TITLE_HEIGHT + ROW_HEIGHT * report.tables.len() as u32;
-    {
-        let root = SVGBackend::with_string(&mut svg, (WIDTH, height)).into_drawing_area();
-        root.fill(&WHITE)?;
-        let title = format!("Figures 11.1 to 11.4, on {}", report.renderer);
-        let body = root.titled(&title, ("sans-serif", 20))?;
-        let rows = body.split_evenly((report.tables.len(), 1));
+    let title = format!("Figures 11.1 to 11.4, on {}", report.renderer);
+    SHEET.svg(&title, report.tables.len(), |rows| {
         for (row, table) in rows.iter().zip(&report.tables) {
             let (times, rest) = row.split_horizontally(PLOT_WIDTH);
             let (hits, legend) = rest.split_horizontally(PLOT_WIDTH);
@@ -59,9 +56,8 @@ pub(super) fn plot_svg(report: &FiguresReport) -> Result<String, PlotError> {
             plot(&hits, table, "waves at the listener", &of_hits)?;
             draw_legend(&legend, &entries(&of_times))?;
         }
-        root.present()?;
-    }
-    Ok(svg)
+        Ok(())
+    })
 }
 
 fn entries(curves: &[Curve]) -> Vec<(String, Stroke)> {

@@ -30,9 +30,7 @@ impl Row for Line<'_> {
             Column::for_programs("figure", |line: &Line| line.table.figure),
             Column::for_programs("scene", |line: &Line| line.table.scene),
             Column::for_programs("iterations", |line: &Line| line.table.iterations),
-            Column::new("profile", "profile", |line: &Line| &line.row.profile)
-                .key()
-                .text(),
+            Column::new("profile", "profile", |line: &Line| &line.row.profile).label(),
             Column::new("waves", "waves", |line: &Line| line.row.waves).key(),
             ms("initialise_ms", "init", |row| row.milliseconds.initialise),
             ms("march_ms", "march", |row| row.milliseconds.march),

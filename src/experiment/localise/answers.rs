@@ -1,4 +1,4 @@
-//! The answers of a test person, as the form saves them: JSON, whole or broken off.
+//! The answers of a test person, as the form saves them: JSON, complete or interrupted.
 //!
 //! Nothing is taken silently: a file is read in full or refused with what is wrong in it, and
 //! a trial without an answer counts as such.

@@ -98,9 +98,7 @@ impl Row for Line<'_> {
             Column::for_programs("kind", |line: &Line| line.kind),
             Column::for_programs("scene", |line: &Line| line.scene),
             Column::for_programs("sound", |line: &Line| line.sound),
-            Column::new("profile", "profile", |line: &Line| line.profile)
-                .key()
-                .text(),
+            Column::new("profile", "profile", |line: &Line| line.profile).label(),
             Column::new("waves", "waves", |line: &Line| line.waves).key(),
             Column::new("iterations", "it.", |line: &Line| line.iterations).key(),
             Column::for_programs("azimuth", |line: &Line| line.azimuth),
@@ -245,7 +243,7 @@ impl Row for &Group {
                 Cell::None => "silent".into(),
                 cell => cell,
             };
-            columns.push(Column::for_people(heading, cell).key().text());
+            columns.push(Column::for_people(heading, cell).label());
         }
         columns.push(Column::for_programs("heard", |group: &&Group| group.heard));
         columns.push(Column::new("answers", "answers", |group: &&Group| {

@@ -122,9 +122,7 @@ impl Row for &OpenReport {
             })
         };
         vec![
-            Column::for_people("profile", |open: &&OpenReport| &open.profile)
-                .key()
-                .text(),
+            Column::for_people("profile", |open: &&OpenReport| &open.profile).label(),
             Column::for_people("waves", |open: &&OpenReport| open.waves).key(),
             Column::for_people("it.", |open: &&OpenReport| open.iterations).key(),
             Column::for_people("ground", |open: &&OpenReport| open.ground).key(),
@@ -162,9 +160,7 @@ impl Row for Alike<'_> {
             Some(error.spread?.deg)
         };
         vec![
-            Column::for_people("profile", |alike: &Alike| &alike.open.profile)
-                .key()
-                .text(),
+            Column::for_people("profile", |alike: &Alike| &alike.open.profile).label(),
             Column::for_people("it.", |alike: &Alike| alike.open.iterations).key(),
             Column::for_people("ground", |alike: &Alike| alike.open.ground).key(),
             Column::for_people("azimuth", |alike: &Alike| alike.at.azimuth_deg).signed(0),
@@ -246,17 +242,11 @@ impl Row for &Plateau {
             _ => format!("{} waves", plateau.fixed),
         };
         vec![
-            Column::for_people("scene", |plateau: &&Plateau| &plateau.scene)
-                .key()
-                .text(),
-            Column::for_people("of", of).key().text(),
-            Column::for_people("along", |plateau: &&Plateau| plateau.along)
-                .key()
-                .text(),
-            Column::for_people("with", with).key().text(),
-            Column::for_people("profile", |plateau: &&Plateau| &plateau.profile)
-                .key()
-                .text(),
+            Column::for_people("scene", |plateau: &&Plateau| &plateau.scene).label(),
+            Column::for_people("of", of).label(),
+            Column::for_people("along", |plateau: &&Plateau| plateau.along).label(),
+            Column::for_people("with", with).label(),
+            Column::for_people("profile", |plateau: &&Plateau| &plateau.profile).label(),
             Column::for_people("from", |plateau: &&Plateau| plateau.told()),
             Column::for_people("least", |plateau: &&Plateau| plateau.least),
             Column::for_people("of counts to", |plateau: &&Plateau| plateau.largest),
@@ -316,9 +306,7 @@ fn arrivals(table: &'static ThesisTable, scene: &SceneReport) -> impl Iterator<I
 impl Row for Arrivals {
     fn columns() -> Vec<Column<Self>> {
         let mut columns = vec![
-            Column::for_people("scene", |row: &Arrivals| row.table.scene)
-                .key()
-                .text(),
+            Column::for_people("scene", |row: &Arrivals| row.table.scene).label(),
             Column::for_people("it.", |row: &Arrivals| row.table.iterations).key(),
             Column::for_people("waves", |row: &Arrivals| row.waves).key(),
             Column::for_people("printed", |row: &Arrivals| row.printed),
@@ -380,12 +368,8 @@ impl Report for ScoreReport {
 impl Row for &SessionLine {
     fn columns() -> Vec<Column<Self>> {
         vec![
-            Column::for_people("session", |line: &&SessionLine| &line.session)
-                .key()
-                .text(),
-            Column::for_people("participant", |line: &&SessionLine| &line.participant)
-                .key()
-                .text(),
+            Column::for_people("session", |line: &&SessionLine| &line.session).label(),
+            Column::for_people("participant", |line: &&SessionLine| &line.participant).label(),
             Column::for_people("form", |line: &&SessionLine| &line.experiment).text(),
             Column::for_people("answered", |line: &&SessionLine| line.answered),
             Column::for_people("of", |line: &&SessionLine| line.trials),

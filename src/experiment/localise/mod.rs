@@ -29,7 +29,7 @@ mod document;
 pub mod form;
 mod listen;
 pub mod observer;
-mod open;
+mod open_field;
 mod plateaus;
 mod plot;
 mod report;

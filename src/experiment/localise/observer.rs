@@ -1,4 +1,4 @@
-//! A listener made of arithmetic: from the levels of two channels to a direction.
+//! The computed observer: from the levels of two channels to a direction.
 //!
 //! # Theory
 //! The final pass gives each wave that arrives at the point **n** of the unit sphere about

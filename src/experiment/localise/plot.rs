@@ -5,23 +5,20 @@
 use super::report::{Cell, LocaliseReport, SceneReport};
 use super::shown::{first_sound, measured};
 use super::statistics::{ErrorFigures, Figure, LEAST_DRAWN};
-use crate::experiment::log_plot::{Panel, Stroke, draw_legend};
+use crate::experiment::plot::{HYBRID, MARCH, Panel, Sheet, Stroke, THESIS, draw_legend};
 use crate::report::PlotError;
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
-const WIDTH: u32 = 1640;
+const SHEET: Sheet = Sheet {
+    width: 1640,
+    title_height: 48,
+    row_height: 360,
+};
 /// Pixels of the plots of a row; the legend has the rest.
 const PLOTS_WIDTH: u32 = 1230;
-const TITLE_HEIGHT: u32 = 48;
-const ROW_HEIGHT: u32 = 360;
 
-/// Told apart by colour-blind eyes too (Okabe and Ito).
-const COLOURS: [(&str, RGBColor); 3] = [
-    ("thesis", RGBColor(213, 94, 0)),
-    ("march", RGBColor(0, 114, 178)),
-    ("hybrid", RGBColor(0, 200, 140)),
-];
+const COLOURS: [(&str, RGBColor); 3] = [("thesis", THESIS), ("march", MARCH), ("hybrid", HYBRID)];
 const GROUND: RGBColor = RGBColor(120, 120, 120);
 const BARE: RGBColor = RGBColor(204, 121, 167);
 
@@ -68,29 +65,21 @@ struct Line {
 /// # Errors
 /// When the drawing fails, which its text says.
 pub(super) fn plot_svg(report: &LocaliseReport) -> Result<String, PlotError> {
-    let mut svg = String::new();
-    let rows = 1 + report.scenes.len();
-    {
-        let height = TITLE_HEIGHT + ROW_HEIGHT * rows as u32;
-        let root = SVGBackend::with_string(&mut svg, (WIDTH, height)).into_drawing_area();
-        root.fill(&WHITE)?;
-        let interval = match report.rough {
-            true => format!("rough interval (fewer than {LEAST_DRAWN} seeds)"),
-            false => format!("{:.0} % interval", 100.0 * report.confidence),
-        };
-        let title = format!(
-            "Localisation by levels: median absolute error with its {interval}, {}",
-            report.renderer
-        );
-        let body = root.titled(&title, ("sans-serif", 20))?;
-        let rows = body.split_evenly((rows, 1));
+    let interval = match report.rough {
+        true => format!("rough interval (fewer than {LEAST_DRAWN} seeds)"),
+        false => format!("{:.0} % interval", 100.0 * report.confidence),
+    };
+    let title = format!(
+        "Localisation by levels: median absolute error with its {interval}, {}",
+        report.renderer
+    );
+    SHEET.svg(&title, 1 + report.scenes.len(), |rows| {
         plot_open(&rows[0], report)?;
         for (row, scene) in rows[1..].iter().zip(&report.scenes) {
             plot_scene(row, scene)?;
         }
-        root.present()?;
-    }
-    Ok(svg)
+        Ok(())
+    })
 }
 
 fn plot_open(row: &Panel, report: &LocaliseReport) -> Result<(), PlotError> {

@@ -116,7 +116,7 @@ pub fn score(files: &[PathBuf]) -> Result<ScoreReport, AnswersError> {
     for line in sessions.iter().filter(|line| line.answered < line.trials) {
         let (session, open) = (&line.session, line.trials - line.answered);
         notes.push(format!(
-            "session {session} was broken off: {open} of {} trials are not answered",
+            "session {session} was interrupted: {open} of {} trials are not answered",
             line.trials
         ));
     }

@@ -1,4 +1,4 @@
-//! What of a report is shown, in the text and in the plot.
+//! The part of a report that its text and its plot show.
 
 use super::report::{Cell, LocaliseReport, Plateau, SceneReport};
 

@@ -135,21 +135,17 @@ fn drawings(count: usize, draw: impl Fn(&mut Random) -> Vec<Vec<Pair>>) -> Vec<P
 }
 
 fn together(answers: usize, found: &Point, drawings: &[Point]) -> ErrorFigures {
-    let figure = |of: fn(&Point) -> Option<f64>| {
-        let deg = of(found)?;
-        let interval_deg = interval(drawings.iter().filter_map(of).collect());
-        Some(Figure { deg, interval_deg })
-    };
-    let sure = |deg: f64, of: fn(&Point) -> Option<f64>| {
+    let figure = |deg: f64, of: fn(&Point) -> Option<f64>| {
         let interval_deg = interval(drawings.iter().filter_map(of).collect());
         Figure { deg, interval_deg }
     };
+    let figure_if_any = |of: fn(&Point) -> Option<f64>| Some(figure(of(found)?, of));
     ErrorFigures {
         answers,
-        median_abs: sure(found.median_abs, |of| Some(of.median_abs)),
-        bias: sure(found.bias, |of| Some(of.bias)),
-        outward_bias: figure(|of| of.outward_bias),
-        spread: figure(|of| of.spread),
+        median_abs: figure(found.median_abs, |of| Some(of.median_abs)),
+        bias: figure(found.bias, |of| Some(of.bias)),
+        outward_bias: figure_if_any(|of| of.outward_bias),
+        spread: figure_if_any(|of| of.spread),
         rough: false,
     }
 }

@@ -154,9 +154,7 @@ impl Row for &CaseReport {
             .text()
         };
         let mut columns = vec![
-            Column::new("name", "case", |case: &&CaseReport| &case.name)
-                .key()
-                .text(),
+            Column::new("name", "case", |case: &&CaseReport| &case.name).label(),
             Column::new("hard", "what is hard", |case: &&CaseReport| &case.hard).text(),
             Column::new("exact", "exact", |case: &&CaseReport| &case.exact).text(),
             Column::new("bound", "bound", |case: &&CaseReport| &case.bound).text(),

@@ -1,4 +1,4 @@
-//! One surface, or one kind of surfaces, as the generated text names it.
+//! The names by which generated text calls a surface, or a kind of surfaces.
 
 use super::field::{self, has_closed_form};
 use crate::kernel::assets::Assets;

@@ -1,4 +1,4 @@
-//! Files that a scene file names: height images and GLSL fields.
+//! Reads the files that a scene file names: height images and GLSL fields.
 
 use crate::input::read_text;
 use crate::scene::builtin::FIELDS;

@@ -1,4 +1,4 @@
-//! What cannot be a field, and why: each in one sentence.
+//! Checks of a tree of shapes; each refusal is one sentence.
 
 use super::part::in_range;
 use super::{Node, Shape, User};

@@ -42,16 +42,18 @@ mod rounded_box;
 mod sphere;
 #[cfg(test)]
 pub(crate) mod tests;
-mod text;
 mod torus;
 mod user;
 mod user_field;
+mod user_glsl;
 
 pub(crate) use check::{MOST_NODES, halton};
 pub(crate) use list::{ShapeFile, every_part, form_of, shape_names};
 pub(crate) use part::{LARGEST, Numbers, Part};
 use quadric::Quadric;
 pub(crate) use read::{FromFile, Operands};
+#[cfg(feature = "experiment")]
+pub(crate) use user_glsl::code_lines;
 
 pub use bounds::Bounds3;
 pub use capped_cylinder::CappedCylinder;

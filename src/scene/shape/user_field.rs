@@ -1,12 +1,12 @@
 //! A field of one's own: GLSL text with a `float field(vec3 p)` in it, and perhaps a
 //! `vec3 fieldGradient(vec3 p)`.
 //!
-//! Only a GPU can evaluate it. What the CPU needs to know (whether the source is buried,
+//! Only a GPU can evaluate it. What the CPU needs to know (whether the source is in a solid,
 //! where a walker may go) it has from samples, which are taken once on the GPU when the
 //! field is checked; see `crate::trace`.
 
 use super::part::Numbers;
-use super::{Parameter, text};
+use super::{Parameter, user_glsl};
 use crate::scene::Quantity;
 use glam::{DVec3, Vec3};
 use std::path::PathBuf;
@@ -117,7 +117,7 @@ impl UserField {
     /// without directives and `precision` statements, which are the whole shader's. Empty for
     /// a text that [`UserField::check_text`] refuses.
     pub fn shader_text(&self) -> String {
-        text::read(&self.text).map_or_else(|_| String::new(), |text| text.code)
+        user_glsl::read(&self.text).map_or_else(|_| String::new(), |text| text.code)
     }
 
     /// Checks what can be seen without compiling it.
@@ -127,7 +127,7 @@ impl UserField {
     /// value that a shader would have to be given from outside, something that a function of
     /// one point cannot do, or more than a compiler can be trusted with.
     pub fn check_text(&self) -> Result<(), (Option<u32>, String)> {
-        text::read(&self.text).map(|_| ())
+        user_glsl::read(&self.text).map(|_| ())
     }
 
     /// Whether there are loops in the text, as far as it can be read.
@@ -141,20 +141,20 @@ impl UserField {
     }
 
     fn read(&self) -> Read {
-        let read = |text: text::Text| Read {
+        let read = |text: user_glsl::Text| Read {
             has_loops: text.has_loops,
             states_gradient: text.states_gradient,
         };
         *self
             .read
-            .get_or_init(|| text::read(&self.text).map(read).unwrap_or_default())
+            .get_or_init(|| user_glsl::read(&self.text).map(read).unwrap_or_default())
     }
 
     /// All names in the text that are not GLSL's own: they are renamed when it is taken into a
     /// shader, so that two fields never clash, and no field reaches what is around it. Empty
     /// for a text that [`UserField::check_text`] refuses.
     pub fn names(&self) -> Vec<String> {
-        text::read(&self.text).map_or_else(|_| Vec::new(), |text| text.names)
+        user_glsl::read(&self.text).map_or_else(|_| Vec::new(), |text| text.names)
     }
 }
 

@@ -12,7 +12,7 @@ use std::str::FromStr;
 pub enum Profile {
     /// Closed form where a surface has one. What people should use.
     Hybrid,
-    /// Sphere tracing done right, for any distance function with a Lipschitz bound.
+    /// Accurate sphere tracing, for any distance function with a Lipschitz bound.
     March,
     /// Figures 8 and 9 of the thesis as they stand, with all they get wrong.
     Thesis,

@@ -127,7 +127,7 @@ impl Settings {
         Settings::new(Profile::Hybrid)
     }
 
-    /// Sphere tracing done right: Newton's steps everywhere, landing, exact normals, no end
+    /// Accurate sphere tracing: Newton's steps everywhere, landing, exact normals, no end
     /// at 300 m, eight iterations in a pass.
     pub fn march() -> Settings {
         Settings::new(Profile::March)

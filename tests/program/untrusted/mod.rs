@@ -1,4 +1,4 @@
-//! Files that come from somewhere: what they hold is read within limits, shown as text and
+//! Untrusted files: what they hold is read within limits, shown as text and
 //! nothing else, and the files are never overwritten.
 #![cfg(unix)]
 

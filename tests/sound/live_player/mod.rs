@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 use echomarch::audio::PanningLaw;
 use echomarch::audio::live::{Live, LiveError, LiveOptions, list_devices};
 
-use crate::sound_server::{PATIENCE, Process, SINK, wait_for};
+use crate::sound_server::{Process, SINK, TIMEOUT, wait_for};
 
 /// Says which part of the player below is wanted.
 const PART: &str = "ECHOMARCH_TEST_PART";
@@ -225,7 +225,7 @@ fn play_recordings() {
     live.start_recording(&again).unwrap();
     let status = live.status();
     assert!(status.is_recording && status.notice.is_none(), "{status:?}");
-    // What a program leaves that is broken off now can be read.
+    // What a program leaves that is interrupted now can be read.
     wait_recorded("again", 24_000);
     let part = part_of("again");
     assert!(live.stop_recording().unwrap() > 24_000);
@@ -353,7 +353,7 @@ impl Player {
     }
 
     fn wait_until(&self, what: &str, is_so: impl Fn(&str) -> bool) -> String {
-        let end = Instant::now() + PATIENCE;
+        let end = Instant::now() + TIMEOUT;
         loop {
             let left = end.saturating_duration_since(Instant::now());
             let line = self.lines.recv_timeout(left);

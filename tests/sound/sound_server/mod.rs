@@ -14,13 +14,13 @@ use tempfile::TempDir;
 pub const SINK: &str = "probe";
 
 /// How long anything may take before a test is given up: no machine is so busy.
-pub const PATIENCE: Duration = Duration::from_secs(300);
+pub const TIMEOUT: Duration = Duration::from_secs(300);
 
 /// Waits until something is so.
 pub fn wait_for(what: &str, mut is_so: impl FnMut() -> bool) {
     let start = Instant::now();
     while !is_so() {
-        assert!(start.elapsed() < PATIENCE, "waited: {what}");
+        assert!(start.elapsed() < TIMEOUT, "waited: {what}");
         std::thread::sleep(Duration::from_millis(20));
     }
 }

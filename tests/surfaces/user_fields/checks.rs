@@ -138,7 +138,7 @@ fn fields_that_grow_just_as_fast_as_they_say_are_taken() {
     });
 }
 
-/// Protects what the CPU knows of a field: whether the source is buried.
+/// Protects what the CPU knows of a field: whether the source is in a solid.
 #[test]
 fn a_checked_field_has_its_distance_on_the_cpu() {
     for_each_api(|context| {

@@ -54,7 +54,7 @@ fn touching(name: &str, blocks: Vec<Surface>, away: f32) -> Case {
     });
     in_a_room(
         name,
-        "faces of several boxes lie in one plane, give or take rounding",
+        "faces of several boxes lie in one plane, within rounding",
         turned.collect(),
         away,
     )

@@ -30,7 +30,7 @@ pub fn block(x: f32, y: f32, z: f32) -> Surface {
 }
 
 /// A listener out of the way: in the solid around the hall.
-pub fn nobody() -> Listener {
+pub fn listener_outside() -> Listener {
     Listener::at(Vec3::new(16.5, 0.0, 0.0), 0.5)
 }
 

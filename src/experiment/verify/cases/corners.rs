@@ -1,7 +1,7 @@
 //! Edges and vertices, from within and from without.
 
 use super::super::{Case, Planted};
-use super::build::{aims, block, builtin, hall, nobody, scene};
+use super::build::{aims, block, builtin, hall, listener_outside, scene};
 use crate::scene::Surface;
 use glam::{DVec3, Quat, Vec3};
 
@@ -34,7 +34,7 @@ fn concave_edge() -> Case {
         "concave-edge",
         "a ray into the edge of two walls meets both at once",
         "both mirror it, in any order: it comes back parallel to itself",
-        scene("hall", vec![hall()], source, nobody()),
+        scene("hall", vec![hall()], source, listener_outside()),
         directions,
         4,
     )
@@ -49,7 +49,7 @@ fn concave_vertex() -> Case {
         "concave-vertex",
         "a ray into the corner of three walls meets all three at once",
         "all three mirror it: it comes back the way it came",
-        scene("hall", vec![hall()], source, nobody()),
+        scene("hall", vec![hall()], source, listener_outside()),
         directions,
         6,
     )
@@ -123,7 +123,12 @@ fn convex_edge() -> Case {
         "convex-edge",
         "a ray onto the edge of a block belongs to neither face",
         "either face mirrors it, or it just passes",
-        scene("block", standing(Quat::IDENTITY), source, nobody()),
+        scene(
+            "block",
+            standing(Quat::IDENTITY),
+            source,
+            listener_outside(),
+        ),
         aims(source, &points),
         4,
     )
@@ -135,7 +140,12 @@ fn convex_vertex() -> Case {
         "convex-vertex",
         "a ray onto the vertex of a block belongs to none of its faces",
         "any of the faces mirrors it, or it just passes",
-        scene("block", standing(Quat::IDENTITY), source, nobody()),
+        scene(
+            "block",
+            standing(Quat::IDENTITY),
+            source,
+            listener_outside(),
+        ),
         aims(source, &vertices(Vec3::new(1.0, 2.0, 3.0))),
         4,
     )
@@ -152,7 +162,7 @@ fn turned_vertex() -> Case {
         "turned-edges",
         "edges and vertices of a turned block",
         "any face mirrors it, or it just passes",
-        scene("block", standing(turn), source, nobody()),
+        scene("block", standing(turn), source, listener_outside()),
         aims(source, &points),
         4,
     )

@@ -1,7 +1,7 @@
 //! Walls met head-on and at a glance.
 
 use super::super::{Case, Planted};
-use super::build::{hall, nobody, scene};
+use super::build::{hall, listener_outside, scene};
 use crate::scene::shape::Plane;
 use crate::scene::{Listener, Node, Surface};
 use glam::{DVec3, Vec3};
@@ -41,7 +41,7 @@ fn normal() -> Case {
         "normal-incidence",
         "the wave comes back the way it came: an offset along it leads into the wall",
         "8 flights to and fro, at the wall behind the start",
-        scene("hall", vec![hall()], source, nobody()),
+        scene("hall", vec![hall()], source, listener_outside()),
         directions.into(),
         8,
     )
@@ -94,7 +94,7 @@ fn grazing_in_a_room() -> Case {
         "grazing-in-a-room",
         "the wave creeps along a wall and is mirrored at those ahead",
         "16 flights between walls",
-        scene("hall", vec![hall()], source, nobody()),
+        scene("hall", vec![hall()], source, listener_outside()),
         directions,
         16,
     )

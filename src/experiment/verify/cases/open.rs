@@ -14,7 +14,7 @@ fn field() -> Case {
     Case::spread(
         "open-field",
         "nothing above the ground: half of the waves meet nothing, ever",
-        "dead, and dead for good",
+        "dead, and stays dead",
         builtin("open-field"),
         lattice(1024),
         8,
@@ -49,7 +49,7 @@ fn horizon() -> Case {
     Case::spread(
         "horizon",
         "waves along the ground and straight up; the world's origin in the listener",
-        "dead, and dead for good",
+        "dead, and stays dead",
         scene("meadow", vec![ground, ball], source, listener),
         directions,
         4,

@@ -1,7 +1,7 @@
 //! Lines that just touch, or just miss, what is round.
 
 use super::super::Case;
-use super::build::{hall, nobody, scene};
+use super::build::{hall, listener_outside, scene};
 use crate::scene::shape::{Cylinder, Sphere};
 use crate::scene::{Node, Surface};
 use glam::{DVec3, Vec3};
@@ -41,7 +41,12 @@ fn tangents(name: &str, shape: Node) -> Case {
         name,
         "a line that touches: the root under which all hangs is 0",
         "past it, or mirrored by next to nothing",
-        scene("hall", vec![hall(), Surface::new(shape)], source, nobody()),
+        scene(
+            "hall",
+            vec![hall(), Surface::new(shape)],
+            source,
+            listener_outside(),
+        ),
         directions,
         2,
     )

@@ -5,7 +5,7 @@
 //! difference or a shell turns the one into the other.
 
 use super::copies::{CopyAxes, keep_to_cells};
-use super::text::{Axis, arguments, mirrored};
+use super::value::{Axis, arguments, mirrored};
 use super::{Place, Writer};
 use crate::kernel::assets::Assets;
 use crate::kernel::text::library::has_function;

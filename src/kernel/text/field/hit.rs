@@ -9,7 +9,7 @@
 //! it ends at what else the wave meets, so that the limit counts only where nothing else does.
 
 use super::copies::{CopyAxes, cells_crossed, has_step_limit, keep_to_cells};
-use super::text::arguments;
+use super::value::arguments;
 use super::{Place, Writer};
 use crate::kernel::assets::Assets;
 use crate::kernel::text::library::has_function;

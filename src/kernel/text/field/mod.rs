@@ -14,14 +14,14 @@ mod along;
 mod copies;
 mod hit;
 mod numbers;
-mod text;
 mod user;
+mod value;
 
 pub(in crate::kernel) use along::{free_text, is_bounded, leaps};
 pub(in crate::kernel) use copies::{cells_crossed, has_step_limit};
 pub(in crate::kernel) use hit::{has_closed_form, hit_text, takes_limit};
-pub(super) use text::{gradient_text, has_differences, normal_text, value_text};
 pub(in crate::kernel) use user::{user_parts, user_text};
+pub(super) use value::{gradient_text, has_differences, normal_text, value_text};
 
 use crate::kernel::assets::Assets;
 use crate::scene::Shape;

@@ -1,4 +1,4 @@
-//! One side shown on both.
+//! Mirror images across planes through the origin.
 
 use super::part::parameters;
 use super::{Part, Properties, Shape, ShapeFile};

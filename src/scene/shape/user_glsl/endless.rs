@@ -1,4 +1,4 @@
-//! Loops that say themselves that they never end.
+//! Loops whose text shows that they never end.
 //!
 //! Software renderers leave a loop after 65,536 turns, and a compiler leaves out a loop whose
 //! outcome nobody uses, so that a trial alone does not tell of them.

@@ -1,4 +1,4 @@
-//! What the named values of a scene measure.
+//! The named values of a scene, and the quantity that each measures.
 
 use super::{Motion, Scene, Surface};
 

@@ -1,4 +1,4 @@
-//! What keys and buttons ask for once.
+//! The actions of keys and buttons.
 
 use super::app::App;
 use super::keys::Action;

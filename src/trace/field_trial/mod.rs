@@ -1,4 +1,4 @@
-//! Trying users' fields where they can do no harm.
+//! Tries users' fields in a child process, where they can do no harm.
 //!
 //! A field's text is a program, and what compiles it, the driver, runs within the process that
 //! asks: a division that the compiler folds, a sum of twenty thousand terms or a loop of a
@@ -39,12 +39,12 @@ const STACK: usize = 4 << 20;
 #[derive(Clone, Debug, Default)]
 pub enum FieldTrial {
     /// They are not: this process compiles and samples them at once. A text that the driver
-    /// does not bear ends this process by a signal, takes gigabytes of memory, or never
+    /// cannot handle ends this process by a signal, takes gigabytes of memory, or never
     /// returns. For texts that one trusts.
     #[default]
     InThisProcess,
-    /// In a child process that this command starts, once for each text. For texts that come
-    /// from somewhere.
+    /// In a child process that this command starts, once for each text. For untrusted
+    /// texts.
     InChild(TrialCommand),
 }
 

@@ -8,6 +8,8 @@
 //!
 //! Of what remains (sums that overflow a compiler's stack, loops without end) only trying it
 //! tells: see [`crate::trace::FieldTrial`].
+//!
+//! The same preprocessor, without limits, tells `echomarch cost` what is in a whole shader.
 
 mod check;
 mod condition;
@@ -53,7 +55,7 @@ pub(super) fn read(text: &str) -> Result<Text, Refusal> {
     }
     let clean = tokens::clean(text);
     let (tokens, end) = tokens::tokens(&clean)?;
-    let tokens = preprocess::preprocess(&tokens)?;
+    let tokens = preprocess::preprocess(&tokens, MOST_TOKENS)?;
     let tokens = check::leave_out_precisions(&tokens);
     let states_gradient = check::check(&tokens)?;
     endless::check(&tokens)?;
@@ -65,6 +67,27 @@ pub(super) fn read(text: &str) -> Result<Text, Refusal> {
             .iter()
             .any(|token| matches!(token.text, "for" | "while" | "do")),
     })
+}
+
+/// The lines of a whole shader's text that are code, as its compiler gets them: without comments,
+/// directives and what conditions leave out, and with macros expanded.
+///
+/// # Errors
+/// What is wrong with a text that no compiler would take.
+#[cfg(feature = "experiment")]
+pub(crate) fn code_lines(text: &str) -> Result<Vec<String>, String> {
+    let is_kept = |line: &&str| !line.starts_with("#line");
+    let kept: Vec<&str> = text.lines().filter(is_kept).collect();
+    let clean = tokens::clean(&kept.join("\n"));
+    let told = |(_, why): Refusal| why;
+    let (tokens, _) = tokens::tokens(&clean).map_err(told)?;
+    let tokens = preprocess::preprocess(&tokens, usize::MAX).map_err(told)?;
+    let lines = tokens.chunk_by(|one, next| one.line == next.line);
+    let written = |line: &[Token]| -> String {
+        let words: Vec<&str> = line.iter().map(|token| token.text).collect();
+        words.join(" ")
+    };
+    Ok(lines.map(written).collect())
 }
 
 /// Writes tokens in their lines, with what stood before each, and after the last.
@@ -101,6 +124,27 @@ mod tests {
 
     fn refusal(text: &str) -> (Option<u32>, String) {
         read(text).expect_err(&text[..text.len().min(200)])
+    }
+
+    /// Protects the counts of `cost`: comments and what is switched off are no code, names are
+    /// renamed, and a text with no such limits as users' texts have is read.
+    #[cfg(feature = "experiment")]
+    #[test]
+    fn a_shader_is_reduced_to_its_code() {
+        let text = "// 1: a\n#line 1 1\n#define ON 1\n#define OFF 0\n#define field user0_field\n\
+                    float field(vec3 p) { /* one\ntwo */ return p.x; } // end\n#undef field\n\
+                    #if OFF\nfloat off;\n#else\nfloat field;\n#endif\n#if !ON\nfloat off;\n#endif\n\
+                    #ifdef ON\nfloat on;\n#endif";
+        let expected = [
+            "float user0_field ( vec3 p ) {",
+            "return p . x ; }",
+            "float field ;",
+            "float on ;",
+        ];
+        assert_eq!(code_lines(text).unwrap(), expected);
+        let long = "float a;\n".repeat(MOST_TOKENS);
+        assert_eq!(code_lines(&long).unwrap().len(), MOST_TOKENS);
+        assert!(code_lines("#if 1\nfloat a;").is_err());
     }
 
     /// Protects the renaming: every name that a driver could take for one of ours is found.
@@ -330,7 +374,7 @@ mod tests {
         let plain = |text: &str| {
             let text = tokens::clean(text);
             let (tokens, _) = tokens::tokens(&text).unwrap();
-            let tokens = preprocess::preprocess(&tokens).unwrap();
+            let tokens = preprocess::preprocess(&tokens, MOST_TOKENS).unwrap();
             tokens
                 .iter()
                 .map(|token| token.text)

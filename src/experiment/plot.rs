@@ -1,5 +1,6 @@
-//! Plots with two logarithmic axes: whole decades, one notation of numbers, a line for zero, lines
-//! that are told apart where they lie on one another, and a legend beside them.
+//! What the experiments' plots share: a sheet of rows, the profiles' colours, charts with two
+//! logarithmic axes (whole decades, one notation of numbers, a line for zero), lines that are told
+//! apart where they lie on one another, and a legend beside them.
 
 use crate::report::PlotError;
 use plotters::coord::Shift;
@@ -9,6 +10,46 @@ use plotters::prelude::*;
 pub(super) type Panel<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 pub(super) type Chart<'a, 'b> =
     ChartContext<'a, SVGBackend<'b>, Cartesian2d<LogCoord<f64>, LogCoord<f64>>>;
+
+/// The profiles' colours, told apart by colour-blind eyes too (Okabe and Ito).
+pub(super) const THESIS: RGBColor = RGBColor(213, 94, 0);
+pub(super) const MARCH: RGBColor = RGBColor(0, 114, 178);
+pub(super) const HYBRID: RGBColor = RGBColor(0, 200, 140);
+
+/// The size of a picture with a title and equal rows below it, in pixels.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sheet {
+    pub width: u32,
+    pub title_height: u32,
+    pub row_height: u32,
+}
+
+impl Sheet {
+    /// The picture as SVG; `draw` fills its rows.
+    ///
+    /// # Errors
+    /// When the drawing fails, which its text says.
+    pub fn svg(
+        self,
+        title: &str,
+        rows: usize,
+        draw: impl FnOnce(&[Panel]) -> Result<(), PlotError>,
+    ) -> Result<String, PlotError> {
+        let mut svg = String::new();
+        {
+            let size = (
+                self.width,
+                self.title_height + self.row_height * rows as u32,
+            );
+            let root = SVGBackend::with_string(&mut svg, size).into_drawing_area();
+            root.fill(&WHITE)?;
+            let body = root.titled(title, ("sans-serif", 20))?;
+            draw(&body.split_evenly((rows, 1)))?;
+            root.present()?;
+        }
+        Ok(svg)
+    }
+}
 
 /// A wave count, or time, and a value.
 pub(super) type Point = (f64, f64);

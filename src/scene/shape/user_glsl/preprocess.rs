@@ -1,12 +1,12 @@
 //! Directives and macros, within limits.
 
 use super::tokens::{Kind, Token};
-use super::{MOST_TOKENS, Refusal, condition};
+use super::{Refusal, condition};
 use std::collections::{HashMap, HashSet};
 
-/// Tokens that may be looked at until all macros are expanded: each of a text as large as may
-/// be, at every level of eight.
-const MOST_STEPS: usize = 8 * MOST_TOKENS;
+/// Tokens that may be looked at until all macros are expanded, for each that may come out: at
+/// every level of eight.
+const STEPS_A_TOKEN: usize = 8;
 
 /// Characters of an `#error` that are told.
 const LONGEST_ERROR: usize = 200;
@@ -21,10 +21,10 @@ const DEEPEST_CONDITION: usize = 64;
 /// 3.00 and GLSL 3.30.
 const VERSION: &str = "300";
 
-/// The text without directives and macros.
-pub fn preprocess<'a>(tokens: &[Token<'a>]) -> Result<Vec<Token<'a>>, Refusal> {
+/// The text without directives and macros, of so many tokens at the most.
+pub fn preprocess<'a>(tokens: &[Token<'a>], most_tokens: usize) -> Result<Vec<Token<'a>>, Refusal> {
     let mut state = Preprocessor {
-        expander: Expander::new(),
+        expander: Expander::new(most_tokens),
         conditions: Vec::new(),
     };
     let mut out = Vec::new();
@@ -205,14 +205,16 @@ struct Expander<'a> {
     /// Those that are being expanded.
     hidden: HashSet<&'a str>,
     steps: usize,
+    most_tokens: usize,
 }
 
 impl<'a> Expander<'a> {
-    fn new() -> Expander<'a> {
+    fn new(most_tokens: usize) -> Expander<'a> {
         Expander {
             macros: HashMap::new(),
             hidden: HashSet::new(),
             steps: 0,
+            most_tokens,
         }
     }
 
@@ -252,7 +254,7 @@ impl<'a> Expander<'a> {
 
     fn step(&mut self, count: usize, line: u32) -> Result<(), Refusal> {
         self.steps += count;
-        if self.steps <= MOST_STEPS {
+        if self.steps <= self.most_tokens.saturating_mul(STEPS_A_TOKEN) {
             return Ok(());
         }
         Err((Some(line), "its macros expand to too much".to_owned()))
@@ -289,8 +291,9 @@ impl<'a> Expander<'a> {
                 token = number(token, VERSION);
             }
             out.push(token);
-            if out.len() > MOST_TOKENS {
-                let why = format!("it has more than {MOST_TOKENS} words, numbers and marks");
+            if out.len() > self.most_tokens {
+                let most = self.most_tokens;
+                let why = format!("it has more than {most} words, numbers and marks");
                 return Err((Some(token.line), why));
             }
         }

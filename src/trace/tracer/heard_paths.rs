@@ -3,7 +3,7 @@
 use super::Tracer;
 use crate::error::Error;
 use crate::scene::Scene;
-use crate::trace::heard::{HeardSearch, MostKept};
+use crate::trace::heard_search::{HeardSearch, MostKept};
 use crate::trace::{Fate, Settings, Wave};
 
 /// Waves that are traced at a time: what is read back of them is some 10 MB.

@@ -182,7 +182,7 @@ impl Trial {
         if let Some(signal) = signal(status) {
             let memory = MOST_MEMORY >> 20;
             return Err(self.dies(format!(
-                "ended by {signal}: the renderer does not bear it, or it takes more than {memory} MiB"
+                "ended by {signal}: the driver fails on it, or it takes more than {memory} MiB"
             )));
         }
         let failed = |why: String| TraceError::NoFieldTrial { why };

@@ -1,4 +1,4 @@
-//! What a field cannot have in it.
+//! Refuses what a field's text must not contain.
 
 use super::Refusal;
 use super::tokens::{Kind, Token};
