@@ -1,4 +1,4 @@
-//! Frames: contexts, passes, read-back, panning, options, pictures, and accuracy.
+//! Frames: contexts, panning, options, pictures, and accuracy.
 
 #[path = "../common/mod.rs"]
 mod common;

@@ -1,4 +1,4 @@
-//! Frames, where a test needs what callers do not have.
+//! Frames and the text of passes, where a test needs what callers do not have.
 
 mod field_waves;
 mod foreign_contexts;
