@@ -155,7 +155,7 @@ fn a_feature_that_leaves_takes_its_text_along() {
     scene.surfaces.pop();
     let room = ShaderReport::of(&scene, &settings);
     assert!(both.lines > room.lines && both.functions > room.functions);
-    assert_eq!(room.strangers(), [""; 0]);
+    assert_eq!(room.unneeded(), [""; 0]);
     let names: Vec<&str> = room.features.iter().map(|f| f.name.as_str()).collect();
     assert_eq!(names, ["Room"]);
 }
