@@ -30,6 +30,7 @@ readonly -a NEEDED_TO_TEST=(
     "command:chromedriver chromium-driver   steers it"
     "command:Xvfb         xvfb              a display without a screen, for the window"
     "command:xdotool      xdotool           presses the window's keys"
+    "command:python3      python3           writes the report of a renderer"
 )
 
 say() {

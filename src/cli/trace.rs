@@ -1,8 +1,8 @@
 //! `echomarch trace`: one frame.
 
 use super::exit::BadInput;
-use super::numbers::real;
-use super::options::{Common, LawOption, TraceOptions, check_ending};
+use super::numbers::{count, real};
+use super::options::{Common, LawOption, TraceOptions, check_ending, check_range};
 use super::print;
 use super::scene::SceneAtTime;
 use crate::audio::PanningLaw;
@@ -19,6 +19,7 @@ const EXAMPLES: &str = "\
 Examples:
   echomarch trace corner --iterations 4 --waves 1048576
   echomarch trace corner --profile thesis --min-distance 0.001 --json
+  echomarch trace corner --repeat 9 --json > times.json
   echomarch trace my.ron --dump-waves waves.csv
   echomarch trace my.ron --watch";
 
@@ -38,6 +39,14 @@ pub struct Arguments {
     /// Write every wave's start, end, direction and status as CSV
     #[arg(long, value_name = "FILE.csv")]
     dump_waves: Option<PathBuf>,
+    /// Trace the frame N times more and tell the medians of their times: the first compiles
+    #[arg(
+        long,
+        allow_negative_numbers = true,
+        default_value_t = 0,
+        value_name = "N",
+        conflicts_with = "watch", value_parser = count::<u32>)]
+    repeat: u32,
     /// Trace again whenever the scene file, or a file that it names, changes, until Ctrl-C
     #[arg(long, conflicts_with = "time")]
     watch: bool,
@@ -63,12 +72,14 @@ struct Report<'a> {
     pan: f64,
     law: String,
     gains: [f32; 2],
+    timed_frames: u32,
     milliseconds: Milliseconds,
 }
 
 /// Runs the subcommand.
 pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     let settings = arguments.options.settings()?;
+    check_range("--repeat", f64::from(arguments.repeat), 0.0, 1000.0)?;
     if let Some(path) = &arguments.dump_waves {
         check_ending(path, "csv")?;
     }
@@ -125,7 +136,7 @@ fn watch(arguments: &Arguments, common: &Common, settings: &Settings) -> anyhow:
     Ok(())
 }
 
-/// One frame, printed.
+/// One frame, printed; with `--repeat` the median times of the frames after it.
 fn trace(
     arguments: &Arguments,
     common: &Common,
@@ -133,7 +144,7 @@ fn trace(
     scene: &Scene,
     settings: &Settings,
 ) -> anyhow::Result<()> {
-    let frame = match &arguments.dump_waves {
+    let mut frame = match &arguments.dump_waves {
         None => tracer.frame(scene, settings)?,
         Some(path) => {
             let (frame, waves) = tracer.frame_with_waves(scene, settings)?;
@@ -141,6 +152,9 @@ fn trace(
             frame
         }
     };
+    if arguments.repeat > 0 {
+        frame.milliseconds = repeated(tracer, scene, settings, arguments.repeat)?;
+    }
     if frame.counts.step_limit_reached > 0 {
         let hits = frame.counts.step_limit_reached;
         common.note(&format!(
@@ -150,17 +164,30 @@ fn trace(
     }
     let renderer = tracer.context().renderer();
     let law = arguments.law.of(settings.profile());
-    let report = report(
+    let mut report = report(
         scene,
         settings,
         &frame,
         law,
         [renderer, tracer.clock_name()],
     );
+    report.timed_frames = arguments.repeat.max(1);
     if common.json {
         return print::json(&report);
     }
     print_text(&report)
+}
+
+/// The median times of so many frames.
+fn repeated(
+    tracer: &mut Tracer,
+    scene: &Scene,
+    settings: &Settings,
+    count: u32,
+) -> Result<Milliseconds, crate::Error> {
+    let frames = (0..count).map(|_| Ok(tracer.frame(scene, settings)?.milliseconds));
+    let frames = frames.collect::<Result<Vec<_>, crate::Error>>()?;
+    Ok(Milliseconds::medians(&frames))
 }
 
 /// How many steps a march may take: fields have a limit of their own.
@@ -207,6 +234,7 @@ fn report<'a>(
         pan: frame.panning.pan(),
         law: law.to_string(),
         gains: [gains.left, gains.right],
+        timed_frames: 1,
         milliseconds: frame.milliseconds,
     }
 }

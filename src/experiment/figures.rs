@@ -10,7 +10,6 @@ mod report;
 use super::thesis_tables::{THESIS_TABLES, ThesisRow, ThesisTable, WAVE_COUNTS};
 use crate::error::Error;
 use crate::scene::Scene;
-use crate::stats::median;
 use crate::trace::{Counts, Frame, Milliseconds, Settings, Tracer};
 use serde::Serialize;
 
@@ -160,19 +159,13 @@ fn measure(
 }
 
 fn figure_row(settings: &Settings, frames: &[Frame], thesis: ThesisRow) -> FigureRow {
-    let part = |of: fn(&Milliseconds) -> f64| median(frames.iter().map(|f| of(&f.milliseconds)));
+    let times: Vec<Milliseconds> = frames.iter().map(|frame| frame.milliseconds).collect();
     let counts = frames[0].counts;
     let passes = f64::from(settings.waves) * f64::from(settings.iterations);
     FigureRow {
         profile: settings.profile().to_string(),
         waves: settings.waves,
-        milliseconds: Milliseconds {
-            initialise: part(|m| m.initialise),
-            march: part(|m| m.march),
-            pan: part(|m| m.pan),
-            read_back: part(|m| m.read_back),
-            total: part(|m| m.total),
-        },
+        milliseconds: Milliseconds::medians(&times),
         counts,
         zero_length_share: counts.zero_length_passes as f64 / passes,
         pan: frames[0].panning.pan(),

@@ -46,6 +46,21 @@ pub struct Milliseconds {
     pub total: f64,
 }
 
+impl Milliseconds {
+    /// The median of each part over several frames, each by itself; zeros for none.
+    #[cfg(feature = "experiment")]
+    pub(crate) fn medians(frames: &[Milliseconds]) -> Milliseconds {
+        let part = |of: fn(&Milliseconds) -> f64| crate::stats::median(frames.iter().map(of));
+        Milliseconds {
+            initialise: part(|m| m.initialise),
+            march: part(|m| m.march),
+            pan: part(|m| m.pan),
+            read_back: part(|m| m.read_back),
+            total: part(|m| m.total),
+        }
+    }
+}
+
 pub(super) fn in_milliseconds(duration: Duration) -> f64 {
     duration.as_secs_f64() * 1e3
 }

@@ -21,6 +21,23 @@ fn counts_may_be_grouped_or_powers_of_ten() {
     }
 }
 
+/// Protects measurements: repeating changes nothing that is counted, and says how many frames the
+/// medians are of.
+#[test]
+fn a_frame_can_be_repeated_for_its_time() {
+    let trace = ["trace", "corner", "--waves", "256", "--repeat"];
+    let once = json(&[&trace[..], &["0"]].concat());
+    let repeated = json(&[&trace[..], &["3"]].concat());
+    assert_eq!(once["timed_frames"], 1);
+    assert_eq!(repeated["timed_frames"], 3);
+    assert_eq!(once["listener_hits"], repeated["listener_hits"]);
+    assert!(repeated["milliseconds"]["total"].as_f64() > Some(0.0));
+    refuse(
+        &[&trace[..], &["1001"]].concat(),
+        "--repeat must be 0 to 1000",
+    );
+}
+
 /// Protects whoever mistypes a scene's name: the nearest is named.
 #[test]
 fn a_scene_that_is_nearly_right_is_suggested() {

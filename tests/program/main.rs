@@ -12,6 +12,7 @@ mod cli_options;
 mod cost;
 mod demo_scenes;
 mod demo_window;
+mod gpu_report;
 mod interrupted;
 mod localise;
 mod localise_form;

@@ -1,0 +1,107 @@
+#!/usr/bin/env bash
+# Measures Echomarch beside other ways to trace the same waves in the same scenes, on one core.
+set -euo pipefail
+
+usage() {
+    cat <<'TEXT'
+usage: scripts/peers.sh [--rounds N] [--scenes "A B …"] [--quick] [--add] [-o FILE]
+
+Builds and runs, one after the other in each round and each on the same core:
+  closed form in C++, sphere tracing in C++ (AVX2, eight waves at a time; scripts/peers/)
+  Embree 3 (Debian's libembree-dev), by packets of 16
+  pyroomacoustics 0.10.1 (PyPI)
+  echomarch, profiles hybrid and march, whole frames
+on the scenes A (an empty room), B (two walls and three pillars more), B16, B64, B256 and B1024 (so
+many thin pillars), and writes what they did as Markdown. What cannot be installed is left out.
+
+  --rounds N       rounds; results are medians over them (default 5)
+  --scenes NAMES   these scenes alone
+  --quick          few waves and two rounds, to try it: its figures mean little
+  --add            keep the rounds that were measured before, and add to them
+  -o FILE          where to write (default docs/benchmarks/peers-RENDERER.md)
+
+  ECHOMARCH=PATH   this program, and none is built
+  CXX=PATH         the compiler (default g++)
+
+All that is built, and the results by round (rounds.jsonl), stand in target/peers.
+TEXT
+}
+
+# What it is called with, as measure.py takes it.
+options=()
+while (($#)); do
+    case "$1" in
+    -h | --help)
+        usage
+        exit 0
+        ;;
+    --quick | --add) options+=("$1") ;;
+    --rounds | --scenes)
+        options+=("$1" "${2:?"$1 needs a value"}")
+        shift
+        ;;
+    -o)
+        # The file is meant from where the script is called.
+        options+=(-o "$(realpath -m "${2:?"-o needs a value"}")")
+        shift
+        ;;
+    *)
+        usage >&2
+        exit 2
+        ;;
+    esac
+    shift
+done
+program="${ECHOMARCH:+$(realpath "$ECHOMARCH")}"
+
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+# shellcheck source=scripts/lib.sh
+source scripts/lib.sh
+
+readonly WORK="$PWD/target/peers"
+readonly COMPILER="${CXX:-g++}"
+readonly PYROOM=pyroomacoustics==0.10.1
+
+# Installs what is missing of the packages that the peers need.
+provide_peers() {
+    provide_packages \
+        "command:g++ g++ compiles the peers" \
+        "command:time time measures memory" \
+        "command:python3 python3 runs the rounds" \
+        "file:/usr/include/embree3/rtcore.h libembree-dev Embree, a peer"
+}
+
+# A peer in C++: $1 its name, then what it is linked with. Without it the others are measured.
+build_peer() {
+    local name="$1" flags=(-std=c++17 -O3 -mavx2 -mfma)
+    shift
+    rm -f "$WORK/$name"
+    run "$COMPILER" "${flags[@]}" -o "$WORK/$name" "scripts/peers/$name.cpp" "$@" ||
+        complain "$name cannot be built; going on without it"
+}
+
+# pyroomacoustics, in an environment of its own.
+provide_pyroomacoustics() {
+    local environment="$WORK/python"
+    [[ -e "$environment/has-$PYROOM" ]] && return
+    if python3 -m venv "$environment" && "$environment/bin/pip" install --quiet "$PYROOM"; then
+        touch "$environment/has-$PYROOM"
+    else
+        complain "$PYROOM cannot be installed; going on without it"
+    fi
+}
+
+mkdir -p "$WORK"
+provide_peers
+build_peer closed_form
+build_peer sphere_tracing
+build_peer embree -lembree3
+provide_pyroomacoustics
+if [[ -z "$program" ]]; then
+    need_cargo build
+    # Neither sound nor window is measured.
+    run cargo build --release --locked --no-default-features --features cli
+    program="$(realpath "${CARGO_TARGET_DIR:-target}")/release/echomarch"
+fi
+export PYTHONPATH=scripts PYTHONDONTWRITEBYTECODE=1
+run python3 -m peers.measure --work "$WORK" --echomarch "$program" "${options[@]}"

@@ -1,0 +1,150 @@
+"""Runs the peers in interleaved rounds and writes what they did; called by scripts/peers.sh.
+
+A round takes scene by scene, and of each scene peer by peer, each a process of its own on one core.
+A peer traces a frame to warm up and then several that are timed; the median of those is its time
+in the round.
+"""
+
+import argparse
+import json
+import sys
+from pathlib import Path
+from statistics import median
+
+from common import program
+from peers import report, scenes
+
+ITERATIONS = 8
+HERE = Path(__file__).resolve().parent
+
+
+class Peer:
+    """Something to measure. `command` takes a scene, a count of waves and one of timed frames."""
+
+    def __init__(self, name, command, scenes, waves, frames=3):
+        self.name, self.command, self.scenes = name, command, scenes
+        self.waves, self.frames = waves, frames
+
+
+def peers(work, echomarch, quick):
+    """All that can be run, and the names of those that cannot."""
+    many, few, fewest = (65_536, 4_096, 2_048) if quick else (1_048_576, 65_536, 65_536)
+
+    def compiled(name):
+        return lambda scene, waves, frames: plain([work / name], work, scene, waves, frames)
+
+    def pyroom(scene, waves, frames):
+        return plain([work / "python/bin/python", HERE / "pyroom.py"], work, scene, waves, frames)
+
+    def own(profile):
+        return lambda scene, waves, frames: trace(echomarch, work, scene, profile, waves, ITERATIONS, frames)
+
+    two = ["A", "B"]
+    all_peers = [
+        (work / "closed_form", Peer("closed form, C++ AVX2", compiled("closed_form"), two, many, 9)),
+        (work / "sphere_tracing", Peer("sphere tracing, C++ AVX2", compiled("sphere_tracing"), two, many)),
+        (work / "embree", Peer("Embree 3, packets of 16", compiled("embree"), scenes.NAMES, many)),
+        (work / "python/bin/pip", Peer("pyroomacoustics, shoe box", pyroom, ["A"], many)),
+        (work / "python/bin/pip", Peer("pyroomacoustics, polygons", pyroom, ["B"], fewest, 1)),
+        (echomarch, Peer("echomarch hybrid", own("hybrid"), scenes.NAMES, many)),
+        (echomarch, Peer("echomarch hybrid", own("hybrid"), scenes.NAMES, few, 9)),
+        (echomarch, Peer("echomarch march", own("march"), two, many)),
+        (echomarch, Peer("echomarch march", own("march"), scenes.NAMES[2:], many, 1)),
+        (echomarch, Peer("echomarch march", own("march"), scenes.NAMES, few, 9)),
+    ]
+    there = [peer for file, peer in all_peers if Path(file).exists()]
+    missing = [peer.name for file, peer in all_peers if not Path(file).exists()]
+    return there, missing
+
+
+def plain(command, work, scene, waves, frames):
+    """A peer that speaks as scripts/peers/peer.h says."""
+    arguments = [work / "scenes" / f"{scene}.txt", waves, ITERATIONS, frames]
+    said, kibibytes = program.run(command + arguments, one_core=True)
+    return {"milliseconds": median(said["milliseconds"]), "hits": said["hits"], "kibibytes": kibibytes}
+
+
+def trace(echomarch, work, scene, profile, waves, iterations, frames):
+    command = [echomarch, "trace", work / "scenes" / f"{scene}.ron"]
+    options = {"waves": waves, "iterations": iterations, "repeat": frames, "profile": profile}
+    found = program.trace(command, True, directions="fibonacci", seed=scenes.SEED, **options)
+    parts = found["milliseconds"]
+    return {**found, "milliseconds": parts["total"], "parts": parts}
+
+
+def hits_by_order(echomarch, work, scene, profile, waves):
+    """Of so many iterations, less those of one iteration less."""
+    counts = range(1, ITERATIONS + 1)
+    heard = [trace(echomarch, work, scene, profile, waves, count, 0)["heard"] for count in counts]
+    return [after - before for before, after in zip([0] + heard, heard)]
+
+
+def measure_round(at, chosen, there, record):
+    for scene in chosen:
+        for peer in there:
+            if scene not in peer.scenes:
+                continue
+            print(f"round {at}: {scene}, {peer.name}, {peer.waves} waves", file=sys.stderr)
+            found = peer.command(scene, peer.waves, peer.frames)
+            record({"round": at, "scene": scene, "peer": peer.name, "waves": peer.waves, **found})
+
+
+def check_hits(there, chosen, echomarch, work, rows, record):
+    """The hits by order of echomarch, once: the others tell theirs in each round. Those of `march`, which
+    is slow among many surfaces, in A and B alone."""
+    known = {(row["scene"], row["peer"], row["waves"]) for row in rows if "hits" in row}
+    for profile in ("hybrid", "march"):
+        name = f"echomarch {profile}"
+        waves = max(peer.waves for peer in there if peer.name == name)
+        for scene in chosen:
+            is_slow = profile == "march" and scene not in ("A", "B")
+            if is_slow or (scene, name, waves) in known:
+                continue
+            print(f"hits by order: {scene}, {name}", file=sys.stderr)
+            hits = hits_by_order(echomarch, work, scene, profile, waves)
+            record({"scene": scene, "peer": name, "waves": waves, "hits": hits})
+
+
+def arguments():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--work", type=Path, required=True)
+    parser.add_argument("--echomarch", type=Path, required=True)
+    parser.add_argument("--rounds", type=int)
+    parser.add_argument("--scenes", type=str.split, default=scenes.NAMES)
+    parser.add_argument("--quick", action="store_true")
+    parser.add_argument("--add", action="store_true")
+    parser.add_argument("-o", dest="output", type=Path)
+    chosen = parser.parse_args()
+    unknown = [name for name in chosen.scenes if name not in scenes.NAMES]
+    if unknown:
+        parser.error(f"unknown scenes {' '.join(unknown)}: there are {' '.join(scenes.NAMES)}")
+    chosen.rounds = chosen.rounds or (2 if chosen.quick else 5)
+    return chosen
+
+
+def main():
+    asked = arguments()
+    scenes.write(asked.work / "scenes")
+    there, missing = peers(asked.work, asked.echomarch, asked.quick)
+    log = asked.work / ("rounds-quick.jsonl" if asked.quick else "rounds.jsonl")
+    if not asked.add:
+        log.unlink(missing_ok=True)
+    rows = [json.loads(line) for line in log.read_text().splitlines()] if log.exists() else []
+
+    def record(row):
+        rows.append(row)
+        with log.open("a") as out:
+            out.write(json.dumps(row) + "\n")
+
+    first = 1 + max((row.get("round", 0) for row in rows), default=0)
+    for at in range(first, first + asked.rounds):
+        measure_round(at, asked.scenes, there, record)
+    check_hits(there, asked.scenes, asked.echomarch, asked.work, rows, record)
+    text = report.markdown(rows, missing, asked.work, asked.echomarch, asked.quick)
+    output = asked.output or HERE.parent.parent / "docs/benchmarks" / f"peers-{program.slug(report.renderer(rows))}.md"
+    output.write_text(text)
+    print(f"written: {output}")
+
+
+if __name__ == "__main__":
+    main()

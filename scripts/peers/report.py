@@ -1,0 +1,181 @@
+"""The rounds of measure.py as Markdown."""
+
+import os
+from pathlib import Path
+from statistics import median
+
+from common.markdown import machine, processor, short, table
+from common.program import first_line
+from peers import scenes
+
+ITERATIONS = 8
+LIMIT = "closed form, C++ AVX2"
+SPHERE = "sphere tracing, C++ AVX2"
+EMBREE = "Embree 3, packets of 16"
+
+
+class Rounds:
+    """What was measured, by peer (name and waves) and scene."""
+
+    def __init__(self, rows):
+        self.timed = [row for row in rows if "milliseconds" in row]
+        self.told = [row for row in rows if "hits" in row]
+        self.scenes = [name for name in scenes.NAMES if any(row["scene"] == name for row in self.timed)]
+        self.peers = list(dict.fromkeys((row["peer"], row["waves"]) for row in self.timed))
+
+    def of(self, peer, scene):
+        return [row for row in self.timed if (row["peer"], row["waves"]) == peer and row["scene"] == scene]
+
+    def largest(self, name):
+        """The peer of that name that has the most waves."""
+        found = [peer for peer in self.peers if peer[0] == name]
+        return max(found, key=lambda peer: peer[1], default=None)
+
+    def smallest(self, name):
+        found = [peer for peer in self.peers if peer[0] == name]
+        return min(found, key=lambda peer: peer[1], default=None)
+
+    def rates(self, peer, scene, part=None):
+        """Million waves and iterations a second, by round; of one part of a frame, or all of it."""
+        rows = [row for row in self.of(peer, scene) if part is None or "parts" in row]
+        times = {row["round"]: row["parts"][part] if part else row["milliseconds"] for row in rows}
+        return {at: rate(peer[1], time) for at, time in times.items()}
+
+    def ratio(self, one, other, scene, part=None):
+        """How many times as fast as the other, the median over the rounds that have both."""
+        if one is None or other is None:
+            return None
+        ours, theirs = self.rates(one, scene, part), self.rates(other, scene)
+        shared = [ours[at] / theirs[at] for at in ours if at in theirs]
+        return median(shared) if shared else None
+
+
+def rate(waves, milliseconds):
+    return waves * ITERATIONS / milliseconds / 1e3
+
+
+def markdown(rows, missing, work, echomarch, quick):
+    rounds = Rounds(rows)
+    count = len({row["round"] for row in rounds.timed})
+    parts = [
+        "# Beside other programs",
+        f"`scripts/peers.sh` on `{renderer(rows)}`, one core of {processor()}: {count} interleaved round"
+        + ("" if count == 1 else "s")
+        + (", with few waves: a trial, whose figures mean little." if quick else "."),
+        "The scenes, counted from a corner of the room, in metres: A is a room of 30 × 20 × 30, source at "
+        "(7, 5, 9), listener at (22, 8, 19) with radius 1. B has two walls more (x 12 … 13, z 0 … 18 and "
+        "x 18 … 19, z 12 … 30, from floor to ceiling) and three pillars of radius 1 at x, z = (6, 22), "
+        "(15.5, 15), (24, 8). B16 … B1024 have that many pillars of radius 0.3 on an even grid instead; "
+        "one in which the source would be is left out of B1024. All trace the same lattice of directions "
+        f"for {ITERATIONS} iterations; waves that reach the listener stop.",
+        "## Rates",
+        f"Million waves times iterations a second: waves × {ITERATIONS} over the time of a whole frame, in "
+        "which directions are made, waves traced and arrivals summed. Medians over the rounds, and the least and "
+        "the greatest. *its march* is what lies between initialise and pan, or all that is drawn where a frame is one pass.",
+        rates_table(rounds),
+        "## Ratios",
+        "Of the rates of one round; medians over the rounds.",
+        ratios_table(rounds),
+        "## Memory",
+        "The most that the process had in memory (resident set), MiB.",
+        memory_table(rounds),
+        "## Waves heard, by order",
+        "How often they were mirrored before: the check that all do the same work. From the fourth or so on pillars "
+        "have spread what rounding makes differ: counts agree, single waves need not. A prism is not a cylinder, and "
+        "pyroomacoustics does not end a ray that was heard.",
+        hits_tables(rounds),
+        "## What ran",
+        versions(rows, missing, work, echomarch),
+    ]
+    return "\n\n".join(parts) + "\n"
+
+
+def label(peer):
+    return f"{peer[0]}, {peer[1]:,} waves"
+
+
+def rates_table(rounds):
+    def cell(rates):
+        values = list(rates.values())
+        if not values:
+            return "–"
+        middle = f"**{short(median(values))}**"
+        return middle if len(values) == 1 else f"{middle} ({short(min(values))} … {short(max(values))})"
+
+    lines = []
+    for peer in rounds.peers:
+        lines.append([label(peer)] + [cell(rounds.rates(peer, scene)) for scene in rounds.scenes])
+        if peer[0].startswith("echomarch"):
+            marched = [cell(rounds.rates(peer, scene, "march")) for scene in rounds.scenes]
+            lines.append(["– its march"] + marched)
+    return table(["", *rounds.scenes], lines)
+
+
+def ratios_table(rounds):
+    hybrid, march = rounds.largest("echomarch hybrid"), rounds.largest("echomarch march")
+    few, few_march = rounds.smallest("echomarch hybrid"), rounds.smallest("echomarch march")
+    embree, limit, sphere = (rounds.largest(name) for name in (EMBREE, LIMIT, SPHERE))
+    wanted = [
+        ("hybrid / Embree", hybrid, embree, None),
+        ("hybrid, its march / Embree", hybrid, embree, "march"),
+        ("hybrid / closed form in AVX2", hybrid, limit, None),
+        ("hybrid, its march / closed form in AVX2", hybrid, limit, "march"),
+        ("march / sphere tracing in AVX2", march, sphere, None),
+        ("hybrid, few waves / many", few, hybrid, None),
+        ("march, few waves / many", few_march, march, None),
+        ("Embree / closed form in AVX2", embree, limit, None),
+    ]
+    lines = []
+    for name, one, other, part in wanted:
+        found = [rounds.ratio(one, other, scene, part) for scene in rounds.scenes]
+        lines.append([name] + [short(value) for value in found])
+    return table(["", *rounds.scenes], lines)
+
+
+def memory_table(rounds):
+    def cell(rows):
+        return short(median(row["kibibytes"] for row in rows) / 1024) if rows else "–"
+
+    lines = [[label(peer)] + [cell(rounds.of(peer, scene)) for scene in rounds.scenes] for peer in rounds.peers]
+    return table(["", *rounds.scenes], lines)
+
+
+def hits_tables(rounds):
+    tables = []
+    for scene in rounds.scenes:
+        told = {(row["peer"], row["waves"]): row["hits"] for row in rounds.told if row["scene"] == scene}
+        lines = [[label(peer), *map(str, hits), str(sum(hits))] for peer, hits in told.items()]
+        heads = [f"{scene}: order", *map(str, range(ITERATIONS)), "all"]
+        tables.append(table(heads, lines))
+    return "\n\n".join(tables)
+
+
+def renderer(rows):
+    return next((row["renderer"] for row in rows if "renderer" in row), "unknown")
+
+
+def versions(rows, missing, work, echomarch):
+    said = [
+        f"- echomarch: {first_line([echomarch, '--version'])}, {commit()}; {renderer(rows)}, one thread",
+        f"- C++: {first_line([os.environ.get('CXX', 'g++'), '--version'])}, `-O3 -mavx2 -mfma`",
+        f"- Embree: {package('libembree-dev')}; walls and boxes are quads, pillars user geometry that solves for the "
+        "circle eight rays at a time (the fastest of three ways, see embree.cpp), the listener a closed form beside it; it chooses AVX-512 "
+        "by itself where the processor has it",
+        f"- pyroomacoustics: {pyroom_version(work)}; A is its shoe box, B its general room, pillars prisms of 16 sides",
+        f"- {machine()}",
+    ]
+    said += [f"- left out, because it could not be installed or built: {name}" for name in missing]
+    return "\n".join(said)
+
+
+def commit():
+    return "commit " + first_line(["git", "-C", Path(__file__).parent, "describe", "--always", "--dirty"])
+
+
+def package(name):
+    return f"{name} {first_line(['dpkg-query', '-W', '-f', '${Version}', name])}"
+
+
+def pyroom_version(work):
+    query = "import importlib.metadata as m; print(m.version('pyroomacoustics'))"
+    return first_line([work / "python/bin/python", "-c", query])

@@ -1,0 +1,149 @@
+"""Time and memory against waves, iterations and surfaces."""
+
+import sys
+from pathlib import Path
+from statistics import median
+
+from common import plot
+from common.markdown import short, table
+from common.program import trace
+from report import hall
+
+SCENE = "corner"
+ITERATIONS = 8
+# Of the sweeps over iterations and surfaces; when quick.
+WAVES, FEW_WAVES = 65_536, 1_024
+# Waves and iterations of all timed frames of a count: more frames where they are short.
+MOST_WORK = 8 * WAVES * ITERATIONS
+# A wave and iteration is on the straight line within this share of what it costs at most counts.
+OFF_THE_LINE = 0.25
+
+LEGENDS = {
+    "waves": f"`{SCENE}`, {ITERATIONS} iterations. *ns*: nanoseconds of a frame a wave and iteration. *init … read*: "
+    "share of initialise, march, pan and read-back in the frame, percent. *MiB*: the most that the process had in "
+    "memory; a graphics card's own is not in it.",
+    "iterations": f"`{SCENE}`, {{waves:,}} waves.",
+    "surfaces": f"A hall of pillars 4 m apart, room included; {{waves:,}} waves, {ITERATIONS} iterations. *start*: "
+    "seconds to load the scene, to make and compile what it needs, and of its first frame.",
+}
+
+
+class Sweep:
+    """Counts of one thing that grows, and what was found at each for each profile."""
+
+    def __init__(self, name, counts, profiles, waves):
+        self.name, self.counts, self.profiles, self.waves = name, counts, profiles, waves
+        self.found = {}
+
+    def measure(self, program, folder, one_core):
+        for count in self.counts:
+            scene, waves, iterations = SCENE, self.waves, ITERATIONS
+            if self.name == "waves":
+                waves = count
+            elif self.name == "iterations":
+                iterations = count
+            else:
+                scene = Path(folder) / f"hall-{count}.ron"
+                scene.write_text(hall.ron(count))
+            for profile in self.profiles:
+                print(f"{self.name}: {count}, {profile}", file=sys.stderr)
+                frames = min(9, max(1, MOST_WORK // (waves * iterations)))
+                found = trace(
+                    [program, "trace", scene],
+                    one_core,
+                    profile=profile,
+                    waves=waves,
+                    iterations=iterations,
+                    repeat=frames,
+                )
+                found["ns"] = 1e6 * found["milliseconds"]["total"] / (waves * iterations)
+                found["start"] = found["seconds"] - 1e-3 * frames * found["milliseconds"]["total"]
+                self.found[count, profile] = found
+
+    def of(self, profile):
+        return [self.found[count, profile] for count in self.counts]
+
+    def usual(self, profile):
+        """What a wave and iteration costs: the median of the upper half of the counts."""
+        costs = [found["ns"] for found in self.of(profile)]
+        return median(costs[len(costs) // 2 :])
+
+    def on_the_line(self, profile):
+        """The counts at which that is so, as words."""
+        usual = self.usual(profile)
+        near = [
+            count for count, found in zip(self.counts, self.of(profile)) if abs(found["ns"] / usual - 1) <= OFF_THE_LINE
+        ]
+        words = ", ".join(f"{count:,}" for count in near) or "nowhere"
+        return f"- `{profile}`: {short(usual)} ns within {OFF_THE_LINE:.0%} at {words}"
+
+    def markdown(self):
+        heads = [self.name]
+        for profile in self.profiles:
+            heads += [f"{profile}, ms", "ns", "MiB"]
+            if self.name == "waves":
+                heads += ["init", "march", "pan", "read"]
+            if self.name == "surfaces":
+                heads += ["start"]
+        lines = [
+            [f"{count:,}", *(cell for p in self.profiles for cell in self.cells(count, p))] for count in self.counts
+        ]
+        legend = LEGENDS[self.name].format(waves=self.waves)
+        parts = [f"### {self.name.capitalize()}", legend, table(heads, lines)]
+        if self.name != "surfaces":
+            told = [self.on_the_line(profile) for profile in self.profiles]
+            parts.append("A wave and iteration costs (median of the upper half of the counts):\n\n" + "\n".join(told))
+        return "\n\n".join(parts)
+
+    def cells(self, count, profile):
+        found = self.found[count, profile]
+        time = found["milliseconds"]
+        memory = found["kibibytes"]
+        cells = [short(time["total"]), short(found["ns"]), short(memory and memory / 1024)]
+        if self.name == "waves":
+            shares = [time[part] / time["total"] for part in ("initialise", "march", "pan", "read_back")]
+            cells += [f"{share:.0%}"[:-1] for share in shares]
+        if self.name == "surfaces":
+            cells.append(short(found["start"]))
+        return cells
+
+    def times(self):
+        lines = {
+            profile: [(count, found["milliseconds"]["total"]) for count, found in zip(self.counts, self.of(profile))]
+            for profile in self.profiles
+        }
+        return (f"time by {self.name}", self.name, "milliseconds a frame", lines)
+
+    def memory(self):
+        """None where it is not known."""
+        lines = {
+            profile: [(count, (found["kibibytes"] or 0) / 1024) for count, found in zip(self.counts, self.of(profile))]
+            for profile in self.profiles
+        }
+        is_known = all(value > 0 for line in lines.values() for _, value in line)
+        return (f"memory by {self.name}", self.name, "MiB", lines) if is_known else None
+
+
+def powers(first, factor, last):
+    counts = [first]
+    while counts[-1] * factor < last:
+        counts.append(counts[-1] * factor)
+    return [*counts, last] if counts[-1] < last else counts
+
+
+def sweeps(quick, profiles, only):
+    """Waves to 16.7 million, iterations to 1024, surfaces to 100,000; few when quick."""
+    limits = {"waves": 16_777_216, "iterations": 1_024, "surfaces": 100_000}
+    if quick:
+        limits = {"waves": 1_024, "iterations": 4, "surfaces": 32}
+    first = {"waves": 64, "iterations": 1, "surfaces": 1}
+    waves = FEW_WAVES if quick else WAVES
+    made = [Sweep(name, powers(first[name], 4, limits[name]), profiles, waves) for name in limits]
+    return [sweep for sweep in made if sweep.name in only]
+
+
+def picture(measured, renderer):
+    """Times above, memory below."""
+    panels = [sweep.times() for sweep in measured] + [sweep.memory() for sweep in measured]
+    known = [panel for panel in panels if panel is not None]
+    return plot.svg(f"Growth, on {renderer}", known, columns=len(measured))

@@ -1,0 +1,111 @@
+"""Counts what a shader does for one wave: from its SPIR-V, a stated method.
+
+`glslangValidator` compiles the printed text, `spirv-opt -O` puts all functions in their places and
+takes out what nothing uses, and what is left is counted instruction by instruction, times the
+components of the result. Every branch is counted as taken, as a renderer does that runs lanes side
+by side, and the body of a loop once: of `hybrid` without marched fields that is one iteration.
+
+Plain: add, multiply, compare, select, minimum, sign; a dot product of n is 2n − 1, a fused
+multiply-add 2. Special: division, root, sine and the like. Moves and negations are free.
+"""
+
+import re
+import shutil
+import subprocess
+import tempfile
+from pathlib import Path
+
+PLAIN = {
+    "OpFAdd",
+    "OpFSub",
+    "OpFMul",
+    "OpVectorTimesScalar",
+    "OpSelect",
+    "OpIAdd",
+    "OpISub",
+    "OpIMul",
+    "OpBitwiseAnd",
+    "OpBitwiseOr",
+    "OpBitwiseXor",
+    "OpShiftRightLogical",
+    "OpShiftLeftLogical",
+    "OpConvertSToF",
+    "OpConvertUToF",
+    "OpConvertFToS",
+    "OpConvertFToU",
+    "OpFMod",
+}
+SPECIAL = {"OpFDiv"}
+# Plain and special operations a component, and those beside.
+EXTENDED = {
+    "FMin": 1,
+    "FMax": 1,
+    "NMin": 1,
+    "NMax": 1,
+    "FClamp": 2,
+    "NClamp": 2,
+    "FSign": 1,
+    "Floor": 1,
+    "Round": 1,
+    "Fract": 1,
+    "FMix": 3,
+    "Fma": 2,
+    "Step": 1,
+}
+EXTENDED_SPECIAL = {"Sqrt", "InverseSqrt", "Sin", "Cos", "Tan", "Exp", "Exp2", "Log", "Pow", "Atan2", "Acos", "Asin"}
+
+
+def of_shader(program, scene, options):
+    """(plain, special, bytes fetched) of a shader, or none without glslang and SPIRV-Tools."""
+    tools = ["glslangValidator", "spirv-opt", "spirv-dis"]
+    if not all(shutil.which(tool) for tool in tools):
+        return None
+    with tempfile.TemporaryDirectory() as folder:
+        source, binary, small = (Path(folder) / name for name in ("s.frag", "s.spv", "o.spv"))
+        source.write_text(told([program, "shader", scene, *options]))
+        told(["glslangValidator", "-G", "-S", "frag", "--aml", source, "-o", binary])
+        told(["spirv-opt", "-O", binary, "-o", small])
+        return count(told(["spirv-dis", "--no-header", small]))
+
+
+def told(command):
+    command = [str(word) for word in command]
+    return subprocess.run(command, check=True, capture_output=True, text=True).stdout
+
+
+def count(assembly):
+    widths, plain, special, fetched = {}, 0, 0, 0
+    for line in assembly.splitlines():
+        words = re.sub(r'"[^"]*"', "", line).split()
+        if len(words) < 3 or words[1] != "=":
+            continue
+        name, operation, operands = words[0], words[2], words[3:]
+        if operation == "OpTypeVector":
+            widths[name] = int(operands[1])
+            continue
+        width = widths.get(operands[0], 1) if operands else 1
+        if operation in PLAIN or re.fullmatch(r"Op(F|U|S|I)(Ord|Unord)?(Less|Greater|Not|Equal)\w*", operation):
+            plain += width
+        elif operation in SPECIAL:
+            special += width
+        elif operation == "OpDot":
+            # Of two vectors whose type is not in the line: three components nearly always.
+            plain += 5
+        elif operation == "OpImageFetch":
+            fetched += 16
+        elif operation == "OpExtInst":
+            more = extended(operands[2], width)
+            plain, special = plain + more[0], special + more[1]
+    return plain, special, fetched
+
+
+def extended(name, width):
+    if name == "Normalize":
+        return 3 * width - 1, 1
+    if name in ("Length", "Distance"):
+        return 5, 1
+    if name == "Cross":
+        return 9, 0
+    if name in EXTENDED_SPECIAL:
+        return 0, width
+    return EXTENDED.get(name, 0) * width, 0
