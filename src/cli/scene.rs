@@ -4,7 +4,7 @@ use super::exit::BadInput;
 use super::numbers::real;
 use super::options::Common;
 use crate::error::Error;
-use crate::kernel::Layout;
+use crate::kernel::{Layout, Lists};
 use crate::scene::{Scene, SceneError};
 use clap::Args;
 
@@ -96,7 +96,7 @@ impl Common {
 
     /// Tells of more surfaces than a shader is quickly made of.
     fn note_many(&self, scene: &Scene) {
-        let unrolled = Layout::of(scene).unrolled.len();
+        let unrolled = Layout::of(&scene.surfaces, Lists::Lines).unrolled.len();
         if unrolled > MANY_SURFACES {
             self.note(&format!(
                 "note: {unrolled} surfaces are not in cells: compiling their shader the first time can take long"

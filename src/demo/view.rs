@@ -219,7 +219,7 @@ impl View {
             let label = format!("the view of {}", scene.name);
             Ok::<_, Error>(Program::fragment(context, &label, &text)?)
         };
-        let structure = kernel::structure(scene);
+        let structure = kernel::structure(scene, Lists::NearestCandidates);
         let program = self.programs.get_or_compile(structure, compile)?;
         let rebasing = kernel::OriginRebasing::world();
         let rebased = rebasing.apply(scene);
@@ -227,7 +227,10 @@ impl View {
             .set(scene, &rebasing, &rebased, Lists::NearestCandidates)?;
         self.data.set_uniforms(&program);
         self.data.bind(&program, 0);
-        program.set_vec4_array("uSurfaces", &rebased.uniform_values());
+        program.set_vec4_array(
+            "uSurfaces",
+            &rebased.uniform_values(Lists::NearestCandidates),
+        );
         Ok(program)
     }
 

@@ -8,6 +8,8 @@
 //!
 //! A distance from outside of the grid asks *groups* of surfaces instead (`groups.rs`).
 //!
+//! Lines are asked of each kind by itself where it has a closed form (`kinds.rs`).
+//!
 //! Uniform cells were chosen over a list of all surfaces (the same code with one cell) and
 //! over unrolled text by measuring: see docs/benchmarks/surfaces-llvmpipe.md. Lists are kept from frame to
 //! frame: what moved is taken out and put in, and only the cells that it was or can be
@@ -16,24 +18,26 @@
 
 mod grid;
 mod groups;
+mod kinds;
 mod member;
 
 pub use grid::Grid;
 pub use groups::Group;
+pub use kinds::SceneCells;
 
-use super::layout::Layout;
 use crate::scene::{Bounds3, Scene};
 use glam::UVec3;
-use member::{Member, hull, members, radius};
+use member::{Member, hull, radius};
 use rayon::prelude::*;
 
 /// Half the length that stands for no end, in metres: squares of it are finite in `f32`.
 pub(super) const ENDLESS: f64 = 1e9;
 
-/// The cells of a scene.
+/// The cells of some surfaces of a scene.
 #[derive(Clone, Debug)]
 pub struct Cells {
-    layout: Layout,
+    /// Axes along which cells have no end.
+    unbounded_axes: [bool; 3],
     grid: Grid,
     /// The surfaces that lie in cells, as they were when the lists were made.
     known: Vec<Member>,
@@ -53,6 +57,8 @@ struct Candidates {
 /// Which lists are asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Lists {
+    /// What a line through the cell can meet, each kind that has a closed form by itself.
+    Lines,
     /// What a line through the cell can meet.
     Overlapping,
     /// What a distance in the cell needs.
@@ -60,36 +66,28 @@ pub enum Lists {
 }
 
 impl Cells {
-    /// The cells of a scene, or `None` for one without.
-    pub fn new(scene: &Scene, layout: &Layout) -> Option<Cells> {
-        if !layout.has_cells() {
-            return None;
-        }
-        let known = members(scene, layout);
-        let inner = hull(&known, layout.unbounded_axes);
-        let grid = Grid::around(inner, known.len(), layout.unbounded_axes);
+    /// The cells of these surfaces.
+    pub fn new(scene: &Scene, surfaces: &[usize], unbounded_axes: [bool; 3]) -> Cells {
+        let member = |&index: &usize| Member::new(index as u32, &scene.surfaces[index]);
+        let known: Vec<Member> = surfaces.iter().map(member).collect();
+        let inner = hull(&known, unbounded_axes);
+        let grid = Grid::around(inner, known.len(), unbounded_axes);
         let mut cells = Cells {
-            layout: layout.clone(),
+            unbounded_axes,
             grid,
             known,
-            overlapping: Vec::new(),
+            overlapping: vec![Vec::new(); grid.cells()],
             near: None,
             groups: Vec::new(),
         };
-        cells.overlapping = vec![Vec::new(); cells.grid.cells()];
         for member in 0..cells.known.len() {
             cells.put(member);
         }
-        Some(cells)
+        cells
     }
 
     /// Follows the scene: only what moved is taken out and put in again.
-    ///
-    /// Returns whether anything changed.
-    pub fn update(&mut self, scene: &Scene, layout: &Layout) -> bool {
-        if *layout != self.layout {
-            return self.renew(scene, layout);
-        }
+    pub fn update(&mut self, scene: &Scene) {
         let moved: Vec<usize> = self
             .known
             .iter()
@@ -98,37 +96,34 @@ impl Cells {
             .map(|(place, _)| place)
             .collect();
         if moved.is_empty() {
-            return false;
+            return;
         }
         // Of many, a new build is as fast, and has a grid that fits.
         if 4 * moved.len() > self.known.len() {
-            return self.renew(scene, layout);
+            return self.renew(scene);
         }
         for &place in &moved {
             self.take_out(place);
             let surface = &scene.surfaces[self.known[place].index as usize];
             self.known[place] = Member::new(self.known[place].index, surface);
         }
-        self.grid.inner = hull(&self.known, self.layout.unbounded_axes);
+        self.grid.inner = hull(&self.known, self.unbounded_axes);
         if !self.grid.has_room() {
-            return self.renew(scene, layout);
+            return self.renew(scene);
         }
         for &place in &moved {
             self.put(place);
         }
         self.renew_near(&moved);
-        true
     }
 
-    fn renew(&mut self, scene: &Scene, layout: &Layout) -> bool {
+    fn renew(&mut self, scene: &Scene) {
         let had_near = self.near.is_some();
-        if let Some(new) = Cells::new(scene, layout) {
-            *self = new;
-            if had_near {
-                self.make_near();
-            }
+        let surfaces: Vec<usize> = self.known.iter().map(|m| m.index as usize).collect();
+        *self = Cells::new(scene, &surfaces, self.unbounded_axes);
+        if had_near {
+            self.make_near();
         }
-        true
     }
 
     /// The grid.
@@ -163,7 +158,7 @@ impl Cells {
         for cell in 0..self.grid.cells() {
             let members = match which {
                 Lists::NearestCandidates => near.get(cell).map_or(&[][..], |near| &near.members),
-                Lists::Overlapping => &self.overlapping[cell],
+                Lists::Lines | Lists::Overlapping => &self.overlapping[cell],
             };
             list.clear();
             list.extend(
@@ -177,7 +172,7 @@ impl Cells {
 
     fn put(&mut self, place: usize) {
         for (cell, bounds) in self.touched(place) {
-            if self.known[place].reaches_into(bounds, self.layout.unbounded_axes) {
+            if self.known[place].reaches_into(bounds, self.unbounded_axes) {
                 let list = &mut self.overlapping[cell];
                 let at = list.partition_point(|&other| (other as usize) < place);
                 list.insert(at, place as u32);
@@ -242,11 +237,11 @@ impl Cells {
         let stale = |cell: &usize| {
             let list = &near[*cell];
             let bounds = self.grid.padded(self.grid.at(*cell));
-            let reach = list.least + 2.0 * radius(bounds, self.layout.unbounded_axes);
+            let reach = list.least + 2.0 * radius(bounds, self.unbounded_axes);
             moved.iter().any(|&place| {
                 let member = &self.known[place];
                 list.members.contains(&(place as u32))
-                    || member.least_value(bounds, self.layout.unbounded_axes) <= reach
+                    || member.least_value(bounds, self.unbounded_axes) <= reach
             })
         };
         let all: Vec<u32> = (0..self.known.len() as u32).collect();
@@ -266,7 +261,7 @@ impl Cells {
 
     /// Those of the candidates that are the nearest to some place of a box.
     fn near_to(&self, bounds: Bounds3, candidates: &[u32]) -> Candidates {
-        let unbounded_axes = self.layout.unbounded_axes;
+        let unbounded_axes = self.unbounded_axes;
         let mut least = f64::INFINITY;
         let distances: Vec<f64> = candidates
             .iter()
@@ -317,14 +312,14 @@ mod tests {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
         pool.build().unwrap().install(|| {
             let mut scene = balls();
-            let layout = Layout::of(&scene);
-            let mut cells = Cells::new(&scene, &layout).unwrap();
+            let surfaces: Vec<usize> = (0..scene.surfaces.len()).collect();
+            let mut cells = Cells::new(&scene, &surfaces, [false; 3]);
             cells.prepare(Lists::NearestCandidates);
             let mut all = Vec::new();
             let mut keep = |_: usize, list: &[u32]| all.push(list.to_vec());
             cells.for_each_list(Lists::NearestCandidates, &mut keep);
             scene.surfaces[3].position.y += 0.7;
-            assert!(cells.update(&scene, &layout));
+            cells.update(&scene);
             cells.for_each_list(Lists::NearestCandidates, &mut keep);
             all
         })

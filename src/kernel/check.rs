@@ -1,5 +1,6 @@
 //! Refuses scenes whose text would compile for minutes.
 
+use super::cells::Lists;
 use super::layout::{Layout, MOST_UNROLLED};
 use crate::scene::{Scene, SceneError};
 
@@ -10,7 +11,7 @@ use crate::scene::{Scene, SceneError};
 /// and nodes of their fields than that.
 pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
     scene.check()?;
-    let layout = Layout::of(scene);
+    let layout = Layout::of(&scene.surfaces, Lists::Lines);
     let unrolled = layout.unrolled.iter().chain(&layout.instanced);
     let nodes = |&index: &usize| scene.surfaces[index].shape.nodes().len();
     let pieces: usize = unrolled.map(nodes).sum();

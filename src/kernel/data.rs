@@ -2,17 +2,19 @@
 //!
 //! A list of vectors: the heights of images first, at places that the text knows; then, for
 //! surfaces in cells, a directory (a vector for each surface of the scene: its number, its
-//! kind, where its values lie), the values, the cells (a vector each: where its list begins,
-//! how long it is) and the lists, whose entries are those of the directory; then, for
+//! kind, where its values lie) and the values; then, for lines, the cells of each kind with records
+//! of its surfaces (`record.rs`); then, for all else, the cells (a vector each: where its list
+//! begins, how long it is) and the lists, whose entries are those of the directory; then, for
 //! distances, the groups (two vectors each: the least coordinates of a box and where its list
 //! begins, the greatest ones and how long the list is) and their lists.
 
 use super::assets::Assets;
-use super::cells::{Cells, ENDLESS, Group, Lists};
+use super::cells::{Cells, ENDLESS, Group, Lists, SceneCells};
 use super::layout::Layout;
 use super::rebasing::{OriginRebasing, RebasedScene, rounding_of};
+use super::record::Record;
 use crate::scene::Scene;
-use glam::{DVec3, Vec3, Vec4};
+use glam::{DVec3, UVec3, Vec3, Vec4};
 
 /// Vectors in a row of the texture `uSceneData`.
 pub const DATA_WIDTH: usize = 1024;
@@ -28,10 +30,16 @@ pub fn scene_data(scene: &Scene) -> Vec<Vec4> {
     data
 }
 
+/// Vectors by which the shader is told of the grid of a kind that has cells of its own.
+pub const GRID_VECTORS: usize = 5;
+
 /// Where the surfaces in cells lie, as the shader is told.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct CellData {
-    /// Corner of the grid with the least coordinates, in the shader's coordinates (metres).
+    /// Index of the directory.
+    pub directory: i32,
+    /// Of the cells with lists: corner of the grid with the least coordinates, in the shader's
+    /// coordinates (metres).
     pub origin: Vec3,
     /// Width, height and depth of a cell in metres.
     pub cell: Vec3,
@@ -43,8 +51,18 @@ pub struct CellData {
     pub groups: i32,
     /// How many groups there are.
     pub group_count: i32,
-    /// Index of the directory.
-    pub directory: i32,
+    /// The grids of the kinds that have cells of their own, [`GRID_VECTORS`] each: origin and
+    /// index of the first record; size of a cell and number of the last one; corners of what
+    /// holds all surfaces; what each axis adds to a cell's number.
+    pub grids: Vec<Vec4>,
+}
+
+/// What is written into the scene's data.
+struct Writer<'a> {
+    data: &'a mut Vec<Vec4>,
+    origin: DVec3,
+    rebased: &'a RebasedScene,
+    directory: usize,
 }
 
 impl CellData {
@@ -54,62 +72,148 @@ impl CellData {
         layout: &Layout,
         rebasing: &OriginRebasing,
         rebased: &RebasedScene,
-        cells: &Cells,
-        lists: Lists,
+        cells: &SceneCells,
     ) -> CellData {
-        let directory = data.len();
+        let mut writer = Writer {
+            directory: data.len(),
+            data,
+            origin: rebasing.origin.as_dvec3(),
+            rebased,
+        };
+        let mut told = CellData {
+            directory: writer.directory as i32,
+            ..CellData::default()
+        };
+        writer.directory(layout);
+        for (kind, cells) in cells.kinds() {
+            let record = Record::of(rebased.surface(layout.instanced[*kind]));
+            told.grids.extend(writer.records(record, cells));
+        }
+        if let Some(lists) = cells.lists() {
+            writer.lists(lists, cells.which(), &mut told);
+        }
+        if cells.which() == Lists::NearestCandidates {
+            writer.groups(cells.lists().map_or(&[], Cells::groups), &mut told);
+        }
+        told
+    }
+}
+
+impl Writer<'_> {
+    fn local(&self, place: DVec3) -> Vec3 {
+        (place - self.origin).as_vec3()
+    }
+
+    /// The directory, and the values behind it.
+    fn directory(&mut self, layout: &Layout) {
         let mut values = Vec::new();
-        let first = directory + layout.kind_of.len();
+        let first = self.directory + layout.kind_of.len();
         for (index, kind) in layout.kind_of.iter().enumerate() {
             let (kind, place) = match kind {
                 Some(kind) => (*kind as f32, (first + values.len()) as f32),
                 None => (-1.0, 0.0),
             };
-            data.push(Vec4::new((index + 1) as f32, kind, place, 0.0));
+            self.data.push(Vec4::new(number(index), kind, place, 0.0));
             if kind >= 0.0 {
-                rebased.push_data(index, &mut values);
+                self.rebased.push_data(index, &mut values);
             }
         }
-        data.append(&mut values);
-        let first_cell = data.len();
-        let count = cells.grid().count.element_product() as usize;
-        data.resize(first_cell + count, Vec4::ZERO);
-        cells.for_each_list(lists, |cell, list| {
-            let place = data.len() as f32;
-            data[first_cell + cell] = Vec4::new(place, list.len() as f32, 0.0, 0.0);
-            for &index in list {
-                data.push(data[directory + index as usize]);
+        self.data.append(&mut values);
+    }
+
+    /// The records of a kind's cells, and its grid.
+    fn records(&mut self, record: Record, cells: &Cells) -> [Vec4; GRID_VECTORS] {
+        let grid = cells.grid();
+        let first = self.data.len();
+        self.data
+            .resize(first + record.vectors * grid.cells(), Vec4::ZERO);
+        let mut values = Vec::new();
+        let mut records = Vec::new();
+        cells.for_each_list(Lists::Lines, |cell, list| {
+            let own = first + record.vectors * cell;
+            records.clear();
+            for (place, &index) in list.iter().enumerate() {
+                let is_last = place + 1 == list.len();
+                let number = number(index as usize);
+                values.clear();
+                self.rebased.push_data(index as usize, &mut values);
+                record.push(
+                    if is_last { number } else { -number },
+                    &values,
+                    &mut records,
+                );
+            }
+            match list.len() {
+                0 => (),
+                1 => self.data[own..own + record.vectors].copy_from_slice(&records),
+                _ => {
+                    self.data[own].x = self.data.len() as f32;
+                    self.data.extend_from_slice(&records);
+                }
             }
         });
+        // What holds all surfaces, and lists are made for no less: the border is wider.
+        let inner = grid.inner.grown(0.01 * grid.cell);
+        let (low, high) = (self.local(inner.min), self.local(inner.max));
+        let spare = spare(low, high);
+        let strides = UVec3::new(1, grid.count.x, grid.count.x * grid.count.y);
+        [
+            self.local(grid.origin).extend(first as f32),
+            grid.cell.as_vec3().extend((grid.cells() - 1) as f32),
+            (low - spare).extend(0.0),
+            (high + spare).extend(0.0),
+            strides.as_vec3().extend(0.0),
+        ]
+    }
+
+    /// Cells with lists of entries of the directory.
+    fn lists(&mut self, cells: &Cells, which: Lists, told: &mut CellData) {
         let grid = cells.grid();
-        let origin = rebasing.origin.as_dvec3();
-        let local = |place: DVec3| (place - origin).as_vec3();
-        let groups: &[Group] = match lists {
-            Lists::NearestCandidates => cells.groups(),
-            Lists::Overlapping => &[],
-        };
-        let first_group = data.len();
-        data.resize(first_group + 2 * groups.len(), Vec4::ZERO);
+        let first_cell = self.data.len();
+        self.data.resize(first_cell + grid.cells(), Vec4::ZERO);
+        cells.for_each_list(which, |cell, list| {
+            let place = self.data.len() as f32;
+            self.data[first_cell + cell] = Vec4::new(place, list.len() as f32, 0.0, 0.0);
+            self.entries(list);
+        });
+        told.origin = self.local(grid.origin);
+        told.cell = grid.cell.as_vec3();
+        told.count = grid.count.as_vec3();
+        told.cells = first_cell as i32;
+    }
+
+    fn groups(&mut self, groups: &[Group], told: &mut CellData) {
+        let first_group = self.data.len();
+        self.data.resize(first_group + 2 * groups.len(), Vec4::ZERO);
         for (group, place) in groups.iter().zip((first_group..).step_by(2)) {
-            let (low, high) = (local(group.bounds.min), local(group.bounds.max));
-            // What stands for no end is no place that anything is computed with.
-            let places = low.abs().max(high.abs());
-            let ends = places.cmplt(Vec3::splat(0.5 * ENDLESS as f32));
-            let spare = Vec3::splat(rounding_of(Vec3::select(ends, places, Vec3::ZERO)));
-            data[place] = (low - spare).extend(data.len() as f32);
-            data[place + 1] = (high + spare).extend(group.surfaces.len() as f32);
-            for &index in &group.surfaces {
-                data.push(data[directory + index as usize]);
-            }
+            let (low, high) = (self.local(group.bounds.min), self.local(group.bounds.max));
+            let spare = spare(low, high);
+            self.data[place] = (low - spare).extend(self.data.len() as f32);
+            self.data[place + 1] = (high + spare).extend(group.surfaces.len() as f32);
+            self.entries(&group.surfaces);
         }
-        CellData {
-            origin: local(grid.origin),
-            cell: grid.cell.as_vec3(),
-            count: grid.count.as_vec3(),
-            cells: first_cell as i32,
-            groups: first_group as i32,
-            group_count: groups.len() as i32,
-            directory: directory as i32,
+        told.groups = first_group as i32;
+        told.group_count = groups.len() as i32;
+    }
+
+    /// Entries of the directory, by the indices of their surfaces.
+    fn entries(&mut self, list: &[u32]) {
+        let directory = self.directory;
+        for &index in list {
+            self.data.push(self.data[directory + index as usize]);
         }
     }
+}
+
+/// What rounding may do to the sides of a box.
+fn spare(low: Vec3, high: Vec3) -> Vec3 {
+    // What stands for no end is no place that anything is computed with.
+    let places = low.abs().max(high.abs());
+    let ends = places.cmplt(Vec3::splat(0.5 * ENDLESS as f32));
+    Vec3::splat(rounding_of(Vec3::select(ends, places, Vec3::ZERO)))
+}
+
+/// The number by which a shader knows a surface.
+fn number(index: usize) -> f32 {
+    (index + 1) as f32
 }

@@ -1,17 +1,28 @@
 //! Which surfaces stand in the shader's text one by one, and which lie in cells.
 //!
-//! A few surfaces are unrolled: each has its own lines of text. Of many, only *kinds* are
-//! in the text (a shape, turned or not), and the surfaces of a kind are data; cells say
-//! which of them can be met where. What has no end cannot lie in a cell, but along an axis
-//! along which most have none (a hall of endless pillars) the cells have no end, either.
+//! A few surfaces are unrolled: each has its own lines of text. Of many of a *kind* (a shape,
+//! turned or not) only the kind is in the text, and its surfaces are data; cells say which of
+//! them can be met where. What has no end cannot lie in a cell, but along an axis along which
+//! most have none (a hall of endless pillars) the cells have no end, either.
+//!
+//! The choice is one of cost, kind by kind. Unrolled, each surface costs the same in every
+//! evaluation. In cells a kind costs about as much as so many unrolled surfaces, however many
+//! it has ([`Layout::of`], docs/benchmarks/surfaces-llvmpipe.md).
 
+use super::cells::Lists;
 use super::signature::SurfaceStructure;
+use crate::scene::Surface;
 use crate::scene::shape::MOST_NODES;
-use crate::scene::{Scene, Surface};
 
-/// Surfaces that could lie in cells from which on they do. Below, unrolled text compiles in
-/// well under a second, and what is in it needs no look-up.
-pub const CELLS_FROM: usize = 24;
+/// Surfaces of a kind from which on lines find them sooner in cells than unrolled.
+const LINES_FROM: usize = 10;
+
+/// Surfaces of a kind from which on distances are found sooner in cells.
+const DISTANCES_FROM: usize = 24;
+
+/// Surfaces that could lie in cells and are unrolled at the most: more take long to compile,
+/// however few there are of each kind.
+const UNROLLED_AT_MOST: usize = 23;
 
 /// Surfaces that are unrolled, kinds, and nodes of their fields, at the most: with the time that
 /// it takes to compile their text, which grows faster than they do. 500 planes took llvmpipe 8 s
@@ -31,58 +42,49 @@ pub struct Layout {
     pub unbounded_axes: [bool; 3],
 }
 
+/// The surfaces of a kind that could lie in cells, in their order.
+struct Kind {
+    structure: SurfaceStructure,
+    surfaces: Vec<usize>,
+}
+
 impl Layout {
-    /// The parting of a scene; it depends on what its text depends on, and on no position.
-    pub fn of(scene: &Scene) -> Layout {
-        let all = scene.surfaces.len();
+    /// The parting of surfaces for who reads these lists; it depends on what their text depends
+    /// on, and on no position.
+    pub fn of(surfaces: &[Surface], lists: Lists) -> Layout {
+        let all = surfaces.len();
         let unrolled = Layout {
             unrolled: (0..all).collect(),
             instanced: Vec::new(),
             kind_of: vec![None; all],
             unbounded_axes: [false; 3],
         };
-        if all < CELLS_FROM {
+        let from = match lists {
+            Lists::Lines | Lists::Overlapping => LINES_FROM,
+            Lists::NearestCandidates => DISTANCES_FROM,
+        };
+        if all < from {
             return unrolled;
         }
-        let endless: Vec<[bool; 3]> = scene.surfaces.iter().map(endless_axes).collect();
-        let candidates = endless.iter().filter(|axes| **axes != [true; 3]).count();
-        let unbounded_axes = [0, 1, 2].map(|axis| {
-            let along = endless
-                .iter()
-                .filter(|e| **e != [true; 3] && e[axis])
-                .count();
-            2 * along > candidates
-        });
+        let endless: Vec<[bool; 3]> = surfaces.iter().map(endless_axes).collect();
+        let unbounded_axes = mostly_endless(&endless);
         let fits = |axes: &[bool; 3]| {
             *axes != [true; 3] && (0..3).all(|axis| !axes[axis] || unbounded_axes[axis])
         };
-        if endless.iter().filter(|axes| fits(axes)).count() < CELLS_FROM {
-            return unrolled;
-        }
+        let fitting = (0..all).filter(|&index| fits(&endless[index]));
+        let in_cells = in_cells(kinds(surfaces, fitting), from);
         let mut layout = Layout {
-            unrolled: Vec::new(),
+            instanced: in_cells.iter().map(|kind| kind.surfaces[0]).collect(),
             unbounded_axes,
             ..unrolled
         };
-        let mut structures: Vec<SurfaceStructure> = Vec::new();
-        for (index, surface) in scene.surfaces.iter().enumerate() {
-            if !fits(&endless[index]) {
-                layout.unrolled.push(index);
-                continue;
+        for (number, kind) in in_cells.iter().enumerate() {
+            for &index in &kind.surfaces {
+                layout.kind_of[index] = Some(number as u32);
             }
-            let structure = SurfaceStructure::as_data(surface);
-            // More kinds than may be there are refused, and not told apart any more.
-            let known = match structures.len() {
-                ..=MOST_UNROLLED => structures.iter().position(|s| *s == structure),
-                _ => None,
-            };
-            let kind = known.unwrap_or_else(|| {
-                structures.push(structure);
-                layout.instanced.push(index);
-                structures.len() - 1
-            });
-            layout.kind_of[index] = Some(kind as u32);
         }
+        let kind_of = &layout.kind_of;
+        layout.unrolled.retain(|&index| kind_of[index].is_none());
         layout
     }
 
@@ -90,6 +92,57 @@ impl Layout {
     pub fn has_cells(&self) -> bool {
         !self.instanced.is_empty()
     }
+
+    /// The surfaces in cells whose kind is wanted, in their order.
+    pub fn surfaces_of(&self, wanted: impl Fn(usize) -> bool) -> Vec<usize> {
+        let of = |index: &usize| self.kind_of[*index].is_some_and(|kind| wanted(kind as usize));
+        (0..self.kind_of.len()).filter(of).collect()
+    }
+}
+
+/// The axes along which most surfaces have no end, of those that have ends along any.
+fn mostly_endless(endless: &[[bool; 3]]) -> [bool; 3] {
+    let candidates = endless.iter().filter(|axes| **axes != [true; 3]);
+    let count = candidates.clone().count();
+    [0, 1, 2].map(|axis| 2 * candidates.clone().filter(|axes| axes[axis]).count() > count)
+}
+
+/// The kinds of these surfaces, in the order of their first ones.
+fn kinds(surfaces: &[Surface], wanted: impl Iterator<Item = usize>) -> Vec<Kind> {
+    let mut kinds: Vec<Kind> = Vec::new();
+    for index in wanted {
+        let structure = SurfaceStructure::as_data(&surfaces[index]);
+        // More kinds than may be there are refused, and not told apart any more.
+        let known = match kinds.len() {
+            ..=MOST_UNROLLED => kinds.iter().position(|kind| kind.structure == structure),
+            _ => None,
+        };
+        match known {
+            Some(kind) => kinds[kind].surfaces.push(index),
+            None => kinds.push(Kind {
+                structure,
+                surfaces: vec![index],
+            }),
+        }
+    }
+    kinds
+}
+
+/// The kinds of so many surfaces or more; and the largest of the others, until few are left.
+fn in_cells(kinds: Vec<Kind>, from: usize) -> Vec<Kind> {
+    let mut sizes: Vec<usize> = kinds.iter().map(|kind| kind.surfaces.len()).collect();
+    sizes.sort_unstable_by(|a, b| b.cmp(a));
+    let mut left: usize = sizes.iter().sum();
+    let mut least = from;
+    for size in sizes {
+        if size < from && left <= UNROLLED_AT_MOST {
+            break;
+        }
+        least = least.min(size);
+        left -= size;
+    }
+    let is_in = |kind: &Kind| kind.surfaces.len() >= least;
+    kinds.into_iter().filter(is_in).collect()
 }
 
 /// The axes along which a surface has no end, on either side.

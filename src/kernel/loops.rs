@@ -5,7 +5,7 @@
 //! stands in another the turns of both count. What a user's text loops over is not known: a
 //! call of one that has loops is taken for [`USER_TURNS`].
 
-use super::cells::{Cells, Lists};
+use super::cells::{Lists, SceneCells};
 use super::text::field::{cells_crossed, has_closed_form, is_bounded, leaps};
 use super::text::fields_ahead::Marched;
 use super::text::named::Named;
@@ -51,11 +51,12 @@ pub struct Loops {
     pub unrolled: u64,
 }
 
-/// The loops of the scene's text. `cells` are those of the scene, if it has any, with the lists
-/// `lists`.
-pub fn loops(scene: &Scene, cells: Option<&Cells>, lists: Lists) -> Loops {
-    let text = Text::new(scene);
-    let in_list = cells.map_or(0, |cells| cells.longest(lists) as u64);
+/// The loops of the scene's text that reads these lists. `cells` are those of the scene, if it has
+/// any.
+pub fn loops(scene: &Scene, cells: Option<&SceneCells>, lists: Lists) -> Loops {
+    let text = Text::new(scene, lists);
+    let listed_cells = cells.and_then(SceneCells::lists);
+    let in_list = listed_cells.map_or(0, |cells| cells.longest(lists) as u64);
     let listed = |turns: u64| in_list * (1 + turns);
     let value = |named: &Named| named.field().map_or(0, of_value);
     let projection = |named: &Named| named.field().map_or(0, of_projection);
@@ -80,20 +81,27 @@ pub fn loops(scene: &Scene, cells: Option<&Cells>, lists: Lists) -> Loops {
     };
     let unrolled_values: u64 = text.unrolled.iter().map(value).sum();
     let kind_values = text.instanced.iter().map(value).max().unwrap_or(0);
-    let outside = cells.map_or(0, |cells| {
+    let outside = listed_cells.map_or(0, |cells| {
         let surfaces: usize = cells.groups().iter().map(|g| g.surfaces.len()).sum();
         cells.groups().len() as u64 + surfaces as u64 * (1 + kind_values)
     });
     let closed = |named: &Named| named.has_closed_form();
     let unrolled_hits: u64 = wanted_of(&text.unrolled, &closed).map(hit).sum();
-    let kind_hits = wanted_of(&text.instanced, &closed).map(hit).max();
-    let across = cells.map_or(0, |cells| u64::from(cells.grid().count.element_sum()));
+    // A turn of the traversal is a record: of a cell, or of a list that it says the place of.
+    let kind_hits = cells
+        .map_or(&[][..], SceneCells::kinds)
+        .iter()
+        .map(|(kind, cells)| {
+            let across = u64::from(cells.grid().count.element_sum());
+            let records = 1 + cells.longest(lists) as u64;
+            across * records * (1 + hit(&text.instanced[*kind]))
+        });
     Loops {
         distance: unrolled_values + listed(kind_values).max(outside),
         directed: in_list,
         all_fields: fields(&is_field),
         other_fields: fields(&is_other),
-        line: unrolled_hits + kind_hits.map_or(0, |turns| across * (1 + listed(turns))),
+        line: unrolled_hits + kind_hits.sum::<u64>(),
         copy_step: text.all().map(step).max().unwrap_or(0),
         projection: text.all().map(projection).max().unwrap_or(0),
         unrolled: text.unrolled.len() as u64,

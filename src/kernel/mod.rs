@@ -28,12 +28,13 @@ mod layout;
 mod loops;
 mod passes;
 mod rebasing;
+mod record;
 mod signature;
 mod structure;
 mod text;
 mod values;
 
-pub(crate) use cells::{Cells, Lists};
+pub(crate) use cells::{Lists, SceneCells};
 pub(crate) use check::check;
 pub(crate) use data::{CellData, DATA_WIDTH, scene_data};
 pub(crate) use layout::Layout;

@@ -1,5 +1,6 @@
 //! The fragment shaders of a frame's passes, and what the text of each depends on.
 
+use super::cells::Lists;
 use super::structure::{Structure, structure};
 use super::text::{
     Source, closed_form_parts, directed_parts, distance_parts, field, join, link, source,
@@ -53,10 +54,22 @@ pub(crate) enum AlgorithmText {
     Hybrid,
 }
 
+impl AlgorithmText {
+    /// The lists of cells that it reads. Lists of nearest candidates hold what lines need too, but
+    /// in cells that lie within a solid.
+    pub fn lists(self) -> Lists {
+        match self {
+            AlgorithmText::Hybrid => Lists::Lines,
+            AlgorithmText::March { exact_normals, .. } if exact_normals => Lists::Overlapping,
+            AlgorithmText::March { .. } | AlgorithmText::Thesis => Lists::NearestCandidates,
+        }
+    }
+}
+
 impl Key {
     /// The key of a scene's march.
     pub fn march(scene: &Scene, text: MarchText) -> Key {
-        Key::March(structure(scene), text)
+        Key::March(structure(scene, text.algorithm.lists()), text)
     }
 }
 

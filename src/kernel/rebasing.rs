@@ -5,6 +5,7 @@
 //! loses no bits. Box faces that another solid covers are extended into that solid, so that
 //! rounding at the seam cannot open a gap between the two (`extend.rs`).
 
+use super::cells::Lists;
 use super::extend::extend_covered_faces;
 use super::layout::Layout;
 use super::values::push_values;
@@ -26,8 +27,6 @@ pub struct OriginRebasing {
 pub struct RebasedScene {
     surfaces: Vec<Surface>,
     error_bounds: Vec<f32>,
-    /// Indices of the surfaces whose values are uniforms.
-    unrolled: Vec<usize>,
 }
 
 impl OriginRebasing {
@@ -81,7 +80,6 @@ impl OriginRebasing {
         RebasedScene {
             surfaces,
             error_bounds,
-            unrolled: Layout::of(scene).unrolled,
         }
     }
 }
@@ -90,9 +88,11 @@ impl RebasedScene {
     /// The values of `uSurfaces`: for each unrolled surface its position (and radius, or
     /// error bound), then its half size and error bound if it has one, then the inverse of
     /// its rotation if it has one, then the numbers of its field that move.
-    pub fn uniform_values(&self) -> Vec<Vec4> {
+    ///
+    /// Of those that are unrolled in a text that reads these lists of cells.
+    pub fn uniform_values(&self, lists: Lists) -> Vec<Vec4> {
         let mut all = Vec::new();
-        for &index in &self.unrolled {
+        for index in Layout::of(&self.surfaces, lists).unrolled {
             push_values(
                 &self.surfaces[index],
                 self.error_bounds[index],
@@ -101,6 +101,11 @@ impl RebasedScene {
             );
         }
         all
+    }
+
+    /// A surface by its index.
+    pub(super) fn surface(&self, index: usize) -> &Surface {
+        &self.surfaces[index]
     }
 
     /// Appends the values of one surface (by its index) as the text of its kind reads them.

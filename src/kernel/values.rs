@@ -1,15 +1,22 @@
 //! The vectors that the text of a surface reads: uniforms, or data of the scene.
 
+use super::cells::Lists;
+use super::data::GRID_VECTORS;
 use super::layout::Layout;
 use crate::scene::shape::{Cuboid, Cylinder, Room, Sphere};
 use crate::scene::{Node, Scene, Shape, Surface};
 use glam::{Quat, Vec4};
 
-/// Vectors that a scene's surfaces take in the uniforms.
+/// Vectors that a scene's surfaces take in the uniforms at the most, with those of the grids that
+/// they lie in.
 pub fn uniform_count(scene: &Scene) -> usize {
-    let layout = Layout::of(scene);
-    let unrolled = layout.unrolled.iter().map(|&index| &scene.surfaces[index]);
-    unrolled.map(|surface| value_count(surface, false)).sum()
+    let of = |lists| {
+        let layout = Layout::of(&scene.surfaces, lists);
+        let unrolled = layout.unrolled.iter().map(|&index| &scene.surfaces[index]);
+        let values: usize = unrolled.map(|surface| value_count(surface, false)).sum();
+        values + GRID_VECTORS * layout.instanced.len()
+    };
+    of(Lists::Lines).max(of(Lists::NearestCandidates))
 }
 
 pub(super) fn value_count(surface: &Surface, is_data: bool) -> usize {

@@ -35,7 +35,10 @@ pub(super) fn program(
     let mut data = SceneData::new(context)?;
     data.set(scene, &rebasing, &rebased, Lists::NearestCandidates)?;
     data.set_uniforms(&program);
-    program.set_vec4_array("uSurfaces", &rebased.uniform_values());
+    program.set_vec4_array(
+        "uSurfaces",
+        &rebased.uniform_values(Lists::NearestCandidates),
+    );
     let listener = &scene.listener;
     program.set_vec4("uListener", listener.position.extend(listener.radius));
     Ok(Shader { program, data })

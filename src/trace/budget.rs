@@ -7,10 +7,11 @@
 //! iterations of a pass and, where a single march could take more, its steps: what is given up
 //! at the step limit is counted and reported.
 
+use super::programs::march_options;
 use super::{
     Algorithm, MAX_COPY_STEPS, MAX_FIELD_STEPS, MAX_STEPS, MarchOptions, Settings, ThesisOptions,
 };
-use crate::kernel::{self, Cells, Lists, Loops};
+use crate::kernel::{self, Lists, Loops, SceneCells};
 use crate::scene::Scene;
 
 /// Turns of all loops of a shader together at the most.
@@ -45,15 +46,17 @@ impl Budget {
     #[cfg(any(test, feature = "experiment"))]
     pub fn of(scene: &Scene, settings: &Settings) -> Budget {
         let lists = lists(settings);
-        let mut cells = Cells::new(scene, &kernel::Layout::of(scene));
-        if let Some(cells) = &mut cells {
-            cells.prepare(lists);
-        }
+        let layout = kernel::Layout::of(&scene.surfaces, lists);
+        let cells = SceneCells::new(scene, &layout, lists);
         Budget::with_cells(scene, settings, cells.as_ref())
     }
 
-    /// The same for who has the scene's cells, with the lists that [`lists`] names.
-    pub(super) fn with_cells(scene: &Scene, settings: &Settings, cells: Option<&Cells>) -> Budget {
+    /// The same for who has the scene's cells.
+    pub(super) fn with_cells(
+        scene: &Scene,
+        settings: &Settings,
+        cells: Option<&SceneCells>,
+    ) -> Budget {
         let loops = kernel::loops(scene, cells, lists(settings));
         let asked = settings.iterations_per_pass;
         match &settings.algorithm {
@@ -64,16 +67,9 @@ impl Budget {
     }
 }
 
-/// The lists of cells that frames with these settings read. Lists of nearest candidates hold
-/// what lines need too, but in cells that lie within a solid.
+/// The lists of cells that frames with these settings read.
 pub(super) fn lists(settings: &Settings) -> Lists {
-    match &settings.algorithm {
-        Algorithm::Thesis(_) => Lists::NearestCandidates,
-        Algorithm::March(march) if march.variant.difference_normals.is_some() => {
-            Lists::NearestCandidates
-        }
-        Algorithm::March(_) | Algorithm::Hybrid(_) => Lists::Overlapping,
-    }
+    march_options(settings).algorithm.lists()
 }
 
 /// Differences that a normal of the thesis is taken from.
@@ -245,7 +241,7 @@ mod tests {
     fn lists_make_for_shorter_passes() {
         for profile in Profile::ALL {
             let settings = asked(profile);
-            let few = Budget::of(&balls(20), &settings).iterations_per_pass;
+            let few = Budget::of(&balls(9), &settings).iterations_per_pass;
             let many = Budget::of(&balls(40), &settings).iterations_per_pass;
             let crowd = Budget::of(&balls(1000), &settings).iterations_per_pass;
             assert!(few > many, "{profile}: {few}, {many}");

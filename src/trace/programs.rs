@@ -85,7 +85,7 @@ impl Programs {
 }
 
 /// What of the settings is in the text of a march.
-fn march_options(settings: &Settings) -> MarchText {
+pub(super) fn march_options(settings: &Settings) -> MarchText {
     MarchText {
         algorithm: match &settings.algorithm {
             Algorithm::Hybrid(_) => AlgorithmText::Hybrid,

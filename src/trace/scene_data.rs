@@ -3,21 +3,21 @@
 //! Kept from frame to frame: cells follow what moved, and only what changed is sent again.
 
 use crate::error::Error;
-use crate::gpu::{Context, DataTexture, Program};
-use crate::kernel::{self, CellData, Cells, Layout, Lists, OriginRebasing, RebasedScene};
+use crate::gpu::{Context, DataList, Program};
+use crate::kernel::{self, CellData, Layout, Lists, OriginRebasing, RebasedScene, SceneCells};
 use crate::scene::Scene;
 
 /// What the shaders of a scene read by index.
 pub(crate) struct SceneData {
-    texture: DataTexture,
-    cells: Option<Cells>,
+    list: DataList,
+    cells: Option<SceneCells>,
     cell_data: Option<CellData>,
 }
 
 impl SceneData {
     pub fn new(context: &Context) -> Result<SceneData, Error> {
         Ok(SceneData {
-            texture: DataTexture::new(context, kernel::DATA_WIDTH)?,
+            list: DataList::new(context, kernel::DATA_WIDTH)?,
             cells: None,
             cell_data: None,
         })
@@ -31,28 +31,25 @@ impl SceneData {
         rebased: &RebasedScene,
         lists: Lists,
     ) -> Result<(), Error> {
-        let layout = Layout::of(scene);
-        match &mut self.cells {
-            Some(cells) if layout.has_cells() => {
-                cells.update(scene, &layout);
-            }
-            cells => *cells = Cells::new(scene, &layout),
+        let layout = Layout::of(&scene.surfaces, lists);
+        let known = self.cells.as_mut();
+        if !known.is_some_and(|cells| cells.update(scene, &layout, lists)) {
+            self.cells = SceneCells::new(scene, &layout, lists);
         }
         let mut data = kernel::scene_data(scene);
-        self.cell_data = self.cells.as_mut().map(|cells| {
-            cells.prepare(lists);
-            CellData::append(&mut data, &layout, rebasing, rebased, cells, lists)
-        });
-        self.texture.set(&data)?;
+        let cells = self.cells.as_ref();
+        self.cell_data =
+            cells.map(|cells| CellData::append(&mut data, &layout, rebasing, rebased, cells));
+        self.list.set(&data)?;
         Ok(())
     }
 
     /// The cells of the scene that was set last, if it has any.
-    pub fn cells(&self) -> Option<&Cells> {
+    pub fn cells(&self) -> Option<&SceneCells> {
         self.cells.as_ref()
     }
 
-    /// Sets the uniforms of a program that reads the data, but for the texture.
+    /// Sets the uniforms of a program that reads the data, but for the data themselves.
     pub fn set_uniforms(&self, program: &Program) {
         let Some(cells) = &self.cell_data else {
             return;
@@ -64,10 +61,11 @@ impl SceneData {
         program.set_i32("uGroups", cells.groups);
         program.set_i32("uGroupCount", cells.group_count);
         program.set_i32("uDirectory", cells.directory);
+        program.set_vec4_array("uGrids", &cells.grids);
     }
 
-    /// Binds the texture to a unit.
+    /// Binds the data to a unit.
     pub fn bind(&self, program: &Program, unit: u32) {
-        program.set_texture("uSceneData", unit, self.texture.texture());
+        self.list.bind(program, "uSceneData", unit);
     }
 }

@@ -7,7 +7,7 @@
 //! How sure each figure is then stands beside it.
 
 use super::sweep::{Case, full, quick, short};
-use crate::kernel::Layout;
+use crate::kernel::{Layout, Lists};
 use crate::scene::{Scene, Surface};
 
 /// The scenes of the thesis' tables, which the targets are of.
@@ -68,7 +68,7 @@ impl Plan {
 
     fn short(scene: Scene) -> Plan {
         Plan {
-            cases: short(Layout::of(&scene).has_cells()),
+            cases: short(Layout::of(&scene.surfaces, Lists::Lines).has_cells()),
             limit_directions: SHORT_LIMIT_DIRECTIONS,
             compared_waves: SHORT_COMPARED,
             twin_seeds: SHORT_TWIN_SEEDS,
@@ -100,7 +100,7 @@ fn counts(powers: std::ops::RangeInclusive<u32>) -> Vec<u32> {
 /// Whether the exact waves of a scene take long.
 fn is_slow(scene: &Scene) -> bool {
     let is_field = |surface: &Surface| surface.shape.field().is_some();
-    Layout::of(scene).has_cells() || scene.surfaces.iter().any(is_field)
+    Layout::of(&scene.surfaces, Lists::Lines).has_cells() || scene.surfaces.iter().any(is_field)
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! How many surfaces of a scene lie in cells, and how many are marched.
 
-use crate::kernel::{Layout, is_marched};
+use crate::kernel::{Layout, Lists, is_marched};
 use crate::scene::Scene;
 use serde::Serialize;
 
@@ -18,7 +18,11 @@ pub struct SurfaceCounts {
 impl SurfaceCounts {
     /// Counts them.
     pub fn of(scene: &Scene) -> SurfaceCounts {
-        let in_cells = Layout::of(scene).kind_of.iter().flatten().count();
+        let in_cells = Layout::of(&scene.surfaces, Lists::Lines)
+            .kind_of
+            .iter()
+            .flatten()
+            .count();
         SurfaceCounts {
             all: scene.surfaces.len(),
             in_cells,

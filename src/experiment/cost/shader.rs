@@ -42,8 +42,8 @@ const PREFIXES: [&str; 6] = ["sd", "gd", "hit", "project", "gradient", "op"];
 const SUFFIXES: [&str; 2] = ["Directed", "Cap"];
 
 /// What such functions are called after without being a shape or an operator.
-const HELPERS: [&str; 8] = [
-    "Ball", "Chord", "Corner", "InCells", "Kind", "Listener", "OfKind", "OntoKind",
+const HELPERS: [&str; 7] = [
+    "Ball", "Chord", "Corner", "Kind", "Listener", "OfKind", "OntoKind",
 ];
 
 /// Functions that are called otherwise.

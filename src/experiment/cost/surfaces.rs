@@ -5,7 +5,7 @@ use super::change::Change;
 use super::pair::{Case, Timing, pair};
 use super::shader::ShaderReport;
 use crate::error::Error;
-use crate::kernel::Layout;
+use crate::kernel::{Layout, Lists};
 use crate::scene::Scene;
 use crate::trace::Tracer;
 use serde::Serialize;
@@ -177,7 +177,7 @@ fn leave_out(
         Some(change) if change.is_within(bench.noise) => Verdict::CanBeLeftOut,
         Some(_) => Verdict::IsHeard,
     };
-    let has_cells = |scene| Layout::of(scene).has_cells();
+    let has_cells = |scene: &Scene| Layout::of(&scene.surfaces, Lists::Lines).has_cells();
     row.leaves_cells = has_cells(bench.base.scene) && !has_cells(rest);
     Ok(())
 }

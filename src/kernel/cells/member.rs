@@ -1,8 +1,7 @@
 //! A surface in the grid, and how far it is from a cell.
 
 use super::ENDLESS;
-use crate::kernel::layout::Layout;
-use crate::scene::{Bounds3, Exactness, Node, Scene, Surface};
+use crate::scene::{Bounds3, Exactness, Node, Surface};
 use glam::{BVec3, DVec3};
 
 /// A surface in the grid.
@@ -93,13 +92,6 @@ pub fn radius(bounds: Bounds3, unbounded_axes: [bool; 3]) -> f64 {
     let half = flat(0.5 * (bounds.max - bounds.min));
     let place = flat(bounds.min.abs().max(bounds.max.abs()));
     half.length() + 8.0 * f64::from(f32::EPSILON) * place.max_element()
-}
-
-/// The surfaces of a scene that lie in cells.
-pub fn members(scene: &Scene, layout: &Layout) -> Vec<Member> {
-    let in_cells = (0..scene.surfaces.len()).filter(|&i| layout.kind_of[i].is_some());
-    let members = in_cells.map(|index| Member::new(index as u32, &scene.surfaces[index]));
-    members.collect()
 }
 
 /// What holds all members; without end along unbounded axes.

@@ -3,7 +3,7 @@
 
 use crate::gpu::{Context, Program, RenderTarget, Texture, full_screen_pass};
 use crate::kernel::{
-    OriginRebasing, Source as Text, Structure, distance_parts, join, link, structure,
+    Lists, OriginRebasing, Source as Text, Structure, distance_parts, join, link, structure,
 };
 use crate::scene::shape::{Cuboid, Cylinder, Plane, Room, Sphere};
 use crate::test_common::for_each_api;
@@ -170,7 +170,9 @@ fn evaluate(context: &Context, program: &Program, scene: &Scene, points: &[Vec3]
     let output = Texture::new(context, width, height).unwrap();
     let target = RenderTarget::new(context, &[&output]).unwrap();
     program.set_texture("uPoints", 0, &input);
-    let values = OriginRebasing::world().apply(scene).uniform_values();
+    let values = OriginRebasing::world()
+        .apply(scene)
+        .uniform_values(Lists::NearestCandidates);
     program.set_vec4_array("uSurfaces", &values);
     let listener = scene.listener.position.extend(scene.listener.radius);
     program.set_vec4("uListener", listener);
@@ -232,7 +234,7 @@ fn shaders_and_cpu_agree_on_every_shape() {
             let points = points(&surface);
             let scene = scene_of(surface);
             let surface = &scene.surfaces[0];
-            let structure = structure(&scene);
+            let structure = structure(&scene, Lists::NearestCandidates);
             if !compiled.iter().any(|(known, _)| *known == structure) {
                 compiled.push((structure.clone(), shader(context, &scene)));
             }

@@ -1,7 +1,8 @@
 //! The shaders' values, gradients and hits against the CPU.
 
-use crate::gpu::{Api, Context, DataTexture, Program, RenderTarget, Texture, full_screen_pass};
+use crate::gpu::{Api, Context, DataList, Program, RenderTarget, Texture, full_screen_pass};
 use crate::kernel;
+use crate::kernel::Lists;
 use crate::kernel::text::{Part, closed_form_parts, directed_parts};
 use crate::reference::ExactScene;
 use crate::scene::shape::Ellipsoid;
@@ -21,7 +22,7 @@ const IN_ONE: usize = 8;
 pub struct Asked {
     context: Context,
     program: Program,
-    data: DataTexture,
+    data: DataList,
 }
 
 impl Asked {
@@ -44,11 +45,11 @@ void main() {
         let text = kernel::join(&kernel::link(roots, parts));
         let program = Program::fragment(context, "ask", &text)
             .unwrap_or_else(|error| panic!("{error}\n{:#?}", scene.surfaces));
-        let mut data = DataTexture::new(context, kernel::DATA_WIDTH).unwrap();
+        let mut data = DataList::new(context, kernel::DATA_WIDTH).unwrap();
         data.set(&kernel::scene_data(scene)).unwrap();
         let values = kernel::OriginRebasing::world()
             .apply(scene)
-            .uniform_values();
+            .uniform_values(Lists::Lines);
         program.set_vec4_array("uSurfaces", &values);
         let listener = scene.listener.position.extend(scene.listener.radius);
         program.set_vec4("uListener", listener);
@@ -75,8 +76,7 @@ void main() {
         let target = RenderTarget::new(&self.context, &[&output]).unwrap();
         self.program.set_texture("uPoints", 0, &points_in);
         self.program.set_texture("uDirections", 1, &directions_in);
-        self.program
-            .set_texture("uSceneData", 2, self.data.texture());
+        self.data.bind(&self.program, "uSceneData", 2);
         self.program.set_i32("uWhich", which as i32);
         full_screen_pass(&self.context, &self.program, &target, width, height).unwrap();
         let read = target.read(0).unwrap();

@@ -4,7 +4,7 @@ mod distance_functions;
 mod field_shaders;
 
 use super::text::{Part, closed_form_parts, directed_parts};
-use super::{OriginRebasing, Source, distance_parts, join, link, structure};
+use super::{Lists, OriginRebasing, Source, distance_parts, join, link, structure};
 use crate::scene::shape::Cuboid;
 use crate::scene::{Node, Scene};
 use glam::{Quat, Vec3};
@@ -58,8 +58,15 @@ fn moving_and_resizing_leaves_the_text_alone() {
     moved.surfaces[1].rotation = Quat::from_rotation_x(0.3);
     let size = Vec3::splat(3.0);
     moved.surfaces[1].shape = Node::Cuboid(Cuboid { size }).into();
-    assert_eq!(structure(&scene), structure(&moved));
+    assert_eq!(
+        structure(&scene, Lists::Lines),
+        structure(&moved, Lists::Lines)
+    );
     assert_eq!(texts(&scene), texts(&moved));
-    let values = |scene| OriginRebasing::world().apply(scene).uniform_values();
+    let values = |scene| {
+        OriginRebasing::world()
+            .apply(scene)
+            .uniform_values(Lists::Lines)
+    };
     assert_ne!(values(&scene), values(&moved));
 }

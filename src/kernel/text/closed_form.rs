@@ -4,40 +4,27 @@ use super::field::{gradient_text, hit_text, normal_text, value_text};
 use super::fields_ahead::{Marched, fields_ahead};
 use super::link::Part;
 use super::named::Named;
-use super::of_kind::of_kind;
 use super::project::project_text;
+use super::records;
 use super::scene_text::Text;
+use crate::kernel::cells::Lists;
 use crate::scene::Scene;
 
 /// `closestHit(p, d, last, limit, object)` and `project(object, d, p, normal)` of a scene; where
 /// fields have no closed form `marchFields(p, d, last, limit, object, limitReached)` for these.
 pub fn closed_form_parts(scene: &Scene) -> Vec<Part> {
-    let text = Text::new(scene);
+    let text = Text::new(scene, Lists::Lines);
     let marched = |named: &Named| Marched::Others.takes(named);
     let mut parts = text.parts();
     text.add_fields(&mut parts, |named| named.has_closed_form(), hit_text);
     text.add_fields(&mut parts, marched, value_text);
     text.add_fields(&mut parts, |_| true, gradient_text);
     text.add_fields(&mut parts, |_| true, normal_text);
-    let functions = hit_of_kind(&text) + &closest_hit(&text) + &project_text(&text);
+    text.add(&mut parts, "the grids of kinds", records::grids_text(&text));
+    let functions = records::closest_of_kinds(&text) + &closest_hit(&text) + &project_text(&text);
     text.add(&mut parts, "the scene", functions);
     parts.extend(fields_ahead(&text, Marched::Others));
     parts
-}
-
-/// What `hitInCells` calls for the surfaces in cells.
-fn hit_of_kind(text: &Text) -> String {
-    of_kind(
-        text,
-        "// Where a line intersects a surface in cells, by its kind and the place of its values.\n\
-         float hitOfKind(float kind, int data, vec3 p, vec3 d, bool left, float limit) {\n",
-        |named| named.has_closed_form(),
-        |named| {
-            let hit = named.hit("p", "d", "limit");
-            format!("return {};", named.unless_left("left", "NO_HIT", &hit))
-        },
-        "    return NO_HIT;\n",
-    )
 }
 
 fn closest_hit(text: &Text) -> String {
@@ -65,9 +52,7 @@ fn closest_hit(text: &Text) -> String {
     for named in others {
         out += &candidate(named);
     }
-    if text.instanced.iter().any(Named::has_closed_form) {
-        out.push_str("    hitInCells(p, d, last, nearest, object);\n");
-    }
+    out += &records::calls(text);
     // A step limit counts only where nothing else is met before.
     for named in limited {
         out += &candidate(named);

@@ -8,6 +8,7 @@ use super::named::Named;
 use super::of_kind::of_kind;
 use super::project::project_text;
 use super::scene_text::Text;
+use crate::kernel::cells::Lists;
 use crate::scene::{Node, Scene};
 use std::fmt::Write;
 
@@ -16,7 +17,11 @@ use std::fmt::Write;
 /// taken from differences of it, and `marchFields(p, d, last, limit, object, limitReached)` where
 /// there are fields.
 pub fn directed_parts(scene: &Scene, difference_normals: bool) -> Vec<Part> {
-    let text = Text::new(scene);
+    let lists = match difference_normals {
+        true => Lists::NearestCandidates,
+        false => Lists::Overlapping,
+    };
+    let text = Text::new(scene, lists);
     let mut parts = text.parts();
     text.add_fields(&mut parts, |_| true, value_text);
     text.add_fields(&mut parts, |_| true, gradient_text);

@@ -4,13 +4,14 @@ use super::field::value_text;
 use super::link::Part;
 use super::of_kind::of_kind;
 use super::scene_text::Text;
+use crate::kernel::cells::Lists;
 use crate::scene::Scene;
 use std::fmt::Write;
 
 /// The distance functions of `scene`: `surfaceDistance(p, object)` over the surfaces
 /// and `distanceFunction(p, object)` over surfaces and listener, in world metres.
 pub fn distance_parts(scene: &Scene) -> Vec<Part> {
-    let text = Text::new(scene);
+    let text = Text::new(scene, Lists::NearestCandidates);
     let mut parts = text.parts();
     text.add_fields(&mut parts, |_| true, value_text);
     text.add(&mut parts, "the scene's distance", surface_distances(&text));

@@ -34,7 +34,7 @@ static LIBRARY: LazyLock<Vec<Part>> = LazyLock::new(|| {
         "common": ball bound chord corner exit listener mirror no_hit onto_field quadric_form
         rounding safe_inverse scene_data segment turn turning
     );
-    let cells = files!("cells": directed distance fields fields_free grid grid_traversal hit);
+    let cells = files!("cells": directed distance fields fields_free grid grid_traversal records);
     let all: Vec<Source> = [shared, cells, every_part!(files_of_parts)].concat();
     all.into_iter().flat_map(parts).collect()
 });

@@ -18,6 +18,7 @@ mod link;
 pub(super) mod named;
 mod of_kind;
 mod project;
+mod records;
 pub(super) mod scene_text;
 mod source;
 mod user;

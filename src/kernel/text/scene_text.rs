@@ -6,6 +6,7 @@ use super::link::{self, Part};
 use super::named::Named;
 use super::source::Source;
 use crate::kernel::assets::Assets;
+use crate::kernel::cells::Lists;
 use crate::kernel::layout::Layout;
 use crate::scene::Scene;
 use std::borrow::Cow;
@@ -16,12 +17,15 @@ pub(in crate::kernel) struct Text<'a> {
     pub unrolled: Vec<Named<'a>>,
     /// Kinds of the surfaces in cells.
     pub instanced: Vec<Named<'a>>,
+    /// Axes along which cells have no end.
+    pub unbounded_axes: [bool; 3],
     assets: Assets,
 }
 
 impl<'a> Text<'a> {
-    pub fn new(scene: &'a Scene) -> Text<'a> {
-        let layout = Layout::of(scene);
+    /// For who reads these lists of cells.
+    pub fn new(scene: &'a Scene, lists: Lists) -> Text<'a> {
+        let layout = Layout::of(&scene.surfaces, lists);
         let mut first = 0;
         let mut unrolled = Vec::new();
         for &index in &layout.unrolled {
@@ -32,6 +36,7 @@ impl<'a> Text<'a> {
         let kinds = layout.instanced.iter().enumerate();
         Text {
             unrolled,
+            unbounded_axes: layout.unbounded_axes,
             instanced: kinds
                 .map(|(kind, &index)| Named::kind(scene, index, kind))
                 .collect(),

@@ -1,6 +1,6 @@
 //! What one frame needs: its input, checked, and what follows from it.
 
-use super::super::budget::Budget;
+use super::super::budget::{Budget, lists};
 use super::super::waves::{STATUS_DEAD, STATUS_STARTED};
 use super::super::{Algorithm, Grid, MarchOptions, Settings};
 use crate::gpu::Program;
@@ -76,7 +76,7 @@ impl PreparedFrame {
     ) -> PreparedFrame {
         let listener = &scene.listener;
         let uniforms = Uniforms {
-            surfaces: rebased.uniform_values(),
+            surfaces: rebased.uniform_values(lists(settings)),
             source: rebasing.place(scene.source.position),
             start_status: start_status(scene, settings, rebased),
             listener: rebasing.place(listener.position).extend(listener.radius),
