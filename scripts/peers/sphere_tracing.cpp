@@ -19,7 +19,9 @@ constexpr float MIN_DISTANCE = 1e-3f;
 
 struct Waves {
     Lanes3 position, direction;
-    Lanes left; // the box or pillar mirrored at last, counted from 1; 0 for the room
+    Lanes3 towards; // the sign of the direction
+    Lanes3 reach;   // where the wall ahead lies, times that sign
+    Lanes left;     // the box or pillar mirrored at last, counted from 1; 0 for the room
     Lanes travelling;
 };
 
@@ -34,12 +36,19 @@ inline Lanes unlessLeft(const Waves &w, int index, Lanes distance) {
     return distance | (w.left == static_cast<float>(index + 1));
 }
 
-// To the walls ahead.
-inline Lanes3 wallDistances(const Scene &scene, const Waves &w) {
-    const auto ahead = [](Lanes p, Lanes d, float size) { return whereNegative(d, p, size - p); };
-    return {ahead(w.position.x, w.direction.x, scene.room.x),
-            ahead(w.position.y, w.direction.y, scene.room.y),
-            ahead(w.position.z, w.direction.z, scene.room.z)};
+inline Lanes unit(Lanes sign) { return Lanes(1.0f) | signOf(sign); }
+
+// The walls ahead are the same until the wave is mirrored.
+inline void lookAhead(const Scene &scene, Waves &w) {
+    w.towards = {unit(w.direction.x), unit(w.direction.y), unit(w.direction.z)};
+    const auto reach = [](Lanes towards, float size) { return max(towards, 0.0f) * size; };
+    w.reach = {reach(w.towards.x, scene.room.x), reach(w.towards.y, scene.room.y),
+               reach(w.towards.z, scene.room.z)};
+}
+
+inline Lanes3 wallDistances(const Waves &w) {
+    return {fma(-w.position.x, w.towards.x, w.reach.x), fma(-w.position.y, w.towards.y, w.reach.y),
+            fma(-w.position.z, w.towards.z, w.reach.z)};
 }
 
 inline Lanes3 boxOffset(const Box &box, const Lanes3 &p) {
@@ -64,7 +73,7 @@ inline Lanes pillarDistance(const Pillar &pillar, const Lanes3 &p) {
 
 template <int BOXES, int PILLARS>
 Nearest nearest(const Scene &scene, const Waves &w) {
-    const Lanes3 walls = wallDistances(scene, w);
+    const Lanes3 walls = wallDistances(w);
     Lanes distance = min(min(walls.x, walls.y), walls.z);
     for (int box = 0; box < BOXES; box++) {
         distance = min(unlessLeft(w, box, boxDistance(scene.boxes[box], w.position)), distance);
@@ -78,8 +87,6 @@ Nearest nearest(const Scene &scene, const Waves &w) {
     return {distance, squareRoot(dot(offset, offset)) - scene.listenerRadius};
 }
 
-inline Lanes unit(Lanes sign) { return Lanes(1.0f) | signOf(sign); }
-
 // The axis among three along which a value is the given one.
 inline Lanes3 axisOf(const Lanes3 &values, Lanes value) {
     const Lanes x = values.x == value, y = andNot(x, values.y == value);
@@ -90,7 +97,7 @@ inline Lanes3 axisOf(const Lanes3 &values, Lanes value) {
 template <int BOXES, int PILLARS>
 void mirror(const Scene &scene, Waves &w) {
     const Lanes3 p = w.position;
-    const Lanes3 walls = wallDistances(scene, w);
+    const Lanes3 walls = wallDistances(w);
     Lanes distance = min(min(walls.x, walls.y), walls.z);
     Lanes3 n = axisOf(walls, distance) & Lanes(1.0f);
     Lanes left = 0.0f;
@@ -114,6 +121,7 @@ void mirror(const Scene &scene, Waves &w) {
     // The sign of the normal does not matter here.
     w.direction = along(w.direction, n, dot(w.direction, n) * -2.0f);
     w.left = left;
+    lookAhead(scene, w);
 }
 
 // Steps all waves to within the minimum distance of a surface or the listener; says which of them
@@ -157,7 +165,10 @@ Result trace(const Scene &scene, const Lattice &lattice, uint32_t iterations) {
     for (uint32_t first = 0; first < lattice.waves; first += 8 * PACKETS) {
         Waves waves[PACKETS];
         for (int packet = 0; packet < PACKETS; packet++) {
-            waves[packet] = {{s.x, s.y, s.z}, lattice.directions(first + 8 * packet), 0.0f, allSet()};
+            waves[packet].position = {s.x, s.y, s.z};
+            waves[packet].direction = lattice.directions(first + 8 * packet);
+            waves[packet].travelling = allSet();
+            lookAhead(scene, waves[packet]);
         }
         for (uint32_t order = 0; order < iterations; order++) {
             Lanes heard[PACKETS];

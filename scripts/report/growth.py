@@ -132,8 +132,8 @@ def powers(first, factor, last):
 
 
 def sweeps(quick, profiles, only):
-    """Waves to 16.7 million, iterations to 1024, surfaces to 100,000; few when quick."""
-    limits = {"waves": 16_777_216, "iterations": 1_024, "surfaces": 100_000}
+    """Waves to 16.7 million, iterations to 1024, surfaces to 65,536 (scene files have a largest size); few when quick."""
+    limits = {"waves": 16_777_216, "iterations": 1_024, "surfaces": 65_536}
     if quick:
         limits = {"waves": 1_024, "iterations": 4, "surfaces": 32}
     first = {"waves": 64, "iterations": 1, "surfaces": 1}
