@@ -22,7 +22,7 @@ Examples:
   echomarch demo my.ron --set door=60 --waves 262144
   echomarch demo corner --seconds 10 --screenshot demo.png --json
 
-Keys stand in the window: F1 shows them all. Scene files and WAV files can be dropped on it.
+F1 in the window lists the keys. Scene files and WAV files can be dropped on it.
 Scenes: corner, obstacles, open-field, open-pillars, shoebox, whispering-gallery,
 parabolic-mirrors, colonnade, cave, morphing-room, menger, glasshouse.";
 
