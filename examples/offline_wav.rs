@@ -22,10 +22,7 @@ fn main() -> Result<(), Error> {
     let scene = Scene::builtin("open-field")?;
     // A few iterations are enough in the open: after the ground there is nothing to meet.
     let settings = Settings::default().with_waves(16_384).with_iterations(4);
-    let timing = Timing {
-        seconds: scene.duration(),
-        fps: 30.0,
-    };
+    let timing = Timing::new(scene.duration(), 30.0);
     let mut tracer = Tracer::new(&context)?;
     let mut sound = Sound::parse("sine:440", SAMPLE_RATE)?;
     let mut mixer = Mixer::new(PanningLaw::ConstantPower);

@@ -53,10 +53,11 @@ build_tests() {
 # Those that compare the shaders' text with what it was would fail at every change.
 tests_pass() {
     local limited=(timeout "$LONGEST_S")
-    "${limited[@]}" "$TRACER" gpu_against_cpu &&
-        "${limited[@]}" "$UNITS" kernel::tests:: trace::tests::field_waves &&
-        "${limited[@]}" "$SURFACES" --skip shader_text:: &&
-        "${limited[@]}" "$TRACER" --skip gpu_against_cpu
+    "${limited[@]}" "$UNITS" trace::tests::gpu_against_cpu &&
+        "${limited[@]}" "$UNITS" kernel::tests:: trace::tests::field_waves \
+            trace::tests::loop_budget &&
+        "${limited[@]}" "$SURFACES" &&
+        "${limited[@]}" "$TRACER"
 }
 
 # Tries every N-th change of a file: $1 the file, $2 N.

@@ -47,7 +47,7 @@ run cargo clippy --locked --no-default-features --lib -- -D warnings
 for features in picture experiment cli demo audio; do
     run cargo clippy --locked --no-default-features --features "$features" -- -D warnings
 done
-run env RUSTDOCFLAGS="-D warnings" cargo doc --locked --no-deps
+run scripts/public-api.sh
 run cargo test --locked
 run check_package
 run cargo package --locked --allow-dirty --no-verify

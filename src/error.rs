@@ -1,5 +1,9 @@
 //! The one error type that everything public returns.
 
+pub use crate::input::InputError;
+#[cfg(feature = "picture")]
+pub use crate::output::OutputError;
+
 use crate::audio::AudioError;
 use crate::gpu::GpuError;
 use crate::scene::SceneError;

@@ -7,6 +7,9 @@
 //! OpenGL 3.3 and OpenGL ES 3.0. It needs no window: contexts come from EGL or OSMesa, on
 //! a graphics card or on Mesa's software renderer.
 //!
+//! First make a [`Context`](gpu::Context) and a [`Tracer`] on it. Then trace a [`Scene`] by some
+//! [`Settings`], frame by frame: each [`Frame`] says what arrives at the listener.
+//!
 //! ```
 //! use echomarch::gpu::{Context, ContextOptions};
 //! use echomarch::{Scene, Settings, Tracer};
@@ -34,13 +37,12 @@
 //! | [`audio`] | sounds, panning laws, mixer, WAV files; live sound (feature `audio`) |
 //! | [`offline`] | a moving scene to sound, without a sound card |
 //! | [`gpu`] | contexts with no window, and the renderers that there are |
-//! | [`mod@reference`] | the same and the exact waves on the CPU, to check against |
+//! | [`mod@reference`] | exact waves on the CPU, to check against |
 //! | `picture` | what the listener sees, and the plan with paths (feature `picture`) |
 //! | `experiment` | the thesis' experiments, run for real, and what accuracy costs (feature `experiment`) |
 //! | `report` | what experiments found, for people and for programs (feature `experiment`) |
 //! | `demo` | the window: walk through a scene and hear it (feature `demo`) |
-//! | [`input`] | what keeps files from being read |
-//! | [`output`] | atomic file writes |
+//! | [`error`] | what can go wrong |
 //!
 //! # Untrusted scenes
 //! A scene may name GLSL of its own, which the driver compiles within this process, and which can
@@ -76,10 +78,10 @@ pub mod error;
 #[cfg(feature = "experiment")]
 pub mod experiment;
 pub mod gpu;
-pub mod input;
+mod input;
 mod kernel;
 pub mod offline;
-pub mod output;
+mod output;
 #[cfg(feature = "picture")]
 pub mod picture;
 pub mod reference;

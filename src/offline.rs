@@ -10,6 +10,7 @@ use crate::trace::{Frame, Settings, TraceError, Tracer};
 
 /// How long, and at how many frames a second.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Timing {
     /// Seconds of sound.
     pub seconds: f64,
@@ -18,6 +19,11 @@ pub struct Timing {
 }
 
 impl Timing {
+    /// So many seconds of sound at so many frames a second.
+    pub fn new(seconds: f64, fps: f64) -> Timing {
+        Timing { seconds, fps }
+    }
+
     /// Number of frames: the last one is cut where the time is over.
     pub fn frames(&self) -> u64 {
         // A share of a frame below this is rounding, not time: at 1000 frames a second
@@ -29,6 +35,7 @@ impl Timing {
 
 /// One frame's share of the sound.
 #[derive(Debug)]
+#[non_exhaustive]
 pub struct Block<'a> {
     /// Number of the frame, from 0.
     pub index: u64,

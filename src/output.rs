@@ -3,6 +3,7 @@
 //! Everything is written beside its target and renamed at the end, so that a run that
 //! is interrupted leaves an older file as it was. What was read as an input (a scene, a file
 //! that it names, a sound, answers) is never replaced, whatever path or link leads to it.
+#![cfg_attr(not(feature = "cli"), allow(dead_code))] // The library alone writes sounds alone.
 
 use crate::input::is_input;
 use std::ffi::OsStr;
@@ -15,6 +16,7 @@ use tempfile::NamedTempFile;
 /// A file or folder that cannot be written.
 #[derive(Debug, thiserror::Error)]
 #[error("cannot write {}: {source}", path.display())]
+#[non_exhaustive]
 pub struct OutputError {
     /// The file or folder.
     pub path: PathBuf,

@@ -31,7 +31,8 @@ impl FrameBlocks {
 
     /// The samples of frame `i`, counted from the first sample of frame 0.
     pub fn samples(&self, i: u64) -> Range<u64> {
-        frame_samples(i, self.fps, self.rate_hz)
+        let border = |frame: f64| (frame * f64::from(self.rate_hz) / self.fps).round() as u64;
+        border(i as f64)..border(i as f64 + 1.0)
     }
 
     /// The number of samples of frame `i`; 0 is possible only with more frames than samples.
@@ -45,17 +46,6 @@ impl FrameBlocks {
     pub fn longest(&self) -> usize {
         (f64::from(self.rate_hz) / self.fps).ceil() as usize + 1
     }
-}
-
-/// The samples of frame `i` at `fps` frames a second over `rate` samples a second, counted from
-/// the first sample of frame 0; see [`FrameBlocks`].
-///
-/// # Panics
-/// If `fps` is not 0.001 to 1,000,000; [`FrameBlocks::new`] returns an error instead.
-pub fn frame_samples(i: u64, fps: f64, rate: u32) -> Range<u64> {
-    assert!(is_usable(fps), "a rate of {fps} frames a second");
-    let border = |frame: f64| (frame * f64::from(rate) / fps).round() as u64;
-    border(i as f64)..border(i as f64 + 1.0)
 }
 
 /// A frame of more than a quarter of an hour is no frame; one below a microsecond holds no

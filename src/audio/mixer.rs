@@ -7,6 +7,17 @@ use super::{Gains, PanningLaw};
 /// A block's gains run linearly from the last block's to its own target, which its last sample
 /// has; the first block starts at its own. No sample's gain differs from the one before it by
 /// more than the block's gain change divided by its length, borders included.
+///
+/// ```
+/// use echomarch::audio::{Mixer, PanningLaw};
+///
+/// let mut mixer = Mixer::new(PanningLaw::Linear);
+/// let mut stereo = [0.0; 4];
+/// mixer.mix(&[1.0, 1.0], -1.0, &mut stereo);
+/// assert_eq!(stereo, [1.0, 0.0, 1.0, 0.0]);
+/// mixer.mix(&[1.0, 1.0], 1.0, &mut stereo); // glides to the right
+/// assert_eq!(stereo, [0.5, 0.5, 0.0, 1.0]);
+/// ```
 #[derive(Debug, Clone)]
 pub struct Mixer {
     law: PanningLaw,

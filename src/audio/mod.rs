@@ -60,7 +60,7 @@ mod wav_read;
 mod wav_write;
 
 pub use error::AudioError;
-pub use frames::{FrameBlocks, frame_samples};
+pub use frames::FrameBlocks;
 pub use mixer::Mixer;
 pub use noise::NOISE_AMPLITUDE;
 pub use panning::{Gains, PanningLaw};

@@ -15,6 +15,16 @@ use std::path::Path;
 /// A sine, noise and speech never end. A WAV clip starts over at its end unless
 /// [`set_looping`](Self::set_looping) turned that off: then it ends in silence. Where its end does
 /// not fit its start, the first 5 ms are cross-faded with the end each time that it starts over.
+///
+/// ```
+/// use echomarch::audio::{SAMPLE_RATE, Sound};
+///
+/// let mut sound = Sound::parse("sine:440", SAMPLE_RATE)?;
+/// let mut block = [0.0; 480];
+/// sound.fill(&mut block);
+/// assert!(block.iter().any(|sample| *sample > 0.0));
+/// # Ok::<(), echomarch::audio::AudioError>(())
+/// ```
 pub struct Sound {
     signal: Box<dyn Signal>,
 }

@@ -58,7 +58,7 @@ pub struct Limits {
     pub max_color_attachments: u32,
 }
 
-/// A GL context without a window, and the thread's access to it.
+/// A GL context without a window, and the thread's access to it. The [module](super) has an example.
 ///
 /// Clones are references to the same context, which is destroyed with the last of them. It stays on the thread that
 /// made it.

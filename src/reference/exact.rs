@@ -56,6 +56,7 @@ struct Ear {
 
 /// Where a flight ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Hit {
     /// Length of the flight in metres.
     pub t: f64,
@@ -69,6 +70,7 @@ pub struct Hit {
 
 /// A wave after its last iteration.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct ExactWave {
     /// 0 = heard, −1 = dead, n = mirrored last at the n-th surface from 1.
     pub status: i32,
@@ -85,11 +87,13 @@ pub struct ExactWave {
     pub incoming_direction: DVec3,
     /// Metres flown from the start to `point`.
     pub length: f64,
-    /// [`sequence_hash`] of the objects met, the listener (0) among them.
+    /// One number for the objects met, in order, the listener (0) among them: two waves with the
+    /// same number have met the same objects.
     pub sequence_hash: u64,
 }
 
 /// A place where a wave met something, in the order of its flight.
+#[cfg(any(test, feature = "experiment"))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathVertex {
     /// World position in metres.
@@ -110,6 +114,7 @@ fn hash_one_more(hash: u64, object: u32) -> u64 {
 /// with the same number have met the same objects.
 ///
 /// FNV-1a over whole object numbers instead of bytes.
+#[cfg(any(test, feature = "experiment"))]
 pub fn sequence_hash(objects: &[u32]) -> u64 {
     objects
         .iter()
@@ -183,7 +188,13 @@ impl ExactScene {
 
     /// Every place where the wave of [`ExactScene::trace`] met something; the start
     /// is none of them.
-    pub fn trace_path(&self, start: DVec3, direction: DVec3, iterations: u32) -> Vec<PathVertex> {
+    #[cfg(any(test, feature = "experiment"))]
+    pub(crate) fn trace_path(
+        &self,
+        start: DVec3,
+        direction: DVec3,
+        iterations: u32,
+    ) -> Vec<PathVertex> {
         let mut path = Vec::new();
         self.walk(start, direction, iterations, |hit| {
             path.push(PathVertex {

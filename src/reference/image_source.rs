@@ -64,7 +64,7 @@ impl ShoeboxImages {
 
     /// When the wave that leaves the source along `direction` (world axes, any
     /// length) is heard within `iterations` flights; `None` if it is not.
-    pub fn arrival(&self, direction: DVec3, iterations: u32) -> Option<Arrival> {
+    pub(super) fn arrival(&self, direction: DVec3, iterations: u32) -> Option<Arrival> {
         let u = (self.into_room * direction.try_normalize()?).to_array();
         // Walls crossed so far along each axis, and all of them.
         let mut crossed = [0u32; 3];

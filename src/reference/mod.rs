@@ -20,8 +20,8 @@
 //!   simulating small-room acoustics*, JASA 65, 1979): in the unfolded room the
 //!   wave is one straight line. It shares no code with [`ExactScene`], and a test
 //!   compares the two wave for wave.
-//! - [`march32`] is the thesis' algorithm itself in `f32`: it tells whether a shader
-//!   computes what it should, not whether that is right.
+//! - The crate's own tests have a third, the thesis' algorithm itself in `f32` (`march32.rs`): it
+//!   tells whether a shader computes what it should, not whether that is right.
 //!
 //! # Deviations from the thesis
 //! Sjöberg (2011) marches each flight in `f32` and stops up to 0.1 short of the
@@ -36,11 +36,17 @@
 //! that it meets; tracing allocates nothing for a wave.
 
 mod closed_form;
+#[cfg(test)]
 mod distance32;
 mod exact;
 mod image_source;
-pub mod march32;
+#[cfg(test)]
+pub(crate) mod march32;
 mod marched;
+#[cfg(test)]
+mod tests;
 
-pub use exact::{ExactScene, ExactWave, Hit, PathVertex, sequence_hash};
-pub use image_source::{Arrival, ShoeboxImages};
+pub use exact::{ExactScene, ExactWave, Hit};
+#[cfg(feature = "experiment")]
+pub(crate) use exact::{PathVertex, sequence_hash};
+pub use image_source::ShoeboxImages;

@@ -8,6 +8,7 @@ use glam::Vec3;
 
 /// What a distance function answers at one point.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Nearest {
     /// Signed distance in metres, negative in a solid.
     pub distance: f32,

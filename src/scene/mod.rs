@@ -30,12 +30,10 @@ pub(crate) use file::BasedScene;
 pub use motion::{Driver, Motion};
 pub use named_values::{NamedValue, Quantity};
 pub use path::{Key, Path};
-pub(crate) use shape::halton;
-pub use shape::{
-    Bounds3, Copies, Exactness, HeightImage, Node, Properties, Shape, UserField, UserSamples,
-};
+pub use shape::{Bounds3, Exactness, HeightImage, Node, Properties, Shape, UserField};
+pub(crate) use shape::{Copies, UserSamples, halton};
 pub use surface::Surface;
-pub use watch::SceneWatch;
+pub(crate) use watch::SceneWatch;
 
 use crate::scene::shape::{HeightField, User};
 use glam::Vec3;
@@ -43,6 +41,24 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 /// A world to hear: surfaces, one source and one listener.
+///
+/// ```
+/// use echomarch::glam::Vec3;
+/// use echomarch::scene::shape::{Room, Sphere};
+/// use echomarch::{Listener, Scene, Source, Surface};
+///
+/// let hall = Surface::new(Room { size: Vec3::new(20.0, 6.0, 12.0) });
+/// let ball = Surface::new(Sphere { radius: 1.5 }).at(Vec3::new(3.0, 0.0, -2.0));
+/// let source = Source::at(Vec3::new(6.0, 0.0, 0.0));
+/// let listener = Listener::at(Vec3::ZERO, 0.5);
+/// let scene = Scene::new("hall", vec![hall, ball], source, listener);
+/// scene.check()?;
+/// let nearest = scene.surface_distance(Vec3::new(3.0, 0.0, -4.0));
+/// assert_eq!((nearest.object, nearest.distance), (2, 0.5));
+/// # Ok::<(), echomarch::Error>(())
+/// ```
+///
+/// A scene serialises as its file would say it (`docs/scene-format.md`), and is read from that.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Scene {

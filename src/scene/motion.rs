@@ -18,7 +18,7 @@ const CHECKED_FPS: f64 = 30.0;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Driver {
     /// The number's name: `position.x`, `rotation.y`, `radius`, `0.by.z` …; see
-    /// [`Surface::parameters_mut`].
+    /// [`Surface::parameter_names`].
     pub parameter: String,
     /// What sets it.
     pub motion: Motion,
@@ -61,10 +61,9 @@ impl Motion {
 }
 
 impl Surface {
-    /// Every number that may be driven, by name: `position.x` …, the shape's own
-    /// (`radius`, `size.x` …), and those of the fields below it ([`Shape::parameters_mut`]).
+    /// Every number that may be driven; see [`Surface::parameter_names`].
     /// The rotation's, `rotation.x` … in radians, go by [`Surface::angles`].
-    pub fn parameters_mut(&mut self) -> Vec<Parameter<'_>> {
+    pub(crate) fn parameters_mut(&mut self) -> Vec<Parameter<'_>> {
         let mut all = Vec::new();
         self.position
             .add_to("position", Quantity::Position, &mut all);
@@ -111,8 +110,10 @@ impl Surface {
         }
     }
 
-    /// The names that a driver may have.
-    pub(super) fn parameter_names(&self) -> HashSet<String> {
+    /// The names of the numbers that a [`Driver`] may move: `position.x` …, `rotation.x` …, the
+    /// shape's own (`radius`, `size.x` …), and those of the shapes below it, with the number of
+    /// each child before them (`0.radius` …).
+    pub fn parameter_names(&self) -> HashSet<String> {
         let mut bare = Surface {
             drivers: Vec::new(),
             name: None,

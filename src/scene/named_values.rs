@@ -23,6 +23,7 @@ pub enum Quantity {
 
 /// A named value as it stands in a scene.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct NamedValue {
     /// Its name.
     pub name: String,
@@ -62,7 +63,7 @@ impl Scene {
 }
 
 impl Surface {
-    /// What a number of the surface measures, by its name (see [`Surface::parameters_mut`]).
+    /// What a number of the surface measures, by its name (see [`Surface::parameter_names`]).
     pub fn quantity(&self, parameter: &str) -> Quantity {
         let found = self.parameter(parameter);
         found.map_or(Quantity::Plain, |(_, quantity)| quantity)

@@ -11,7 +11,7 @@ use super::programs::march_options;
 use super::{
     Algorithm, MAX_COPY_STEPS, MAX_FIELD_STEPS, MAX_STEPS, MarchOptions, Settings, ThesisOptions,
 };
-use crate::kernel::{self, Layout, Lists, Loops, SceneCells};
+use crate::kernel::{self, Lists, Loops, SceneCells};
 use crate::scene::Scene;
 
 /// Turns of all loops of a shader together at the most.
@@ -43,9 +43,11 @@ pub struct Budget {
 
 impl Budget {
     /// The budget of a scene as it stands.
+    #[cfg(any(test, feature = "experiment"))]
     pub fn of(scene: &Scene, settings: &Settings) -> Budget {
         let lists = lists(settings);
-        let cells = SceneCells::new(scene, &Layout::of(&scene.surfaces, lists), lists);
+        let layout = kernel::Layout::of(&scene.surfaces, lists);
+        let cells = SceneCells::new(scene, &layout, lists);
         Budget::with_cells(scene, settings, cells.as_ref())
     }
 

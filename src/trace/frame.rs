@@ -5,6 +5,19 @@ use crate::error::Error;
 use std::time::{Duration, Instant};
 
 /// The result of one traced frame.
+///
+/// ```
+/// # use echomarch::gpu::{Context, ContextOptions};
+/// # use echomarch::{Scene, Settings, Tracer};
+/// # let context = Context::headless(&ContextOptions::default())?;
+/// let settings = Settings::default().with_waves(1024);
+/// let frame = Tracer::new(&context)?.frame(&Scene::builtin("corner")?, &settings)?;
+/// println!("pan {:+.2} in {:.1} ms", frame.panning.pan(), frame.milliseconds.total);
+///
+/// let counts = frame.counts;
+/// assert_eq!(counts.listener_hits + counts.dead + counts.travelling, 1024);
+/// # Ok::<(), echomarch::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 #[non_exhaustive]
 pub struct Frame {

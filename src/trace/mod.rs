@@ -29,7 +29,8 @@ mod user_fields;
 mod waves;
 
 pub use crate::kernel::Directions;
-pub use budget::Budget;
+#[cfg(any(test, feature = "experiment"))]
+pub(crate) use budget::Budget;
 pub use error::TraceError;
 pub use field_trial::{FieldTrial, TrialCommand, answer_field_trial};
 pub use frame::{Frame, Milliseconds};
@@ -38,23 +39,26 @@ pub(crate) use heard_search::{HeardSearch, MostKept};
 #[cfg(feature = "picture")]
 pub(crate) use limits::check_surfaces;
 pub use panning::{Counts, Panning};
-pub use programs::{Pass, shader_text};
+pub(crate) use programs::{Pass, shader_text};
 #[cfg(feature = "demo")]
 pub(crate) use reload::Opening;
 pub use reload::{Reload, Reloading};
 #[cfg(feature = "picture")]
 pub(crate) use scene_data::SceneData;
-#[cfg(feature = "experiment")]
-pub(crate) use settings::MarchVariant;
 pub use settings::{
-    Algorithm, HybridOptions, MARCHES_PER_PASS, MAX_COPY_STEPS, MAX_FIELD_STEPS, MAX_ITERATIONS,
-    MAX_STEPS, MAX_WAVES, MarchOptions, Profile, Settings, ThesisOptions,
+    Algorithm, HybridOptions, MAX_ITERATIONS, MAX_WAVES, MarchOptions, Profile, Settings,
+    ThesisOptions,
 };
+#[cfg(feature = "experiment")]
+pub(crate) use settings::{MARCHES_PER_PASS, MarchVariant};
+pub(crate) use settings::{MAX_COPY_STEPS, MAX_FIELD_STEPS, MAX_STEPS};
 pub use tracer::{HeardPaths, Tracer};
 #[cfg(feature = "picture")]
 pub(crate) use user_fields::UserFields;
-pub(crate) use waves::STATUS_STARTED;
-pub use waves::{Fate, Grid, STATUS_DEAD, STATUS_LISTENER, Wave};
+pub(crate) use waves::Grid;
+pub use waves::{Fate, Wave};
+#[cfg(test)]
+pub(crate) use waves::{STATUS_DEAD, STATUS_LISTENER, STATUS_STARTED};
 
 #[cfg(test)]
 mod tests;

@@ -4,6 +4,18 @@ use super::waves::{Fate, unpack_counters};
 
 /// What arrived at the two ears: the summed contributions of all waves that reached
 /// the listener (thesis, section 3.2.4). Each such wave gives 1, split in two.
+///
+/// ```
+/// use echomarch::Panning;
+/// use echomarch::audio::PanningLaw;
+///
+/// let mut panning = Panning::default();
+/// assert_eq!(panning.pan(), 0.0); // nothing arrived
+/// (panning.left, panning.right) = (1.0, 3.0);
+/// assert_eq!(panning.pan(), 0.5);
+/// let gains = PanningLaw::Linear.gains(panning.pan() as f32);
+/// assert_eq!((gains.left, gains.right), (0.25, 0.75));
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 #[non_exhaustive]
 pub struct Panning {

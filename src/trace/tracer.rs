@@ -37,6 +37,24 @@ use throughput::Throughput;
 /// Every call makes the tracer's context current, whatever the caller has made current in the
 /// meantime, and a context of the caller's own (EGL) is current again when the call returns.
 ///
+/// ```
+/// use echomarch::gpu::{Context, ContextOptions};
+/// use echomarch::{Scene, Settings, Tracer};
+///
+/// let context = Context::headless(&ContextOptions::default())?;
+/// let mut tracer = Tracer::new(&context)?;
+/// let mut scene = Scene::builtin("corner")?;
+/// let settings = Settings::default().with_waves(1024);
+/// let ahead = tracer.frame(&scene, &settings)?;
+/// let compiled = tracer.programs_compiled();
+///
+/// scene.listener.yaw = 1.5; // to the right, in radians
+/// let turned = tracer.frame(&scene, &settings)?;
+/// assert_ne!(ahead.panning, turned.panning);
+/// assert_eq!(tracer.programs_compiled(), compiled);
+/// # Ok::<(), echomarch::Error>(())
+/// ```
+///
 /// A frame goes in three steps: begin, advance, and poll or wait
 /// ([`frame_begin`](Tracer::frame_begin) shows them); [`frame`](Tracer::frame) takes them in a
 /// row.

@@ -6,6 +6,7 @@ use glam::Vec3;
 pub const STATUS_DEAD: f32 = -1.0;
 
 /// Status of a wave that reached the listener.
+#[cfg(test)]
 pub const STATUS_LISTENER: f32 = 0.0;
 
 /// Status of a wave before its first march.
@@ -50,7 +51,7 @@ pub enum Fate {
 
 impl Fate {
     /// The fate that a status says; the margin is figure 8's.
-    pub fn of(status: f32) -> Fate {
+    pub(crate) fn of(status: f32) -> Fate {
         match status {
             s if s > -0.1 && s < 0.1 => Fate::Listener,
             s if s < 0.0 => Fate::Dead,

@@ -1,9 +1,7 @@
 //! Panning laws, the mixer's glide, and frames: no device, no graphics card.
 
 use crate::measures::{largest_step, rms};
-use echomarch::audio::{
-    AudioError, FrameBlocks, Gains, Mixer, PanningLaw, SAMPLE_RATE, Sound, frame_samples,
-};
+use echomarch::audio::{AudioError, FrameBlocks, Gains, Mixer, PanningLaw, SAMPLE_RATE, Sound};
 use proptest::prelude::*;
 
 const LAWS: [PanningLaw; 2] = [PanningLaw::Linear, PanningLaw::ConstantPower];
@@ -66,10 +64,8 @@ proptest! {
 
     #[test]
     fn frames_tile_at_any_rate(fps in 0.5f64..1000.0, i in 0u64..10_000_000) {
-        let (now, next) = (
-            frame_samples(i, fps, SAMPLE_RATE),
-            frame_samples(i + 1, fps, SAMPLE_RATE),
-        );
+        let frames = FrameBlocks::new(fps, SAMPLE_RATE).unwrap();
+        let (now, next) = (frames.samples(i), frames.samples(i + 1));
         prop_assert_eq!(now.end, next.start);
         let exact = i as f64 * f64::from(SAMPLE_RATE) / fps;
         prop_assert!((now.start as f64 - exact).abs() <= 0.5);
@@ -200,7 +196,8 @@ fn frames_tile_without_gap_or_drift() {
         assert!(lengths.1 - lengths.0 <= 1, "{fps}: {lengths:?}");
         assert!(lengths.1 <= frames.longest(), "{fps}");
     }
-    assert_eq!(frame_samples(2, 24.0, 48_000), 4000..6000);
+    let frames = FrameBlocks::new(24.0, 48_000).unwrap();
+    assert_eq!(frames.samples(2), 4000..6000);
 }
 
 #[test]

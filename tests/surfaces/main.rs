@@ -1,4 +1,4 @@
-//! What exists: scene files, shapes and operators, their shaders, and waves at hard surfaces.
+//! What exists: scene files, shapes and operators, and waves at hard surfaces.
 
 #[path = "../common/mod.rs"]
 mod common;
@@ -10,8 +10,6 @@ mod implicit_scenes;
 mod marched_fields;
 mod points_on_surfaces;
 mod properties;
-mod reference_exact;
 mod scene_format;
-mod shader_text;
 mod touching_boxes;
 mod user_fields;

@@ -201,7 +201,7 @@ proptest! {
             for pair in states.windows(2).skip(1) {
                 for (before, after) in pair[0].iter().zip(&pair[1]) {
                     let met_again =
-                        before.status == 1.0 && Fate::of(after.status) == Fate::Travelling;
+                        before.status == 1.0 && after.fate() == Fate::Travelling;
                     prop_assert!(!met_again, "{context}: {before:?} {after:?}");
                 }
             }
@@ -225,7 +225,7 @@ proptest! {
                 if planted.is_room() {
                     prop_assert!(after.status == 1.0 && after.zero_length_passes == 0, "{context}: {after:?}");
                 } else {
-                    let met = Fate::of(after.status) == Fate::Travelling;
+                    let met = after.fate() == Fate::Travelling;
                     prop_assert!(!met, "{context}: {before:?} {after:?}");
                 }
             }

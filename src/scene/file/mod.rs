@@ -6,6 +6,7 @@
 
 mod base;
 mod hints;
+mod serialise;
 mod surface;
 #[cfg(feature = "demo")]
 mod write;

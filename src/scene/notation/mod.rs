@@ -7,6 +7,7 @@ mod numbers;
 mod reader;
 mod variant;
 mod words;
+mod written;
 
 pub(crate) use attached::Attached;
 pub(crate) use form::Form;
@@ -17,3 +18,4 @@ pub(crate) use numbers::{
 pub(crate) use reader::{ReadNumbers, Reader};
 pub(crate) use variant::Variant;
 pub(crate) use words::{Axis, Corners, MirrorAxes, Sheets};
+pub(crate) use written::{Fields, Written};

@@ -24,6 +24,10 @@ impl Part for CappedCylinder {
         "CappedCylinder"
     }
 
+    fn name_in_files(&self) -> &'static str {
+        "Cylinder"
+    }
+
     fn properties(&self, _: &[Shape]) -> Properties {
         Properties::round(self.radius, self.half_height())
     }

@@ -3,7 +3,7 @@
 use super::cuboid::box_value;
 use super::part::parameters;
 use super::{Bounds3, HeightImage, Part, Properties, Shape};
-use crate::scene::notation::{ReadNumbers, Reader, Side, Vector};
+use crate::scene::notation::{Fields, ReadNumbers, Reader, Side, Vector, Written};
 use crate::scene::shape::FromFile;
 use crate::scene::{Quantity, SceneError};
 use glam::{DVec2, DVec3, Vec3};
@@ -43,6 +43,10 @@ parameters!(HeightField {
 impl Part for HeightField {
     fn name(&self) -> &'static str {
         "HeightField"
+    }
+
+    fn words(&self) -> Fields {
+        vec![("image", Written::Text(self.image.name().to_owned()))]
     }
 
     fn properties(&self, _: &[Shape]) -> Properties {

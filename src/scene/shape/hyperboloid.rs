@@ -3,7 +3,7 @@
 use super::part::parameters;
 use super::quadric::straight_quadric;
 use super::{Bounds3, Part, Properties, Quadric, Shape};
-use crate::scene::notation::{Length, Number, Reader, Sheets};
+use crate::scene::notation::{Fields, Length, Number, Reader, Sheets, Written};
 use crate::scene::shape::FromFile;
 use crate::scene::{Quantity, SceneError};
 use glam::DVec3;
@@ -49,6 +49,11 @@ parameters!(Hyperboloid {
 impl Part for Hyperboloid {
     fn name(&self) -> &'static str {
         "Hyperboloid"
+    }
+
+    fn words(&self) -> Fields {
+        let sheets = if self.two_sheets { 2 } else { 1 };
+        vec![("sheets", Written::Count(sheets))]
     }
 
     fn properties(&self, _: &[Shape]) -> Properties {

@@ -67,12 +67,13 @@ pub use height_field::HeightField;
 pub use height_image::HeightImage;
 pub use hyperboloid::Hyperboloid;
 pub use list::Node;
+pub(crate) use operator::Copies;
 pub use operator::{
-    Bend, Complement, Copies, Difference, Elongate, Intersection, Mirror, Morph, Offset, Repeat,
-    Rotate, Scale, Shell, SmoothUnion, Translate, Twist, Union,
+    Bend, Complement, Difference, Elongate, Intersection, Mirror, Morph, Offset, Repeat, Rotate,
+    Scale, Shell, SmoothUnion, Translate, Twist, Union,
 };
 pub use paraboloid::Paraboloid;
-pub use part::Parameter;
+pub(crate) use part::Parameter;
 pub use plane::Plane;
 pub use prism::Prism;
 pub use properties::{Exactness, Properties};
@@ -82,7 +83,8 @@ pub use rounded_box::RoundedBox;
 pub use sphere::Sphere;
 pub use torus::Torus;
 pub use user::User;
-pub use user_field::{UserField, UserSamples};
+pub use user_field::UserField;
+pub(crate) use user_field::UserSamples;
 
 use glam::DVec3;
 use std::sync::Arc;
@@ -180,7 +182,7 @@ impl Shape {
     ///
     /// A node's own are called as in a scene file (`radius`, `size.x`); those of the n-th
     /// child (from 0) have `n.` before them (`0.radius`, `1.0.by.y`).
-    pub fn parameters_mut(&mut self) -> Vec<Parameter<'_>> {
+    pub(crate) fn parameters_mut(&mut self) -> Vec<Parameter<'_>> {
         let mut all = self.node.part_mut().parameters_mut();
         for (index, child) in self.children.iter_mut().enumerate() {
             let below = child.parameters_mut().into_iter();

@@ -6,6 +6,7 @@
 
 use super::{Properties, Shape};
 use crate::scene::Quantity;
+use crate::scene::notation::{Fields, Written};
 use glam::{DVec3, Vec2, Vec3};
 
 /// A number of a part that may move.
@@ -23,6 +24,29 @@ pub struct Parameter<'a> {
 pub(crate) trait Part: Parameters {
     /// The name that scene files, shaders and reports use.
     fn name(&self) -> &'static str;
+
+    /// The name that scene files have for it, where it is another.
+    fn name_in_files(&self) -> &'static str {
+        self.name()
+    }
+
+    /// What a scene file says of it beside its children and the numbers that may move.
+    fn words(&self) -> Fields {
+        Fields::new()
+    }
+
+    /// Its children as a scene file says them.
+    fn written_children(&self, mut children: Vec<Written>) -> Fields {
+        match self.operands() {
+            (_, 0) => Fields::new(),
+            (_, 1) => children
+                .pop()
+                .map(|child| ("of", child))
+                .into_iter()
+                .collect(),
+            _ => vec![("of", Written::List(children))],
+        }
+    }
 
     /// How many children it takes: least and most.
     fn operands(&self) -> (usize, usize) {

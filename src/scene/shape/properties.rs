@@ -22,6 +22,7 @@ pub enum Exactness {
 
 /// What is known of a field without evaluating it.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Properties {
     /// What positive values say.
     pub in_air: Exactness,

@@ -4,7 +4,7 @@ use super::cuboid::box_value;
 use super::part::parameters;
 use super::{Bounds3, Part, Properties, Shape, UserField};
 use crate::scene::SceneError;
-use crate::scene::notation::{Lipschitz, Reader, Size};
+use crate::scene::notation::{Fields, Lipschitz, Reader, Size, Written};
 use crate::scene::shape::FromFile;
 use glam::DVec3;
 use serde::Deserialize;
@@ -41,6 +41,21 @@ parameters!(User {});
 impl Part for User {
     fn name(&self) -> &'static str {
         "Field"
+    }
+
+    fn words(&self) -> Fields {
+        let UserField {
+            file,
+            size,
+            lipschitz,
+            ..
+        } = &*self.field;
+        let size = size.to_array().map(Written::Number);
+        vec![
+            ("file", Written::Text(file.display().to_string())),
+            ("lipschitz", Written::Number(*lipschitz)),
+            ("size", Written::Tuple(size.to_vec())),
+        ]
     }
 
     fn check(&self) -> Result<(), String> {

@@ -77,25 +77,25 @@ impl UserField {
     }
 
     /// Keeps what the GPU answered; the first answer stays.
-    pub fn set_samples(&self, samples: Arc<UserSamples>) {
+    pub(crate) fn set_samples(&self, samples: Arc<UserSamples>) {
         // The same text over the same box has the same samples.
         let _ = self.samples.set(samples);
     }
 
     /// What the GPU answered, once it was asked.
-    pub fn samples(&self) -> Option<&Arc<UserSamples>> {
+    pub(crate) fn samples(&self) -> Option<&Arc<UserSamples>> {
         self.samples.get()
     }
 
     /// Keeps how long an evaluation takes; the first measurement stays.
-    pub fn set_evaluation_seconds(&self, seconds: f64) {
+    pub(crate) fn set_evaluation_seconds(&self, seconds: f64) {
         // Another measurement of the same text says the same, within the load.
         let _ = self.evaluation_seconds.set(seconds);
     }
 
     /// Seconds that an evaluation took on the renderer, many of them side by side, once that
     /// was measured.
-    pub fn evaluation_seconds(&self) -> Option<f64> {
+    pub(crate) fn evaluation_seconds(&self) -> Option<f64> {
         self.evaluation_seconds.get().copied()
     }
 

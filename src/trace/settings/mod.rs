@@ -84,8 +84,8 @@ pub struct Settings {
     /// How the start directions are chosen.
     pub directions: Directions,
     /// Iterations in one pass at the most; 1 is the thesis' way, more save texture traffic.
-    /// A pass has no more than the [`Budget`](super::Budget) of the scene allows. By default
-    /// 1 in `thesis`, [`MARCHES_PER_PASS`] in `march`, [`MAX_ITERATIONS`] in `hybrid`.
+    /// A pass has no more than the loops of the scene allow, for drivers leave loops in silence
+    /// after so many turns. By default 1 in `thesis`, 8 in `march`, [`MAX_ITERATIONS`] in `hybrid`.
     pub iterations_per_pass: u32,
     /// Whether the panning texture is summed on the GPU and read back as one texel.
     pub sum_on_gpu: bool,
@@ -128,7 +128,7 @@ impl Settings {
     }
 
     /// Accurate sphere tracing: Newton's steps everywhere, landing, exact normals, no end
-    /// at 300 m, [`MARCHES_PER_PASS`] iterations in a pass.
+    /// at 300 m, eight iterations in a pass.
     pub fn march() -> Settings {
         Settings::new(Profile::March)
     }

@@ -1,4 +1,7 @@
-//! Frames, where a test needs what callers do not have.
+//! Frames and the text of passes, where a test needs what callers do not have.
 
 mod field_waves;
 mod foreign_contexts;
+mod gpu_against_cpu;
+mod loop_budget;
+mod shader_text;

@@ -8,7 +8,7 @@ use echomarch::scene::shape::{Room, User};
 use echomarch::scene::{Node, UserField};
 use echomarch::trace::{FieldTrial, Reload, Reloading, TraceError, TrialCommand};
 use echomarch::{Error, Listener, Profile, Scene, Settings, Source, Surface, Tracer};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use std::path::Path;
 use std::process::{Command, Output};
 use std::sync::Arc;
@@ -317,9 +317,15 @@ fn a_library_chooses_how_fields_are_tried() {
     std::fs::write(folder.join("go"), "").unwrap();
     let mut tracer = Tracer::new(&context).unwrap();
     let tried = scene(BALL);
-    let samples = |scene: &Scene| scene.user_fields().next().unwrap().samples().cloned();
+    // What the CPU knows of the field stands in its samples.
+    let values = |scene: &Scene| {
+        let field = scene.user_fields().next().unwrap();
+        let diagonal = (-10..=10).map(|step| DVec3::splat(0.1 * f64::from(step)));
+        diagonal.map(|p| field.value(p)).collect::<Vec<f64>>()
+    };
     tracer.check(&tried, &settings).unwrap();
-    assert_eq!(samples(&tried), samples(&own));
+    assert_eq!(values(&tried), values(&own));
+    assert_ne!(values(&tried), [0.0; 21]);
     for _ in 0..2 {
         tracer.frame(&tried, &settings).unwrap();
         Tracer::new(&context)

@@ -3,7 +3,7 @@
 use super::part::parameters;
 use super::{Part, Properties, Shape, ShapeFile, merged};
 use crate::scene::SceneError;
-use crate::scene::notation::Reader;
+use crate::scene::notation::{Fields, Reader, Written};
 use crate::scene::shape::{FromFile, Operands};
 use glam::DVec3;
 use serde::Deserialize;
@@ -33,6 +33,14 @@ parameters!(Difference {});
 impl Part for Difference {
     fn name(&self) -> &'static str {
         "Difference"
+    }
+
+    fn written_children(&self, mut children: Vec<Written>) -> Fields {
+        let cut = children.split_off(children.len().min(1));
+        let from = children.pop().map(|from| ("from", from));
+        from.into_iter()
+            .chain([("cut", Written::List(cut))])
+            .collect()
     }
 
     fn operands(&self) -> (usize, usize) {

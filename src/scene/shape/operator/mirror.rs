@@ -3,7 +3,7 @@
 use super::part::parameters;
 use super::{Part, Properties, Shape, ShapeFile};
 use crate::scene::SceneError;
-use crate::scene::notation::{MirrorAxes, Reader};
+use crate::scene::notation::{Fields, MirrorAxes, Reader, Written};
 use crate::scene::shape::{FromFile, Operands};
 use glam::DVec3;
 use serde::Deserialize;
@@ -35,6 +35,12 @@ parameters!(Mirror {});
 impl Part for Mirror {
     fn name(&self) -> &'static str {
         "Mirror"
+    }
+
+    fn words(&self) -> Fields {
+        let letters = "xyz".chars().zip(self.axes);
+        let letters = letters.filter_map(|(letter, is)| is.then_some(letter));
+        vec![("axes", Written::Text(letters.collect()))]
     }
 
     fn operands(&self) -> (usize, usize) {

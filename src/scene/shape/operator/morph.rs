@@ -2,7 +2,7 @@
 
 use super::part::parameters;
 use super::{Part, Properties, Shape, ShapeFile, hull, merged};
-use crate::scene::notation::{Number, Reader, Share};
+use crate::scene::notation::{Fields, Number, Reader, Share, Written};
 use crate::scene::shape::{FromFile, Operands};
 use crate::scene::{Quantity, SceneError};
 use glam::DVec3;
@@ -39,6 +39,10 @@ parameters!(Morph {
 impl Part for Morph {
     fn name(&self) -> &'static str {
         "Morph"
+    }
+
+    fn written_children(&self, children: Vec<Written>) -> Fields {
+        ["from", "to"].into_iter().zip(children).collect()
     }
 
     fn operands(&self) -> (usize, usize) {

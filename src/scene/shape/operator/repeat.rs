@@ -12,7 +12,7 @@
 
 use super::part::parameters;
 use super::{Bounds3, Exactness, Node, Part, Properties, Shape, ShapeFile};
-use crate::scene::notation::{Metres, ReadNumbers, Reader, Vector};
+use crate::scene::notation::{Fields, Metres, ReadNumbers, Reader, Vector, Written};
 use crate::scene::shape::{FromFile, Operands};
 use crate::scene::{Quantity, SceneError};
 use glam::{DVec3, Vec3};
@@ -55,6 +55,11 @@ const MOST_COUNTED: u32 = 1 << 24;
 impl Part for Repeat {
     fn name(&self) -> &'static str {
         "Repeat"
+    }
+
+    fn words(&self) -> Fields {
+        let count = self.count.map(Written::Count);
+        vec![("count", Written::Tuple(count.to_vec()))]
     }
 
     fn operands(&self) -> (usize, usize) {
@@ -300,7 +305,7 @@ impl Shape {
     ///
     /// # Errors
     /// A sentence on why the repetition cannot be safe.
-    pub fn copies(&self) -> Result<[Copies; 3], String> {
+    pub(crate) fn copies(&self) -> Result<[Copies; 3], String> {
         match (&self.node, self.children.first()) {
             (Node::Repeat(repeat), Some(child)) => repeat.copies(child),
             _ => Ok([Copies::None; 3]),

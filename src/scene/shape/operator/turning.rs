@@ -121,7 +121,7 @@ macro_rules! turning {
         use super::part::parameters;
         use super::turning::{Turning, check_stated};
         use super::{Part, Properties, Shape, ShapeFile};
-        use crate::scene::notation::{Angle, Lipschitz, Number, Reader};
+        use crate::scene::notation::{Angle, Fields, Lipschitz, Number, Reader, Written};
         use crate::scene::shape::{FromFile, Operands};
         use crate::scene::{Quantity, SceneError};
         use glam::DVec3;
@@ -160,6 +160,11 @@ macro_rules! turning {
         impl Part for $part {
             fn name(&self) -> &'static str {
                 $name
+            }
+
+            fn words(&self) -> Fields {
+                let lipschitz = self.stated_lipschitz().into_iter();
+                lipschitz.map(|stated| ("lipschitz", Written::Number(stated))).collect()
             }
 
             fn operands(&self) -> (usize, usize) {

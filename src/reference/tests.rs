@@ -1,10 +1,10 @@
 //! The exact references against each other, against the distance functions, and
 //! against answers that were planted.
 
-use crate::common::Random;
-use echomarch::reference::{ExactScene, Hit, ShoeboxImages};
-use echomarch::scene::shape::{Cuboid, Cylinder, Ellipsoid, Plane, Room, Sphere};
-use echomarch::{Listener, Node, Scene, Shape, Source, Surface};
+use super::{ExactScene, Hit, ShoeboxImages};
+use crate::scene::shape::{Cuboid, Cylinder, Ellipsoid, Plane, Room, Sphere};
+use crate::test_common::Random;
+use crate::{Listener, Node, Scene, Shape, Source, Surface};
 use glam::{DVec3, EulerRot, Quat, Vec3};
 use proptest::prelude::*;
 

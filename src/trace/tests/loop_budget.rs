@@ -2,11 +2,11 @@
 //! silence after so many turns (Mesa's llvmpipe after 65,536, all loops of a shader together), so
 //! every kind of loop has to be in the count.
 
-use crate::common::tracer;
-use echomarch::scene::shape::{Room, Sphere, Torus};
-use echomarch::scene::{Node, Shape};
-use echomarch::trace::{Budget, MAX_ITERATIONS, Profile, Wave};
-use echomarch::{Listener, Scene, Settings, Source, Surface};
+use crate::scene::shape::{Room, Sphere, Torus};
+use crate::scene::{Node, Shape};
+use crate::test_common::tracer;
+use crate::trace::{Budget, MAX_ITERATIONS, Profile, Wave};
+use crate::{Listener, Scene, Settings, Source, Surface};
 use glam::Vec3;
 
 fn room(surfaces: impl IntoIterator<Item = Surface>) -> Scene {
@@ -21,7 +21,7 @@ fn room(surfaces: impl IntoIterator<Item = Surface>) -> Scene {
 }
 
 fn scattered(shape: &(impl Into<Shape> + Clone)) -> Scene {
-    let mut random = crate::common::Random(3);
+    let mut random = crate::test_common::Random(3);
     let mut number = || 9.0 * random.signed() as f32;
     let mut place = || Vec3::new(number(), number(), number());
     room((0..40).map(|_| Surface::new(shape.clone()).at(place())))

@@ -3,14 +3,14 @@
 //! `ECHOMARCH_UPDATE_GOLDEN=1` writes `tests/golden/shaders/` anew. Only what is written for
 //! the scene is in the golden files: the files under `glsl/` that it takes in are named.
 
-use echomarch::scene::shape::{
+use crate::scene::shape::{
     CappedCylinder, Capsule, Cone, Cuboid, Cylinder, Ellipsoid, GeneralQuadric, HalfSpace,
     HeightField, Hyperboloid, Offset, Paraboloid, Plane, Prism, Room, RoundedBox, SmoothUnion,
     Sphere, Torus, Translate, User,
 };
-use echomarch::scene::{Driver, HeightImage, Motion, Node, Shape, UserField};
-use echomarch::trace::{Pass, shader_text};
-use echomarch::{Listener, Profile, Scene, Settings, Source, Surface};
+use crate::scene::{Driver, HeightImage, Motion, Node, Shape, UserField};
+use crate::trace::{Pass, shader_text};
+use crate::{Listener, Profile, Scene, Settings, Source, Surface};
 use glam::{UVec2, Vec2, Vec3};
 use std::path::PathBuf;
 use std::sync::Arc;

@@ -4,12 +4,12 @@
 //! square root and division may be off by some units in the last place. A wave stays the same
 //! until a decision hangs on such a difference; each wave that parts must be one of those.
 
-use crate::common::{builtin, context, for_each_api, thesis};
-use echomarch::experiment::median;
-use echomarch::gpu::{Api, Context};
-use echomarch::reference::march32::{self, MarchedWave};
-use echomarch::trace::{Fate, ThesisOptions, Wave};
-use echomarch::{Frame, Scene, Settings, Tracer};
+use crate::experiment::median;
+use crate::gpu::{Api, Context};
+use crate::reference::march32::{self, MarchedWave};
+use crate::test_common::{builtin, context, for_each_api, thesis};
+use crate::trace::{Fate, ThesisOptions, Wave};
+use crate::{Frame, Scene, Settings, Tracer};
 use glam::Vec3;
 
 const WAVES: u32 = 65_536;

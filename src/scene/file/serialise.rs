@@ -1,0 +1,324 @@
+//! Scenes by serde: what a scene file says, in any format.
+//!
+//! Fields have the names that the types ask for which read them ([`Form`]), and stand in the units
+//! of the file, so that there is one notation.
+
+use super::SceneFile;
+use crate::scene::notation::{Attached, Fields, Form, Written};
+use crate::scene::shape::form_of;
+use crate::scene::{Driver, Listener, Motion, Path, Quantity, Scene, Shape, Source, Surface};
+use glam::{EulerRot, Quat, Vec3};
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de, ser};
+use std::collections::BTreeMap;
+
+/// A scene is written as its file would say it; a base is written out. Height images and users'
+/// GLSL are named, not included, and looked for there when the scene is read.
+///
+/// ```
+/// # use echomarch::Scene;
+/// let scene = Scene::builtin("corner")?;
+/// let text = serde_json::to_string(&scene).expect("it is sound");
+/// let same: Scene = serde_json::from_str(&text).expect("it was written");
+/// assert_eq!(same.surfaces.len(), scene.surfaces.len());
+/// # Ok::<(), echomarch::Error>(())
+/// ```
+///
+/// Angles are written in degrees, and rotations as three of them: what is read may differ in the
+/// last places. A scene is read as it stands at time 0. A scene that [`Scene::check`] refuses is
+/// neither written nor read.
+impl Serialize for Scene {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.check().map_err(ser::Error::custom)?;
+        let mut fields = Fields::new();
+        if !self.name.is_empty() {
+            fields.push(("name", Written::Text(self.name.clone())));
+        }
+        let surfaces = self.surfaces.iter().map(surface).collect();
+        fields.push(("surfaces", Written::List(surfaces)));
+        fields.push(("source", source(&self.source)));
+        fields.push(("listener", listener(&self.listener)));
+        Written::Struct("Scene", fields).serialize(serializer)
+    }
+}
+
+/// Files that the scene names are looked for from the current folder.
+impl<'de> Deserialize<'de> for Scene {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Scene, D::Error> {
+        let file = SceneFile::deserialize(deserializer)?;
+        let files = Attached::in_folder("the scene", std::path::Path::new(""));
+        let scene = file.scene(&files).map_err(de::Error::custom)?;
+        scene.check().map_err(de::Error::custom)?;
+        Ok(scene)
+    }
+}
+
+fn source(of: &Source) -> Written {
+    let mut fields = vec![("position", point(of.position))];
+    fields.extend(path(&of.path));
+    Written::Struct("Source", fields)
+}
+
+fn listener(of: &Listener) -> Written {
+    let mut fields = vec![
+        ("position", point(of.position)),
+        ("yaw", degrees(of.yaw)),
+        ("pitch", degrees(of.pitch)),
+        ("radius", Written::Number(of.radius)),
+    ];
+    fields.extend(path(&of.path));
+    Written::Struct("Listener", fields)
+}
+
+fn path(of: &Path) -> Option<(&'static str, Written)> {
+    if of.is_empty() {
+        return None;
+    }
+    let keys = of.keys().iter().map(|key| {
+        let fields = vec![
+            ("time", Written::Seconds(key.time)),
+            ("position", point(key.position)),
+            ("yaw", degrees(key.yaw)),
+            ("pitch", degrees(key.pitch)),
+        ];
+        Written::Struct("Key", fields)
+    });
+    Some(("path", Written::List(keys.collect())))
+}
+
+fn surface(of: &Surface) -> Written {
+    let mut drivers = of.drivers.iter();
+    let turning = drivers.any(|driver| driver.parameter.starts_with("rotation."));
+    let mut fields = Fields::new();
+    if let Some(name) = &of.name {
+        fields.push(("name", Written::Text(name.clone())));
+    }
+    fields.push(("shape", node(&of.shape, "", &of.drivers)));
+    let position = of.position.to_array();
+    fields.push(("position", along_axes(position, "position", &of.drivers)));
+    if turning || of.rotation != Quat::IDENTITY {
+        let angles = match turning {
+            true => of.angles.to_array().map(|a| in_file(Quantity::Angle, a)),
+            false => angles_of(of.rotation),
+        };
+        fields.push(("rotation", along_axes(angles, "rotation", &of.drivers)));
+    }
+    if of.dynamic_rotation && !turning {
+        fields.push(("turns", Written::Flag(true)));
+    }
+    Written::Struct("Surface", fields)
+}
+
+/// Degrees about x, then y, then z of the world's axes.
+fn angles_of(rotation: Quat) -> [f32; 3] {
+    let (x, y, z) = rotation.as_dquat().normalize().to_euler(EulerRot::XYZEx);
+    [x, y, z].map(|angle| angle.to_degrees() as f32)
+}
+
+/// Three numbers of a surface, in the unit of the file.
+fn along_axes(values: [f32; 3], name: &str, drivers: &[Driver]) -> Written {
+    let axes = ["x", "y", "z"].into_iter().zip(values);
+    let quantity = match name {
+        "rotation" => Quantity::Angle,
+        _ => Quantity::Position,
+    };
+    let one = |(axis, value)| number(&format!("{name}.{axis}"), value, quantity, drivers);
+    Written::Tuple(axes.map(one).collect())
+}
+
+/// A tree, whose numbers have names that begin with `at`.
+fn node(of: &Shape, at: &str, drivers: &[Driver]) -> Written {
+    let part = of.node.part();
+    let child = |(index, child)| node(child, &format!("{at}{index}."), drivers);
+    let children = of.children.iter().enumerate().map(child).collect();
+    let mut said: BTreeMap<String, Written> = BTreeMap::new();
+    let words = part.written_children(children).into_iter();
+    said.extend(words.chain(part.words()).map(|(k, v)| (k.to_owned(), v)));
+    let mut copy = of.node.clone();
+    let numbers = copy.part_mut().parameters_mut().into_iter().map(|own| {
+        let value = in_file(own.quantity, *own.number);
+        let name = format!("{at}{}", own.name);
+        let written = number(&name, value, own.quantity, drivers);
+        (own.name, written)
+    });
+    said.extend(grouped(numbers.collect()));
+    let name = part.name_in_files();
+    match form_of(name) {
+        Some(Form::Fields(fields)) => {
+            let fields = fields.iter().copied();
+            let fields = fields.filter_map(|field| Some((field, said.remove(field)?)));
+            Written::With(name, fields.collect())
+        }
+        _ => match said.into_values().next() {
+            Some(value) => Written::Holding(name, Box::new(value)),
+            None => Written::Plain(name),
+        },
+    }
+}
+
+/// Numbers by the first part of their names: those of a vector together, as `(x, y)`, and vectors
+/// in a row as `[(x, y), …]`.
+fn grouped(numbers: Vec<(String, Written)>) -> Vec<(String, Written)> {
+    let mut groups: Vec<(String, Vec<(String, Written)>)> = Vec::new();
+    for (name, number) in numbers {
+        let (first, rest) = name.split_once('.').unwrap_or((&name, ""));
+        let member = (rest.to_owned(), number);
+        match groups.last_mut() {
+            Some((known, members)) if known == first => members.push(member),
+            _ => groups.push((first.to_owned(), vec![member])),
+        }
+    }
+    let together = |(name, members)| (name, together(members));
+    groups.into_iter().map(together).collect()
+}
+
+fn together(mut members: Vec<(String, Written)>) -> Written {
+    if members.len() == 1 && members[0].0.is_empty() {
+        return members.remove(0).1;
+    }
+    let of_vectors = members.iter().any(|(name, _)| name.contains('.'));
+    let items = grouped(members).into_iter().map(|(_, item)| item).collect();
+    match of_vectors {
+        true => Written::List(items),
+        false => Written::Tuple(items),
+    }
+}
+
+/// A number with what moves it; `value` is in the unit of the file.
+fn number(name: &str, value: f32, quantity: Quantity, drivers: &[Driver]) -> Written {
+    // Of several drivers of one number the last counts.
+    let driver = drivers.iter().rev().find(|d| d.parameter == name);
+    match driver.map(|driver| &driver.motion) {
+        None => Written::Number(value),
+        Some(Motion::Named(name)) => Written::Named(name.clone(), value),
+        Some(Motion::Keys(keys)) => {
+            let keys = keys.iter();
+            Written::Keys(keys.map(|(t, v)| (*t, in_file(quantity, *v))).collect())
+        }
+    }
+}
+
+fn degrees(radians: f32) -> Written {
+    Written::Number(in_file(Quantity::Angle, radians))
+}
+
+fn point(of: Vec3) -> Written {
+    Written::Tuple(of.to_array().map(Written::Number).to_vec())
+}
+
+/// A number of the code in the unit of the file, such that it is read as it was where one can be.
+fn in_file(quantity: Quantity, value: f32) -> f32 {
+    let near = quantity.in_file(value);
+    let all = [near, near.next_up(), near.next_down()];
+    let same = |said: &f32| quantity.in_code(*said) == value;
+    all.into_iter().find(same).unwrap_or(near)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::BUILTIN_NAMES;
+    use crate::scene::shape::tests::table::{Entry, entries, scene_of, surfaces};
+    use crate::test_common::Random;
+
+    fn through_ron(scene: &Scene) -> Scene {
+        let text = ron::to_string(scene).unwrap();
+        Scene::from_ron(&text, "written").unwrap_or_else(|error| panic!("{error}\n{text}"))
+    }
+
+    /// Whether nothing of it stands in a file of its own.
+    fn is_whole(entry: &Entry) -> bool {
+        let mut nodes = entry.field.nodes().into_iter();
+        nodes.all(|part| {
+            !part
+                .node
+                .part()
+                .words()
+                .iter()
+                .any(|(k, _)| ["image", "file"].contains(k))
+        })
+    }
+
+    fn assert_same(read: &Scene, written: &Scene) {
+        assert_eq!((&read.name, &read.source), (&written.name, &written.source));
+        assert_eq!(read.listener, written.listener);
+        assert_eq!(read.surfaces.len(), written.surfaces.len());
+        let mut random = Random(5);
+        for (read, written) in read.surfaces.iter().zip(&written.surfaces) {
+            assert_eq!(
+                (&read.name, read.position),
+                (&written.name, written.position)
+            );
+            assert_eq!(read.drivers.len(), written.drivers.len());
+            for driver in &written.drivers {
+                assert!(read.drivers.contains(driver), "{driver:?}");
+            }
+            assert!(read.rotation.angle_between(written.rotation) < 1e-3);
+            assert_eq!(read.has_rotation(), written.has_rotation());
+            let names = |shape: &Shape| -> Vec<&str> {
+                shape.nodes().iter().map(|part| part.name()).collect()
+            };
+            assert_eq!(names(&read.shape), names(&written.shape));
+            for _ in 0..20 {
+                let p = 3.0 * random.unit() * random.direction();
+                let (read, written) = (read.shape.value(p), written.shape.value(p));
+                assert!(
+                    (read - written).abs() <= 1e-5 * (1.0 + written.abs()),
+                    "{p}"
+                );
+            }
+        }
+    }
+
+    /// Protects every shape and operator: what is written is read as it was.
+    #[test]
+    fn every_shape_is_read_as_it_was_written() {
+        for entry in entries().iter().filter(|entry| is_whole(entry)) {
+            let scene = scene_of(surfaces(entry).to_vec());
+            assert_same(&through_ron(&scene), &scene);
+        }
+    }
+
+    /// Protects what moves, and the unit of the file: text and scene are each other's.
+    #[test]
+    fn what_moves_is_read_as_it_was_written() {
+        const TEXT: &str = r#"Scene(
+            name: "moving",
+            surfaces: [
+                Surface(name: "door", shape: Box(size: (Value("wide", 1), 2, Keys([(0, 1), (2, 3)]))),
+                    rotation: (0, Value("open", 30), 0)),
+                Surface(shape: Shell(of: Torus(ring: 2, tube: Value("tube", 0.5)), thickness: 0.1),
+                    position: (Keys([(0, 8), (1, 9)]), 0, 0), rotation: (10, 20, 30), turns: true),
+                Surface(shape: Cylinder(radius: 0.5, height: Value("tall", 2), axis: X),
+                    position: (0, 9, 0)),
+                Surface(shape: Prism(corners: [(0, 0), (1, 0), (0, Value("up", 1))], depth: 1),
+                    position: (0, -9, 0)),
+            ],
+            source: Source(path: [Key(time: 0, position: (0, 0, 5)), Key(time: 1, position: (1, 0, 5), yaw: 90)]),
+            listener: Listener(position: (0, 0, -5), yaw: 33, pitch: -7, radius: 0.3),
+        )"#;
+        let scene = Scene::from_ron(TEXT, "moving").unwrap();
+        let read = through_ron(&scene);
+        assert_same(&read, &scene);
+        assert_eq!(read.named_values(), scene.named_values());
+    }
+
+    /// Protects other formats, and the built-in scenes, whose fields are within the program.
+    #[test]
+    fn built_in_scenes_go_through_json() {
+        for name in BUILTIN_NAMES {
+            let scene = Scene::builtin(name).unwrap();
+            let text = serde_json::to_string(&scene).unwrap();
+            let read: Scene = serde_json::from_str(&text).unwrap_or_else(|e| panic!("{name}: {e}"));
+            assert_same(&read, &scene);
+        }
+    }
+
+    /// Protects readers from what no file can say: an unsound scene is not written.
+    #[test]
+    fn an_unsound_scene_is_not_written() {
+        let mut scene = Scene::builtin("corner").unwrap();
+        scene.listener.radius = f32::NAN;
+        assert!(ron::to_string(&scene).is_err());
+        assert!(serde_json::from_str::<Scene>("{}").is_err());
+    }
+}

@@ -1,0 +1,88 @@
+//! Values of a scene file, to be written: the notation that is read, the other way.
+
+use crate::scene::shape::shape_names;
+use serde::ser::{
+    Serialize, SerializeStruct, SerializeStructVariant, SerializeTuple, SerializeTupleVariant,
+    Serializer,
+};
+
+/// A value of a scene file.
+#[derive(Clone, Debug)]
+pub(crate) enum Written {
+    Number(f32),
+    Seconds(f64),
+    Count(u32),
+    Flag(bool),
+    Text(String),
+    /// In parentheses.
+    Tuple(Vec<Written>),
+    /// In brackets.
+    List(Vec<Written>),
+    /// A number that follows key frames: seconds, and where it is then.
+    Keys(Vec<(f64, f32)>),
+    /// A number that follows a named value, and where it is.
+    Named(String, f32),
+    /// A name of the notation, and what stands behind it.
+    Struct(&'static str, Fields),
+    /// The name of a shape or an operator.
+    Plain(&'static str),
+    /// The same with one value: `Union([…])`.
+    Holding(&'static str, Box<Written>),
+    /// The same with fields: `Torus(ring: …, tube: …)`.
+    With(&'static str, Fields),
+}
+
+/// Names and values, in order.
+pub(crate) type Fields = Vec<(&'static str, Written)>;
+
+impl Serialize for Written {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Written::Number(value) => to.serialize_f32(*value),
+            Written::Seconds(value) => to.serialize_f64(*value),
+            Written::Count(value) => to.serialize_u32(*value),
+            Written::Flag(value) => to.serialize_bool(*value),
+            Written::Text(value) => to.serialize_str(value),
+            Written::Tuple(items) => {
+                let mut tuple = to.serialize_tuple(items.len())?;
+                for item in items {
+                    tuple.serialize_element(item)?;
+                }
+                tuple.end()
+            }
+            Written::List(items) => items.serialize(to),
+            Written::Keys(keys) => to.serialize_newtype_variant("Number", 0, "Keys", keys),
+            Written::Named(name, value) => {
+                let mut variant = to.serialize_tuple_variant("Number", 1, "Value", 2)?;
+                variant.serialize_field(name)?;
+                variant.serialize_field(value)?;
+                variant.end()
+            }
+            Written::Struct(name, fields) => {
+                let mut all = to.serialize_struct(name, fields.len())?;
+                for (field, value) in fields {
+                    all.serialize_field(field, value)?;
+                }
+                all.end()
+            }
+            Written::Plain(name) => to.serialize_unit_variant("Shape", index_of(name), name),
+            Written::Holding(name, value) => {
+                to.serialize_newtype_variant("Shape", index_of(name), name, value)
+            }
+            Written::With(name, fields) => {
+                let (index, count) = (index_of(name), fields.len());
+                let mut variant = to.serialize_struct_variant("Shape", index, name, count)?;
+                for (field, value) in fields {
+                    variant.serialize_field(field, value)?;
+                }
+                variant.end()
+            }
+        }
+    }
+}
+
+/// The number of a shape or an operator, which formats without names write.
+fn index_of(name: &str) -> u32 {
+    let index = shape_names().iter().position(|known| *known == name);
+    index.unwrap_or_default() as u32
+}
