@@ -3,8 +3,8 @@
 // glsl/shape/torus.glsl
 // the values of the surfaces
 uniform vec4 uSurfaces[2];
-vec4 surfaceValue0;
-vec4 surfaceValue1;
+vec4 surfaceValue0 = vec4(0.0);
+vec4 surfaceValue1 = vec4(0.0);
 
 // glsl/operator/offset.glsl
 // the surfaces

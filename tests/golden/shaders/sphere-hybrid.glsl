@@ -9,8 +9,8 @@
 // glsl/common/listener.glsl
 // the values of the surfaces
 uniform vec4 uSurfaces[1];
-vec4 surfaceValue0;
-float squaredRadius0;
+vec4 surfaceValue0 = vec4(0.0);
+float squaredRadius0 = 0.0;
 
 // the scene
 // How far from p along d the next object is, and its number. A convex surface is

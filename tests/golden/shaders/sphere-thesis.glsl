@@ -3,8 +3,8 @@
 // glsl/shape/sphere.glsl
 // the values of the surfaces
 uniform vec4 uSurfaces[1];
-vec4 surfaceValue0;
-float squaredRadius0;
+vec4 surfaceValue0 = vec4(0.0);
+float squaredRadius0 = 0.0;
 
 // the scene's distance
 // Signed distance to the nearest surface, and its number from 1.

@@ -29,7 +29,7 @@ float field1(vec3 p) {
 
 // the values of the surfaces
 uniform vec4 uSurfaces[1];
-vec4 surfaceValue0;
+vec4 surfaceValue0 = vec4(0.0);
 
 // the fields
 // The least value of the fields that a wave at p along d can meet, and whose it is. It
