@@ -43,7 +43,6 @@ pub struct Budget {
 
 impl Budget {
     /// The budget of a scene as it stands.
-    #[cfg(any(test, feature = "experiment"))]
     pub fn of(scene: &Scene, settings: &Settings) -> Budget {
         let lists = lists(settings);
         let layout = kernel::Layout::of(&scene.surfaces, lists);
