@@ -43,7 +43,7 @@ const SUFFIXES: [&str; 2] = ["Directed", "Cap"];
 
 /// What such functions are called after without being a shape or an operator.
 const HELPERS: [&str; 7] = [
-    "Ball", "Chord", "Corner", "Kind", "Listener", "OfKind", "OntoKind",
+    "Ball", "Chord", "Circle", "Corner", "Kind", "Listener", "OfKind", "OntoKind",
 ];
 
 /// Functions that are called otherwise.
