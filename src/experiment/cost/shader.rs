@@ -42,7 +42,7 @@ const PREFIXES: [&str; 6] = ["sd", "gd", "hit", "project", "gradient", "op"];
 const SUFFIXES: [&str; 2] = ["Directed", "Cap"];
 
 /// What such functions are called after without being a shape or an operator.
-const HELPERS: [&str; 7] = [
+const HELPERS: [&str; 8] = [
     "Ball", "Chord", "Circle", "Corner", "Kind", "Listener", "OfKind", "OntoKind",
 ];
 
