@@ -138,7 +138,7 @@ void iterate(inout vec4 origin, inout vec4 direction) {
     vec3 mirrored = direction.xyz;
     reflectWave(object, t, projected, mirrored);
 #if !EXACT_NORMALS
-    mirrored = mirror(direction.xyz, differenceNormal(hit));
+    mirrored = normalize(reflect(direction.xyz, differenceNormal(hit)));
 #endif
 #if LANDING
     hit = projected;

@@ -96,6 +96,7 @@ fn trace_reports_the_documented_keys() {
         "pan",
         "law",
         "gains",
+        "timed_frames",
         "milliseconds",
     ];
     assert_eq!(keys(text, 1), expected);

@@ -121,7 +121,10 @@ mod tests {
         let marched = SurfaceCounts::of(cave);
         assert!(marched.marched > 0 && marched.in_cells == 0, "{marched:?}");
         let cells = SurfaceCounts::of(glasshouse);
-        assert!(cells.in_cells >= 50 && cells.marched == 0, "{cells:?}");
+        assert!(
+            2 * cells.in_cells > cells.all && cells.marched == 0,
+            "{cells:?}"
+        );
         assert!(is_slow(cave) && is_slow(glasshouse));
     }
 }
