@@ -6,7 +6,7 @@ use glam::{DVec3, UVec3};
 
 /// Cells for each surface, about: so many that most hold one surface or none. From 2 to 5 the rates
 /// of `hybrid` differ by less than a tenth; fewer make lists longer, more make ways longer.
-const CELLS_A_SURFACE: f64 = 3.0;
+const CELLS_A_SURFACE: f64 = 2.0;
 
 /// Cells along an axis at the most: rounding puts a face of the last one a quarter of [`PAD`] off.
 const MOST_CELLS: f64 = 1024.0;
