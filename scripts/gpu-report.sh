@@ -26,35 +26,11 @@ renderer half an hour.
 TEXT
 }
 
-options=()
-while (($#)); do
-    case "$1" in
-    -h | --help)
-        usage
-        exit 0
-        ;;
-    --quick | --growth | --one-core) options+=("$1") ;;
-    --bandwidth | --arithmetic | --sweeps | --profiles)
-        options+=("$1" "${2:?"$1 needs a value"}")
-        shift
-        ;;
-    -o)
-        # The file is meant from where the script is called.
-        options+=(-o "$(realpath -m "${2:?"-o needs a value"}")")
-        shift
-        ;;
-    *)
-        usage >&2
-        exit 2
-        ;;
-    esac
-    shift
-done
-program="${ECHOMARCH:+$(realpath "$ECHOMARCH")}"
-
-cd "$(dirname "${BASH_SOURCE[0]}")/.."
 # shellcheck source=scripts/lib.sh
-source scripts/lib.sh
+source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
+
+take_measuring_options "--quick --growth --one-core" "--bandwidth --arithmetic --sweeps --profiles" "$@"
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 if [[ -z "$program" ]]; then
     provide_packages \
@@ -62,10 +38,7 @@ if [[ -z "$program" ]]; then
         "command:time time measures memory" \
         "command:glslangValidator glslang-tools counts the operations of shaders" \
         "command:spirv-opt spirv-tools counts the operations of shaders"
-    need_cargo build
-    # Neither sound nor window is measured.
-    run cargo build --release --locked --no-default-features --features cli
-    program="$(realpath "${CARGO_TARGET_DIR:-target}")/release/echomarch"
+    build_program
 fi
 export PYTHONPATH=scripts PYTHONDONTWRITEBYTECODE=1
 run python3 -m report.gpu --echomarch "$program" "${options[@]}"

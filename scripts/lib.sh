@@ -141,3 +141,44 @@ run() {
     printf '\n$ %s\n' "$*"
     "$@"
 }
+
+# Whether $1 is one of the words in $2.
+is_among() {
+    [[ "$1" != *" "* && " $2 " == *" $1 "* ]]
+}
+
+# What a measuring script in Python is called with: sets `options` for it, and `program`, this
+# program where ECHOMARCH names one. $1 and $2: the options without a value and those with one, in
+# words, besides -o FILE. Then the arguments. Files are meant from where the script is called.
+take_measuring_options() {
+    local flags="$1" valued="$2"
+    shift 2
+    options=()
+    program="${ECHOMARCH:+$(realpath "$ECHOMARCH")}"
+    while (($#)); do
+        if [[ "$1" == -h || "$1" == --help ]]; then
+            usage
+            exit 0
+        elif is_among "$1" "$flags"; then
+            options+=("$1")
+        elif is_among "$1" "$valued"; then
+            options+=("$1" "${2:?"$1 needs a value"}")
+            shift
+        elif [[ "$1" == -o ]]; then
+            options+=(-o "$(realpath -m "${2:?"-o needs a value"}")")
+            shift
+        else
+            usage >&2
+            exit 2
+        fi
+        shift
+    done
+}
+
+# Builds what measuring scripts measure, and sets `program` to it: neither sound nor window.
+# shellcheck disable=SC2034 # Used by the scripts.
+build_program() {
+    need_cargo build
+    run cargo build --release --locked --no-default-features --features cli
+    program="$(realpath "${CARGO_TARGET_DIR:-target}")/release/echomarch"
+}

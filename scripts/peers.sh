@@ -27,36 +27,11 @@ All that is built, and the results by round (rounds.jsonl), stand in target/peer
 TEXT
 }
 
-# What it is called with, as measure.py takes it.
-options=()
-while (($#)); do
-    case "$1" in
-    -h | --help)
-        usage
-        exit 0
-        ;;
-    --quick | --add) options+=("$1") ;;
-    --rounds | --scenes)
-        options+=("$1" "${2:?"$1 needs a value"}")
-        shift
-        ;;
-    -o)
-        # The file is meant from where the script is called.
-        options+=(-o "$(realpath -m "${2:?"-o needs a value"}")")
-        shift
-        ;;
-    *)
-        usage >&2
-        exit 2
-        ;;
-    esac
-    shift
-done
-program="${ECHOMARCH:+$(realpath "$ECHOMARCH")}"
-
-cd "$(dirname "${BASH_SOURCE[0]}")/.."
 # shellcheck source=scripts/lib.sh
-source scripts/lib.sh
+source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
+
+take_measuring_options "--quick --add" "--rounds --scenes" "$@"
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 readonly WORK="$PWD/target/peers"
 readonly COMPILER="${CXX:-g++}"
@@ -97,11 +72,6 @@ build_peer closed_form
 build_peer sphere_tracing
 build_peer embree -lembree3
 provide_pyroomacoustics
-if [[ -z "$program" ]]; then
-    need_cargo build
-    # Neither sound nor window is measured.
-    run cargo build --release --locked --no-default-features --features cli
-    program="$(realpath "${CARGO_TARGET_DIR:-target}")/release/echomarch"
-fi
+[[ -n "$program" ]] || build_program
 export PYTHONPATH=scripts PYTHONDONTWRITEBYTECODE=1
 run python3 -m peers.measure --work "$WORK" --echomarch "$program" "${options[@]}"

@@ -46,14 +46,8 @@ impl Programs {
     ) -> Result<Rc<Program>, Error> {
         let options = march_options(settings);
         let key = Key::march(scene, options);
-        self.cache.get_or_compile(key, || {
-            // What is checked once for a structure.
-            kernel::check(scene)?;
-            let label = format!("march ({}) of {}", settings.profile(), scene.name);
-            let text = kernel::march_text(scene, options);
-            field_trial::ensure(scene, &[&text])?;
-            Ok(Program::fragment(context, &label, &text)?)
-        })
+        let text = || kernel::march_text(scene, options);
+        self.get_of_scene(context, key, "march", (scene, settings), text)
     }
 
     /// A whole frame of a scene's structure in one pass.
@@ -65,12 +59,8 @@ impl Programs {
     ) -> Result<Rc<Program>, Error> {
         let (options, directions) = (march_options(settings), settings.directions);
         let key = Key::whole_frame(scene, options, directions);
-        self.cache.get_or_compile(key, || {
-            kernel::check(scene)?;
-            let label = format!("frame ({}) of {}", settings.profile(), scene.name);
-            let text = kernel::whole_frame_text(scene, options, directions);
-            Ok(Program::fragment(context, &label, &text)?)
-        })
+        let text = || kernel::whole_frame_text(scene, options, directions);
+        self.get_of_scene(context, key, "frame", (scene, settings), text)
     }
 
     /// The panning pass.
@@ -87,6 +77,25 @@ impl Programs {
     /// Its further passes.
     pub fn sum(&mut self, context: &Context) -> Result<Rc<Program>, Error> {
         self.get(context, Key::Sum, "sum", kernel::sum_text)
+    }
+
+    /// A program whose text has the surfaces of a scene: these are checked before the first of
+    /// their structure is compiled.
+    fn get_of_scene(
+        &mut self,
+        context: &Context,
+        key: Key,
+        pass: &str,
+        (scene, settings): (&Scene, &Settings),
+        text: impl FnOnce() -> String,
+    ) -> Result<Rc<Program>, Error> {
+        self.cache.get_or_compile(key, || {
+            kernel::check(scene)?;
+            let label = format!("{pass} ({}) of {}", settings.profile(), scene.name);
+            let text = text();
+            field_trial::ensure(scene, &[&text])?;
+            Ok(Program::fragment(context, &label, &text)?)
+        })
     }
 
     fn get(

@@ -140,8 +140,8 @@ impl Tracer {
     pub fn check(&mut self, scene: &Scene, settings: &Settings) -> Result<(), Error> {
         let _entered = self.context.enter()?;
         self.check_input(scene, settings)?;
-        let budget = Budget::of(scene, settings);
-        self.programs(scene, settings, Waves::Dropped, &budget)?;
+        let as_one = fits_one_pass(scene, settings, || Budget::of(scene, settings));
+        self.programs(scene, settings, as_one)?;
         Ok(())
     }
 
@@ -235,7 +235,8 @@ impl Tracer {
         }
         let (prepared, setup) = timed(|| self.set_scene_data(scene, settings))?;
         let (rebasing, rebased, budget) = prepared;
-        let programs = self.programs(scene, settings, keep, &budget)?;
+        let as_one = keep == Waves::Dropped && fits_one_pass(scene, settings, || budget);
+        let programs = self.programs(scene, settings, as_one)?;
         self.make_room(settings, &programs)?;
         // Compiling and making textures, which a first frame alone does, is not in its time.
         let setup = Duration::from_secs_f64(setup * 1e-3);
@@ -261,16 +262,15 @@ impl Tracer {
         Ok((rebasing, rebased, budget))
     }
 
-    /// The programs of a frame, compiled where they are not yet.
+    /// The programs of a frame, with all passes as one or not, compiled where they are not yet.
     fn programs(
         &mut self,
         scene: &Scene,
         settings: &Settings,
-        keep: Waves,
-        budget: &Budget,
+        as_one: bool,
     ) -> Result<FramePrograms, Error> {
         let (programs, context) = (&mut self.shared.borrow_mut().programs, &self.context);
-        if keep == Waves::Dropped && fits_one_pass(scene, settings, budget) {
+        if as_one {
             let program = programs.whole_frame(context, scene, settings)?;
             return Ok(FramePrograms::WholeFrame(program));
         }
@@ -327,9 +327,10 @@ impl Tracer {
 }
 
 /// Whether all passes of a frame are drawn as one. The thesis' are not. Users' fields, whose
-/// programs are tried before they are used, have one program: that of the march.
-fn fits_one_pass(scene: &Scene, settings: &Settings, budget: &Budget) -> bool {
+/// programs are tried before they are used, have one program: that of the march. The budget is
+/// only asked for of the others, for it may need the scene's cells.
+fn fits_one_pass(scene: &Scene, settings: &Settings, budget: impl FnOnce() -> Budget) -> bool {
     settings.profile() != Profile::Thesis
-        && settings.iterations <= budget.iterations_per_pass
         && scene.user_fields().next().is_none()
+        && settings.iterations <= budget().iterations_per_pass
 }
