@@ -104,28 +104,27 @@ impl AsyncRead {
         }
     }
 
-    /// The texels, if they are there: then the vector is given their number of floats, and the read is over. Never
-    /// waits.
+    /// What `read` makes of the texels, if they are there: then the read is over. Never waits.
     ///
     /// # Errors
     /// What GL reports.
-    pub fn poll(&mut self, texels: &mut Vec<f32>) -> Result<bool, GpuError> {
+    pub fn poll<T>(&mut self, read: impl FnOnce(&[f32]) -> T) -> Result<Option<T>, GpuError> {
         match self.wait_for(0)? {
-            ControlFlow::Break(floats) => self.take(floats, texels).map(|()| true),
-            ControlFlow::Continue(()) => Ok(false),
+            ControlFlow::Break(floats) => self.take(floats, read).map(Some),
+            ControlFlow::Continue(()) => Ok(None),
         }
     }
 
-    /// Waits for the texels, however long the drawing before them takes; `false` where no read is under way.
+    /// Waits for the texels, however long the drawing before them takes; `None` where no read is under way.
     ///
     /// # Errors
     /// What GL reports; [`GpuError::ContextLost`] when the driver says that it is.
-    pub fn wait(&mut self, texels: &mut Vec<f32>) -> Result<bool, GpuError> {
+    pub fn wait<T>(&mut self, read: impl FnOnce(&[f32]) -> T) -> Result<Option<T>, GpuError> {
         if self.pending.is_none() {
-            return Ok(false);
+            return Ok(None);
         }
         let floats = until_there(|| self.wait_for(WAIT_NANOSECONDS))?;
-        self.take(floats, texels).map(|()| true)
+        self.take(floats, read).map(Some)
     }
 
     /// Gives up the read under way, if there is one.
@@ -172,30 +171,37 @@ impl AsyncRead {
         }
     }
 
-    fn take(&self, floats: usize, texels: &mut Vec<f32>) -> Result<(), GpuError> {
-        texels.resize(floats, 0.0);
-        let into = bytes::of_floats_mut(texels);
+    /// Lets `read` see the texels where GL has mapped them: a copy of a large texture would take as long as its sum.
+    fn take<T>(&self, floats: usize, read: impl FnOnce(&[f32]) -> T) -> Result<T, GpuError> {
+        let length = floats * size_of::<f32>();
         let gl = self.context.gl();
         // SAFETY: the context is current and the buffer its own; GL maps as many bytes as were asked for, or answers
-        // null, and they are copied before they are unmapped.
-        unsafe {
+        // null, and they are read before they are unmapped.
+        let result = unsafe {
             gl.bind_buffer(glow::PIXEL_PACK_BUFFER, Some(self.buffer));
-            let length = into.len() as i32;
-            let mapped =
-                gl.map_buffer_range(glow::PIXEL_PACK_BUFFER, 0, length, glow::MAP_READ_BIT);
-            if !mapped.is_null() {
-                into.copy_from_slice(std::slice::from_raw_parts(mapped, into.len()));
+            let mapped = gl.map_buffer_range(
+                glow::PIXEL_PACK_BUFFER,
+                0,
+                length as i32,
+                glow::MAP_READ_BIT,
+            );
+            let result = (!mapped.is_null()).then(|| {
+                let mapped = std::slice::from_raw_parts(mapped, length);
+                let result = read(&bytes::as_floats(mapped));
                 gl.unmap_buffer(glow::PIXEL_PACK_BUFFER);
-            }
+                result
+            });
             gl.bind_buffer(glow::PIXEL_PACK_BUFFER, None);
-            if mapped.is_null() {
-                self.context.check("the mapping of a pixel buffer")?;
-                return Err(GpuError::ContextLost {
-                    reason: "a pixel buffer could not be mapped".into(),
-                });
-            }
-        }
-        self.context.debug_check("the end of a read-back")
+            result
+        };
+        let Some(result) = result else {
+            self.context.check("the mapping of a pixel buffer")?;
+            return Err(GpuError::ContextLost {
+                reason: "a pixel buffer could not be mapped".into(),
+            });
+        };
+        self.context.debug_check("the end of a read-back")?;
+        Ok(result)
     }
 }
 
@@ -271,15 +277,14 @@ mod tests {
         let texture = Texture::new(&context, 2, 2).unwrap();
         let target = RenderTarget::new(&context, &[&texture]).unwrap();
         let mut read = AsyncRead::new(&context).unwrap();
-        let mut texels = Vec::new();
         read.begin(&target, 0, 2, 2).unwrap();
-        assert!(read.wait(&mut texels).unwrap());
+        assert_eq!(read.wait(<[f32]>::len).unwrap(), Some(16));
         read.begin(&target, 0, 2, 2).unwrap();
         // What it is called by KHR_robustness.
         const GUILTY_CONTEXT_RESET: u32 = 0x8253;
         RESET_STATUS.set(GUILTY_CONTEXT_RESET);
         let lost = |error| matches!(error, GpuError::ContextLost { .. });
-        assert!(read.wait(&mut texels).is_err_and(lost));
+        assert!(read.wait(<[f32]>::len).is_err_and(lost));
         assert!(read.pending.is_none());
         assert!(target.read(0).is_err_and(lost));
         assert!(Texture::new(&context, 2, 2).is_err_and(lost));

@@ -1,5 +1,7 @@
 //! Floats seen as the bytes that GL takes and gives.
 
+use std::borrow::Cow;
+
 /// The floats as bytes in memory order.
 pub(super) fn of_floats(floats: &[f32]) -> &[u8] {
     // SAFETY: f32 has no padding, u8 needs no alignment, and the length in bytes is that of the same slice.
@@ -10,4 +12,33 @@ pub(super) fn of_floats(floats: &[f32]) -> &[u8] {
 pub(super) fn of_floats_mut(floats: &mut [f32]) -> &mut [u8] {
     // SAFETY: as above; besides, every pattern of bits is an f32, so that any bytes may be written.
     unsafe { std::slice::from_raw_parts_mut(floats.as_mut_ptr().cast(), size_of_val(floats)) }
+}
+
+/// Bytes in memory order as floats, without what is left over at the end; copied where the bytes do not lie as floats
+/// have to.
+pub(super) fn as_floats(bytes: &[u8]) -> Cow<'_, [f32]> {
+    // SAFETY: every pattern of bits is an f32.
+    match unsafe { bytes.align_to::<f32>() } {
+        ([], floats, _) => Cow::Borrowed(floats),
+        _ => bytes.as_chunks().0.iter().map(|four| f32::from_ne_bytes(*four)).collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects read-backs of drivers that map a buffer at any address.
+    #[test]
+    fn bytes_at_any_address_are_the_same_floats() {
+        let floats = [1.5_f32, -2.0, 1e30];
+        let aligned = as_floats(of_floats(&floats));
+        assert!(matches!(aligned, Cow::Borrowed(_)));
+        let mut shifted = vec![0; 13];
+        let start = usize::from(shifted.as_ptr().addr() % 4 == 0);
+        shifted[start..start + 12].copy_from_slice(of_floats(&floats));
+        let unaligned = as_floats(&shifted[start..start + 12]);
+        assert!(matches!(unaligned, Cow::Owned(_)));
+        assert_eq!((&aligned[..], &unaligned[..]), (&floats[..], &floats[..]));
+    }
 }

@@ -9,7 +9,7 @@
 //! divided, or on what was drawn in between.
 
 use super::super::frame::in_milliseconds;
-use super::super::{Counts, Frame, Milliseconds, Panning, Settings, TraceError, panning, sum};
+use super::super::{Counts, Frame, Grid, Milliseconds, Panning, Settings, TraceError, panning, sum};
 use super::prepared::PreparedFrame;
 use super::throughput::Progress;
 use super::{Targets, Tracer, Waves};
@@ -33,27 +33,14 @@ pub(super) struct ReadBack {
     timer: GpuTimer,
     /// What each wave gives, or the sum.
     heard: AsyncRead,
-    heard_texels: Vec<f32>,
     /// The counts of passes where they are summed on the GPU.
     passes: AsyncRead,
-    passes_texels: Vec<f32>,
 }
 
 impl FrameUnderWay {
     /// Whether all passes are drawn, so that only the result is missing.
     pub fn is_drawn(&self) -> bool {
         self.asking.is_some()
-    }
-
-    /// The sum of what came back: done on the CPU, or on the GPU if the settings say so.
-    fn sum(&self) -> (Panning, Counts) {
-        let PreparedFrame { settings, grid, .. } = &self.prepared;
-        let (heard, are_evaluations) = (&self.read_back.heard_texels, settings.count_evaluations);
-        if settings.sum_on_gpu {
-            let passes = &self.read_back.passes_texels;
-            return sum::totals(heard, passes, *grid, are_evaluations);
-        }
-        panning::sum(&heard[..4 * grid.waves as usize], are_evaluations)
     }
 }
 
@@ -62,9 +49,7 @@ impl ReadBack {
         Ok(ReadBack {
             timer: GpuTimer::new(context),
             heard: AsyncRead::new(context)?,
-            heard_texels: Vec::new(),
             passes: AsyncRead::new(context)?,
-            passes_texels: Vec::new(),
         })
     }
 
@@ -81,16 +66,25 @@ impl ReadBack {
         Ok(self.heard.begin(sum.last(), 0, 1, 1)?)
     }
 
-    /// Whether the result is there, after a wait for it if asked.
-    fn arrive(&mut self, on_gpu: bool, wait: bool) -> Result<bool, GpuError> {
-        let is_there = match wait {
-            true => self.heard.wait(&mut self.heard_texels)?,
-            false => self.heard.poll(&mut self.heard_texels)?,
-        };
-        if is_there && on_gpu {
-            self.passes.wait(&mut self.passes_texels)?;
+    /// The sum of what came back, if it is there, after a wait for it if asked: done on the CPU, or
+    /// on the GPU if the settings say so.
+    fn sum(
+        &mut self,
+        settings: &Settings,
+        grid: Grid,
+        wait: bool,
+    ) -> Result<Option<(Panning, Counts)>, GpuError> {
+        let are_evaluations = settings.count_evaluations;
+        if !settings.sum_on_gpu {
+            let floats = 4 * grid.waves as usize;
+            let sum = |texels: &[f32]| panning::sum(&texels[..floats], are_evaluations);
+            return take(&mut self.heard, wait, sum);
         }
-        Ok(is_there)
+        let Some(heard) = take(&mut self.heard, wait, <[f32]>::to_vec)? else {
+            return Ok(None);
+        };
+        self.passes
+            .wait(|passes| sum::totals(&heard, passes, grid, are_evaluations))
     }
 
     /// Milliseconds of initialise and pan. Waits until both are done.
@@ -98,6 +92,15 @@ impl ReadBack {
         let between = self.timer.milliseconds();
         [0, 2].map(|part| between.get(part).copied().unwrap_or_default())
     }
+}
+
+/// What a read-back gives, after a wait for it if asked.
+fn take<T>(
+    from: &mut AsyncRead,
+    wait: bool,
+    read: impl FnOnce(&[f32]) -> T,
+) -> Result<Option<T>, GpuError> {
+    if wait { from.wait(read) } else { from.poll(read) }
 }
 
 /// Frames in steps.
@@ -337,12 +340,11 @@ impl Tracer {
             frame.read_back.initialise_and_pan();
         }
         let reading = Instant::now();
-        let on_gpu = frame.prepared.settings.sum_on_gpu;
-        if !frame.read_back.arrive(on_gpu, wait)? {
+        let PreparedFrame { settings, grid, .. } = &frame.prepared;
+        let Some((panning, counts)) = frame.read_back.sum(settings, *grid, wait)? else {
             self.under_way = Some(frame);
             return Ok(None);
-        }
-        let (panning, counts) = frame.sum();
+        };
         let read_back = frame.asking.unwrap_or_default() + in_milliseconds(reading.elapsed());
         frame.progress.spend(self.throughput.take());
         let [initialise, pan] = frame.read_back.initialise_and_pan();
