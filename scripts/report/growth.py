@@ -7,7 +7,7 @@ from statistics import median
 from common import plot
 from common.markdown import short, table
 from common.program import trace
-from report import hall
+from report import hall_scene
 
 SCENE = "corner"
 ITERATIONS = 8
@@ -44,7 +44,7 @@ class Sweep:
                 iterations = count
             else:
                 scene = Path(folder) / f"hall-{count}.ron"
-                scene.write_text(hall.ron(count))
+                scene.write_text(hall_scene.ron(count))
             for profile in self.profiles:
                 print(f"{self.name}: {count}, {profile}", file=sys.stderr)
                 frames = min(9, max(1, MOST_WORK // (waves * iterations)))

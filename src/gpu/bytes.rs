@@ -20,7 +20,12 @@ pub(super) fn as_floats(bytes: &[u8]) -> Cow<'_, [f32]> {
     // SAFETY: every pattern of bits is an f32.
     match unsafe { bytes.align_to::<f32>() } {
         ([], floats, _) => Cow::Borrowed(floats),
-        _ => bytes.as_chunks().0.iter().map(|four| f32::from_ne_bytes(*four)).collect(),
+        _ => bytes
+            .as_chunks()
+            .0
+            .iter()
+            .map(|four| f32::from_ne_bytes(*four))
+            .collect(),
     }
 }
 
@@ -34,7 +39,7 @@ mod tests {
         let floats = [1.5_f32, -2.0, 1e30];
         let aligned = as_floats(of_floats(&floats));
         assert!(matches!(aligned, Cow::Borrowed(_)));
-        let mut shifted = vec![0; 13];
+        let mut shifted = [0; 16];
         let start = usize::from(shifted.as_ptr().addr() % 4 == 0);
         shifted[start..start + 12].copy_from_slice(of_floats(&floats));
         let unaligned = as_floats(&shifted[start..start + 12]);

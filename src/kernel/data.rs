@@ -11,7 +11,7 @@
 use super::assets::Assets;
 use super::cells::{Cells, ENDLESS, Group, Lists, SceneCells};
 use super::layout::{GRID_VECTORS, Layout};
-use super::rebasing::{OriginRebasing, RebasedScene, rounding_of};
+use super::origin_rebasing::{OriginRebasing, RebasedScene, rounding_of};
 use super::record::Record;
 use crate::scene::Scene;
 use glam::{DVec3, UVec3, Vec3, Vec4};

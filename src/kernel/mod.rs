@@ -22,12 +22,12 @@
 mod assets;
 mod cells;
 mod check;
+mod covered_faces;
 mod data;
-mod extend;
 mod layout;
 mod loops;
+mod origin_rebasing;
 mod passes;
-mod rebasing;
 mod record;
 mod signature;
 mod structure;
@@ -39,6 +39,7 @@ pub(crate) use check::check;
 pub(crate) use data::{CellData, DATA_WIDTH, scene_data};
 pub(crate) use layout::Layout;
 pub(crate) use loops::{Loops, loops};
+pub(crate) use origin_rebasing::{OriginRebasing, RebasedScene};
 pub use passes::Directions;
 #[cfg(feature = "experiment")]
 pub(crate) use passes::is_marched;
@@ -46,7 +47,6 @@ pub(crate) use passes::{
     AlgorithmText, Key, MarchText, initialise_text, march_text, marches_fields, pan_text,
     sum_contributions_text, sum_text, whole_frame_text,
 };
-pub(crate) use rebasing::{OriginRebasing, RebasedScene};
 #[cfg(any(test, feature = "demo"))]
 pub(crate) use structure::{Structure, structure};
 #[cfg(glsl_at_run_time)]

@@ -28,7 +28,7 @@ mod columns;
 mod directions;
 mod document;
 mod measure;
-mod panning;
+mod panning_error;
 mod plan;
 mod plot;
 mod recommend;
@@ -227,29 +227,31 @@ fn run_group(
         let errors = measure::wave_errors(tracer, truth, chaos, &few)?;
         let evaluations = measure::evaluations_per_segment(tracer, truth, &few)?;
         let summed = case.settings.sum_on_gpu;
-        let sum_error = summed.then(|| panning::sum_error(tracer, truth, &case.settings));
+        let sum_error = summed.then(|| panning_error::sum_error(tracer, truth, &case.settings));
         waves.push((errors, evaluations, sum_error.transpose()?));
         progress.step();
     }
     let step = &mut || progress.step();
-    let mut frames = panning::run_in_turns(tracer, truth, cases, seeds, step)?;
-    panning::find_twins(tracer, truth, cases, plan.twin_seeds, &mut frames)?;
+    let mut frames = panning_error::run_in_turns(tracer, truth, cases, seeds, step)?;
+    panning_error::find_twins(tracer, truth, cases, plan.twin_seeds, &mut frames)?;
     progress.step();
     let measured = cases.iter().zip(waves).zip(frames);
-    let row =
-        |((case, (errors, evaluations, sum_error)), frames): ((&Case, _), panning::Frames)| {
-            let mut speed = frames.speed(&case.settings);
-            speed.evaluations_per_segment = evaluations;
-            let mut panning = frames.panning(truth.limit(case.settings.iterations).pan);
-            panning.sum_error = sum_error;
-            Row {
-                label: case.label.clone(),
-                case: case.report(truth.scene),
-                speed,
-                waves: errors,
-                panning,
-            }
-        };
+    let row = |((case, (errors, evaluations, sum_error)), frames): (
+        (&Case, _),
+        panning_error::Frames,
+    )| {
+        let mut speed = frames.speed(&case.settings);
+        speed.evaluations_per_segment = evaluations;
+        let mut panning = frames.panning(truth.limit(case.settings.iterations).pan);
+        panning.sum_error = sum_error;
+        Row {
+            label: case.label.clone(),
+            case: case.report(truth.scene),
+            speed,
+            waves: errors,
+            panning,
+        }
+    };
     Ok(measured.map(row).collect())
 }
 
@@ -272,7 +274,7 @@ fn run_slopes(
                 label: String::new(),
                 settings: settings.with_sum_on_gpu(true),
             };
-            let frames = panning::run_in_turns(tracer, truth, &[case], seeds, &mut || ())?;
+            let frames = panning_error::run_in_turns(tracer, truth, &[case], seeds, &mut || ())?;
             points.push((waves, frames[0].mean_square(limit.pan).sqrt()));
             progress.step();
         }

@@ -6,7 +6,7 @@ use super::link::parts;
 use super::named::Named;
 use super::of_kind::of_kind;
 use super::scene_text::Text;
-use super::source::source;
+use super::shader_source::source;
 use std::fmt::Write;
 
 /// Which fields of a scene a march has to take.

@@ -1,7 +1,7 @@
 //! The files under `glsl/` that the functions of scenes call.
 
 use super::link::{Part, parts};
-use super::source::{Source, source};
+use super::shader_source::{Source, source};
 use crate::scene::shape::every_part;
 use std::collections::HashSet;
 use std::sync::LazyLock;
@@ -31,8 +31,9 @@ macro_rules! files_of_parts {
 /// Every function of the files, cut into parts once.
 static LIBRARY: LazyLock<Vec<Part>> = LazyLock::new(|| {
     let shared = files!(
-        "common": ball bound chord corner exit listener mirror no_hit onto_field quadric_form
-        reflect_at_face rounding safe_inverse scene_data segment turn turning
+        "common": ball beyond_turning bound chord corner exit_distance listener mirror_direction
+        no_hit onto_field quadric_form reflect_at_face rotate_by_quaternion rounding safe_inverse
+        scene_data segment
     );
     let cells = files!("cells": directed distance fields fields_free grid grid_traversal records);
     let all: Vec<Source> = [shared, cells, every_part!(files_of_parts)].concat();

@@ -4,7 +4,7 @@
 //! or uniforms. [`link`] takes some sources whole and puts before each what it names, callees
 //! first. GLSL has no recursion, so that there always is such an order.
 
-use super::source::Source;
+use super::shader_source::Source;
 use std::borrow::Cow;
 use std::collections::HashMap;
 

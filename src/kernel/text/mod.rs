@@ -20,7 +20,7 @@ mod of_kind;
 mod records;
 mod reflect;
 pub(super) mod scene_text;
-mod source;
+mod shader_source;
 mod user;
 
 pub use closed_form::closed_form_parts;
@@ -29,7 +29,7 @@ pub use distance::distance_parts;
 pub(in crate::kernel) use library::library;
 pub use link::{Part, link};
 #[cfg(glsl_at_run_time)]
-pub(crate) use source::read_at_run_time;
-pub(crate) use source::source;
-pub use source::{Source, join};
+pub(crate) use shader_source::read_at_run_time;
+pub(crate) use shader_source::source;
+pub use shader_source::{Source, join};
 pub(crate) use user::{USER_FILE, user_sources};

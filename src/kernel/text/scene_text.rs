@@ -4,7 +4,7 @@ use super::field;
 use super::library::library;
 use super::link::{self, Part};
 use super::named::{Named, value_name};
-use super::source::Source;
+use super::shader_source::Source;
 use crate::kernel::assets::Assets;
 use crate::kernel::cells::Lists;
 use crate::kernel::layout::Layout;

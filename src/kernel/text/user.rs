@@ -1,8 +1,8 @@
 //! A user's field by itself: to be compiled, and sampled, before it is part of a scene.
 
 use super::field::user_text;
-use super::source::Source;
-use super::source::source;
+use super::shader_source::Source;
+use super::shader_source::source;
 use crate::scene::UserField;
 
 /// The number by which a driver's messages name the user's own text in [`user_sources`].
@@ -18,6 +18,6 @@ pub(crate) fn user_sources(user: &UserField) -> Vec<Source> {
     };
     let function = format!("vec3 statedGradient(vec3 p) {{\n    return {stated};\n}}\n");
     sources.push(Source::new("the stated gradient", function));
-    sources.push(source!("user_field.frag"));
+    sources.push(source!("check_user_field.frag"));
     sources
 }

@@ -4,7 +4,7 @@
 //! the plain [`Scene`] at once. Every number is checked while it is read, so that
 //! an error points at its line and column. See `docs/scene-format.md`.
 
-mod base;
+mod base_scene;
 mod hints;
 mod serialise;
 mod surface;
@@ -15,13 +15,13 @@ use super::{Key, Listener, Path, Scene, SceneError, Source};
 use crate::input::read_text;
 use crate::scene::notation::{Attached, Degrees, Finite, FixedRadius, Name, Point};
 use crate::text::in_a_line;
-use base::{BasedFile, Chain};
+use base_scene::{BasedFile, Chain};
 use glam::Vec3;
 use serde::Deserialize;
 use std::path;
 use surface::SurfaceFile;
 
-pub(super) use base::bases_of;
+pub(super) use base_scene::bases_of;
 #[cfg(feature = "demo")]
 pub(crate) use write::BasedScene;
 
@@ -130,7 +130,7 @@ fn parse(text: &str, files: &Attached, chain: &Chain) -> Result<Scene, SceneErro
         Ok(file) => return file.scene(files),
         Err(error) => error,
     };
-    if !base::has_base(text, &error.code) {
+    if !base_scene::has_base(text, &error.code) {
         return Err(from_ron(files, text, &error));
     }
     let file: BasedFile = options()

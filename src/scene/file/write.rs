@@ -1,6 +1,6 @@
 //! Scene files with a base, written.
 
-use super::base::{ValueFile, base_beside};
+use super::base_scene::{ValueFile, base_beside};
 use super::{folder_of, options, text_of};
 use crate::scene::{BUILTIN_NAMES, SceneError};
 use glam::Vec3;

@@ -1,7 +1,7 @@
 //! The notation of scene files below surfaces and shapes: numbers with their units, words, what
 //! moves a number, and the files that a scene names.
 
-mod attached;
+mod attached_files;
 mod form;
 mod numbers;
 mod reader;
@@ -9,7 +9,7 @@ mod variant;
 mod words;
 mod written;
 
-pub(crate) use attached::Attached;
+pub(crate) use attached_files::Attached;
 pub(crate) use form::Form;
 pub(crate) use numbers::{
     Angle, Degrees, Factor, Finite, FixedRadius, Length, Lipschitz, Metres, Name, Number, Plain,

@@ -1,6 +1,6 @@
 //! From the numbers of a file to where they start, and the drivers of those that move.
 
-use super::attached::Attached;
+use super::attached_files::Attached;
 use super::numbers::{Number, Pair, Unit, Vector};
 use crate::scene::{Driver, SceneError};
 use glam::{Vec2, Vec3};

@@ -9,7 +9,9 @@
 //! divided, or on what was drawn in between.
 
 use super::super::frame::in_milliseconds;
-use super::super::{Counts, Frame, Grid, Milliseconds, Panning, Settings, TraceError, panning, sum};
+use super::super::{
+    Counts, Frame, Grid, Milliseconds, Panning, Settings, TraceError, panning, sum,
+};
 use super::prepared::PreparedFrame;
 use super::throughput::Progress;
 use super::{Targets, Tracer, Waves};
@@ -100,7 +102,11 @@ fn take<T>(
     wait: bool,
     read: impl FnOnce(&[f32]) -> T,
 ) -> Result<Option<T>, GpuError> {
-    if wait { from.wait(read) } else { from.poll(read) }
+    if wait {
+        from.wait(read)
+    } else {
+        from.poll(read)
+    }
 }
 
 /// Frames in steps.

@@ -30,7 +30,7 @@ float closestHit(vec3 p, vec3 d, float last, float limit, out float object) {
 }
 
 // glsl/shape/sphere.glsl
-// glsl/common/mirror.glsl
+// glsl/common/mirror_direction.glsl
 // the scene
 // Reflects a wave at the object that it meets t ahead: p, from where it flies along d,
 // becomes the point on the surface, and d is mirrored.

@@ -42,7 +42,7 @@ vec3 directedGradient(vec3 p, vec3 d, float object, out float errorBound) {
 
 // glsl/common/rounding.glsl
 // glsl/shape/sphere.glsl
-// glsl/common/mirror.glsl
+// glsl/common/mirror_direction.glsl
 // the scene
 // Reflects a wave at the object that it meets t ahead: p, from where it flies along d,
 // becomes the point on the surface, and d is mirrored.

@@ -112,7 +112,7 @@ float fieldsFree(vec3 p, vec3 d, float last, float errorBound) {
 
 // glsl/common/march_fields.glsl
 // glsl/common/onto_field.glsl
-// glsl/common/mirror.glsl
+// glsl/common/mirror_direction.glsl
 // the scene
 // Reflects a wave at the object that it meets t ahead: p, from where it flies along d,
 // becomes the point on the surface, and d is mirrored.

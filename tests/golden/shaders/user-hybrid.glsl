@@ -92,7 +92,7 @@ vec4 normal1(vec3 p) {
     return g1;
 }
 
-// glsl/common/mirror.glsl
+// glsl/common/mirror_direction.glsl
 // the scene
 // Reflects a wave at the object that it meets t ahead: p, from where it flies along d,
 // becomes the point on the surface, and d is mirrored.

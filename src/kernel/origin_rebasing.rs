@@ -3,10 +3,10 @@
 //! The thesis' profile gets world coordinates as they are. The others get them relative
 //! to an origin of their own (the listener), so that a scene far from the world's origin
 //! loses no bits. Box faces that another solid covers are extended into that solid, so that
-//! rounding at the seam cannot open a gap between the two (`extend.rs`).
+//! rounding at the seam cannot open a gap between the two (`covered_faces.rs`).
 
 use super::cells::Lists;
-use super::extend::extend_covered_faces;
+use super::covered_faces::extend_covered_faces;
 use super::layout::Layout;
 use super::values::push_values;
 use crate::scene::shape::{Cuboid, Cylinder, Room, Sphere};
