@@ -69,7 +69,11 @@ pub fn heard(ui: &mut Ui, hud: &HudState) {
         }
     };
     for (name, count, colour) in [
-        ("heard", counts.map(|c| c.listener_hits), style::REACHED),
+        (
+            "listener hits",
+            counts.map(|c| c.listener_hits),
+            style::REACHED,
+        ),
         (
             "travelling",
             counts.map(|c| c.travelling),

@@ -1,7 +1,7 @@
 //! The parent's side: start the child, wait for it or look after it now and then.
 
 use super::protocol::{self, Answer, Request, RequestedField};
-use super::{FieldTrial, LONGEST, MOST_MEMORY, TrialCommand};
+use super::{FieldTrial, LONGEST, LONGEST_BESIDE_OTHERS, MOST_MEMORY, TrialCommand};
 use crate::error::Error;
 use crate::scene::{Scene, UserField, UserSamples};
 use crate::trace::TraceError;
@@ -131,10 +131,10 @@ impl Trial {
     pub fn poll(&mut self) -> Option<Result<(), Error>> {
         let ended = match self.child.try_wait() {
             Ok(Some(status)) => self.judge(status),
-            Ok(None) if self.began.elapsed() < LONGEST => return None,
+            Ok(None) if self.began.elapsed() < self.longest() => return None,
             // Not remembered: on a machine that does much else a good field takes long too.
             Ok(None) => {
-                let how = format!("took longer than {} s", LONGEST.as_secs());
+                let how = format!("took longer than {} s", self.longest().as_secs());
                 return Some(Err(self.dies(how).into()));
             }
             Err(error) => Err(TraceError::NoFieldTrial {
@@ -152,6 +152,18 @@ impl Trial {
                 Some(ended) => return ended,
                 None => std::thread::sleep(BETWEEN_LOOKS),
             }
+        }
+    }
+
+    /// How long the child may take: longer where other programs leave it little of the processor.
+    fn longest(&self) -> Duration {
+        let waited = self.began.elapsed();
+        if waited < LONGEST {
+            return LONGEST;
+        }
+        match processor_time(self.child.id()) {
+            Some(used) if used < waited / 2 => LONGEST_BESIDE_OTHERS,
+            _ => LONGEST,
         }
     }
 
@@ -234,6 +246,24 @@ fn requested(field: &UserField) -> RequestedField {
     }
 }
 
+/// The processor time that a process has used; `None` where that is not known.
+#[cfg(target_os = "linux")]
+fn processor_time(process: u32) -> Option<Duration> {
+    // Clock ticks, of which the kernel shows programs 100 a second on every architecture.
+    const TICK: Duration = Duration::from_millis(10);
+    let status = std::fs::read_to_string(format!("/proc/{process}/stat")).ok()?;
+    // Behind the name, which may hold anything, fields 14 and 15 of proc(5): user and system.
+    let (_, fields) = status.rsplit_once(')')?;
+    let mut ticks = fields.split_whitespace().skip(11).map(str::parse::<u32>);
+    let [user, system] = [ticks.next()?.ok()?, ticks.next()?.ok()?];
+    Some(TICK * user.checked_add(system)?)
+}
+
+#[cfg(not(target_os = "linux"))]
+fn processor_time(_process: u32) -> Option<Duration> {
+    None
+}
+
 /// The files of fields, each once.
 fn named<'a>(fields: impl Iterator<Item = &'a Arc<UserField>>) -> String {
     let mut names: Vec<String> = Vec::new();
@@ -282,4 +312,24 @@ fn signal(status: ExitStatus) -> Option<String> {
 #[cfg(not(unix))]
 fn signal(_: ExitStatus) -> Option<String> {
     None
+}
+
+#[cfg(all(test, target_os = "linux"))]
+mod tests {
+    use super::*;
+
+    /// Protects good fields on a busy machine: a process' time is what it has used, not what has
+    /// passed.
+    #[test]
+    fn a_process_that_waits_uses_no_time() {
+        let mut sleeper = Command::new("sleep").arg("60").spawn().unwrap();
+        let used = processor_time(sleeper.id());
+        sleeper.kill().unwrap();
+        sleeper.wait().unwrap();
+        assert!(used.unwrap() < Duration::from_millis(500), "{used:?}");
+        let own = || processor_time(std::process::id()).unwrap();
+        let before = own();
+        while own() < before + Duration::from_millis(50) {}
+        assert_eq!(processor_time(u32::MAX), None);
+    }
 }
