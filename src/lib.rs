@@ -70,6 +70,7 @@
 //! ```
 
 pub mod audio;
+pub mod bands;
 #[cfg(feature = "cli")]
 pub mod cli;
 #[cfg(feature = "demo")]

@@ -250,12 +250,7 @@ impl SceneFile {
         self.source.change(&mut source);
         let mut listener = Listener::at(Vec3::ZERO, self.listener.radius.0);
         self.listener.change(&mut listener);
-        Ok(Scene {
-            name: self.name.0,
-            surfaces: surfaces?,
-            source,
-            listener,
-        })
+        Ok(Scene::new(self.name.0, surfaces?, source, listener))
     }
 }
 

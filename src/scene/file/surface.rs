@@ -40,6 +40,8 @@ impl SurfaceFile {
             dynamic_rotation: self.turns || turning,
             angles: if turning { angles } else { Vec3::ZERO },
             drivers: reader.into_drivers(),
+            material: None,
+            walls: Default::default(),
         })
     }
 }
