@@ -69,6 +69,7 @@
 //! may_move::<echomarch::Tracer>();
 //! ```
 
+pub mod acoustics;
 pub mod audio;
 pub mod bands;
 #[cfg(feature = "cli")]
@@ -88,6 +89,7 @@ pub mod picture;
 pub mod reference;
 #[cfg(feature = "experiment")]
 pub mod report;
+pub mod response;
 mod rng;
 pub mod scene;
 #[cfg(any(feature = "experiment", feature = "demo"))]

@@ -8,6 +8,7 @@ pub mod accuracy;
 pub mod cost;
 pub mod figures;
 pub mod localise;
+pub(crate) mod decay_plot;
 mod plot;
 mod thesis_tables;
 pub mod verify;
