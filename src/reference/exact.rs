@@ -352,12 +352,12 @@ mod tests {
     use crate::scene::{Listener, Node, Source, Surface};
 
     fn scene(surfaces: Vec<Surface>) -> ExactScene {
-        let scene = Scene {
-            name: "test".into(),
+        let scene = Scene::new(
+            "test",
             surfaces,
-            source: Source::at(Vec3::ZERO),
-            listener: Listener::at(Vec3::new(3.0, 1.0, 0.0), 0.5),
-        };
+            Source::at(Vec3::ZERO),
+            Listener::at(Vec3::new(3.0, 1.0, 0.0), 0.5),
+        );
         ExactScene::new(&scene).expect("a valid scene")
     }
 
