@@ -19,6 +19,7 @@
 //! Of many surfaces only their kinds are in the text (`layout`): they lie in cells, whose
 //! lists, like the surfaces' values, are in the scene's data.
 
+mod arrivals;
 mod assets;
 mod cells;
 mod check;
@@ -34,6 +35,7 @@ mod structure;
 mod text;
 mod values;
 
+pub(crate) use arrivals::{ArrivalsText, arrivals_text};
 pub(crate) use cells::{Lists, SceneCells};
 pub(crate) use check::check;
 pub(crate) use data::{CellData, DATA_WIDTH, scene_data};

@@ -1,6 +1,6 @@
 //! A surface: a shape, and where it stands.
 
-use super::{Bounds3, Driver, Shape, WALL_COUNT};
+use super::{Bounds3, Driver, Node, Shape, WALL_COUNT};
 use glam::{DMat3, Quat, Vec3};
 
 /// A shape placed in the world.
@@ -95,6 +95,11 @@ impl Surface {
             .iter()
             .chain(walls.flatten())
             .map(String::as_str)
+    }
+
+    /// Whether its shape has walls that may be of different materials.
+    pub(super) fn has_walls(&self) -> bool {
+        matches!(self.shape.node, Node::Room(_))
     }
 
     /// Whether the two are alike but for where the files lie that they name.

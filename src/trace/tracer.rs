@@ -1,11 +1,13 @@
 //! The tracer: frame after frame on one context.
 
+mod arrivals;
 mod heard_paths;
 mod passes;
 mod prepared;
 mod steps;
 mod throughput;
 
+use super::arrivals::ArrivalTargets;
 use super::budget::{self, Budget};
 use super::directions::unit_directions;
 use super::frame::timed;
@@ -62,6 +64,7 @@ pub struct Tracer {
     context: Context,
     shared: Rc<RefCell<SharedPrograms>>,
     targets: Option<Targets>,
+    arrival_targets: Option<ArrivalTargets>,
     scene_data: SceneData,
     throughput: Throughput,
     under_way: Option<FrameUnderWay>,
@@ -109,6 +112,7 @@ impl Tracer {
             context: context.clone(),
             shared,
             targets: None,
+            arrival_targets: None,
             scene_data: SceneData::new(context)?,
             throughput: Throughput::new(GpuTimer::new(context)),
             under_way: None,

@@ -15,6 +15,7 @@ pub(super) mod field;
 pub(super) mod fields_ahead;
 mod library;
 mod link;
+mod listener;
 pub(super) mod named;
 mod of_kind;
 mod records;
@@ -27,7 +28,8 @@ pub use closed_form::closed_form_parts;
 pub use directed::directed_parts;
 pub use distance::distance_parts;
 pub(in crate::kernel) use library::library;
-pub use link::{Part, link};
+pub use link::{Part, link, parts};
+pub use listener::ListenerText;
 #[cfg(glsl_at_run_time)]
 pub(crate) use shader_source::read_at_run_time;
 pub(crate) use shader_source::source;

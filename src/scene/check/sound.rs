@@ -3,10 +3,11 @@
 
 use crate::scene::air::{HUMIDITIES, PRESSURES, TEMPERATURES};
 use crate::scene::{
-    BUILTIN_MATERIALS, Listener, Material, Node, Path, Scene, SceneError, Source, Surface,
+    BUILTIN_MATERIALS, Listener, Material, Path, Scene, SceneError, Source, Surface,
 };
 use crate::text::nearest;
 use glam::Vec3;
+use std::collections::HashSet;
 use std::ops::RangeInclusive;
 
 /// Decibels of a source against others: more than lies between the softest sound and pain.
@@ -67,17 +68,14 @@ impl Scene {
         what: &'static str,
         names: impl Iterator<Item = &'a Option<String>>,
     ) -> Result<(), SceneError> {
-        let mut known = std::collections::HashSet::new();
-        for name in names.flatten() {
-            if !known.insert(name) {
-                return Err(SceneError::SameName {
-                    scene: self.name.clone(),
-                    what,
-                    name: name.clone(),
-                });
-            }
+        match twice(names) {
+            None => Ok(()),
+            Some(name) => Err(SceneError::SameName {
+                scene: self.name.clone(),
+                what,
+                name: name.clone(),
+            }),
         }
-        Ok(())
     }
 
     fn validate_air(&self) -> Result<(), SceneError> {
@@ -119,8 +117,7 @@ impl Scene {
             self.find_material(name)
                 .map_err(|why| self.bad_field(&surface.label(index), why))?;
         }
-        let is_room = matches!(surface.shape.node, Node::Room(_));
-        if is_room || surface.walls.iter().all(Option::is_none) {
+        if surface.has_walls() || surface.walls.iter().all(Option::is_none) {
             return Ok(());
         }
         Err(self.bad_field(&surface.label(index), NOT_A_ROOM.to_owned()))
@@ -157,6 +154,14 @@ impl Scene {
 /// Why walls of something else cannot be told apart.
 pub(in crate::scene) const NOT_A_ROOM: &str =
     "only the walls of a Room have materials of their own";
+
+/// The first of some names that was there before.
+pub(in crate::scene) fn twice<'a>(
+    names: impl Iterator<Item = &'a Option<String>>,
+) -> Option<&'a String> {
+    let mut known = HashSet::new();
+    names.flatten().find(|name| !known.insert(*name))
+}
 
 fn label(what: &str, index: usize, count: usize, name: Option<&str>) -> String {
     match (name, count) {

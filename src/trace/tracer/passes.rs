@@ -155,7 +155,7 @@ impl Tracer {
     }
 
     /// Draws some rows of one pass in bands, of so many evaluations a wave at the most.
-    fn draw(
+    pub(super) fn draw(
         &self,
         program: &Program,
         grid: Grid,
