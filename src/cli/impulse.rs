@@ -100,7 +100,11 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     let settings = arguments.settings()?;
     arguments.check_names()?;
     let scene = common.scene_at_time(&arguments.scene)?;
-    let pairs = pairs::chosen(&scene, arguments.source.as_deref(), arguments.listener.as_deref())?;
+    let pairs = pairs::chosen(
+        &scene,
+        arguments.source.as_deref(),
+        arguments.listener.as_deref(),
+    )?;
     if arguments.files().next().is_some() && pairs.len() > 1 {
         return Err(BadInput(pairs::too_many(&scene, pairs.len())).into());
     }
@@ -138,17 +142,29 @@ impl Arguments {
     }
 
     fn check_names(&self) -> anyhow::Result<()> {
-        let endings = [(&self.output, "wav"), (&self.echogram, "csv"), (&self.plot, "svg")];
+        let endings = [
+            (&self.output, "wav"),
+            (&self.echogram, "csv"),
+            (&self.plot, "svg"),
+        ];
         for (file, ending) in endings {
-            file.as_deref().map_or(Ok(()), |file| check_ending(file, ending))?;
+            file.as_deref()
+                .map_or(Ok(()), |file| check_ending(file, ending))?;
         }
         let (least, most) = (*SAMPLE_RATES.start(), *SAMPLE_RATES.end());
-        check_range("--rate", f64::from(self.rate), f64::from(least), f64::from(most))?;
+        check_range(
+            "--rate",
+            f64::from(self.rate),
+            f64::from(least),
+            f64::from(most),
+        )?;
         Ok(())
     }
 
     /// The files that are to be written.
     fn files(&self) -> impl Iterator<Item = &PathBuf> {
-        [&self.output, &self.echogram, &self.plot].into_iter().flatten()
+        [&self.output, &self.echogram, &self.plot]
+            .into_iter()
+            .flatten()
     }
 }

@@ -59,21 +59,35 @@ pub fn svg(title: &str, response: &Response) -> Result<String, PlotError> {
         let (plot, legend) = rows[0].split_horizontally(PLOTS_WIDTH);
         let range = top - DEPTH_DB..top;
         let name = "energy density, dB re 1/m²";
-        let mut chart = empty(&plot, "Energy against time, mean of the bands", response.seconds, range.clone(), name)?;
+        let mut chart = empty(
+            &plot,
+            "Energy against time, mean of the bands",
+            response.seconds,
+            range.clone(),
+            name,
+        )?;
         let bottom = range.start;
         draw_stems(&mut chart, &curves.energy, bottom, ENERGY, 1)?;
         draw_stems(&mut chart, &curves.paths, bottom, PATHS, 2)?;
         mark_direct(&mut chart, direct_s, range)?;
-        draw_legend(&legend, &[
-            ("exact paths".to_owned(), solid(PATHS)),
-            ("all else, by bin".to_owned(), solid(ENERGY)),
-            ("direct sound".to_owned(), DIRECT),
-        ])?;
+        draw_legend(
+            &legend,
+            &[
+                ("exact paths".to_owned(), solid(PATHS)),
+                ("all else, by bin".to_owned(), solid(ENERGY)),
+                ("direct sound".to_owned(), DIRECT),
+            ],
+        )?;
         plot_decay(&rows[1], &curves, response.seconds, direct_s)
     })
 }
 
-fn plot_decay(row: &Panel, curves: &Curves, seconds: f64, direct_s: Option<f64>) -> Result<(), PlotError> {
+fn plot_decay(
+    row: &Panel,
+    curves: &Curves,
+    seconds: f64,
+    direct_s: Option<f64>,
+) -> Result<(), PlotError> {
     let (plot, legend) = row.split_horizontally(PLOTS_WIDTH);
     let range = -DEPTH_DB..0.0;
     let name = "energy still to come, dB";
@@ -84,7 +98,9 @@ fn plot_decay(row: &Panel, curves: &Curves, seconds: f64, direct_s: Option<f64>)
     }
     mark_direct(&mut chart, direct_s, range)?;
     let bands = BANDS_HZ.iter().zip(BAND_COLOURS);
-    let mut entries: Vec<(String, Stroke)> = bands.map(|(hz, colour)| (format!("{hz} Hz"), solid(colour))).collect();
+    let mut entries: Vec<(String, Stroke)> = bands
+        .map(|(hz, colour)| (format!("{hz} Hz"), solid(colour)))
+        .collect();
     entries.push(("direct sound".to_owned(), DIRECT));
     draw_legend(&legend, &entries)
 }
@@ -128,14 +144,25 @@ fn empty<'a, 'b>(
 }
 
 /// A line up from the bottom for each point.
-fn draw_stems(chart: &mut Chart, points: &[(f64, f64)], bottom: f64, colour: RGBColor, width: u32) -> Result<(), PlotError> {
+fn draw_stems(
+    chart: &mut Chart,
+    points: &[(f64, f64)],
+    bottom: f64,
+    colour: RGBColor,
+    width: u32,
+) -> Result<(), PlotError> {
     let inside = points.iter().filter(|(_, db)| *db > bottom);
-    let stem = |&(x, y): &(f64, f64)| PathElement::new([(x, bottom), (x, y)], colour.stroke_width(width));
+    let stem =
+        |&(x, y): &(f64, f64)| PathElement::new([(x, bottom), (x, y)], colour.stroke_width(width));
     chart.draw_series(inside.map(stem))?;
     Ok(())
 }
 
-fn mark_direct(chart: &mut Chart, direct_s: Option<f64>, range: std::ops::Range<f64>) -> Result<(), PlotError> {
+fn mark_direct(
+    chart: &mut Chart,
+    direct_s: Option<f64>,
+    range: std::ops::Range<f64>,
+) -> Result<(), PlotError> {
     let Some(x) = direct_s else {
         return Ok(());
     };
@@ -147,7 +174,11 @@ impl Curves {
         let echogram = &response.echogram;
         let middle_s = |bin: usize| echogram.first_s() + (bin as f64 + 0.5) * echogram.bin_s();
         let bins = (0..echogram.bins()).map(|bin| (middle_s(bin), echogram.energy(bin)));
-        let paths: Vec<(f64, Bands)> = response.paths.iter().map(|path| (path.delay_s, path.energy)).collect();
+        let paths: Vec<(f64, Bands)> = response
+            .paths
+            .iter()
+            .map(|path| (path.delay_s, path.energy))
+            .collect();
         let mut pieces: Vec<(f64, Bands)> = bins.clone().chain(paths.iter().copied()).collect();
         pieces.sort_by(|a, b| a.0.total_cmp(&b.0));
         Curves {
@@ -162,7 +193,9 @@ impl Curves {
 fn in_db(pieces: impl Iterator<Item = (f64, Bands)>) -> Vec<(f64, f64)> {
     let mean = pieces.map(|(x, bands)| (x, bands.iter().sum::<f64>() / BAND_COUNT as f64));
     let heard = mean.filter(|(_, energy)| *energy > 0.0);
-    heard.map(|(x, energy)| (x, 10.0 * energy.log10())).collect()
+    heard
+        .map(|(x, energy)| (x, 10.0 * energy.log10()))
+        .collect()
 }
 
 /// The energy that is still to come at each piece, against all, in decibels.
@@ -187,7 +220,11 @@ mod tests {
     /// Protects the decay curve: all of it at the start, and in each step what is left.
     #[test]
     fn the_decay_falls_from_all_to_the_last() {
-        let pieces = [(0.0, [9.0; BAND_COUNT]), (1.0, [0.9; BAND_COUNT]), (2.0, [0.1; BAND_COUNT])];
+        let pieces = [
+            (0.0, [9.0; BAND_COUNT]),
+            (1.0, [0.9; BAND_COUNT]),
+            (2.0, [0.1; BAND_COUNT]),
+        ];
         let curve = decay(&pieces, 0);
         let expected = [(0.0, 0.0), (1.0, -10.0), (2.0, -20.0)];
         for ((x, db), (at, level)) in curve.into_iter().zip(expected) {

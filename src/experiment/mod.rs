@@ -6,9 +6,9 @@
 
 pub mod accuracy;
 pub mod cost;
+pub(crate) mod decay_plot;
 pub mod figures;
 pub mod localise;
-pub(crate) mod decay_plot;
 mod plot;
 mod thesis_tables;
 pub mod verify;

@@ -22,19 +22,28 @@ const LEFT: f64 = 1e-6;
 const BIN_S: f64 = 0.01;
 
 /// Seconds after which the energy still to come is at most [`LEFT`] of all, in every band.
-pub(super) fn needed(tracer: &mut Tracer, scene: &Scene, settings: &Settings) -> Result<f64, Error> {
+pub(super) fn needed(
+    tracer: &mut Tracer,
+    scene: &Scene,
+    settings: &Settings,
+) -> Result<f64, Error> {
     let (speed, air) = (scene.speed_of_sound(), scene.air_attenuation());
     let mut bins: Vec<Bands> = Vec::new();
     let few = settings.clone().with_waves(settings.waves.min(WAVES));
-    tracer.arrivals(scene, &few, &ArrivalSettings::new(LONGEST_S), &mut |arrival| {
-        let bin = (arrival.length_m / speed / BIN_S) as usize;
-        if bin >= bins.len() {
-            bins.resize(bin + 1, [0.0; BAND_COUNT]);
-        }
-        for band in 0..BAND_COUNT {
-            bins[bin][band] += arrival.energy[band] * (-air[band] * arrival.length_m).exp();
-        }
-    })?;
+    tracer.arrivals(
+        scene,
+        &few,
+        &ArrivalSettings::new(LONGEST_S),
+        &mut |arrival| {
+            let bin = (arrival.length_m / speed / BIN_S) as usize;
+            if bin >= bins.len() {
+                bins.resize(bin + 1, [0.0; BAND_COUNT]);
+            }
+            for band in 0..BAND_COUNT {
+                bins[bin][band] += arrival.energy[band] * (-air[band] * arrival.length_m).exp();
+            }
+        },
+    )?;
     Ok(end(&bins))
 }
 
@@ -61,7 +70,8 @@ mod tests {
     /// Protects the length of a response: the slowest band decides, and silence is short.
     #[test]
     fn the_slowest_band_decides() {
-        let decay = |seconds: f64| move |bin: usize| 10_f64.powf(-6.0 * bin as f64 * BIN_S / seconds);
+        let decay =
+            |seconds: f64| move |bin: usize| 10_f64.powf(-6.0 * bin as f64 * BIN_S / seconds);
         let (fast, slow) = (decay(0.5), decay(2.0));
         let bins: Vec<Bands> = (0..1000)
             .map(|bin| {

@@ -68,15 +68,24 @@ impl EarlyPart {
             while starts[wave].0 != arrival.wave {
                 wave += 1;
             }
-            while lengths.get(first).is_some_and(|(of, _)| (*of as usize) < wave) {
+            while lengths
+                .get(first)
+                .is_some_and(|(of, _)| (*of as usize) < wave)
+            {
                 first += 1;
             }
-            let own = lengths[first..].iter().take_while(|(of, _)| *of as usize == wave);
+            let own = lengths[first..]
+                .iter()
+                .take_while(|(of, _)| *of as usize == wave);
             let nearest = own.enumerate().min_by(|(_, (_, a)), (_, (_, b))| {
-                (a - arrival.length_m).abs().total_cmp(&(b - arrival.length_m).abs())
+                (a - arrival.length_m)
+                    .abs()
+                    .total_cmp(&(b - arrival.length_m).abs())
             });
             // What passes by the sphere's rim may not pass by it in f64.
-            let outcome = nearest.map_or(Err(NoPath::NotStationary), |(at, _)| found.outcomes[first + at]);
+            let outcome = nearest.map_or(Err(NoPath::NotStationary), |(at, _)| {
+                found.outcomes[first + at]
+            });
             outcomes.push(outcome);
         }
         Ok(EarlyPart { found, outcomes })
@@ -110,9 +119,8 @@ impl EarlyPart {
                 true => self.caught(index, arrivals),
                 false => reflectance(scene, path).map(|share| share * path.spreading),
             };
-            let energy = std::array::from_fn(|band| {
-                at_listener[band] * level * (-air[band] * length).exp()
-            });
+            let energy =
+                std::array::from_fn(|band| at_listener[band] * level * (-air[band] * length).exp());
             let (azimuth, elevation) = comes_from(&scene.listener, -path.arrival_direction);
             HeardPath {
                 path: path.clone(),
@@ -149,7 +157,8 @@ fn candidate_lengths(ends: &Ends, candidates: &Candidates) -> Vec<(u32, f64)> {
         flown + from.distance(ends.listener)
     };
     let of = candidates.iter();
-    of.map(|c| (c.wave, length(&mut c.vertices.iter().map(|v| v.point)))).collect()
+    of.map(|c| (c.wave, length(&mut c.vertices.iter().map(|v| v.point))))
+        .collect()
 }
 
 /// The share of the energy that is mirrored at all surfaces of a path, by band.
@@ -170,6 +179,10 @@ fn reflectance(scene: &Scene, path: &SpecularPath) -> Bands {
 /// Azimuth to the right of the gaze and elevation of a direction, in radians; 0 for none.
 pub(super) fn comes_from(listener: &Listener, towards: DVec3) -> (f64, f64) {
     let along = |axis: Vec3| axis.as_dvec3().dot(towards);
-    let (right, up, ahead) = (along(listener.right()), along(listener.up()), along(listener.forward()));
+    let (right, up, ahead) = (
+        along(listener.right()),
+        along(listener.up()),
+        along(listener.forward()),
+    );
     (right.atan2(ahead), up.atan2(right.hypot(ahead)))
 }

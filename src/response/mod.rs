@@ -13,8 +13,8 @@ mod settings;
 pub use early::HeardPath;
 pub use settings::ResponseSettings;
 
-use crate::acoustics::{Arrival, Echogram, Figures, Tap};
 use crate::acoustics::early::Missed;
+use crate::acoustics::{Arrival, Echogram, Figures, Tap};
 use crate::bands::{BAND_COUNT, Bands};
 use crate::error::Error;
 use crate::scene::Scene;
@@ -77,15 +77,21 @@ impl Response {
         };
         let mut sum = Sum::new(scene, settings)?;
         let how = ArrivalSettings::new(seconds).with_early_order(settings.order);
-        let counts = tracer.arrivals(scene, &settings.trace, &how, &mut |arrival| sum.take(arrival))?;
-        let starts = start_directions(tracer, scene, &settings.trace, &sum.early)?;
-        let early = EarlyPart::find(scene, &starts, settings.order, &sum.early)?;
-        for arrival in early.left_over(&sum.early) {
-            sum.add(arrival);
-        }
-        let paths = early.heard(scene, sum.speed, &sum.air, sum.level, &sum.early);
+        let counts = tracer.arrivals(scene, &settings.trace, &how, &mut |arrival| {
+            sum.take(arrival)
+        })?;
+        let arrivals = std::mem::take(&mut sum.early);
+        let starts = start_directions(tracer, scene, &settings.trace, &arrivals)?;
+        let early = EarlyPart::find(scene, &starts, settings.order, &arrivals)?;
+        early
+            .left_over(&arrivals)
+            .for_each(|arrival| sum.add(arrival));
+        let paths = early.heard(scene, sum.speed, &sum.air, sum.level, &arrivals);
         let taps: Vec<Tap> = paths.iter().map(HeardPath::tap).collect();
-        let direct_s = paths.iter().find(|path| path.is_direct()).map(|path| path.delay_s);
+        let direct_s = paths
+            .iter()
+            .find(|path| path.is_direct())
+            .map(|path| path.delay_s);
         let figures = Figures::new(&taps, &sum.echogram, direct_s, seconds);
         Ok(Response {
             paths,

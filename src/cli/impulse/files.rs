@@ -28,7 +28,12 @@ pub fn write(arguments: &Arguments, pair: &Pair, response: &Response) -> anyhow:
     Ok(())
 }
 
-fn write_wav(arguments: &Arguments, file: &Path, pair: &Pair, response: &Response) -> anyhow::Result<()> {
+fn write_wav(
+    arguments: &Arguments,
+    file: &Path,
+    pair: &Pair,
+    response: &Response,
+) -> anyhow::Result<()> {
     let listener = &pair.scene.listener;
     let axes = ListenerAxes::new(listener.forward().as_dvec3(), listener.up().as_dvec3())?;
     let mut settings = ImpulseSettings::new(response.seconds);

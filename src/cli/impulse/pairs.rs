@@ -13,12 +13,18 @@ pub struct Pair {
 }
 
 /// The pairs of the sources and listeners that were chosen by name or number; all without a choice.
-pub fn chosen(scene: &Scene, source: Option<&str>, listener: Option<&str>) -> Result<Vec<Pair>, BadInput> {
+pub fn chosen(
+    scene: &Scene,
+    source: Option<&str>,
+    listener: Option<&str>,
+) -> Result<Vec<Pair>, BadInput> {
     let sources = labels(scene.sources().map(|source| source.name.as_deref()));
     let listeners = labels(scene.listeners().map(|listener| listener.name.as_deref()));
     let from = choose("source", &sources, source)?;
     let to = choose("listener", &listeners, listener)?;
-    let both = from.iter().flat_map(|from| to.iter().map(move |to| (*from, *to)));
+    let both = from
+        .iter()
+        .flat_map(|from| to.iter().map(move |to| (*from, *to)));
     let pair = |(from, to): (usize, usize)| Pair {
         source: sources[from].clone(),
         listener: listeners[to].clone(),
@@ -48,8 +54,18 @@ fn choose(what: &str, labels: &[String], wanted: Option<&str>) -> Result<Vec<usi
     let Some(wanted) = wanted else {
         return Ok((0..labels.len()).collect());
     };
-    let by_number = || wanted.parse::<usize>().ok()?.checked_sub(1).filter(|at| *at < labels.len());
-    match labels.iter().position(|label| label == wanted).or_else(by_number) {
+    let by_number = || {
+        wanted
+            .parse::<usize>()
+            .ok()?
+            .checked_sub(1)
+            .filter(|at| *at < labels.len())
+    };
+    match labels
+        .iter()
+        .position(|label| label == wanted)
+        .or_else(by_number)
+    {
         Some(index) => Ok(vec![index]),
         None => Err(BadInput(format!(
             "the scene has no {what} {wanted:?}; it has: {}",
@@ -72,7 +88,11 @@ mod tests {
         assert_eq!(choose("source", &labels, Some("3")).unwrap(), [2]);
         assert_eq!(choose("source", &labels, Some("flute")).unwrap(), [2]);
         let refused = choose("source", &labels, Some("drum")).unwrap_err();
-        assert!(refused.0.contains("no source \"drum\"; it has: 2, 2, flute"));
+        assert!(
+            refused
+                .0
+                .contains("no source \"drum\"; it has: 2, 2, flute")
+        );
         assert!(choose("source", &labels, Some("0")).is_err());
     }
 }

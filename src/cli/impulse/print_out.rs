@@ -108,12 +108,20 @@ pub fn report<'a>(
         iterations: responses().map(|r| r.counts.iterations).max().unwrap_or(0),
         seconds: responses().map(|r| r.seconds).fold(0.0, f64::max),
         milliseconds: responses().map(|r| r.milliseconds).sum(),
-        pairs: heard.iter().map(|(pair, response)| of_pair(pair, response)).collect(),
+        pairs: heard
+            .iter()
+            .map(|(pair, response)| of_pair(pair, response))
+            .collect(),
     }
 }
 
 fn of_pair<'a>(pair: &'a Pair, response: &'a Response) -> PairReport<'a> {
-    let Figures { bands, errors, cut_off, .. } = &response.figures;
+    let Figures {
+        bands,
+        errors,
+        cut_off,
+        ..
+    } = &response.figures;
     PairReport {
         source: &pair.source,
         listener: &pair.listener,
@@ -157,7 +165,11 @@ fn of_path(path: &HeardPath) -> PathReport<'_> {
         surfaces: &path.path.surfaces,
         delay_s: path.delay_s,
         g_db: strength_db(mean(&path.energy)).unwrap_or(f64::NEG_INFINITY),
-        g_db_bands: path.energy.iter().map(|energy| strength_db(*energy)).collect(),
+        g_db_bands: path
+            .energy
+            .iter()
+            .map(|energy| strength_db(*energy))
+            .collect(),
         azimuth_deg: path.azimuth.to_degrees(),
         elevation_deg: path.elevation.to_degrees(),
         is_focus: path.path.is_focus,
@@ -188,7 +200,11 @@ struct BandRow {
 }
 
 /// The figures for people.
-pub fn text(scene: &Scene, settings: &ResponseSettings, heard: &[(Pair, Response)]) -> anyhow::Result<()> {
+pub fn text(
+    scene: &Scene,
+    settings: &ResponseSettings,
+    heard: &[(Pair, Response)],
+) -> anyhow::Result<()> {
     for (pair, response) in heard {
         print::line(&format!(
             "{}: source {}, listener {}: {} waves, {} iterations, {:.2} s, profile {}, seed {}",
@@ -215,17 +231,36 @@ pub fn text(scene: &Scene, settings: &ResponseSettings, heard: &[(Pair, Response
 
 impl Row for BandRow {
     fn columns() -> Vec<Column<BandRow>> {
-    vec![
-        Column::new("band_hz", "band", |row: &BandRow| row.band_hz).unit("Hz").fixed(0).key(),
-        Column::new("edt_s", "EDT", |row: &BandRow| row.figures.edt_s).unit("s").fixed(3),
-        Column::new("t20_s", "T20", |row: &BandRow| row.figures.t20_s).unit("s").fixed(3),
-        Column::new("t30_s", "T30", |row: &BandRow| row.figures.t30_s).unit("s").fixed(3),
-        Column::new("t30_error_s", "±", |row: &BandRow| row.errors.t30_s).unit("s").fixed(3),
-        Column::new("c80_db", "C80", |row: &BandRow| row.figures.c80_db).unit("dB").fixed(2),
-        Column::new("c80_error_db", "±", |row: &BandRow| row.errors.c80_db).unit("dB").fixed(2),
-        Column::new("g_db", "G", |row: &BandRow| row.figures.g_db).unit("dB").fixed(2),
-        Column::new("g_error_db", "±", |row: &BandRow| row.errors.g_db).unit("dB").fixed(2),
-    ]
+        vec![
+            Column::new("band_hz", "band", |row: &BandRow| row.band_hz)
+                .unit("Hz")
+                .fixed(0)
+                .key(),
+            Column::new("edt_s", "EDT", |row: &BandRow| row.figures.edt_s)
+                .unit("s")
+                .fixed(3),
+            Column::new("t20_s", "T20", |row: &BandRow| row.figures.t20_s)
+                .unit("s")
+                .fixed(3),
+            Column::new("t30_s", "T30", |row: &BandRow| row.figures.t30_s)
+                .unit("s")
+                .fixed(3),
+            Column::new("t30_error_s", "±", |row: &BandRow| row.errors.t30_s)
+                .unit("s")
+                .fixed(3),
+            Column::new("c80_db", "C80", |row: &BandRow| row.figures.c80_db)
+                .unit("dB")
+                .fixed(2),
+            Column::new("c80_error_db", "±", |row: &BandRow| row.errors.c80_db)
+                .unit("dB")
+                .fixed(2),
+            Column::new("g_db", "G", |row: &BandRow| row.figures.g_db)
+                .unit("dB")
+                .fixed(2),
+            Column::new("g_error_db", "±", |row: &BandRow| row.errors.g_db)
+                .unit("dB")
+                .fixed(2),
+        ]
     }
 }
 
@@ -262,7 +297,9 @@ pub fn warn(common: &Common, heard: &[(Pair, Response)]) {
         }
         if counts.step_limit_reached > 0 {
             let count = counts.step_limit_reached;
-            common.note(&format!("warning: {of}: {count} marches reached the step limit; their waves are dead"));
+            common.note(&format!(
+                "warning: {of}: {count} marches reached the step limit; their waves are dead"
+            ));
         }
         if counts.cut_off > 0 {
             let count = counts.cut_off;
@@ -271,7 +308,12 @@ pub fn warn(common: &Common, heard: &[(Pair, Response)]) {
                 counts.iterations
             ));
         }
-        let beyond = response.figures.cut_off.iter().flatten().fold(0.0, |most, share| f64::max(most, *share));
+        let beyond = response
+            .figures
+            .cut_off
+            .iter()
+            .flatten()
+            .fold(0.0, |most, share| f64::max(most, *share));
         if beyond > TOLD_CUT_OFF {
             common.note(&format!(
                 "note: {of}: about {:.1} % of the energy comes after the record's end (--seconds)",

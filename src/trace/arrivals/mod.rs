@@ -15,13 +15,12 @@
 //! | `replay.rs` | from records to arrivals |
 //! | `../tracer/arrivals.rs` | the passes |
 
-mod arrival;
 mod replay;
 mod settings;
 mod targets;
 mod volume;
 
-pub use arrival::Arrival;
+pub use crate::acoustics::Arrival;
 pub(super) use replay::{Block, Chunk, Listed, Replay};
 pub use settings::{ArrivalCounts, ArrivalSettings};
 pub(super) use targets::{ArrivalTargets, LISTED_AT_MOST, listed_rows};

@@ -93,7 +93,10 @@ impl ArrivalTargets {
             read.begin(target, first + index, self.grid.width, rows)?;
         }
         for (read, texels) in self.reads.iter_mut().zip(&mut self.texels) {
-            read.wait(texels)?;
+            read.wait(|floats| {
+                texels.clear();
+                texels.extend_from_slice(floats);
+            })?;
         }
         Ok(())
     }
