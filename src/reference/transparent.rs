@@ -92,3 +92,54 @@ fn wall(room: &Placed, normal: DVec3) -> Face {
         positive: normal[axis] < 0.0,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::shape::Room;
+    use crate::{Listener, Scene, Source, Surface};
+    use glam::Vec3;
+
+    /// Protects waves that the listener does not stop: they meet walls in order, on and on, and a
+    /// wave that starts in a solid meets none.
+    #[test]
+    fn waves_fly_through_the_listener() {
+        let room = Surface::new(Room {
+            size: Vec3::splat(4.0),
+        });
+        let listener = Listener::at(Vec3::X, 0.5);
+        let scene = Scene::new("test", vec![room], Source::at(Vec3::ZERO), listener);
+        let exact = ExactScene::new(&scene).expect("a valid scene");
+        let mut walls = Vec::new();
+        let last = exact.follow(DVec3::ZERO, DVec3::X, 2, |hit| walls.push(hit.point.x));
+        let last = last.expect("a start in the air");
+        assert_eq!(walls, [2.0, -2.0]);
+        assert_eq!(
+            (last.origin.x, last.direction, last.is_free),
+            (-2.0, DVec3::X, false)
+        );
+        let inside = exact.follow(DVec3::X * 3.0, DVec3::X, 2, |_| ());
+        assert!(inside.is_none());
+    }
+
+    /// Protects obstacles: as far as asked and no farther, and not the wall that is left.
+    #[test]
+    fn the_first_surface_is_nearer_than_asked() {
+        let room = Surface::new(Room {
+            size: Vec3::splat(4.0),
+        });
+        let listener = Listener::at(Vec3::X, 0.5);
+        let scene = Scene::new("test", vec![room], Source::at(Vec3::ZERO), listener);
+        let exact = ExactScene::new(&scene).expect("a valid scene");
+        let first = |leaving, until| {
+            let hit = exact.first_surface(DVec3::X * 2.0, DVec3::NEG_X, leaving, until);
+            hit.map(|hit| (hit.object, hit.t))
+        };
+        let wall = Some((1, DVec3::NEG_X));
+        assert_eq!(first(wall, 3.9), None);
+        assert_eq!(first(wall, 4.1), Some((1, 4.0)));
+        // Along the wall that it starts on only the next one is met.
+        let along = exact.first_surface(DVec3::X * 2.0, DVec3::Y, wall, 9.0);
+        assert_eq!(along.map(|hit| hit.t), Some(2.0));
+    }
+}

@@ -5,6 +5,7 @@ use super::surfaces::Vertex;
 use crate::reference::ExactScene;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Waves that are followed together on one thread.
 const WAVES_A_SHARE: usize = 512;
@@ -75,6 +76,18 @@ impl Candidates {
     /// All of them in order.
     pub fn iter(&self) -> impl Iterator<Item = Candidate<'_>> {
         (0..self.len()).filter_map(|index| self.get(index))
+    }
+
+    /// The vertices of all waves, each wave's in order.
+    pub(super) fn vertices(&self) -> &[Vertex] {
+        &self.vertices
+    }
+
+    /// Which of [`Candidates::vertices`] each candidate has.
+    pub(super) fn ranges(&self) -> impl Iterator<Item = Range<usize>> {
+        self.spans
+            .iter()
+            .map(|span| span.first..span.first + span.count)
     }
 
     fn append(&mut self, other: Candidates) {

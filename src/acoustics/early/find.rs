@@ -35,12 +35,16 @@ struct Job<'a> {
     found_by: u32,
 }
 
-/// What a candidate is solved as.
-enum Kind {
+/// Surfaces, and walls of rooms.
+type Sequence = (Vec<u32>, Vec<Option<u8>>);
+
+/// What a vertex lies on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+enum Mirror {
     NotExact,
-    /// By its planes alone: one path, whatever the wave.
-    Flat(Vec<u64>),
-    /// From the wave's own vertices.
+    /// A plane, by its sheet's id. A sequence of planes has one path, whatever the wave.
+    Flat(u64),
+    /// What is solved for from the wave's own vertices.
     Curved,
 }
 
@@ -91,51 +95,46 @@ fn jobs<'a>(
     surfaces: &Surfaces,
     candidates: &'a Candidates,
 ) -> (Vec<Job<'a>>, Vec<Result<usize, NoPath>>) {
-    let vertices = |index: usize| candidates.get(index).map_or(&[][..], |c| c.vertices);
-    let kind = |index: usize| kind(surfaces, vertices(index));
-    let kinds: Vec<Kind> = (0..candidates.len()).into_par_iter().map(kind).collect();
-    let mut flat = HashMap::from([(Vec::new(), 0)]);
+    let mirror = |vertex: &Vertex| match surfaces.sheet(vertex) {
+        Err(_) => Mirror::NotExact,
+        Ok(sheet) if sheet.is_flat() => Mirror::Flat(sheet.id),
+        Ok(_) => Mirror::Curved,
+    };
+    let all = candidates.vertices();
+    let mirrors: Vec<Mirror> = all.par_iter().map(mirror).collect();
+    let mut flat: HashMap<&[Mirror], usize> = HashMap::from([(&[][..], 0)]);
     let mut jobs = vec![Job {
         vertices: &[],
         found_by: 0,
     }];
-    let mut job_of = Vec::with_capacity(kinds.len());
-    for (index, kind) in kinds.into_iter().enumerate() {
-        let job = match kind {
-            Kind::NotExact => Err(NoPath::NotExact),
-            Kind::Flat(planes) => Ok(*flat.entry(planes).or_insert(jobs.len())),
-            Kind::Curved => Ok(jobs.len()),
-        };
-        if let Ok(job) = job {
-            if job == jobs.len() {
-                jobs.push(Job {
-                    vertices: vertices(index),
-                    found_by: 0,
-                });
-            }
-            jobs[job].found_by += 1;
+    let mut job_of = Vec::with_capacity(candidates.len());
+    for range in candidates.ranges() {
+        let sequence = &mirrors[range.clone()];
+        if sequence.contains(&Mirror::NotExact) {
+            job_of.push(Err(NoPath::NotExact));
+            continue;
         }
-        job_of.push(job);
+        let job = match sequence.contains(&Mirror::Curved) {
+            true => jobs.len(),
+            false => *flat.entry(sequence).or_insert(jobs.len()),
+        };
+        if job == jobs.len() {
+            jobs.push(Job {
+                vertices: &all[range],
+                found_by: 0,
+            });
+        }
+        jobs[job].found_by += 1;
+        job_of.push(Ok(job));
     }
     (jobs, job_of)
-}
-
-fn kind(surfaces: &Surfaces, vertices: &[Vertex]) -> Kind {
-    let sheets: Result<Vec<Sheet>, _> = vertices.iter().map(|v| surfaces.sheet(v)).collect();
-    match sheets {
-        Err(_) => Kind::NotExact,
-        Ok(sheets) if sheets.iter().all(Sheet::is_flat) => {
-            Kind::Flat(sheets.iter().map(|sheet| sheet.id).collect())
-        }
-        Ok(_) => Kind::Curved,
-    }
 }
 
 /// Drafts that differ, with the counts of those that do not; and for each job the index of its
 /// draft. At foci every draft is kept: some may be in a shadow.
 fn distinct(solved: Vec<Result<Draft, NoPath>>) -> (Vec<Draft>, Vec<Result<usize, NoPath>>) {
     let mut drafts: Vec<Draft> = Vec::new();
-    let mut known: HashMap<(Vec<u32>, Vec<Option<u8>>), Vec<usize>> = HashMap::new();
+    let mut known: HashMap<Sequence, Vec<usize>> = HashMap::new();
     let mut draft_of = Vec::with_capacity(solved.len());
     for solved in solved {
         let draft = match solved {

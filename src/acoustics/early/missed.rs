@@ -6,7 +6,8 @@
 //! of n waves that found paths, f₁ found one that no other wave found; then the paths that none
 //! found have together a probability of about f₁/n. Chao (*Nonparametric estimation of the
 //! number of classes in a population*, 1984, in its form without bias): they are at least some
-//! f₁ (f₁ − 1) / (2 (f₂ + 1)), f₂ those found by two.
+//! f₁ (f₁ − 1) / (2 (f₂ + 1)), f₂ those found by two. Where most paths are weak, as off balls and
+//! pillars, they are many more; the first estimate, of their energy, does not suffer from that.
 //!
 //! What no wave can find is not in it: paths at users' fields, and those beyond the order that
 //! waves were followed to.
@@ -37,7 +38,8 @@ impl Missed {
 
     /// The share, 0 to 1, that missed paths have of the energy of all paths without absorption;
     /// also the probability that the next wave to pass by finds a new path. `None` when no
-    /// wave found any. Its standard deviation is about √f₁ / n.
+    /// wave found any. Its standard deviation is about
+    /// √(f₁ + 2 f₂) / n (Good 1953, with f₂ the paths that two waves found).
     pub fn energy_share(&self) -> Option<f64> {
         (self.waves > 0).then(|| self.found_once as f64 / self.waves as f64)
     }

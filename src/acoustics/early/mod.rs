@@ -14,8 +14,12 @@
 //! as [`NoPath::NotExact`], and its waves stay statistics.
 //!
 //! Sound takes a stationary path only if its points lie on the surfaces themselves, within their
-//! edges; if each reflection comes from the air; and if nothing is in the way. What
-//! arithmetic cannot decide has a rule in `check.rs`.
+//! edges; if each reflection comes from the air; and if nothing is in the way (users' fields by
+//! their samples). What arithmetic cannot decide has a rule in `check.rs`.
+//!
+//! What becomes of a wave that arrived is its [outcome](Found::outcomes): one that found a path is
+//! replaced by it; one whose surfaces are not exact stays what it is; all others passed through
+//! the listener's sphere, but no path leads to its centre.
 //!
 //! # Spreading
 //! A source of power 1 gives the listener the energy density 1/(4π A) in 1/m², where A is the
@@ -91,7 +95,8 @@ pub struct Ends {
     pub source: DVec3,
     /// World position of the listener's centre in metres.
     pub listener: DVec3,
-    /// Radius of the listener's sphere in metres: it bounds what a focus can bring.
+    /// Radius of the listener's sphere in metres, greater than 0: it bounds what a focus can
+    /// bring.
     pub radius_m: f64,
 }
 

@@ -147,7 +147,6 @@ fn shapes_mirror_as_rays_do() {
             // 0.004 dB.
             assert!(error.abs() < 1e-3, "{name}: {error} at {path:?}");
         }
-        println!("{met} {name}");
         assert!(met >= TRIED * 4 / 5, "{name}: {met} paths");
     }
 }
