@@ -1,6 +1,8 @@
 //! What a listener hears of a place: energy against time, the figures of room acoustics, and
 //! impulse responses.
+
 mod arrival;
+pub mod early;
 mod echogram;
 mod error;
 mod figures;

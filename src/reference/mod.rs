@@ -45,6 +45,7 @@ pub(crate) mod march32;
 mod marched;
 #[cfg(test)]
 mod tests;
+mod transparent;
 
 pub use exact::{ExactScene, ExactWave, Hit};
 #[cfg(feature = "experiment")]
