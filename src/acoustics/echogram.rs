@@ -9,7 +9,8 @@ use std::ops::RangeInclusive;
 /// hold no decay any more.
 pub const BINS_S: RangeInclusive<f64> = 1e-4..=0.1;
 
-/// The least and the greatest number of batches.
+/// The least and the greatest number of batches. It is a power of two: figures are computed from
+/// orthogonal halves of the batches.
 pub const BATCHES: RangeInclusive<usize> = 1..=256;
 
 /// An echogram has at most so many bins: 65 s at 1 ms, 80 MiB with 16 batches. What is later is
@@ -64,12 +65,12 @@ impl Echogram {
     ///
     /// # Errors
     /// [`AcousticsError::BadBin`] unless `bin_s` is in [`BINS_S`], [`AcousticsError::BadBatches`]
-    /// unless `batches` is in [`BATCHES`].
+    /// unless `batches` is a power of two in [`BATCHES`].
     pub fn new(bin_s: f64, batches: usize) -> Result<Echogram, AcousticsError> {
         if !BINS_S.contains(&bin_s) {
             return Err(AcousticsError::BadBin { bin_s });
         }
-        if !BATCHES.contains(&batches) {
+        if !BATCHES.contains(&batches) || !batches.is_power_of_two() {
             return Err(AcousticsError::BadBatches { batches });
         }
         Ok(Echogram {
@@ -295,8 +296,10 @@ mod tests {
         for bin_s in [0.0, 1.0, -1e-3, f64::NAN] {
             assert!(Echogram::new(bin_s, 16).is_err());
         }
-        let refused = Echogram::new(1e-3, 0);
-        assert_eq!(refused, Err(AcousticsError::BadBatches { batches: 0 }));
+        for batches in [0, 15, 512] {
+            let refused = Echogram::new(1e-3, batches);
+            assert_eq!(refused, Err(AcousticsError::BadBatches { batches }));
+        }
     }
 
     /// Protects the columns of the table.

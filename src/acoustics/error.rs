@@ -14,9 +14,9 @@ pub enum AcousticsError {
         /// The length that was asked for, in seconds.
         bin_s: f64,
     },
-    /// A number of batches outside of [`BATCHES`](super::BATCHES).
+    /// A number of batches outside of [`BATCHES`](super::BATCHES), or no power of two.
     #[error(
-        "{batches} batches of waves: there must be {} to {}",
+        "{batches} batches of waves: there must be a power of two, {} to {}",
         super::BATCHES.start(),
         super::BATCHES.end()
     )]

@@ -74,7 +74,6 @@ fn a_tap_is_where_it_belongs() {
         let steps = (-100..=100).map(|step| place + f64::from(step) * 0.002);
         let peak = steps.max_by(|a, b| at(samples, *a).total_cmp(&at(samples, *b)));
         // What is above 0.45 of the rate has another phase: 0.02 samples are 0.4 µs.
-        println!("{}", peak.expect("a peak") - place);
         assert!((peak.expect("a peak") - place).abs() <= 0.02);
     }
 }
