@@ -127,7 +127,8 @@ impl Scene {
     pub(in crate::scene) fn find_material(&self, name: &str) -> Result<&Material, String> {
         self.material_named(name).ok_or_else(|| {
             let mut all: Vec<&str> = self.materials.keys().map(String::as_str).collect();
-            all.extend(BUILTIN_MATERIALS.iter().map(|known| known.name));
+            let built_in = BUILTIN_MATERIALS.iter().map(|known| known.name);
+            all.extend(built_in.filter(|name| !self.materials.contains_key(*name)));
             let told = format!("there is no material {name:?}");
             match nearest(name, all.iter().copied()) {
                 Some(nearest) => format!("{told}; did you mean {nearest}?"),

@@ -142,8 +142,8 @@ impl BasedScene {
     /// Puts the first source where that of a scene is, whose other sources are those of this file;
     /// it stands still there.
     pub fn put_source(&mut self, scene: &Scene) {
-        if self.fields.contains_key(&Field::Sources) {
-            self.fields.insert(Field::Sources, in_ron(&sources(scene)));
+        if let Some(list) = self.fields.get_mut(&Field::Sources) {
+            *list = in_ron(&sources(scene));
             return;
         }
         let kept: KeptSource = self.said(Field::Source);
@@ -156,9 +156,8 @@ impl BasedScene {
     /// Puts the first listener where that of a scene stands and looks, without a path; the other
     /// listeners of the scene are those of this file.
     pub fn put_listener(&mut self, scene: &Scene) {
-        if self.fields.contains_key(&Field::Listeners) {
-            let text = in_ron(&listeners(scene));
-            self.fields.insert(Field::Listeners, text);
+        if let Some(list) = self.fields.get_mut(&Field::Listeners) {
+            *list = in_ron(&listeners(scene));
             return;
         }
         let kept: KeptListener = self.said(Field::Listener);

@@ -98,102 +98,110 @@ fn bad_sound_is_refused_at_its_place() {
         (
             "absorption: 0.03",
             "absorption: 1.5",
-            "9:43: an absorption must be 0 to 1, not 1.5",
+            "8:37: an absorption must be 0 to 1, not 1.5",
         ),
         (
             "absorption: 0.03",
             "absorption: -1",
-            "9:42: an absorption must be 0 to 1, not -1",
+            "8:38: an absorption must be 0 to 1, not -1",
         ),
         (
             "0.5, 0.6, 1]",
             "0.5, NaN, 1]",
-            "9:89: a scattering must be 0 to 1, not NaN",
+            "8:84: a scattering must be 0 to 1, not NaN",
         ),
         (
             "0.7, 0.8]",
             "0.7]",
-            "10:79: an absorption is one number or eight",
+            "9:73: an absorption is one number or eight",
         ),
         (
             "0.7, 0.8]",
             "0.7, 0.8, 0.9]",
-            "10:89: an absorption is one number or eight",
+            "9:83: an absorption is one number or eight",
         ),
-        ("absorption: 0.03", "absorption: \"much\"", "9:"),
+        (
+            "absorption: 0.03",
+            "absorption: \"much\"",
+            "8:38: Expected an absorption as a number",
+        ),
         (
             "scattering",
             "scatering",
-            "9:43: Unexpected field named `scatering` in `Material`",
+            "8:43: Unexpected field named `scatering` in `Material`",
         ),
         // Names.
         (
             "material: \"mat\"",
             "material: \"matt\"",
-            "4:75: there is no material \"matt\"; did you mean mat?",
+            "4:74: there is no material \"matt\"; did you mean mat?",
         ),
         (
             "floor: \"mat\"",
             "floor: \"carpt\"",
-            "3:80: there is no material \"carpt\"; did you mean carpet?",
+            "3:81: there is no material \"carpt\"; did you mean carpet?",
         ),
         (
             "back: \"curtain\"",
             "back: \"gold\"",
-            "3:93: there is no material \"gold\"; there are brick, mat, audience",
+            "3:94: there is no material \"gold\"; there are brick, mat, audience, carpet",
         ),
         (
             "floor: ",
             "flor: ",
-            "3:73: Unexpected field named `flor` in `Walls`",
+            "3:74: Unexpected field named `flor` in `Walls`",
         ),
         (
             "(1, 0, 2), material: \"mat\"",
             "(1, 0, 2), walls: (front: \"mat\")",
-            "4:83: only the walls of a Room have materials of their own",
+            "4:79: only the walls of a Room have materials of their own",
         ),
         (
             "\"brick\": Material",
             "\"mat\": Material",
-            "10:14: the material \"mat\" is defined twice",
+            "9:10: the material \"mat\" is defined twice",
         ),
-        ("\"mat\": Material", "\"\": Material", "9:"),
+        (
+            "\"mat\": Material",
+            "\"\": Material",
+            "8:10: a material needs a name",
+        ),
         // Air.
         (
             "temperature: 10",
             "temperature: 60",
-            "12:32: the air's temperature must be -20 to 50 °C, not 60",
+            "11:27: the air's temperature must be -20 to 50 °C, not 60",
         ),
         (
             "humidity: 70",
             "humidity: 101",
-            "12:47: the air's humidity must be 0 to 100 %, not 101",
+            "11:41: the air's humidity must be 0 to 100 %, not 101",
         ),
         (
             "humidity: 70",
             "pressure: 20",
-            "12:46: the air's pressure must be 50 to 200 kPa, not 20",
+            "11:41: the air's pressure must be 50 to 200 kPa, not 20",
         ),
         // Sources and listeners.
         (
             "level_db: -6",
             "level_db: 200",
-            "14:67: a level in decibels must be -120 to 120, not 200",
+            "13:62: a level in decibels must be -120 to 120, not 200",
         ),
         (
             "\"row 2\"",
             "\"row 1\"",
-            "19:75: two of the listeners are called \"row 1\"",
+            "18:67: two of the listeners are called \"row 1\"",
         ),
         (
             "air: Air",
             "source: Source(), air: Air",
-            "13:14: a scene has source or sources, not both",
+            "12:14: a scene has source or sources, not both",
         ),
         (
             "air: Air",
             "listener: (radius: 1), air: Air",
-            "17:16: a scene has listener or listeners, not both",
+            "16:16: a scene has listener or listeners, not both",
         ),
     ];
     for (text, with, told) in cases {
@@ -283,7 +291,7 @@ fn sound_of_a_base_stays_unless_it_is_named() {
         ),
         (
             "materials: {\"mat\": Material(absorption: 5)}",
-            "small.ron:2:42: an absorption must be",
+            "small.ron:2:41: an absorption must be",
         ),
         (
             "sources: [Source(name: \"a\"), Source(name: \"a\")]",
@@ -295,11 +303,16 @@ fn sound_of_a_base_stays_unless_it_is_named() {
     }
 }
 
+/// A number of three decimals from 0 to 1: every reader reads it as it was.
+fn share(random: &mut Random) -> f64 {
+    (1000.0 * random.unit()).round() / 1000.0
+}
+
 /// A scene of drawn materials, air, sources and listeners.
 fn drawn(random: &mut Random) -> Scene {
     let shares = |random: &mut Random| match random.unit() < 0.3 {
-        true => [random.unit(); 8],
-        false => std::array::from_fn(|_| random.unit()),
+        true => [share(random); 8],
+        false => std::array::from_fn(|_| share(random)),
     };
     let mut names: Vec<String> = BUILTIN_MATERIALS
         .iter()
@@ -329,7 +342,7 @@ fn drawn(random: &mut Random) -> Scene {
     let place = |random: &mut Random| (9.0 * random.unit() * random.direction()).as_vec3();
     let path = |random: &mut Random| {
         let key = |index: i32, random: &mut Random| Key {
-            time: f64::from(index) + random.unit(),
+            time: f64::from(index) + (500.0 * random.unit()).round() / 1024.0,
             position: place(random),
             yaw: (9.0 * random.unit()) as f32,
             pitch: random.unit() as f32,
@@ -360,9 +373,9 @@ fn drawn(random: &mut Random) -> Scene {
     );
     scene.materials = materials;
     scene.air = (random.unit() < 0.5).then(|| Air {
-        temperature: 70.0 * random.unit() - 20.0,
-        humidity: 100.0 * random.unit(),
-        pressure: 50.0 + 150.0 * random.unit(),
+        temperature: -share(random),
+        humidity: share(random),
+        pressure: 100.0 + (1024.0 * random.unit()).round() / 1024.0,
     });
     let count = |random: &mut Random| 1 + (3.0 * random.unit()) as i32;
     scene.further_sources = (1..count(random)).map(|i| source(i, random)).collect();
