@@ -69,6 +69,7 @@
 //! may_move::<echomarch::Tracer>();
 //! ```
 
+pub mod acoustics;
 pub mod audio;
 pub mod bands;
 #[cfg(feature = "cli")]

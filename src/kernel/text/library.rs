@@ -31,7 +31,7 @@ macro_rules! files_of_parts {
 /// Every function of the files, cut into parts once.
 static LIBRARY: LazyLock<Vec<Part>> = LazyLock::new(|| {
     let shared = files!(
-        "common": ball bound chord corner exit listener mirror no_hit onto_field quadric_form
+        "common": ball bound chord corner exit hash listener mirror no_hit onto_field quadric_form
         reflect_at_face rounding safe_inverse scene_data segment turn turning
     );
     let cells = files!("cells": directed distance fields fields_free grid grid_traversal records);
