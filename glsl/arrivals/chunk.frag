@@ -3,7 +3,9 @@
 //
 //   first texture:   position x, y, z in metres, status
 //   second texture:  direction x, y, z, metres flown from the source (rounded)
-//   tally:           metres flown in the chunk as whole sixteenths and rest, crossings + 1024 * fate
+//   tally:           metres flown in the chunk as whole sixteenths and rest, crossings + 1024 * fate,
+//                    the first word of events
+//   words:           four more words of events, where there are materials
 //   each record:     metres from the chunk's start to the middle of the chord; iteration +
 //                    chord * uChordScale, with the sign of the direction's z; direction x, y
 //
@@ -27,6 +29,27 @@ const float CROSSINGS = 1024.0;   // more than a chunk has
 float fate(float status) {
     return status >= 0.1 ? 0.0 : -status;
 }
+
+#if EVENT_BITS > 0
+// 30 bits in a float that is none of those that may change on their way (NaN, subnormal): bits 29
+// and 30 of its exponent are 1 and 0, and the sign is one bit of the word.
+float inFloat(uint bits) {
+    return uintBitsToFloat(0x20000000u | (bits & 0x1FFFFFFFu) | ((bits & 0x20000000u) << 2u));
+}
+
+void prepareEvents(uint wave) {
+    copyMaterials();
+#if SCATTERS
+    waveNumber = wave;
+    // Not the numbers by which waves start.
+    scatterSeed = uSeed ^ 0x5CA77E2Du;
+    startIteration = uStartIteration;
+    materialCount = uMaterialCount;
+#endif
+}
+#else
+void prepareEvents(uint wave) {}
+#endif
 
 void main() {
     copyUniforms();
@@ -58,14 +81,35 @@ void main() {
     float status = exists ? origin.w : STATUS_DEAD;
     startLength = direction.w;
     int iterations = uIterationsInChunk;
+    prepareEvents(wave);
+#if EVENT_BITS > 0
+    int done = 0;
+    for (int word = 0; word < WORDS; ++word) {
+        if (status < 0.1 || done >= iterations) {
+            break;
+        }
+        uint events = 0u;
+        uint unit = 1u;
+        for (int place = 0; place < EVENTS_IN_WORD; ++place) {
+            if (status < 0.1 || done >= iterations) {
+                break;
+            }
+            events += unit * flyOn(float(done), p, d, status);
+            unit <<= uint(EVENT_BITS);
+            ++done;
+        }
+        keepWord(word, inFloat(events));
+    }
+#else
     for (int i = 0; i < iterations; ++i) {
         if (status < 0.1) {
             break;
         }
         flyOn(float(i), p, d, status);
     }
+#endif
     outOrigin = vec4(p, status);
     outDirection = vec4(d, startLength + (sixteenths + rest));
-    outTally = vec4(sixteenths, rest, crossings + CROSSINGS * fate(status), 0.0);
-    writeRecords();
+    outTally = vec4(sixteenths, rest, crossings + CROSSINGS * fate(status), firstWord());
+    writeOutputs();
 }

@@ -10,6 +10,16 @@ float lengthLimit = 0.0;
 float chordScale = 0.0;
 float startLength = 0.0;   // metres flown before the chunk, rounded
 float passedOver = 0.0;    // crossings that are recorded elsewhere
+#if SCATTERS
+uniform uint uSeed;
+uniform uint uStartIteration;   // iterations before the chunk
+uniform float uMaterialCount;
+
+uint waveNumber = 0u;
+uint scatterSeed = 0u;
+uint startIteration = 0u;
+float materialCount = 0.0;
+#endif
 
 // Metres flown in the chunk: whole sixteenths, and what is beyond them. Sixteenths add up exactly
 // (to 2^20 m), and the rests stay so small that rounding takes 1e-7 m from each at the most. (Of
@@ -42,19 +52,35 @@ void crossListener(vec3 p, vec3 d, float t, float iteration) {
     crossings += crosses ? 1.0 : 0.0;
 }
 
-// Takes the wave to the next surface and mirrors it there.
-void flyOn(float iteration, inout vec3 p, inout vec3 d, inout float status) {
+// Takes the wave to the next surface and mirrors or scatters it there. What happens to its energy
+// is told by the event (src/kernel/materials.rs).
+uint flyOn(float iteration, inout vec3 p, inout vec3 d, inout float status) {
     float object;
     float t = fly(p, d, status, object);
     bool givenUp = t < 0.0;
     bool met = !givenUp && t < maxDistance;
     crossListener(p, d, t, iteration);
     vec3 onto = p;
-    vec3 mirrored = d;
-    reflectWave(object, t, onto, mirrored);
+    vec3 reflected = d;
+    reflectWave(object, t, onto, reflected);
+    uint event = 0u;
+#if EVENT_BITS > 0
+    vec3 turned = reflected - d;
+    float material = materialAt(object, turned);
+    float number = floor(material);
+#if SCATTERS
+    uvec3 bits = mixBits(uvec3(waveNumber, scatterSeed, startIteration + uint(iteration)));
+    bool isScattered = unitInterval(bits.x) < 2.0 * (material - number);
+    vec3 anywhere = scattered(turned, reflected, bits);
+    reflected = isScattered ? anywhere : reflected;
+    number += isScattered ? materialCount : 0.0;
+#endif
+    event = met ? uint(number) : 0u;
+#endif
     addLength(met ? t : 0.0);
     p = met ? onto : p;
-    d = met ? mirrored : d;
+    d = met ? reflected : d;
     bool over = startLength + sixteenths > lengthLimit;
     status = met ? (over ? STATUS_OVER : object) : givenUp ? STATUS_GIVEN_UP : STATUS_DEAD;
+    return event;
 }

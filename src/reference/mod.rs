@@ -43,6 +43,7 @@ mod image_source;
 #[cfg(test)]
 pub(crate) mod march32;
 mod marched;
+mod shoebox_energies;
 #[cfg(test)]
 mod tests;
 mod transparent;
@@ -51,3 +52,4 @@ pub use exact::{ExactScene, ExactWave, Hit};
 #[cfg(feature = "experiment")]
 pub(crate) use exact::{PathVertex, sequence_hash};
 pub use image_source::ShoeboxImages;
+pub use shoebox_energies::{ImageSource, ShoeboxEnergies};

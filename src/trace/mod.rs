@@ -30,7 +30,7 @@ mod user_fields;
 mod waves;
 
 pub use crate::kernel::Directions;
-pub use arrivals::{Arrival, ArrivalCounts, ArrivalSettings};
+pub use arrivals::{ArrivalCounts, ArrivalSettings};
 #[cfg(any(test, feature = "experiment"))]
 pub(crate) use budget::Budget;
 pub use error::TraceError;

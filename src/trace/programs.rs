@@ -68,9 +68,9 @@ impl Programs {
         &mut self,
         context: &Context,
         scene: &Scene,
-        options: ArrivalsText,
+        options: &ArrivalsText,
     ) -> Result<Rc<Program>, Error> {
-        let key = Key::arrivals(scene, options);
+        let key = Key::arrivals(scene, options.clone());
         self.cache.get_or_compile(key, || {
             kernel::check(scene)?;
             let text = kernel::arrivals_text(scene, options);

@@ -16,6 +16,7 @@ pub(super) mod fields_ahead;
 mod library;
 mod link;
 mod listener;
+mod materials;
 pub(super) mod named;
 mod of_kind;
 mod records;
@@ -30,6 +31,7 @@ pub use distance::distance_parts;
 pub(in crate::kernel) use library::library;
 pub use link::{Part, link, parts};
 pub use listener::ListenerText;
+pub use materials::materials_parts;
 #[cfg(glsl_at_run_time)]
 pub(crate) use shader_source::read_at_run_time;
 pub(crate) use shader_source::source;

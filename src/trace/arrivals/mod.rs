@@ -9,19 +9,21 @@
 //!
 //! | file | what it does |
 //! | --- | --- |
+//! | `events.rs` | what reflections leave of a wave's energy |
 //! | `settings.rs` | what is asked for, and what came of it |
 //! | `volume.rs` | the open volume of the listener's sphere |
 //! | `targets.rs` | textures, and what is read back of them |
 //! | `replay.rs` | from records to arrivals |
 //! | `../tracer/arrivals.rs` | the passes |
 
+mod events;
 mod replay;
 mod settings;
 mod targets;
 mod volume;
 
-pub use crate::acoustics::Arrival;
-pub(super) use replay::{Block, Chunk, Listed, Replay};
+pub(super) use events::EventTable;
+pub(super) use replay::{Block, Listed, Replay};
 pub use settings::{ArrivalCounts, ArrivalSettings};
 pub(super) use targets::{ArrivalTargets, LISTED_AT_MOST, listed_rows};
 pub(super) use volume::open_volume;
@@ -38,6 +40,3 @@ pub(super) const ITERATIONS_IN_CHUNK: u32 = 64;
 /// crosses a listener of common size about once in 64 iterations, and five times or more once in
 /// two hundred chunks.
 pub(super) const RECORDS: u32 = 4;
-
-/// Metres a second, where a scene says nothing of its air (at 20 °C).
-pub(super) const SPEED_OF_SOUND: f64 = 343.0;

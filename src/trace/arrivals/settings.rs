@@ -3,6 +3,7 @@
 use super::super::TraceError;
 use super::super::settings::MAX_ITERATIONS;
 use super::{ITERATIONS_IN_CHUNK, RECORDS};
+use crate::bands::Bands;
 
 /// How arrivals are traced, beside [`Settings`](crate::Settings): of these the waves, their
 /// directions and the algorithm count.
@@ -20,6 +21,8 @@ pub struct ArrivalSettings {
     pub(crate) iterations_in_chunk: u32,
     /// Crossings that a pass records of a wave at the most.
     pub(crate) records: u32,
+    /// Outputs of a pass at the most, if the driver allows as many.
+    pub(crate) outputs: u32,
 }
 
 impl ArrivalSettings {
@@ -31,6 +34,7 @@ impl ArrivalSettings {
             iterations: MAX_ITERATIONS,
             iterations_in_chunk: ITERATIONS_IN_CHUNK,
             records: RECORDS,
+            outputs: u32::MAX,
         }
     }
 
@@ -90,6 +94,9 @@ pub struct ArrivalCounts {
     pub cut_off: u64,
     /// Iterations that were traced; waves of a later block may have needed more than those before.
     pub iterations: u32,
+    /// Energy of waves that were followed no more, by bands, as a share of what the source gives
+    /// out: what was cut off.
+    pub energy_under_way: Bands,
     /// Volume of the listener's sphere that is not in a solid, in m³.
     pub open_volume_m3: f64,
 }

@@ -1,7 +1,7 @@
 //! The textures that the passes of arrivals draw to, and what is read back of them.
 
 use super::super::Grid;
-use super::replay::Listed;
+use super::replay::{Chunk, Listed};
 use crate::gpu::{AsyncRead, Context, GpuError, RenderTarget, Texture};
 use crate::kernel::ArrivalsText;
 
@@ -25,16 +25,17 @@ pub fn listed_rows(waves: usize) -> u32 {
 /// The textures for blocks of so many waves.
 pub struct ArrivalTargets {
     pub grid: Grid,
-    pub records: u32,
+    /// What the outputs are.
+    pub text: ArrivalsText,
     /// Position and status, direction and length: where the waves stand, and where they go.
     states: [[Texture; 2]; 2],
     /// Of each pair the target that writes it, with what both share: the tally, and the records.
     chunks: [RenderTarget; 2],
     current: usize,
-    /// Tally and records.
+    /// Tally, words and records.
     reads: Vec<AsyncRead>,
     /// What was read.
-    pub texels: Vec<Vec<f32>>,
+    texels: Vec<Vec<f32>>,
     pub list: ListTargets,
     _shared: Vec<Texture>,
 }
@@ -43,31 +44,41 @@ pub struct ArrivalTargets {
 pub struct ListTargets {
     pub waves: Texture,
     pub target: RenderTarget,
+    first_record: usize,
     _textures: Vec<Texture>,
 }
 
 impl ArrivalTargets {
-    pub fn new(context: &Context, grid: Grid, records: u32) -> Result<ArrivalTargets, GpuError> {
+    pub fn new(
+        context: &Context,
+        grid: Grid,
+        text: ArrivalsText,
+    ) -> Result<ArrivalTargets, GpuError> {
         let texture = || Texture::new(context, grid.width, grid.height);
         let states = [[texture()?, texture()?], [texture()?, texture()?]];
-        let shared = textures(1 + records, texture)?;
+        let shared = textures(text.outputs() - ArrivalsText::TALLY, texture)?;
         let target = |[first, second]: &[Texture; 2]| {
             let all: Vec<&Texture> = [first, second].into_iter().chain(&shared).collect();
             RenderTarget::new(context, &all)
         };
         let chunks = [target(&states[0])?, target(&states[1])?];
-        let reads = (0..=records).map(|_| AsyncRead::new(context));
+        let reads = shared.iter().map(|_| AsyncRead::new(context));
         Ok(ArrivalTargets {
             grid,
-            records,
             states,
             chunks,
             current: 0,
             reads: reads.collect::<Result<_, _>>()?,
-            texels: vec![Vec::new(); 1 + records as usize],
-            list: ListTargets::new(context, records)?,
+            texels: vec![Vec::new(); shared.len()],
+            list: ListTargets::new(context, &text)?,
+            text,
             _shared: shared,
         })
+    }
+
+    /// Whether the outputs of such a text go to these textures.
+    pub fn is_for(&self, text: &ArrivalsText) -> bool {
+        (self.text.has_words, self.text.records) == (text.has_words, text.records)
     }
 
     /// Where the waves stand at the start of a chunk.
@@ -85,7 +96,7 @@ impl ArrivalTargets {
         self.current = 1 - self.current;
     }
 
-    /// Reads back what a chunk has written, up to a row: first the tally, then the records.
+    /// Reads back what a chunk has written, up to a row.
     pub fn read(&mut self, rows: u32) -> Result<(), GpuError> {
         let target = &self.chunks[1 - self.current];
         let first = ArrivalsText::TALLY as usize;
@@ -100,16 +111,34 @@ impl ArrivalTargets {
         }
         Ok(())
     }
+
+    /// The tally that was read.
+    pub fn tally(&self) -> &[f32] {
+        &self.texels[0]
+    }
+
+    /// What was read, with the records of a list.
+    pub fn chunk<'a>(&'a self, listed: &'a [Vec<f32>], iterations: u32) -> Chunk<'a> {
+        let first_record = (self.text.first_record() - ArrivalsText::TALLY) as usize;
+        Chunk {
+            tally: self.tally(),
+            words: self.text.has_words.then(|| &self.texels[1][..]),
+            records: &self.texels[first_record..],
+            listed,
+            iterations,
+        }
+    }
 }
 
 impl ListTargets {
-    fn new(context: &Context, records: u32) -> Result<ListTargets, GpuError> {
+    fn new(context: &Context, text: &ArrivalsText) -> Result<ListTargets, GpuError> {
         let texture = || Texture::new(context, LIST_WIDTH, LIST_HEIGHT);
-        let textures = textures(ArrivalsText::outputs(records), texture)?;
+        let textures = textures(text.outputs(), texture)?;
         let all: Vec<&Texture> = textures.iter().collect();
         Ok(ListTargets {
             waves: texture()?,
             target: RenderTarget::new(context, &all)?,
+            first_record: text.first_record() as usize,
             _textures: textures,
         })
     }
@@ -131,7 +160,7 @@ impl ListTargets {
     pub fn read(&self, waves: usize, records: &mut [Vec<f32>]) -> Result<(), GpuError> {
         let mut texels = Vec::new();
         for (index, record) in records.iter_mut().enumerate() {
-            let attachment = ArrivalsText::FIRST_RECORD as usize + index;
+            let attachment = self.first_record + index;
             let rows = listed_rows(waves);
             self.target
                 .read_into(attachment, LIST_WIDTH, rows, &mut texels)?;

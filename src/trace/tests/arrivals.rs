@@ -1,11 +1,12 @@
 //! Arrivals against exact waves, and against themselves: how they are divided into blocks, chunks
 //! and records must change nothing.
 
+use crate::acoustics::Arrival;
 use crate::gpu::{Api, Context};
 use crate::reference::ExactScene;
 use crate::scene::shape::{Cylinder, Room, Sphere, Torus};
 use crate::test_common::{builtin, context, for_each_api};
-use crate::trace::{Arrival, ArrivalCounts, ArrivalSettings};
+use crate::trace::{ArrivalCounts, ArrivalSettings};
 use crate::{Listener, Node, Scene, Settings, Shape, Source, Surface, Tracer};
 use glam::{DVec3, Vec3};
 
@@ -20,7 +21,7 @@ struct Crossing {
     depth: f64,
 }
 
-fn arrivals(
+pub fn arrivals(
     tracer: &mut Tracer,
     scene: &Scene,
     settings: &Settings,
@@ -37,7 +38,7 @@ fn arrivals(
 }
 
 /// The scene with the listener where no wave comes.
-fn without_listener(scene: &Scene, nowhere: Vec3) -> ExactScene {
+pub fn without_listener(scene: &Scene, nowhere: Vec3) -> ExactScene {
     let mut scene = scene.clone();
     scene.listener = Listener::at(nowhere, 1e-3);
     ExactScene::new(&scene).unwrap()
@@ -86,7 +87,7 @@ fn through(listener: &Listener, from: DVec3, d: DVec3, t: f64) -> Option<(f64, f
     (leaves > enters).then_some((enters, leaves, radius - aside))
 }
 
-fn start_directions(tracer: &mut Tracer, scene: &Scene, settings: &Settings) -> Vec<DVec3> {
+pub fn start_directions(tracer: &mut Tracer, scene: &Scene, settings: &Settings) -> Vec<DVec3> {
     let settings = settings.clone().with_iterations(1);
     let (_, waves) = tracer.frame_with_waves(scene, &settings).unwrap();
     let starts = waves.iter().map(|wave| wave.start_direction.as_dvec3());

@@ -1,0 +1,184 @@
+//! The materials of a scene as shaders and replays of waves know them: by numbers.
+//!
+//! A reflection is an *event*: 0 where nothing is lost or scattered, then one for each distinct
+//! material, then one more for each that scatters. A wave carries no energies: a shader writes down
+//! its events, and what they leave of the energy is multiplied up on the CPU, in `f64`.
+//!
+//! The shader reads one float of a surface: its event, and as the fraction half of the share that
+//! is scattered, one for all bands. Where bands scatter by different shares, that one decides
+//! where the wave goes, and what the event leaves makes up for it.
+
+use crate::bands::{BAND_COUNT, Bands};
+use crate::scene::{Material, Node, Scene, WALL_COUNT};
+use glam::Vec4;
+
+/// Bits of an event at the most: as many whole numbers a float tells with a share behind them.
+const MOST_BITS: u32 = 14;
+
+/// The distinct materials of a scene's surfaces.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Materials {
+    /// Those that scatter stand first.
+    distinct: Vec<Material>,
+    /// How many scatter.
+    scattering: usize,
+    /// The number that the shader reads for each surface.
+    of_surfaces: Vec<f32>,
+    /// Rooms whose walls differ, by index, and the numbers of their walls.
+    walls: Vec<(usize, [f32; WALL_COUNT])>,
+}
+
+impl Materials {
+    /// Those of the scene, none where no surface absorbs or scatters.
+    pub fn of(scene: &Scene) -> Materials {
+        if !scene.has_materials() {
+            return Materials::default();
+        }
+        let mut materials = Materials::default();
+        for index in 0..scene.surfaces.len() {
+            for wall in walls(scene, index) {
+                materials.add(*scene.material(index, wall).unwrap_or(&Material::MIRROR));
+            }
+        }
+        materials
+            .distinct
+            .sort_by_key(|material| !scatters(material));
+        materials.scattering = materials.distinct.iter().filter(|m| scatters(m)).count();
+        let number = |index, wall| {
+            let material = scene.material(index, wall).unwrap_or(&Material::MIRROR);
+            materials.number(material)
+        };
+        let of_surfaces = (0..scene.surfaces.len()).map(|index| number(index, None));
+        let of_surfaces: Vec<f32> = of_surfaces.collect();
+        let mut rooms = Vec::new();
+        for index in 0..scene.surfaces.len() {
+            let numbers: Vec<f32> = walls(scene, index)
+                .map(|wall| number(index, wall))
+                .collect();
+            if let Ok(walls) = <[f32; WALL_COUNT]>::try_from(numbers)
+                && walls != [of_surfaces[index]; WALL_COUNT]
+            {
+                rooms.push((index, walls));
+            }
+        }
+        Materials {
+            of_surfaces,
+            walls: rooms,
+            ..materials
+        }
+    }
+
+    fn add(&mut self, material: Material) {
+        if !material.is_mirror() && !self.distinct.contains(&material) {
+            self.distinct.push(material);
+        }
+    }
+
+    fn number(&self, material: &Material) -> f32 {
+        let known = self.distinct.iter().position(|known| known == material);
+        known.map_or(0.0, |place| (place + 1) as f32 + 0.5 * share(material))
+    }
+
+    /// Whether there are any.
+    pub fn is_empty(&self) -> bool {
+        self.distinct.is_empty()
+    }
+
+    /// Whether any scatters.
+    pub fn scatter(&self) -> bool {
+        self.scattering > 0
+    }
+
+    /// How many there are: what is added to the number of an event where the wave is scattered.
+    pub fn count(&self) -> usize {
+        self.distinct.len()
+    }
+
+    /// Bits of an event; 0 without materials. More than [`Materials::MOST_BITS`] cannot be told.
+    pub fn bits(&self) -> u32 {
+        let events = self.distinct.len() + self.scattering;
+        usize::BITS - events.leading_zeros()
+    }
+
+    /// Bits of an event at the most.
+    pub const MOST_BITS: u32 = MOST_BITS;
+
+    /// The rooms whose walls differ, by index.
+    pub fn rooms(&self) -> Vec<usize> {
+        self.walls.iter().map(|(room, _)| *room).collect()
+    }
+
+    /// The number of each surface.
+    pub fn of_surfaces(&self) -> &[f32] {
+        &self.of_surfaces
+    }
+
+    /// The numbers of some surfaces, those of all walls where these differ, in vectors of four.
+    pub fn uniform_values(&self, surfaces: &[usize]) -> Vec<Vec4> {
+        let mut numbers = Vec::new();
+        for index in surfaces {
+            match self.walls.iter().find(|(room, _)| room == index) {
+                Some((_, walls)) => numbers.extend(walls),
+                None => numbers.push(self.of_surfaces.get(*index).copied().unwrap_or(0.0)),
+            }
+        }
+        let four = |four: &[f32]| {
+            let at = |place: usize| four.get(place).copied().unwrap_or(0.0);
+            Vec4::new(at(0), at(1), at(2), at(3))
+        };
+        numbers.chunks(4).map(four).collect()
+    }
+
+    /// What each event leaves of the energy, by its number.
+    pub fn left(&self) -> Vec<Bands> {
+        let mirrored = self.distinct.iter().map(|material| {
+            left(material, |scattered, share| match share < 1.0 {
+                true => (1.0 - scattered) / (1.0 - share),
+                false => 0.0,
+            })
+        });
+        let scattered = self.distinct[..self.scattering]
+            .iter()
+            .map(|material| left(material, |scattered, share| scattered / share));
+        let nothing_lost = std::iter::once([1.0; BAND_COUNT]);
+        nothing_lost.chain(mirrored).chain(scattered).collect()
+    }
+
+    /// Whether the wave is scattered in an event.
+    pub fn is_scattered(&self, event: usize) -> bool {
+        event > self.distinct.len()
+    }
+}
+
+/// No wall for the surface as a whole; all walls of a room.
+fn walls(scene: &Scene, index: usize) -> impl Iterator<Item = Option<usize>> {
+    let is_room = matches!(scene.surfaces[index].shape.node, Node::Room(_));
+    let walls = (0..WALL_COUNT).filter(move |_| is_room).map(Some);
+    let whole = std::iter::once(None).filter(move |_| !is_room);
+    walls.chain(whole)
+}
+
+/// Of the energy that a material reflects in each band a part goes the way that was chosen; in the
+/// mean over both ways `of_way(scattering, share)` is 1.
+fn left(material: &Material, of_way: impl Fn(f64, f64) -> f64) -> Bands {
+    let share = f64::from(share(material));
+    let reflectance = material.reflectance();
+    std::array::from_fn(|band| reflectance[band] * of_way(material.scattering[band], share))
+}
+
+fn scatters(material: &Material) -> bool {
+    share(material) > 0.0
+}
+
+/// The share of reflections that are diffuse: the mean over the bands, as a multiple of a step that
+/// stands exactly behind a number of [`MOST_BITS`] bits in a float.
+fn share(material: &Material) -> f32 {
+    const STEPS: f64 = (1 << (22 - MOST_BITS)) as f64;
+    let mean = material.scattering.iter().sum::<f64>() / BAND_COUNT as f64;
+    if mean == 0.0 {
+        return 0.0;
+    }
+    // Neither way is left out where a part of the energy goes it.
+    let most = if mean < 1.0 { STEPS - 1.0 } else { STEPS };
+    ((mean * STEPS).round().clamp(1.0, most) / STEPS) as f32
+}
