@@ -5,6 +5,7 @@ use crate::acoustics::early::{Candidates, EarlyPaths, Ends, SpecularPath, Vertex
 use crate::scene::shape::{Cuboid, Cylinder, Plane, Room, Sphere, Torus};
 use crate::{Scene, Surface};
 use glam::{EulerRot, Quat, Vec3};
+use std::f64::consts::PI;
 
 /// Every kind of surface, some of them turned, in a turned room.
 fn furnished() -> Scene {
@@ -110,4 +111,24 @@ fn what_more_waves_find_was_estimated() {
         (share - estimated).abs() < 3.0 * deviation,
         "{share} {missed:?}"
     );
+}
+
+/// Protects spreading against counts of waves: within `reach` of the listener come
+/// N reach² / (4 A) of N by a path, give or take the root of that.
+#[test]
+fn as_many_waves_arrive_as_the_spreading_says() {
+    let (waves, reach) = (400_000, 0.3);
+    let found = found(&furnished(), waves, 2, reach);
+    let (mut all, mut came) = (0.0, 0.0);
+    for path in &found.paths {
+        let expected = waves as f64 * reach * reach * PI * path.spreading;
+        let count = f64::from(path.found_by);
+        assert!(
+            (count - expected).abs() < 4.0 * expected.sqrt() + 3.0,
+            "{expected} {path:?}"
+        );
+        all += expected;
+        came += count;
+    }
+    assert!((came - all).abs() < 3.0 * all.sqrt(), "{came} of {all}");
 }
