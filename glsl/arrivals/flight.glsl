@@ -11,7 +11,6 @@ float chordScale = 0.0;
 float startLength = 0.0;   // metres flown before the chunk, rounded
 float passedOver = 0.0;    // crossings that are recorded elsewhere
 #if SCATTERS
-uniform uint uSeed;
 uniform uint uStartIteration;   // iterations before the chunk
 uniform float uMaterialCount;
 

@@ -254,7 +254,7 @@ fn crossings_among_curved_surfaces_are_exact() {
     let nowhere = Vec3::new(0.0, 0.0, 100.0);
     for scene in curved() {
         for settings in [Settings::hybrid(), Settings::march()] {
-            let settings = settings.with_waves(4000);
+            let settings = settings.with_waves(8000);
             compare(&context, &scene, nowhere, &settings, 3, &allowed);
         }
     }

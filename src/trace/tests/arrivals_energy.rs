@@ -68,7 +68,7 @@ fn each_reflection_takes_what_its_material_takes() {
         }
         let mut tracer = crate::Tracer::new(context).unwrap();
         for settings in [Settings::hybrid(), Settings::march()] {
-            let settings = settings.with_waves(3000);
+            let settings = settings.with_waves(12_000);
             let starts = start_directions(&mut tracer, &scene, &settings);
             let how = ArrivalSettings::new(1000.0).with_iterations(6);
             let (mirrored, _) = arrivals(&mut tracer, &bare, &settings, &how);
@@ -107,8 +107,9 @@ fn each_reflection_takes_what_its_material_takes() {
                 compared += usize::from(is_same);
             }
             assert!(
-                compared > 1000 && 100 * compared > 98 * all.len(),
-                "{compared}"
+                compared > 500 && 100 * compared > 98 * all.len(),
+                "{compared} of {}",
+                all.len()
             );
         }
     });
