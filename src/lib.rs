@@ -93,6 +93,7 @@ pub mod report;
 pub mod response;
 mod rng;
 pub mod scene;
+mod sphere;
 #[cfg(any(feature = "experiment", feature = "demo"))]
 mod stats;
 mod text;

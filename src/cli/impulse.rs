@@ -61,7 +61,7 @@ pub struct Arguments {
     #[arg(long, allow_negative_numbers = true, value_name = "SECONDS", value_parser = real::<f64>)]
     seconds: Option<f64>,
     /// Reflections of the paths that are found exactly, at the most
-    #[arg(long, allow_negative_numbers = true, default_value_t = 3, value_name = "N", value_parser = count::<u32>)]
+    #[arg(long, allow_negative_numbers = true, default_value_t = 6, value_name = "N", value_parser = count::<u32>)]
     order: u32,
     /// The algorithm: hybrid (closed form), march (accurate sphere tracing)
     #[arg(long, default_value_t = Profile::Hybrid, value_name = "NAME")]

@@ -5,6 +5,7 @@ use crate::acoustics::{Arrival, Tap};
 use crate::bands::{BAND_COUNT, Bands};
 use crate::error::Error;
 use crate::scene::{Listener, Scene};
+use crate::sphere::lattice;
 use glam::{DVec3, Vec3};
 
 /// A specular path from source to listener, and what is heard along it.
@@ -58,9 +59,10 @@ impl EarlyPart {
         let paths = EarlyPaths::new(scene)?;
         let ends = Ends::of(scene);
         let directions: Vec<Vec3> = starts.iter().map(|(_, direction)| *direction).collect();
-        let candidates = paths.candidates(&ends, &directions, order, ends.radius_m);
-        let found = paths.find(&ends, &candidates);
+        let mut candidates = paths.candidates(&ends, &directions, order, ends.radius_m);
         let lengths = candidate_lengths(&ends, &candidates);
+        add_flat(&paths, &ends, order, &mut candidates);
+        let found = paths.find(&ends, &candidates);
         let mut outcomes = Vec::with_capacity(arrivals.len());
         let mut first = 0;
         let mut wave = 0;
@@ -142,6 +144,23 @@ impl EarlyPart {
             }
         }
         energy
+    }
+}
+
+/// Directions in which paths over planes are looked for, besides those of the waves that arrived: a
+/// wave names such a path wherever it goes by, so few find what many would miss.
+const FLAT_SEARCH: u64 = 1 << 14;
+
+/// Adds the sequences of planes that an even lattice of directions meets.
+fn add_flat(paths: &EarlyPaths, ends: &Ends, order: u32, candidates: &mut Candidates) {
+    let search: Vec<Vec3> = lattice(FLAT_SEARCH).map(|d| d.as_vec3()).collect();
+    let first = candidates.waves() as u32;
+    let more = paths.candidates(ends, &search, order, f64::INFINITY);
+    for candidate in more
+        .iter()
+        .filter(|candidate| paths.are_flat(candidate.vertices))
+    {
+        candidates.add(first + candidate.wave, candidate.vertices);
     }
 }
 

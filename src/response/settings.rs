@@ -12,7 +12,9 @@ pub struct ResponseSettings {
     /// How long the waves are followed; `None` until the energy of every band has fallen by 60 dB,
     /// as a few waves foretell it.
     pub seconds: Option<f64>,
-    /// Reflections of an exact path at the most, 0 to [`MAX_ORDER`].
+    /// Reflections of an exact path at the most, 0 to [`MAX_ORDER`]: 6 by default. Where walls
+    /// absorb half of the sound, a decay of 35 dB is some dozen echoes of up to so many reflections,
+    /// and each is met by few waves.
     pub order: u32,
     /// Length of a time bin of the echogram in seconds: 1 ms by default, less than the time that
     /// sound takes through a listener of common size.
@@ -26,12 +28,12 @@ pub struct ResponseSettings {
 pub const MAX_ORDER: u32 = 16;
 
 impl Default for ResponseSettings {
-    /// 65,536 waves of the profile `hybrid`, exact paths of up to three reflections.
+    /// 65,536 waves of the profile `hybrid`, exact paths of up to six reflections.
     fn default() -> ResponseSettings {
         ResponseSettings {
             trace: Settings::default(),
             seconds: None,
-            order: 3,
+            order: 6,
             bin_s: 1e-3,
             batches: 16,
         }

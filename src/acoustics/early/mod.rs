@@ -160,6 +160,15 @@ impl EarlyPaths {
         candidates::follow_all(&self.exact, ends, directions, order, reach_m)
     }
 
+    /// Whether all of these reflections are at planes, so that a path over them is found whatever
+    /// wave named them.
+    pub fn are_flat(&self, vertices: &[Vertex]) -> bool {
+        let sheets = vertices.iter().map(|vertex| self.surfaces.sheet(vertex));
+        sheets
+            .into_iter()
+            .all(|sheet| sheet.is_ok_and(|sheet| sheet.is_flat()))
+    }
+
     /// The paths of all candidates, and the direct sound where nothing is in its way.
     ///
     /// On the threads of rayon's pool; the result does not depend on their number.
