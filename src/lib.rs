@@ -34,6 +34,7 @@
 //! | --- | --- |
 //! | [`scene`] | surfaces, source, listener, paths; RON files; distances |
 //! | [`trace`] | settings, the [`Tracer`], one [`Frame`], [`Panning`] |
+//! | [`acoustics`] | echograms, the figures of ISO 3382-1, impulse responses |
 //! | [`audio`] | sounds, panning laws, mixer, WAV files; live sound (feature `audio`) |
 //! | [`offline`] | a moving scene to sound, without a sound card |
 //! | [`gpu`] | contexts with no window, and the renderers that there are |
@@ -69,6 +70,7 @@
 //! may_move::<echomarch::Tracer>();
 //! ```
 
+pub mod acoustics;
 pub mod audio;
 pub mod bands;
 #[cfg(feature = "cli")]
