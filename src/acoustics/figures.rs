@@ -9,6 +9,7 @@ use super::{Echogram, Tap};
 use crate::bands::{BAND_COUNT, Bands};
 use decay::Decay;
 use pieces::{Span, pieces};
+use rayon::prelude::*;
 use std::f64::consts::PI;
 
 /// *G* is 0 dB for the energy of the direct sound at so many metres, in the open.
@@ -125,8 +126,8 @@ impl Figures {
         let all = pieces(taps, echogram, |bin| echogram.energy(bin), span);
         let (lists, cut_off) = lists(&all, echogram.bin_s());
         let halves = Halves::new(taps, echogram, span);
-        for band in 0..BAND_COUNT {
-            let (list, errors) = halves.judge(band, lists[band]);
+        for (band, list) in lists.into_iter().enumerate() {
+            let (list, errors) = halves.judge(band, list);
             figures.bands[band] = BandFigures::from_list(list);
             figures.errors[band] = BandFigures::from_list(errors);
         }
@@ -203,9 +204,11 @@ impl Halves {
             };
             lists(&pieces(taps, echogram, energy, span), echogram.bin_s()).0
         };
-        let halves = (1..batches).flat_map(|half| [(half, false), (half, true)]);
+        let halves: Vec<(usize, bool)> = (1..batches)
+            .flat_map(|half| [(half, false), (half, true)])
+            .collect();
         Halves {
-            lists: halves.map(of).collect(),
+            lists: halves.into_par_iter().map(of).collect(),
             widening: student_975(batches - 1) / 2.0,
         }
     }

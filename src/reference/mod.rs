@@ -20,6 +20,8 @@
 //!   simulating small-room acoustics*, JASA 65, 1979): in the unfolded room the
 //!   wave is one straight line. It shares no code with [`ExactScene`], and a test
 //!   compares the two wave for wave.
+//! - [`ShoeboxEnergies`] mirrors the source of such a room instead, and sums the energies of its
+//!   images: what an echogram, and the figures read off it, ought to be.
 //! - The crate's own tests have a third, the thesis' algorithm itself in `f32` (`march32.rs`): it
 //!   tells whether a shader computes what it should, not whether that is right.
 //!
@@ -53,3 +55,4 @@ pub use exact::{ExactScene, ExactWave, Hit};
 pub(crate) use exact::{PathVertex, sequence_hash};
 pub use image_source::ShoeboxImages;
 pub use shoebox_energies::{ImageSource, ShoeboxEnergies};
+pub use shoebox_energies::{EnergiesByLength, ImageSource, ShoeboxEnergies};

@@ -337,8 +337,8 @@ mod tests {
         let mut expected = vec![[0.0; BAND_COUNT]; summed.energies.len()];
         for image in &images {
             let cell = ((image.length_m - room.direct_m()) / 0.5) as usize;
-            for band in 0..BAND_COUNT {
-                expected[cell][band] += image.energy[band];
+            for (sum, energy) in expected[cell].iter_mut().zip(&image.energy) {
+                *sum += energy;
             }
         }
         assert_eq!(summed.images, images.len() as u64);

@@ -103,8 +103,8 @@ impl Room {
             } else {
                 (second, first)
             };
-            for band in 0..BAND_COUNT {
-                exponents[band] += f64::from(lower) * (1.0 - self.absorption[2 * axis][band]).ln()
+            for (band, exponent) in exponents.iter_mut().enumerate() {
+                *exponent += f64::from(lower) * (1.0 - self.absorption[2 * axis][band]).ln()
                     + f64::from(upper) * (1.0 - self.absorption[2 * axis + 1][band]).ln();
             }
         }
