@@ -3,7 +3,7 @@
 mod sound;
 mod warnings;
 
-pub(super) use sound::{LEVELS, NOT_A_ROOM, twice};
+pub(super) use sound::{LEVELS, MOST_PLACED, NOT_A_ROOM, twice};
 pub use warnings::Warning;
 
 use crate::scene::shape::LARGEST;

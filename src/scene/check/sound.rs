@@ -13,9 +13,15 @@ use std::ops::RangeInclusive;
 /// Decibels of a source against others: more than lies between the softest sound and pain.
 pub(crate) const LEVELS: RangeInclusive<f32> = -120.0..=120.0;
 
+/// Sources of a scene, and listeners, at the most: each pair of them is looked at, and is a sound of
+/// its own to be traced.
+pub(crate) const MOST_PLACED: usize = 256;
+
 impl Scene {
     /// Everything but surfaces' shapes and places.
     pub(super) fn validate_sound(&self) -> Result<(), SceneError> {
+        self.few_enough("sources", 1 + self.further_sources.len())?;
+        self.few_enough("listeners", 1 + self.further_listeners.len())?;
         for (index, source) in self.sources().enumerate() {
             self.validate_source(&self.source_label(index), source)?;
         }
@@ -33,6 +39,13 @@ impl Scene {
             self.validate_material_names(index, surface)?;
         }
         Ok(())
+    }
+
+    fn few_enough(&self, what: &str, count: usize) -> Result<(), SceneError> {
+        if count <= MOST_PLACED {
+            return Ok(());
+        }
+        Err(self.bad_number(&format!("the number of its {what}"), "at most 256", count))
     }
 
     fn validate_source(&self, label: &str, source: &Source) -> Result<(), SceneError> {
@@ -198,7 +211,11 @@ mod tests {
     fn bad_sound_is_refused_by_its_name() {
         hall().validate().unwrap();
         type Spoil = fn(&mut Scene);
-        let cases: [(Spoil, &str); 12] = [
+        let cases: [(Spoil, &str); 13] = [
+            (
+                |s| s.further_sources = vec![Source::at(Vec3::Z); 256],
+                "the number of its sources must be at most 256, not 257",
+            ),
             (
                 |s| s.further_sources[0].position.x = f32::NAN,
                 "source 2's position must be finite",

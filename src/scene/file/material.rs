@@ -14,7 +14,7 @@ pub(super) struct Materials(pub BTreeMap<String, Material>);
 
 #[derive(Deserialize)]
 #[serde(rename = "Material", deny_unknown_fields)]
-struct MaterialFile {
+pub(super) struct MaterialFile {
     #[serde(default)]
     absorption: Shares<false>,
     #[serde(default)]

@@ -155,7 +155,7 @@ fn parse(text: &str, files: &Attached, chain: &Chain) -> Result<Scene, SceneErro
 
 fn from_ron(files: &Attached, text: &str, error: &ron::error::SpannedError) -> SceneError {
     let start = error.span.start;
-    let message = match (&error.code, hints::about_shape(text, error)) {
+    let message = match (&error.code, hints::about_part(text, error)) {
         (_, Some(hint)) => hint,
         (ron::Error::ExceededRecursionLimit, _) => "shapes are nested too deeply here".to_owned(),
         (code, None) => code.to_string(),

@@ -1,7 +1,7 @@
 //! Sources and listeners of a scene file.
 
 use super::places::{Place, Refused};
-use crate::scene::check::LEVELS;
+use crate::scene::check::{LEVELS, MOST_PLACED};
 use crate::scene::notation::{Degrees, Finite, FixedRadius, Name, Point};
 use crate::scene::{Key, Listener, Path, Source};
 use glam::Vec3;
@@ -277,6 +277,10 @@ impl<'de, T: Placed + Deserialize<'de>> Visitor<'de> for OneAtLeast<T> {
                 return Err(A::Error::custom(why));
             }
             further.push(next);
+            if further.len() == MOST_PLACED {
+                let why = format!("a scene has {MOST_PLACED} {} at the most", T::SEVERAL);
+                return Err(A::Error::custom(why));
+            }
         }
         Ok(Several { first, further })
     }

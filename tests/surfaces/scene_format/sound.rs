@@ -243,6 +243,26 @@ fn a_scene_needs_a_source_and_a_listener() {
     }
 }
 
+/// Protects from a file that would keep the program busy: pairs of sources and listeners are looked at.
+#[test]
+fn a_scene_has_so_many_sources_and_listeners_at_the_most() {
+    let read = |count: usize| {
+        let sources = "Source(),".repeat(count);
+        let listeners = "(radius: 1, position: (5, 0, 0)),".repeat(count);
+        let text = format!(
+            "Scene(surfaces: [Surface(shape: Plane)],\nsources: [{sources}],\nlisteners: [{listeners}])"
+        );
+        Scene::from_ron(&text, "text").map_err(|error| error.to_string())
+    };
+    assert_eq!(read(256).unwrap().listeners().count(), 256);
+    let said = read(257).unwrap_err();
+    assert!(said.starts_with("text:2:"), "{said}");
+    assert!(
+        said.ends_with("a scene has 256 sources at the most"),
+        "{said}"
+    );
+}
+
 /// Protects the rule of a base for sound: what is named is changed, all else is the base's.
 #[test]
 fn sound_of_a_base_stays_unless_it_is_named() {
