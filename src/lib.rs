@@ -34,8 +34,8 @@
 //! | --- | --- |
 //! | [`scene`] | surfaces, source, listener, paths; RON files; distances |
 //! | [`trace`] | settings, the [`Tracer`], one [`Frame`], [`Panning`] |
-//! | [`acoustics`] | specular paths from point to point, exactly |
-//! | [`acoustics`] | echograms, the figures of ISO 3382-1, impulse responses |
+//! | [`acoustics`] | exact specular paths, echograms, the figures of ISO 3382-1, impulse responses |
+//! | [`response`] | all of these of a scene, traced |
 //! | [`audio`] | sounds, panning laws, mixer, WAV files; live sound (feature `audio`) |
 //! | [`offline`] | a moving scene to sound, without a sound card |
 //! | [`gpu`] | contexts with no window, and the renderers that there are |

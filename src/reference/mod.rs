@@ -54,5 +54,4 @@ pub use exact::{ExactScene, ExactWave, Hit};
 #[cfg(feature = "experiment")]
 pub(crate) use exact::{PathVertex, sequence_hash};
 pub use image_source::ShoeboxImages;
-pub use shoebox_energies::{ImageSource, ShoeboxEnergies};
 pub use shoebox_energies::{EnergiesByLength, ImageSource, ShoeboxEnergies};

@@ -20,6 +20,7 @@ use crate::error::Error;
 use crate::scene::Scene;
 use crate::trace::{ArrivalCounts, ArrivalSettings, Settings, Tracer};
 use early::EarlyPart;
+use glam::Vec3;
 use std::time::Instant;
 
 /// What one listener hears of one source.
@@ -81,7 +82,7 @@ impl Response {
             sum.take(arrival)
         })?;
         let arrivals = std::mem::take(&mut sum.early);
-        let starts = start_directions(tracer, scene, &settings.trace, &arrivals)?;
+        let starts = start_directions(tracer, &settings.trace, &arrivals)?;
         let early = EarlyPart::find(scene, &starts, settings.order, &arrivals)?;
         early
             .left_over(&arrivals)
@@ -163,17 +164,15 @@ impl Sum {
 /// The start directions of the waves that arrived early, in their order.
 fn start_directions(
     tracer: &mut Tracer,
-    scene: &Scene,
     settings: &Settings,
     early: &[Arrival],
-) -> Result<Vec<(u32, glam::Vec3)>, Error> {
+) -> Result<Vec<(u32, Vec3)>, Error> {
     let mut waves: Vec<u32> = early.iter().map(|arrival| arrival.wave).collect();
     waves.dedup();
     if waves.is_empty() {
         return Ok(Vec::new());
     }
-    let once = settings.clone().with_iterations(1);
-    let (_, all) = tracer.frame_with_waves(scene, &once)?;
-    let start = |wave: u32| (wave, all[wave as usize].start_direction);
+    let all = tracer.start_directions(settings)?;
+    let start = |wave: u32| (wave, all[wave as usize]);
     Ok(waves.into_iter().map(start).collect())
 }

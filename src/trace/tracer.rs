@@ -241,7 +241,7 @@ impl Tracer {
         let (rebasing, rebased, budget) = prepared;
         let as_one = keep == Waves::Dropped && fits_one_pass(scene, settings, || budget);
         let programs = self.programs(scene, settings, as_one)?;
-        self.make_room(settings, &programs)?;
+        self.make_room(settings, !programs.are_one())?;
         // Compiling and making textures, which a first frame alone does, is not in its time.
         let setup = Duration::from_secs_f64(setup * 1e-3);
         let now = Instant::now();
@@ -286,7 +286,7 @@ impl Tracer {
     }
 
     /// Makes textures for so many waves where there are none yet.
-    fn make_room(&mut self, settings: &Settings, of: &FramePrograms) -> Result<(), Error> {
+    fn make_room(&mut self, settings: &Settings, with_pairs: bool) -> Result<(), Error> {
         let grid = Grid::new(settings.waves);
         let targets = match self.targets.take().filter(|targets| targets.grid == grid) {
             Some(targets) => targets,
@@ -294,7 +294,7 @@ impl Tracer {
             None => Targets::new(&self.context, grid)?,
         };
         let targets = self.targets.insert(targets);
-        if !of.are_one() {
+        if with_pairs {
             targets.provide_pairs(&self.context)?;
         }
         if settings.sum_on_gpu && targets.sum.is_none() {
