@@ -51,12 +51,12 @@ impl Materials {
         let of_surfaces = (0..scene.surfaces.len()).map(|index| number(index, None));
         let of_surfaces: Vec<f32> = of_surfaces.collect();
         let mut rooms = Vec::new();
-        for index in 0..scene.surfaces.len() {
+        for (index, of_surface) in of_surfaces.iter().enumerate() {
             let numbers: Vec<f32> = walls(scene, index)
                 .map(|wall| number(index, wall))
                 .collect();
             if let Ok(walls) = <[f32; WALL_COUNT]>::try_from(numbers)
-                && walls != [of_surfaces[index]; WALL_COUNT]
+                && walls != [*of_surface; WALL_COUNT]
             {
                 rooms.push((index, walls));
             }
