@@ -90,6 +90,12 @@ impl Candidates {
             .map(|span| span.first..span.first + span.count)
     }
 
+    /// Drops the vertices that the last wave has behind its last candidate.
+    fn forget_vertices_behind(&mut self) {
+        let end = self.spans.last().map_or(0, |span| span.first + span.count);
+        self.vertices.truncate(end);
+    }
+
     fn append(&mut self, other: Candidates) {
         let before = self.vertices.len();
         self.waves += other.waves;
@@ -138,11 +144,11 @@ impl Candidates {
         let leaving = vertices[first..]
             .last()
             .map(|last| (last.surface, last.normal));
-        let until = match flight.is_free {
+        let met = match flight.is_free {
             true => None,
             false => exact.first_surface(flight.origin, flight.direction, leaving, ahead),
         };
-        let end = until.map_or(nearest, |hit| hit.point);
+        let end = met.map_or(nearest, |hit| hit.point);
         if passes(flight.origin, end, ends.listener, reach) {
             spans.push(Span { wave, first, count });
         }
@@ -168,6 +174,7 @@ pub(super) fn follow_all(
             let wave = (share * WAVES_A_SHARE + index) as u32;
             if let Some(start) = direction.as_dvec3().try_normalize() {
                 found.follow(exact, ends, wave, start, (order, reach));
+                found.forget_vertices_behind();
             }
         }
         found

@@ -83,6 +83,12 @@ fn shapes() -> Vec<Shape> {
             }),
             ball(2.0),
         ]),
+    ]
+}
+
+/// Trees that end about the origin.
+fn trees() -> Vec<Shape> {
+    vec![
         cuboid(1.0, 1.0, 1.0).offset(0.3),
         Shape::from(Cylinder { radius: 0.5 }).rotate(Vec3::new(0.4, 0.2, 1.0)),
         Shape::union([ball(0.8), cuboid(2.5, 0.5, 0.5)]),
@@ -121,7 +127,7 @@ const TRIED: usize = 40;
 #[test]
 fn shapes_mirror_as_rays_do() {
     let turn = Quat::from_euler(EulerRot::YXZ, 0.5, -0.8, 0.3);
-    for shape in shapes() {
+    for shape in shapes().into_iter().chain(trees()) {
         let name = shape.name();
         let surface = Surface::new(shape)
             .at(Vec3::new(0.2, -0.1, 0.3))
