@@ -7,10 +7,10 @@ use echomarch::reference::{ImageSource, ShoeboxEnergies};
 use echomarch::response::{Response, ResponseSettings};
 use echomarch::scene::Material;
 use echomarch::scene::shape::Room;
-use echomarch::{Listener, Scene, Settings, Source, Surface, Tracer};
+use echomarch::{Listener, Scene, Settings, Source, Surface};
 use std::f64::consts::PI;
 
-use crate::common::context;
+use crate::common::tracer;
 
 const SPEED: f64 = 343.0;
 
@@ -97,7 +97,7 @@ fn worst(
 /// within 3 %, C80 within 0.3 dB, G within 0.15 dB of image sources, in a live and in a dry room.
 #[test]
 fn a_shoebox_answers_as_its_image_sources_do() {
-    let mut tracer = Tracer::new(&context()).unwrap();
+    let mut tracer = tracer();
     let live = Shoebox::new(
         Vec3::new(8.0, 3.0, 5.0),
         Vec3::new(-2.0, 0.1, -1.5),
@@ -133,7 +133,7 @@ fn a_shoebox_answers_as_its_image_sources_do() {
 /// band and directions.
 #[test]
 fn early_paths_are_the_image_sources() {
-    let mut tracer = Tracer::new(&context()).unwrap();
+    let mut tracer = tracer();
     let room = Shoebox::new(
         Vec3::new(8.0, 3.0, 5.0),
         Vec3::new(-2.0, 0.1, -1.5),
@@ -167,7 +167,7 @@ fn early_paths_are_the_image_sources() {
 /// Protects the open field: the direct sound alone, 1/r², and silence behind a wall that absorbs all.
 #[test]
 fn in_the_open_there_is_the_direct_sound_alone() {
-    let mut tracer = Tracer::new(&context()).unwrap();
+    let mut tracer = tracer();
     let scene = Scene::new(
         "open",
         Vec::new(),
