@@ -137,10 +137,14 @@ struct Sum {
 
 impl Sum {
     fn new(scene: &Scene, settings: &ResponseSettings) -> Result<Sum, Error> {
+        let speed = scene.speed_of_sound();
+        // Bins begin with what may arrive first, so that 50 and 80 ms after it lie between bins.
+        let apart = scene.source.position.as_dvec3() - scene.listener.position.as_dvec3();
+        let first_s = apart.length() / speed;
         Ok(Sum {
-            echogram: Echogram::new(settings.bin_s, settings.batches)?,
+            echogram: Echogram::with_edge_at(first_s, settings.bin_s, settings.batches)?,
             early: Vec::new(),
-            speed: scene.speed_of_sound(),
+            speed,
             air: scene.air_attenuation(),
             level: 10_f64.powf(f64::from(scene.source.level_db) / 10.0),
         })
