@@ -9,9 +9,8 @@ use super::numbers::{count, real};
 use super::options::{Common, check_ending, check_range};
 use super::print;
 use super::scene::SceneAtTime;
-use crate::acoustics::Format;
+use crate::acoustics::{Format, MAX_SECONDS};
 use crate::audio::{SAMPLE_RATE, SAMPLE_RATES};
-use crate::error::Error;
 use crate::output::check_file;
 use crate::response::{Response, ResponseSettings};
 use crate::trace::{Algorithm, Directions, Profile, Settings};
@@ -134,10 +133,10 @@ impl Arguments {
             .with_waves(self.waves)
             .with_seed(self.seed)
             .with_directions(self.directions);
-        trace.validate().map_err(Error::from)?;
         let settings = ResponseSettings::default().with_trace(trace);
         let mut settings = settings.with_order(self.order);
         settings.seconds = self.seconds;
+        settings.validate()?;
         Ok(settings)
     }
 
@@ -152,6 +151,9 @@ impl Arguments {
                 .map_or(Ok(()), |file| check_ending(file, ending))?;
         }
         let (least, most) = (*SAMPLE_RATES.start(), *SAMPLE_RATES.end());
+        if let (Some(seconds), Some(_)) = (self.seconds, &self.output) {
+            check_range("--seconds of a WAV file", seconds, 0.0, MAX_SECONDS)?;
+        }
         check_range(
             "--rate",
             f64::from(self.rate),

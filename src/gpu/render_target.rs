@@ -5,7 +5,7 @@ use glow::{HasContext, PixelPackData};
 use super::pass::Target;
 use super::{Context, GpuError, Texture, bytes};
 
-/// A framebuffer over some textures of one size, four at least on every driver: output 0 of the fragment shader goes to the first texture,
+/// A framebuffer over some textures of one size (every driver takes four): output 0 of the fragment shader goes to the first texture,
 /// and so on.
 ///
 /// It does not own the textures; keep them as long as it is drawn into. Dropping it frees the framebuffer.

@@ -1,7 +1,7 @@
 //! How responses are traced.
 
 use crate::error::Error;
-use crate::trace::{Settings, TraceError};
+use crate::trace::{ArrivalSettings, Profile, Settings, TraceError};
 
 /// How a [`Response`](super::Response) is traced.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,8 +59,21 @@ impl ResponseSettings {
         self
     }
 
-    /// Checks what tracing and adding up do not check themselves.
-    pub(super) fn validate(&self) -> Result<(), Error> {
+    /// Checks every number against its range, before anything is traced.
+    ///
+    /// # Errors
+    /// [`Error::Trace`] with the name, the range and the value;
+    /// [`TraceError::NoArrivals`] for the profile `thesis`.
+    pub fn validate(&self) -> Result<(), Error> {
+        self.trace.validate()?;
+        let profile = self.trace.profile();
+        if profile == Profile::Thesis {
+            let profile = profile.to_string();
+            return Err(TraceError::NoArrivals { profile }.into());
+        }
+        if let Some(seconds) = self.seconds {
+            ArrivalSettings::new(seconds).validate()?;
+        }
         if self.order > MAX_ORDER {
             return Err(TraceError::BadSetting {
                 what: "order of exact paths",

@@ -41,7 +41,7 @@ fn numbers(of: &Value) -> Vec<f64> {
 fn every_pair_is_told() {
     let folder = tempfile::tempdir().unwrap();
     let file = hall(folder.path());
-    let call = ["impulse", &file, "--waves", "16384", "--seconds", "0.6"];
+    let call = ["impulse", &file, "--waves", "16384", "--seconds", "1.8"];
     let report: Value = json(&call);
     let pairs = report["pairs"].as_array().unwrap();
     let names: Vec<_> = pairs
@@ -146,16 +146,19 @@ fn files_hold_what_is_heard() {
     };
     let (channels, mono) = call("mono");
     assert_eq!((channels, mono.len()), (1, 17_640));
-    let loudest = (0..mono.len())
-        .max_by(|a, b| mono[*a].abs().total_cmp(&mono[*b].abs()))
-        .unwrap();
+    // The direct sound comes first, an impulse of 1/r between two samples.
     let metres = (9.0_f64 + 0.04 + 16.0).sqrt();
-    assert!((loudest as f64 / 44_100.0 - metres / 343.0).abs() < 1.0 / 44_100.0);
+    let direct = metres / 343.0 * 44_100.0;
+    let before = &mono[..direct as usize - 44];
+    assert!(before.iter().all(|sample| sample.abs() < 0.02));
+    let near = &mono[direct as usize - 44..direct as usize + 45];
+    let energy: f32 = near.iter().map(|sample| sample * sample).sum();
     assert!(
-        (f64::from(mono[loudest]) * metres - 1.0).abs() < 0.1,
-        "{}",
-        mono[loudest]
+        (f64::from(energy.sqrt()) * metres - 1.0).abs() < 0.1,
+        "{energy}"
     );
+    let loudest = (0..89).max_by(|a, b| near[*a].abs().total_cmp(&near[*b].abs()));
+    assert!((loudest.unwrap() as f64 + direct.floor() - 44.0 - direct).abs() < 1.0);
     let (channels, stereo) = call("stereo");
     assert_eq!((channels, stereo.len()), (2, 2 * 17_640));
     let energy = |ear: usize| -> f32 {

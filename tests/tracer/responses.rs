@@ -6,7 +6,7 @@ use echomarch::glam::{DVec3, Vec3};
 use echomarch::reference::{ImageSource, ShoeboxEnergies};
 use echomarch::response::{Response, ResponseSettings};
 use echomarch::scene::Material;
-use echomarch::scene::shape::Room;
+use echomarch::scene::shape::{Room, Sphere};
 use echomarch::{Listener, Scene, Settings, Source, Surface};
 use std::f64::consts::PI;
 
@@ -168,9 +168,11 @@ fn early_paths_are_the_image_sources() {
 #[test]
 fn in_the_open_there_is_the_direct_sound_alone() {
     let mut tracer = tracer();
+    // A scene has a surface: this one no wave meets.
+    let speck = Surface::new(Sphere { radius: 1e-3 }).at(Vec3::Y * -1000.0);
     let scene = Scene::new(
         "open",
-        Vec::new(),
+        vec![speck],
         Source::at(Vec3::X * 10.0),
         Listener::at(Vec3::ZERO, 0.3),
     );
