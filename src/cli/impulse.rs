@@ -9,8 +9,8 @@ use super::numbers::{count, real};
 use super::options::{Common, check_ending, check_range};
 use super::print;
 use super::scene::SceneAtTime;
-use crate::acoustics::{Format, MAX_SECONDS};
-use crate::audio::{SAMPLE_RATE, SAMPLE_RATES};
+use crate::acoustics::{Format, MAX_SECONDS, RATES_HZ};
+use crate::audio::SAMPLE_RATE;
 use crate::output::check_file;
 use crate::response::{Response, ResponseSettings};
 use crate::trace::{Algorithm, Directions, Profile, Settings};
@@ -150,7 +150,7 @@ impl Arguments {
             file.as_deref()
                 .map_or(Ok(()), |file| check_ending(file, ending))?;
         }
-        let (least, most) = (*SAMPLE_RATES.start(), *SAMPLE_RATES.end());
+        let (least, most) = (*RATES_HZ.start(), *RATES_HZ.end());
         if let (Some(seconds), Some(_)) = (self.seconds, &self.output) {
             check_range("--seconds of a WAV file", seconds, 0.0, MAX_SECONDS)?;
         }

@@ -7,6 +7,7 @@ use crate::report::PlotError;
 use crate::response::Response;
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
+use std::ops::Range;
 
 const SHEET: Sheet = Sheet {
     width: 1100,
@@ -92,17 +93,38 @@ fn plot_decay(
     let range = -DEPTH_DB..0.0;
     let name = "energy still to come, dB";
     let mut chart = empty(&plot, "Decay by band", seconds, range.clone(), name)?;
-    for (points, colour) in curves.decay.iter().zip(BAND_COLOURS) {
-        let inside = points.iter().copied().filter(|(_, db)| *db >= -DEPTH_DB);
-        chart.draw_series(LineSeries::new(inside, colour.stroke_width(2)))?;
+    let groups = equal_bands(&curves.decay);
+    for bands in &groups {
+        let points = curves.decay[bands.start].iter().copied();
+        let inside = points.filter(|(_, db)| *db >= -DEPTH_DB);
+        let style = BAND_COLOURS[bands.start].stroke_width(2);
+        chart.draw_series(LineSeries::new(inside, style))?;
     }
     mark_direct(&mut chart, direct_s, range)?;
-    let bands = BANDS_HZ.iter().zip(BAND_COLOURS);
-    let mut entries: Vec<(String, Stroke)> = bands
-        .map(|(hz, colour)| (format!("{hz} Hz"), solid(colour)))
-        .collect();
+    let entry = |bands: &Range<usize>| (label(bands), solid(BAND_COLOURS[bands.start]));
+    let mut entries: Vec<(String, Stroke)> = groups.iter().map(entry).collect();
     entries.push(("direct sound".to_owned(), DIRECT));
     draw_legend(&legend, &entries)
+}
+
+/// Bands in a row whose curves are the same: one line for them, or the last would hide the others.
+fn equal_bands(decay: &[Vec<(f64, f64)>; BAND_COUNT]) -> Vec<Range<usize>> {
+    let mut groups: Vec<Range<usize>> = Vec::new();
+    for band in 0..BAND_COUNT {
+        match groups.last_mut() {
+            Some(group) if decay[group.start] == decay[band] => group.end = band + 1,
+            _ => groups.push(band..band + 1),
+        }
+    }
+    groups
+}
+
+fn label(bands: &Range<usize>) -> String {
+    let [first, last] = [bands.start, bands.end - 1].map(|band| BANDS_HZ[band]);
+    match bands.len() {
+        1 => format!("{first} Hz"),
+        _ => format!("{first} to {last} Hz"),
+    }
 }
 
 const DIRECT: Stroke = Stroke {
@@ -123,7 +145,7 @@ fn empty<'a, 'b>(
     panel: &'a Panel<'b>,
     caption: &str,
     seconds: f64,
-    range: std::ops::Range<f64>,
+    range: Range<f64>,
     name: &str,
 ) -> Result<Chart<'a, 'b>, PlotError> {
     let mut chart = ChartBuilder::on(panel)
@@ -161,7 +183,7 @@ fn draw_stems(
 fn mark_direct(
     chart: &mut Chart,
     direct_s: Option<f64>,
-    range: std::ops::Range<f64>,
+    range: Range<f64>,
 ) -> Result<(), PlotError> {
     let Some(x) = direct_s else {
         return Ok(());
@@ -232,5 +254,15 @@ mod tests {
             assert!((db - level).abs() < 1e-9);
         }
         assert!(decay(&[(0.0, [0.0; BAND_COUNT])], 0).is_empty());
+    }
+
+    /// Protects bands from being hidden by others with the same curve.
+    #[test]
+    fn equal_bands_are_one_line() {
+        let curve = |db: f64| vec![(0.0, db)];
+        let mut decay = [(); BAND_COUNT].map(|()| curve(-1.0));
+        decay[3] = curve(-2.0);
+        let labels: Vec<String> = equal_bands(&decay).iter().map(label).collect();
+        assert_eq!(labels, ["63 to 250 Hz", "500 Hz", "1000 to 8000 Hz"]);
     }
 }

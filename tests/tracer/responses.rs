@@ -110,7 +110,15 @@ fn a_shoebox_answers_as_its_image_sources_do() {
         Vec3::new(-1.0, 0.4, -1.9),
         0.4,
     );
-    for room in [live, dry] {
+    // The room in which pyroomacoustics was measured (docs/acoustics.md).
+    let mut peers = Shoebox::new(
+        Vec3::new(8.0, 3.0, 5.0),
+        Vec3::new(-2.0, 0.0, -1.5),
+        Vec3::new(2.0, -0.3, 1.5),
+        0.2,
+    );
+    peers.absorption = [[0.2; BAND_COUNT]; 6];
+    for room in [live, dry, peers] {
         let settings =
             ResponseSettings::default().with_trace(Settings::default().with_waves(1 << 18));
         let response = Response::trace(&mut tracer, &room.scene(), &settings).unwrap();

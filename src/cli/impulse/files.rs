@@ -4,6 +4,7 @@ use super::Arguments;
 use super::pairs::Pair;
 use crate::acoustics::{Echogram, EchogramRow, ImpulseResponse, ImpulseSettings, ListenerAxes};
 use crate::audio::WavWriter;
+use crate::error::Error;
 use crate::experiment::decay_plot;
 use crate::output::write_whole;
 use crate::response::Response;
@@ -35,12 +36,14 @@ fn write_wav(
     response: &Response,
 ) -> anyhow::Result<()> {
     let listener = &pair.scene.listener;
-    let axes = ListenerAxes::new(listener.forward().as_dvec3(), listener.up().as_dvec3())?;
+    let axes = ListenerAxes::new(listener.forward().as_dvec3(), listener.up().as_dvec3());
+    let axes = axes.map_err(Error::from)?;
     let mut settings = ImpulseSettings::new(response.seconds);
     settings.rate_hz = arguments.rate;
     settings.format = arguments.format.into();
     settings.seed = arguments.seed.into();
-    let impulse = ImpulseResponse::new(&response.taps(), &response.echogram, &axes, &settings)?;
+    let impulse = ImpulseResponse::new(&response.taps(), &response.echogram, &axes, &settings);
+    let impulse = impulse.map_err(Error::from)?;
     let channels = settings.format.channels() as u16;
     let mut wav = WavWriter::create_with_channels(file, arguments.rate, channels)?;
     wav.write(&impulse.interleaved())?;
