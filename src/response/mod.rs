@@ -2,7 +2,7 @@
 //!
 //! Waves are traced through the scene on the GPU, and every crossing of the listener's sphere is
 //! an [`Arrival`]. Those that were mirrored a few times alone name the paths that are then found
-//! exactly, from point to point ([`EarlyPaths`]); each is a [`Tap`]. All other arrivals are added up
+//! exactly, from point to point ([`EarlyPaths`](crate::acoustics::early::EarlyPaths)); each is a [`Tap`]. All other arrivals are added up
 //! in an [`Echogram`]. The [`Figures`] of ISO 3382-1 come from both, and so does the sampled
 //! [`ImpulseResponse`](crate::acoustics::ImpulseResponse). The model, its sources and what it leaves out: `docs/acoustics.md`.
 
@@ -11,7 +11,7 @@ mod early;
 mod settings;
 
 pub use early::HeardPath;
-pub use settings::ResponseSettings;
+pub use settings::{MAX_ORDER, ResponseSettings};
 
 use crate::acoustics::early::Missed;
 use crate::acoustics::{Arrival, Echogram, Figures, Tap};
