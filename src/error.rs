@@ -4,6 +4,7 @@ pub use crate::input::InputError;
 #[cfg(feature = "picture")]
 pub use crate::output::OutputError;
 
+use crate::acoustics::AcousticsError;
 use crate::audio::AudioError;
 use crate::gpu::GpuError;
 use crate::scene::SceneError;
@@ -25,6 +26,9 @@ pub enum Error {
     /// A sound that cannot be read, or a WAV that cannot be written.
     #[error(transparent)]
     Audio(#[from] AudioError),
+    /// Echograms or impulse responses that cannot be made.
+    #[error(transparent)]
+    Acoustics(#[from] AcousticsError),
     /// A picture that cannot be made or kept.
     #[cfg(feature = "picture")]
     #[error(transparent)]
@@ -50,6 +54,7 @@ impl Error {
             ),
             Error::Gpu(error) => error.is_bad_input(),
             Error::Audio(error) => error.is_bad_input(),
+            Error::Acoustics(_) => true,
             #[cfg(feature = "picture")]
             Error::Picture(error) => error.is_bad_input(),
         }

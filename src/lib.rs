@@ -34,6 +34,8 @@
 //! | --- | --- |
 //! | [`scene`] | surfaces, source, listener, paths; RON files; distances |
 //! | [`trace`] | settings, the [`Tracer`], one [`Frame`], [`Panning`] |
+//! | [`acoustics`] | exact specular paths, echograms, the figures of ISO 3382-1, impulse responses |
+//! | [`response`] | all of these of a scene, traced |
 //! | [`audio`] | sounds, panning laws, mixer, WAV files; live sound (feature `audio`) |
 //! | [`offline`] | a moving scene to sound, without a sound card |
 //! | [`gpu`] | contexts with no window, and the renderers that there are |
@@ -69,7 +71,9 @@
 //! may_move::<echomarch::Tracer>();
 //! ```
 
+pub mod acoustics;
 pub mod audio;
+pub mod bands;
 #[cfg(feature = "cli")]
 pub mod cli;
 #[cfg(feature = "demo")]
@@ -87,8 +91,10 @@ pub mod picture;
 pub mod reference;
 #[cfg(feature = "experiment")]
 pub mod report;
+pub mod response;
 mod rng;
 pub mod scene;
+mod sphere;
 #[cfg(any(feature = "experiment", feature = "demo"))]
 mod stats;
 mod text;

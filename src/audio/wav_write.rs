@@ -11,13 +11,16 @@ use super::{AudioError, SAMPLE_RATE};
 use crate::output::visible_part_beside;
 use crate::output::{PartFile, followed, temporary_beside};
 
-/// Bytes of one left and one right sample.
-const FRAME_BYTES: u64 = 8;
+/// Bytes of a sample.
+const SAMPLE_BYTES: u64 = 4;
 
 /// A WAV file counts its bytes in 32 bits, its header's included; this leaves room for that.
-const MAX_FRAMES: u64 = (u32::MAX as u64 - 1024) / FRAME_BYTES;
+const MAX_BYTES: u64 = u32::MAX as u64 - 1024;
 
-/// Writes a stereo WAV file of 32-bit float samples, up to 3.1 hours at [`SAMPLE_RATE`].
+/// The channels of what is panned: left and right.
+const STEREO: u16 = 2;
+
+/// Writes a WAV file of 32-bit float samples, in stereo up to 3.1 hours at [`SAMPLE_RATE`].
 ///
 /// The sound goes to a temporary file in the target's directory, which takes the target's name
 /// in [`finish`](Self::finish). Until then an older file of that name stays whole, and a writer
@@ -26,6 +29,7 @@ const MAX_FRAMES: u64 = (u32::MAX as u64 - 1024) / FRAME_BYTES;
 pub struct WavWriter {
     target: PathBuf,
     rate_hz: u32,
+    channels: u16,
     // Dropped in this order: the sound's end is written before the file goes.
     wav: Wav,
     temporary: PartFile,
@@ -47,7 +51,7 @@ impl std::fmt::Debug for Wav {
 }
 
 impl WavWriter {
-    /// Starts a file at [`SAMPLE_RATE`] that will replace `target`, whose directory must exist.
+    /// Starts a stereo file at [`SAMPLE_RATE`] that will replace `target`, whose directory must exist.
     ///
     /// # Errors
     /// [`AudioError::WriteWav`] if nothing can be written beside `target`.
@@ -61,23 +65,42 @@ impl WavWriter {
     /// Also [`AudioError::BadSampleRate`] if `rate_hz` is outside
     /// [`SAMPLE_RATES`](super::SAMPLE_RATES).
     pub fn create_at(target: impl Into<PathBuf>, rate_hz: u32) -> Result<Self, AudioError> {
-        Self::start(target.into(), rate_hz, temporary_beside)
+        Self::start(target.into(), rate_hz, STEREO, temporary_beside)
+    }
+
+    /// As [`create_at`](Self::create_at), with so many channels: 1, 2, or 4 of first-order
+    /// ambisonics.
+    ///
+    /// # Errors
+    /// As [`create_at`](Self::create_at).
+    pub fn create_with_channels(
+        target: impl Into<PathBuf>,
+        rate_hz: u32,
+        channels: u16,
+    ) -> Result<Self, AudioError> {
+        Self::start(target.into(), rate_hz, channels, temporary_beside)
     }
 
     /// As [`create_at`](Self::create_at), for a sound that comes as it is heard: the temporary
     /// file's name is not hidden, so that it is found if the program is interrupted.
     #[cfg(feature = "audio")]
     pub(super) fn record_at(target: &Path, rate_hz: u32) -> Result<Self, AudioError> {
-        Self::start(target.to_owned(), rate_hz, visible_part_beside)
+        Self::start(target.to_owned(), rate_hz, STEREO, visible_part_beside)
     }
 
-    fn start(target: PathBuf, rate_hz: u32, beside: Beside) -> Result<Self, AudioError> {
+    fn start(
+        target: PathBuf,
+        rate_hz: u32,
+        channels: u16,
+        beside: Beside,
+    ) -> Result<Self, AudioError> {
         super::rate::check_rate(rate_hz)?;
         let target = followed(&target);
-        match start(&target, rate_hz, beside) {
+        match start(&target, rate_hz, channels, beside) {
             Ok((temporary, wav)) => Ok(Self {
                 target,
                 rate_hz,
+                channels,
                 wav: Wav(wav),
                 temporary,
                 frames: 0,
@@ -86,23 +109,25 @@ impl WavWriter {
         }
     }
 
-    /// Appends interleaved samples (left, right, …); 1 is full scale, and more is kept.
+    /// Appends interleaved samples (left, right, left …); 1 is full scale, and more is kept.
     ///
     /// # Errors
     /// [`AudioError::WriteWav`] if the disk refuses, [`AudioError::WavTooLong`] past 4 GiB.
     ///
     /// # Panics
-    /// If the number of samples is odd.
+    /// If the samples are no whole number of frames.
     pub fn write(&mut self, interleaved: &[f32]) -> Result<(), AudioError> {
+        let channels = usize::from(self.channels);
         assert!(
-            interleaved.len().is_multiple_of(2),
-            "stereo samples come in pairs"
+            interleaved.len().is_multiple_of(channels),
+            "samples come in frames of {channels}"
         );
-        let frames = self.frames + interleaved.len() as u64 / 2;
-        if frames > MAX_FRAMES {
+        let frames = self.frames + (interleaved.len() / channels) as u64;
+        let limit = MAX_BYTES / (SAMPLE_BYTES * u64::from(self.channels));
+        if frames > limit {
             return Err(AudioError::WavTooLong {
                 path: self.target.clone(),
-                limit_s: MAX_FRAMES / u64::from(self.rate_hz),
+                limit_s: limit / u64::from(self.rate_hz),
             });
         }
         for &sample in interleaved {
@@ -145,12 +170,13 @@ impl WavWriter {
 fn start(
     target: &Path,
     rate_hz: u32,
+    channels: u16,
     beside: Beside,
 ) -> io::Result<(PartFile, hound::WavWriter<BufWriter<File>>)> {
     let temporary = beside(target)?;
     let file = BufWriter::new(temporary.reopen()?);
     let spec = WavSpec {
-        channels: 2,
+        channels,
         sample_rate: rate_hz,
         bits_per_sample: 32,
         sample_format: SampleFormat::Float,

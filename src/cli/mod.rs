@@ -10,6 +10,7 @@ mod demo;
 mod exit;
 mod field_trial;
 mod figures;
+mod impulse;
 mod info;
 #[cfg(unix)]
 mod interrupt;
@@ -57,6 +58,7 @@ Examples:
   echomarch cost corner                      what each surface and option costs
   echomarch trace corner                     one frame of a built-in scene
   echomarch trace my.ron --waves 1048576 --json
+  echomarch impulse shoebox -o ir.wav        how the room answers: figures, early paths, a WAV
   echomarch render open-field -o out.wav     what the listener hears
   echomarch view corner -o view.png          what the listener sees
   echomarch slice corner --paths 200 -o plan.png
@@ -86,6 +88,8 @@ enum Command {
     Demo(demo::Arguments),
     /// Trace one frame: what arrives, from where, how fast
     Trace(trace::Arguments),
+    /// Impulse responses: room acoustic figures, exact early paths, a WAV to convolve with
+    Impulse(impulse::Arguments),
     /// Render a WAV of what the listener hears
     Render(render::Arguments),
     /// Picture of what the listener sees, by the distance function that the waves use
@@ -134,6 +138,7 @@ pub fn run() -> ExitCode {
         #[cfg(feature = "demo")]
         Command::Demo(arguments) => demo::run(arguments, &cli.common),
         Command::Trace(arguments) => trace::run(arguments, &cli.common),
+        Command::Impulse(arguments) => impulse::run(arguments, &cli.common),
         Command::Render(arguments) => render::run(arguments, &cli.common),
         Command::View(arguments) => view::run(arguments, &cli.common),
         Command::Slice(arguments) => slice::run(arguments, &cli.common),

@@ -57,10 +57,10 @@ pub fn save(world: &World, settings: &Settings, path: Option<&Path>) -> Result<P
     let expected = expected(world)?;
     let mut file = BasedScene::of(&world.name, folder)?;
     if world.source.is_some() {
-        file.put_source(expected.source.position);
+        file.put_source(&expected);
     }
     if world.walker.is_some() {
-        file.put_listener(&expected.listener);
+        file.put_listener(&expected);
     }
     for (name, value) in &world.values {
         file.set_value(name, *value);
@@ -85,7 +85,11 @@ fn expected(world: &World) -> Result<Scene, SaveError> {
         return Err(SaveError::Differs);
     }
     if let Some(position) = world.source {
-        scene.source = Source::at(position);
+        scene.source = Source {
+            position,
+            path: KeyPath::default(),
+            ..scene.source
+        };
     }
     if let Some(walker) = &world.walker {
         walker.place(&mut scene.listener);
@@ -97,13 +101,26 @@ fn expected(world: &World) -> Result<Scene, SaveError> {
     Ok(scene)
 }
 
-/// Whether a scene has another's name, source and listener, but for the rounding of degrees.
+/// Whether a scene has all that another has beside its surfaces, but for the rounding of degrees.
 fn stands_as(read: &Scene, expected: &Scene) -> bool {
+    let listeners = || read.listeners().zip(expected.listeners());
+    read.name == expected.name
+        && read.materials == expected.materials
+        && read.air == expected.air
+        && read.sources().eq(expected.sources())
+        && read.listeners().count() == expected.listeners().count()
+        && listeners().all(|(read, expected)| is_heard_as(read, expected))
+}
+
+/// Whether two listeners are alike but for the rounding of degrees.
+fn is_heard_as(read: &Listener, expected: &Listener) -> bool {
     let near = |a: f32, b: f32| (a - b).abs() <= ROUNDING * a.abs().max(1.0);
-    let (a, b) = (&read.listener, &expected.listener);
-    let listener = (a.position, a.radius, &a.path) == (b.position, b.radius, &b.path);
-    let gaze = near(a.yaw, b.yaw) && near(a.pitch, b.pitch);
-    listener && gaze && read.source == expected.source && read.name == expected.name
+    let turned = Listener {
+        yaw: read.yaw,
+        pitch: read.pitch,
+        ..expected.clone()
+    };
+    turned == *read && near(read.yaw, expected.yaw) && near(read.pitch, expected.pitch)
 }
 
 /// The folder that a file lies in; the one worked in for a name alone.
@@ -307,6 +324,47 @@ mod tests {
             None,
         );
         assert_eq!(Scene::from_file(&third.unwrap()).unwrap(), read);
+    }
+
+    /// A hall with all that a scene may say of sound.
+    const HEARD: &str = r#"Scene(
+        surfaces: [Surface(shape: Room(size: (20, 9, 20)), material: "brick", walls: (floor: "mat"))],
+        materials: {"mat": Material(absorption: 0.3)},
+        air: Air(temperature: 10),
+        sources: [Source(name: "flute", level_db: -3, position: (0, 0, -5)), Source(name: "horn")],
+        listeners: [Listener(name: "a", radius: 1, position: (0, 0, 5)), Listener(radius: 0.5, yaw: 33)])"#;
+
+    /// Protects all that is not moved by hand: further sources and listeners, names, levels, materials and air, as
+    /// the base says them and as a file between says them.
+    #[test]
+    fn sound_is_saved_as_it_is_heard() {
+        let folder = tempfile::tempdir().unwrap();
+        write(&folder.path().join("hall.ron"), HEARD);
+        let between = [
+            "",
+            "materials: {\"brick\": Material(absorption: 0.5)}, air: Air(humidity: 90)",
+            "source: Source(name: \"oboe\", level_db: 6), listener: Listener(name: \"b\")",
+            "sources: [Source(name: \"x \\\" y\", level_db: 0.1), Source(position: (1, 2, 3))]",
+            "listeners: [Listener(radius: 0.1, pitch: 7), Listener(radius: 2, yaw: 0.3, name: \"b\")]",
+        ];
+        for said in between {
+            let text = format!("Scene(base: \"hall.ron\", {said})");
+            let origin = write(&folder.path().join("small.ron"), &text);
+            let world = moved(&origin);
+            let path = folder.path().join("saved.ron");
+            save(&world, &Settings::default(), Some(&path)).unwrap();
+            let read = Scene::from_file(&path).unwrap();
+            assert!(stands_as(&read, &expected(&world).unwrap()), "{said}");
+            assert_eq!(read.source.position, world.source.unwrap());
+            let opened = &world.base;
+            assert_eq!(read.source.name, opened.source.name, "{said}");
+            assert_eq!(read.source.level_db, opened.source.level_db, "{said}");
+            assert_eq!(read.listener.name, opened.listener.name, "{said}");
+            assert_eq!(read.further_sources, opened.further_sources, "{said}");
+            assert_eq!(read.further_listeners, opened.further_listeners, "{said}");
+            assert_eq!((&read.materials, read.air), (&opened.materials, opened.air));
+            assert_eq!(read.surfaces, opened.surfaces);
+        }
     }
 
     /// Protects the file from being another scene than the one heard.

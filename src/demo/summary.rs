@@ -4,7 +4,7 @@ use super::app::App;
 use super::report::{FrameLine, Report, Standing};
 use super::save::trace_call;
 use super::state::World;
-use crate::scene::Scene;
+use crate::scene::{Listener, Scene, Surface};
 use std::time::SystemTime;
 
 impl App {
@@ -94,20 +94,28 @@ impl App {
     }
 }
 
-/// Whether source and listener stand alike, but for the rounding of degrees, among surfaces that
-/// are alike wherever their files lie: a saved scene may name them from another folder.
+/// Whether sources and listeners stand alike, but for the rounding of degrees, in the same air among
+/// surfaces that are alike wherever their files lie: a saved scene may name them from another folder.
 fn stands_as(a: &Scene, b: &Scene) -> bool {
-    let (one, other) = (&a.listener, &b.listener);
-    let turn = (one.yaw - other.yaw).sin().abs() + (one.pitch - other.pitch).sin().abs();
-    a.source.position == b.source.position
-        && one.position == other.position
-        && one.radius == other.radius
-        && turn < 1e-4
+    let places = |scene: &Scene| {
+        scene
+            .sources()
+            .map(|s| (s.position, s.level_db))
+            .collect::<Vec<_>>()
+    };
+    let turn = |a: f32, b: f32| (a - b).sin().abs();
+    let is_heard_as = |(a, b): (&Listener, &Listener)| {
+        a.position == b.position
+            && a.radius == b.radius
+            && turn(a.yaw, b.yaw) + turn(a.pitch, b.pitch) < 1e-4
+    };
+    let is_alike = |(a, b): (&Surface, &Surface)| a.is_alike(b);
+    places(a) == places(b)
+        && a.listeners().count() == b.listeners().count()
+        && a.listeners().zip(b.listeners()).all(is_heard_as)
+        && (&a.materials, a.air) == (&b.materials, b.air)
         && a.surfaces.len() == b.surfaces.len()
-        && a.surfaces
-            .iter()
-            .zip(&b.surfaces)
-            .all(|(a, b)| a.is_alike(b))
+        && a.surfaces.iter().zip(&b.surfaces).all(is_alike)
 }
 
 #[cfg(test)]
@@ -139,8 +147,14 @@ mod tests {
             &one,
             &scene("third", "float field(vec3 p) { return p.y; }")
         ));
-        let mut moved = other;
+        let mut moved = other.clone();
         moved.surfaces[0].position.x = 1.0;
         assert!(!stands_as(&one, &moved));
+        let mut warm = other.clone();
+        warm.air = Some(crate::scene::Air::default());
+        assert!(!stands_as(&one, &warm));
+        let mut two = other;
+        two.further_sources.push(two.source.clone());
+        assert!(!stands_as(&one, &two));
     }
 }

@@ -180,11 +180,15 @@ pub(super) fn chart<'a, 'b>(
 }
 
 /// Draws a line through points that stand on the axes.
-pub(super) fn draw_line(
-    chart: &mut Chart,
+pub(super) fn draw_line<'b, X, Y>(
+    chart: &mut ChartContext<'_, SVGBackend<'b>, Cartesian2d<X, Y>>,
     points: Vec<Point>,
     stroke: Stroke,
-) -> Result<(), PlotError> {
+) -> Result<(), PlotError>
+where
+    X: Ranged<ValueType = f64>,
+    Y: Ranged<ValueType = f64>,
+{
     let style = stroke.colour.stroke_width(stroke.width);
     match stroke.dash {
         None => chart.draw_series(LineSeries::new(points, style))?,

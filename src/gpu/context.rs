@@ -58,6 +58,13 @@ pub struct Limits {
     pub max_color_attachments: u32,
 }
 
+impl Limits {
+    /// Textures that one pass can write to: four at least.
+    pub fn most_outputs(&self) -> u32 {
+        self.max_draw_buffers.min(self.max_color_attachments)
+    }
+}
+
 /// A GL context without a window, and the thread's access to it. The [module](super) has an example.
 ///
 /// Clones are references to the same context, which is destroyed with the last of them. It stays on the thread that

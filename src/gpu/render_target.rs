@@ -5,10 +5,7 @@ use glow::{HasContext, PixelPackData};
 use super::pass::Target;
 use super::{Context, GpuError, Texture, bytes};
 
-/// Textures that a target can have at most; every driver allows as many.
-const TEXTURES_AT_MOST: usize = 4;
-
-/// A framebuffer over one to four textures of one size: output 0 of the fragment shader goes to the first texture,
+/// A framebuffer over some textures of one size (every driver takes four): output 0 of the fragment shader goes to the first texture,
 /// and so on.
 ///
 /// It does not own the textures; keep them as long as it is drawn into. Dropping it frees the framebuffer.
@@ -25,8 +22,8 @@ impl RenderTarget {
     /// A target over these textures.
     ///
     /// # Errors
-    /// [`GpuError::IncompleteFramebuffer`] where there are not one to four, their sizes differ or the driver
-    /// cannot draw into them.
+    /// [`GpuError::IncompleteFramebuffer`] where there are none, their sizes differ or the driver cannot draw into
+    /// (so many of) them.
     pub fn new(context: &Context, textures: &[&Texture]) -> Result<RenderTarget, GpuError> {
         let incomplete = |reason: String| GpuError::IncompleteFramebuffer { reason };
         let size = |texture: &Texture| (texture.width(), texture.height());
@@ -34,9 +31,10 @@ impl RenderTarget {
             .first()
             .map(|first| size(first))
             .unwrap_or_default();
-        if textures.is_empty() || textures.len() > TEXTURES_AT_MOST {
+        let at_most = context.limits().most_outputs() as usize;
+        if textures.is_empty() || textures.len() > at_most {
             return Err(incomplete(format!(
-                "{} textures, not 1 to {TEXTURES_AT_MOST}",
+                "{} textures, not 1 to {at_most}",
                 textures.len()
             )));
         }

@@ -299,12 +299,12 @@ mod tests {
             let radius = 0.1 + 0.05 * (index % 5) as f32;
             Surface::new(Sphere { radius }).at(2.0 * place)
         };
-        Scene {
-            name: "balls".into(),
-            surfaces: (0..200).map(ball).collect(),
-            source: Source::at(Vec3::splat(-1.0)),
-            listener: Listener::at(Vec3::splat(15.0), 0.5),
-        }
+        Scene::new(
+            "balls",
+            (0..200).map(ball).collect(),
+            Source::at(Vec3::splat(-1.0)),
+            Listener::at(Vec3::splat(15.0), 0.5),
+        )
     }
 
     /// Every list of the scene's cells, made by so many threads; some after a surface has moved.

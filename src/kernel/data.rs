@@ -2,7 +2,7 @@
 //!
 //! A list of vectors: the heights of images first, at places that the text knows; then, for
 //! surfaces in cells, a directory (a vector for each surface of the scene: its number, its
-//! kind, where its values lie) and the values; then, for lines, the cells of each kind with records
+//! kind, where its values lie, its material) and the values; then, for lines, the cells of each kind with records
 //! of its surfaces (`record.rs`); then, for all else, the cells (a vector each: where its list
 //! begins, how long it is) and the lists, whose entries are those of the directory; then, for
 //! distances, the groups (two vectors each: the least coordinates of a box and where its list
@@ -63,13 +63,14 @@ struct Writer<'a> {
 }
 
 impl CellData {
-    /// Appends what the surfaces in cells need to the scene's data.
+    /// Appends what the surfaces in cells need to the scene's data: with the numbers of their
+    /// materials (`materials.rs`), of a scene that has any.
     pub fn append(
         data: &mut Vec<Vec4>,
         layout: &Layout,
-        rebasing: &OriginRebasing,
-        rebased: &RebasedScene,
+        (rebasing, rebased): (&OriginRebasing, &RebasedScene),
         cells: &SceneCells,
+        materials: &[f32],
     ) -> CellData {
         let mut writer = Writer {
             directory: data.len(),
@@ -81,7 +82,7 @@ impl CellData {
             directory: writer.directory as i32,
             ..CellData::default()
         };
-        writer.directory(layout);
+        writer.directory(layout, materials);
         for (kind, cells) in cells.kinds() {
             let record = Record::of(rebased.surface(layout.instanced[*kind]));
             told.grids.extend(writer.records(record, cells));
@@ -102,7 +103,7 @@ impl Writer<'_> {
     }
 
     /// The directory, and the values behind it.
-    fn directory(&mut self, layout: &Layout) {
+    fn directory(&mut self, layout: &Layout, materials: &[f32]) {
         let mut values = Vec::new();
         let first = self.directory + layout.kind_of.len();
         for (index, kind) in layout.kind_of.iter().enumerate() {
@@ -110,7 +111,9 @@ impl Writer<'_> {
                 Some(kind) => (*kind as f32, (first + values.len()) as f32),
                 None => (-1.0, 0.0),
             };
-            self.data.push(Vec4::new(number(index), kind, place, 0.0));
+            let material = materials.get(index).copied().unwrap_or(0.0);
+            self.data
+                .push(Vec4::new(number(index), kind, place, material));
             if kind >= 0.0 {
                 self.rebased.push_data(index, &mut values);
             }

@@ -19,6 +19,7 @@
 //! Of many surfaces only their kinds are in the text (`layout`): they lie in cells, whose
 //! lists, like the surfaces' values, are in the scene's data.
 
+mod arrivals;
 mod assets;
 mod cells;
 mod check;
@@ -26,6 +27,7 @@ mod covered_faces;
 mod data;
 mod layout;
 mod loops;
+mod materials;
 mod origin_rebasing;
 mod passes;
 mod record;
@@ -34,11 +36,13 @@ mod structure;
 mod text;
 mod values;
 
+pub(crate) use arrivals::{ArrivalsText, WORD_BITS, arrivals_text, material_values};
 pub(crate) use cells::{Lists, SceneCells};
 pub(crate) use check::check;
 pub(crate) use data::{CellData, DATA_WIDTH, scene_data};
 pub(crate) use layout::Layout;
 pub(crate) use loops::{Loops, loops};
+pub(crate) use materials::Materials;
 pub(crate) use origin_rebasing::{OriginRebasing, RebasedScene};
 pub use passes::Directions;
 #[cfg(feature = "experiment")]

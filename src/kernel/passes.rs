@@ -1,10 +1,11 @@
 //! The fragment shaders of a frame's passes, and what the text of each depends on.
 
+use super::arrivals::ArrivalsText;
 use super::cells::Lists;
 use super::structure::{Structure, structure};
 use super::text::{
-    Part, Source, closed_form_parts, directed_parts, distance_parts, field, join, library, link,
-    source,
+    ListenerText, Part, Source, closed_form_parts, directed_parts, distance_parts, field, join,
+    library, link, source,
 };
 use crate::scene::{Scene, Surface};
 use serde::Serialize;
@@ -18,6 +19,8 @@ pub(crate) enum Key {
     March(Structure, MarchText),
     /// All of them in one.
     WholeFrame(Structure, MarchText, Directions),
+    /// Waves through a chunk of iterations, past a transparent listener.
+    Arrivals(Structure, ArrivalsText),
     Pan,
     /// The first pass of the sum on the GPU.
     SumContributions,
@@ -79,6 +82,11 @@ impl Key {
     pub fn whole_frame(scene: &Scene, text: MarchText, directions: Directions) -> Key {
         Key::WholeFrame(structure(scene, text.algorithm.lists()), text, directions)
     }
+
+    /// The key of the pass that records arrivals.
+    pub fn arrivals(scene: &Scene, text: ArrivalsText) -> Key {
+        Key::Arrivals(structure(scene, text.algorithm.lists()), text)
+    }
 }
 
 /// The text of the pass that starts the waves.
@@ -90,7 +98,7 @@ pub(crate) fn initialise_text(directions: Directions) -> String {
 }
 
 /// How a wave starts.
-fn start(directions: Directions) -> [Source; 2] {
+pub(super) fn start(directions: Directions) -> [Source; 2] {
     let direction = match directions {
         Directions::Random => source!("direction/random.glsl"),
         Directions::Fibonacci => source!("direction/fibonacci.glsl"),
@@ -137,14 +145,14 @@ fn iterations(scene: &Scene, text: MarchText) -> (Vec<Source>, Vec<Part>) {
             );
             roots.push(Source::new("options", defines));
             roots.push(source!("iterate_march.glsl"));
-            directed_parts(scene, !exact_normals)
+            directed_parts(scene, ListenerText::Solid, !exact_normals)
         }
         AlgorithmText::Hybrid => {
             let marches = u8::from(marches_fields(scene, false));
             let defines = format!("#define MARCHES_FIELDS {marches}\n");
             roots.push(Source::new("options", defines));
             roots.push(source!("iterate_hybrid.glsl"));
-            closed_form_parts(scene)
+            closed_form_parts(scene, ListenerText::Solid)
         }
     };
     roots.push(source!("iterations.glsl"));

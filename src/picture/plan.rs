@@ -240,12 +240,12 @@ mod tests {
     use std::f32::consts::FRAC_PI_4;
 
     fn scene(surface: Surface) -> Scene {
-        Scene {
-            name: "one".into(),
-            surfaces: vec![surface],
-            source: Source::at(Vec3::ZERO),
-            listener: Listener::at(Vec3::X, 0.5),
-        }
+        Scene::new(
+            "one",
+            vec![surface],
+            Source::at(Vec3::ZERO),
+            Listener::at(Vec3::X, 0.5),
+        )
     }
 
     /// Protects turned rooms from being cut off.

@@ -43,8 +43,8 @@ pub(super) struct Placed {
 /// One of the six faces of a box: its axis and the side it lies on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Face {
-    axis: usize,
-    positive: bool,
+    pub axis: usize,
+    pub positive: bool,
 }
 
 /// Where along a line a shape is met.
@@ -237,7 +237,7 @@ impl Placed {
         (self.world(point) + self.position, self.world(normal))
     }
 
-    fn local(&self, vector: DVec3) -> DVec3 {
+    pub fn local(&self, vector: DVec3) -> DVec3 {
         self.turn.map_or(vector, |(_, to_local)| to_local * vector)
     }
 

@@ -37,13 +37,13 @@ const WAVES_WORTH_A_THREAD: usize = 4096;
 /// ```
 #[derive(Clone, Debug)]
 pub struct ExactScene {
-    surfaces: Vec<Placed>,
+    pub(super) surfaces: Vec<Placed>,
     /// Indices of the surfaces, those with a closed form first: what is marched need not be
     /// followed beyond what these have.
     order: Vec<usize>,
     ear: Ear,
     /// What counts as rounding, in metres.
-    error_bound: f64,
+    pub(super) error_bound: f64,
 }
 
 /// The listener in `f64`.
@@ -122,7 +122,7 @@ pub fn sequence_hash(objects: &[u32]) -> u64 {
 }
 
 /// The surface a wave has just left, by index, and the face if it has faces.
-type Left = Option<(usize, Option<Face>)>;
+pub(super) type Left = Option<(usize, Option<Face>)>;
 
 impl ExactScene {
     /// Takes over the surfaces and the listener of `scene`.
@@ -262,7 +262,25 @@ impl ExactScene {
     /// the listener.
     fn next(&self, origin: DVec3, direction: DVec3, left: Left) -> Option<(Hit, Left)> {
         let heard = self.ear.intersect(origin, direction);
-        let mut nearest = heard.unwrap_or(f64::INFINITY);
+        let until = heard.unwrap_or(f64::INFINITY);
+        let met = self.next_surface(origin, direction, left, until);
+        match (met, heard) {
+            (Some((hit, left)), _) => Some((hit, Some(left))),
+            (None, Some(t)) => Some((self.ear.hit(origin, direction, t), None)),
+            (None, None) => None,
+        }
+    }
+
+    /// The next surface nearer than `until` metres, and what the wave leaves when it is
+    /// mirrored there. The listener does not count.
+    pub(super) fn next_surface(
+        &self,
+        origin: DVec3,
+        direction: DVec3,
+        left: Left,
+        until: f64,
+    ) -> Option<(Hit, (usize, Option<Face>))> {
+        let mut nearest = until;
         let mut met: Option<(usize, Intersection)> = None;
         for &index in &self.order {
             let surface = &self.surfaces[index];
@@ -283,9 +301,7 @@ impl ExactScene {
                 met = Some((index, intersection));
             }
         }
-        let Some((index, intersection)) = met else {
-            return heard.map(|t| (self.ear.hit(origin, direction, t), None));
-        };
+        let (index, intersection) = met?;
         let (point, normal) = self.surfaces[index].project(origin, direction, intersection);
         let hit = Hit {
             t: intersection.t,
@@ -293,7 +309,7 @@ impl ExactScene {
             point,
             normal,
         };
-        Some((hit, Some((index, intersection.face))))
+        Some((hit, (index, intersection.face)))
     }
 }
 
@@ -339,7 +355,7 @@ impl ExactWave {
     }
 }
 
-fn mirror(direction: DVec3, normal: DVec3) -> DVec3 {
+pub(super) fn mirror(direction: DVec3, normal: DVec3) -> DVec3 {
     let mirrored = direction - normal * (2.0 * direction.dot(normal));
     // One Newton step to length 1, or errors of the normals add up.
     mirrored * (1.5 - 0.5 * mirrored.length_squared())
@@ -352,12 +368,12 @@ mod tests {
     use crate::scene::{Listener, Node, Source, Surface};
 
     fn scene(surfaces: Vec<Surface>) -> ExactScene {
-        let scene = Scene {
-            name: "test".into(),
+        let scene = Scene::new(
+            "test",
             surfaces,
-            source: Source::at(Vec3::ZERO),
-            listener: Listener::at(Vec3::new(3.0, 1.0, 0.0), 0.5),
-        };
+            Source::at(Vec3::ZERO),
+            Listener::at(Vec3::new(3.0, 1.0, 0.0), 0.5),
+        );
         ExactScene::new(&scene).expect("a valid scene")
     }
 

@@ -154,14 +154,14 @@ mod tests {
     use crate::scene::{Listener, Source, Surface};
 
     fn scene(listener: Vec3) -> Scene {
-        Scene {
-            name: "test".into(),
-            surfaces: vec![Surface::new(Node::Room(Room {
+        Scene::new(
+            "test",
+            vec![Surface::new(Node::Room(Room {
                 size: Vec3::new(10.0, 6.0, 8.0),
             }))],
-            source: Source::at(Vec3::X),
-            listener: Listener::at(listener, 0.5),
-        }
+            Source::at(Vec3::X),
+            Listener::at(listener, 0.5),
+        )
     }
 
     /// Protects lengths and orders along one axis, where they can be counted.

@@ -20,6 +20,8 @@
 //!   simulating small-room acoustics*, JASA 65, 1979): in the unfolded room the
 //!   wave is one straight line. It shares no code with [`ExactScene`], and a test
 //!   compares the two wave for wave.
+//! - [`ShoeboxEnergies`] mirrors the source of such a room instead, and sums the energies of its
+//!   images: what an echogram, and the figures read off it, ought to be.
 //! - The crate's own tests have a third, the thesis' algorithm itself in `f32` (`march32.rs`): it
 //!   tells whether a shader computes what it should, not whether that is right.
 //!
@@ -43,10 +45,13 @@ mod image_source;
 #[cfg(test)]
 pub(crate) mod march32;
 mod marched;
+mod shoebox_energies;
 #[cfg(test)]
 mod tests;
+mod transparent;
 
 pub use exact::{ExactScene, ExactWave, Hit};
 #[cfg(feature = "experiment")]
 pub(crate) use exact::{PathVertex, sequence_hash};
 pub use image_source::ShoeboxImages;
+pub use shoebox_energies::{EnergiesByLength, ImageSource, ShoeboxEnergies};

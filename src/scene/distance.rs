@@ -121,15 +121,15 @@ mod tests {
     /// Protects the numbering: 0 is the listener, surfaces count from 1.
     #[test]
     fn the_nearest_object_is_named() {
-        let scene = Scene {
-            name: "two balls".into(),
-            surfaces: vec![
+        let scene = Scene::new(
+            "two balls",
+            vec![
                 Surface::new(Node::Sphere(Sphere { radius: 1.0 })).at(Vec3::X * 5.0),
                 Surface::new(Node::Sphere(Sphere { radius: 1.0 })).at(Vec3::X * -5.0),
             ],
-            source: Source::at(Vec3::Y * 9.0),
-            listener: Listener::at(Vec3::ZERO, 1.0),
-        };
+            Source::at(Vec3::Y * 9.0),
+            Listener::at(Vec3::ZERO, 1.0),
+        );
         assert_eq!(scene.distance(Vec3::X * 3.5).object, 1);
         assert_eq!(scene.distance(Vec3::X * -3.5).object, 2);
         assert_eq!(scene.distance(Vec3::X * 1.5).object, 0);

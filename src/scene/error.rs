@@ -109,6 +109,16 @@ pub enum SceneError {
         /// The name that is nearly that one, if there is one.
         nearest: Option<String>,
     },
+    /// Two sources or two listeners of one name.
+    #[error("scene {scene:?}: two of the {what} are called {name:?}")]
+    SameName {
+        /// The scene's name.
+        scene: String,
+        /// `sources` or `listeners`.
+        what: &'static str,
+        /// The name.
+        name: String,
+    },
     /// A number that makes no sense where it stands.
     #[error("scene {scene:?}: {what} must be {must}, not {value}")]
     BadNumber {

@@ -1,4 +1,4 @@
-//! What exists: surfaces, one source, one listener.
+//! What exists: surfaces and their materials, air, sources, listeners.
 //!
 //! A [`Scene`] is plain data. It is read from a RON file ([`Scene::load`]),
 //! taken from the built-in ones ([`Scene::builtin`]) or written in Rust, and it
@@ -8,25 +8,30 @@
 //! World axes: x to the right, y up, z towards the viewer (right-handed).
 //! World units are metres, angles are radians in code and degrees in files.
 
+mod air;
 mod builtin;
 mod check;
 mod distance;
 mod error;
 mod file;
+mod material;
 mod motion;
 mod named_values;
 mod notation;
+mod pairs;
 mod path;
 pub mod shape;
 mod surface;
 mod watch;
 
+pub use air::{Air, USUAL_SPEED_OF_SOUND};
 pub use builtin::BUILTIN_NAMES;
 pub use check::Warning;
 pub use distance::Nearest;
 pub use error::SceneError;
 #[cfg(feature = "demo")]
 pub(crate) use file::BasedScene;
+pub use material::{BUILTIN_MATERIALS, BuiltinMaterial, Material, WALL_COUNT, WALL_NAMES};
 pub use motion::{Driver, Motion};
 pub use named_values::{NamedValue, Quantity};
 pub use path::{Key, Path};
@@ -37,10 +42,11 @@ pub(crate) use watch::SceneWatch;
 
 use crate::scene::shape::{HeightField, User};
 use glam::Vec3;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// A world to hear: surfaces, one source and one listener.
+/// A world to hear: surfaces of materials, air, sources and listeners.
 ///
 /// ```
 /// use echomarch::glam::Vec3;
@@ -66,16 +72,29 @@ pub struct Scene {
     pub name: String,
     /// The surfaces, numbered from 1 in this order in every wave's status.
     pub surfaces: Vec<Surface>,
-    /// Where the sound comes from.
+    /// The scene's own materials by their names; the [built-in ones](BUILTIN_MATERIALS) are there
+    /// without standing here.
+    pub materials: BTreeMap<String, Material>,
+    /// The air; without it sound has 343 m/s, and loses nothing on its way.
+    pub air: Option<Air>,
+    /// Where the sound comes from: the first source.
     pub source: Source,
-    /// Where it is heard.
+    /// Where it is heard: the first listener.
     pub listener: Listener,
+    /// Sources beside the first one. What asks for one source takes that.
+    pub further_sources: Vec<Source>,
+    /// Listeners beside the first one.
+    pub further_listeners: Vec<Listener>,
 }
 
 /// A point that sends waves in all directions.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Source {
+    /// What reports call it, unlike all other sources.
+    pub name: Option<String>,
+    /// How much louder than others it is, in decibels.
+    pub level_db: f32,
     /// World position in metres.
     pub position: Vec3,
     /// Where it moves in time; empty when it stands still.
@@ -86,6 +105,8 @@ pub struct Source {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Listener {
+    /// What reports call it, unlike all other listeners.
+    pub name: Option<String>,
     /// World position of the centre in metres.
     pub position: Vec3,
     /// Turn about the vertical in radians, positive to the right; 0 looks along −z.
@@ -109,21 +130,28 @@ impl Scene {
         Scene {
             name: name.into(),
             surfaces,
+            materials: BTreeMap::new(),
+            air: None,
             source,
             listener,
+            further_sources: Vec::new(),
+            further_listeners: Vec::new(),
         }
     }
 
     /// The scene as it stands at `seconds` on its key-framed paths.
     pub fn at(&self, seconds: f64) -> Scene {
         let mut posed = self.clone();
-        if let Some(key) = self.source.path.at(seconds) {
-            posed.source.position = key.position;
+        for source in posed.sources_mut() {
+            if let Some(key) = source.path.at(seconds) {
+                source.position = key.position;
+            }
         }
-        if let Some(key) = self.listener.path.at(seconds) {
-            posed.listener.position = key.position;
-            posed.listener.yaw = key.yaw;
-            posed.listener.pitch = key.pitch;
+        for listener in posed.listeners_mut() {
+            if let Some(key) = listener.path.at(seconds) {
+                listener.position = key.position;
+                (listener.yaw, listener.pitch) = (key.yaw, key.pitch);
+            }
         }
         posed.drive_to(seconds);
         posed
@@ -133,8 +161,9 @@ impl Scene {
     pub fn duration(&self) -> f64 {
         let drivers = self.surfaces.iter().flat_map(|s| &s.drivers);
         let driven = drivers.map(|driver| driver.motion.duration());
-        let paths = [&self.source.path, &self.listener.path].map(Path::duration);
-        driven.chain(paths).fold(0.0, f64::max)
+        let sources = self.sources().map(|source| source.path.duration());
+        let listeners = self.listeners().map(|listener| listener.path.duration());
+        driven.chain(sources).chain(listeners).fold(0.0, f64::max)
     }
 }
 
@@ -172,9 +201,17 @@ impl Source {
     /// A source that stands still at `position` (metres).
     pub fn at(position: Vec3) -> Source {
         Source {
+            name: None,
+            level_db: 0.0,
             position,
             path: Path::default(),
         }
+    }
+
+    /// The same source with a name.
+    pub fn named(mut self, name: impl Into<String>) -> Source {
+        self.name = Some(name.into());
+        self
     }
 }
 
@@ -182,12 +219,19 @@ impl Listener {
     /// A listener that stands still at `position` (metres) and looks along −z.
     pub fn at(position: Vec3, radius: f32) -> Listener {
         Listener {
+            name: None,
             position,
             yaw: 0.0,
             pitch: 0.0,
             radius,
             path: Path::default(),
         }
+    }
+
+    /// The same listener with a name.
+    pub fn named(mut self, name: impl Into<String>) -> Listener {
+        self.name = Some(name.into());
+        self
     }
 
     /// Unit vector of the gaze.

@@ -118,6 +118,8 @@ impl Surface {
             drivers: Vec::new(),
             name: None,
             shape: self.shape.clone(),
+            material: None,
+            walls: Default::default(),
             ..*self
         };
         let parameters = bare.parameters_mut().into_iter();

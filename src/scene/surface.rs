@@ -1,6 +1,6 @@
 //! A surface: a shape, and where it stands.
 
-use super::{Bounds3, Driver, Shape};
+use super::{Bounds3, Driver, Node, Shape, WALL_COUNT};
 use glam::{DMat3, Quat, Vec3};
 
 /// A shape placed in the world.
@@ -25,6 +25,11 @@ pub struct Surface {
     pub angles: Vec3,
     /// What moves its numbers; empty when nothing does.
     pub drivers: Vec<Driver>,
+    /// The name of its material, one of the scene's or a built-in one; without one it reflects all.
+    pub material: Option<String>,
+    /// Of a [`Room`](super::shape::Room): the materials of walls that are not of the surface's, in
+    /// the order of [`WALL_NAMES`](super::WALL_NAMES). They turn with the room.
+    pub walls: [Option<String>; WALL_COUNT],
 }
 
 impl Surface {
@@ -38,6 +43,8 @@ impl Surface {
             dynamic_rotation: false,
             angles: Vec3::ZERO,
             drivers: Vec::new(),
+            material: None,
+            walls: Default::default(),
         }
     }
 
@@ -57,6 +64,42 @@ impl Surface {
     pub fn named(mut self, name: impl Into<String>) -> Surface {
         self.name = Some(name.into());
         self
+    }
+
+    /// The same surface, of the material of this name.
+    pub fn with_material(mut self, name: impl Into<String>) -> Surface {
+        self.material = Some(name.into());
+        self
+    }
+
+    /// The same room, one of whose walls (0 to 5, see [`WALL_NAMES`](super::WALL_NAMES)) is of the
+    /// material of this name.
+    ///
+    /// # Panics
+    /// When there is no such wall, as an index of an array.
+    pub fn with_wall_material(mut self, wall: usize, name: impl Into<String>) -> Surface {
+        self.walls[wall] = Some(name.into());
+        self
+    }
+
+    /// The name of the material of a wall, or of the surface.
+    pub(super) fn material_name(&self, wall: Option<usize>) -> Option<&str> {
+        let of_wall = wall.and_then(|wall| self.walls.get(wall)?.as_deref());
+        of_wall.or(self.material.as_deref())
+    }
+
+    /// The names of all materials of the surface: its own, then its walls'.
+    pub(super) fn material_names(&self) -> impl Iterator<Item = &str> {
+        let walls = self.walls.iter();
+        self.material
+            .iter()
+            .chain(walls.flatten())
+            .map(String::as_str)
+    }
+
+    /// Whether its shape has walls that may be of different materials.
+    pub(super) fn has_walls(&self) -> bool {
+        matches!(self.shape.node, Node::Room(_))
     }
 
     /// Whether the two are alike but for where the files lie that they name.

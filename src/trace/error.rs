@@ -131,6 +131,14 @@ pub enum TraceError {
         /// What it did.
         why: String,
     },
+    /// Arrivals were asked for in a profile whose waves stop at the listener.
+    #[error(
+        "arrivals cannot be traced by the profile {profile}, whose waves stop at the listener: use hybrid or march"
+    )]
+    NoArrivals {
+        /// Its name.
+        profile: String,
+    },
     /// Waves were asked for before any frame was traced.
     #[error("no frame was traced yet")]
     NothingTraced,

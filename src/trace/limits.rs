@@ -25,7 +25,16 @@ pub(super) fn check_waves(context: &Context, grid: Grid) -> Result<(), TraceErro
 
 /// Surfaces that do not fit in the uniforms are told before anything is compiled.
 pub(crate) fn check_surfaces(context: &Context, scene: &Scene) -> Result<(), TraceError> {
-    let needed = kernel::uniform_count(scene) + OWN_UNIFORM_VECTORS;
+    check_uniforms(context, scene, OWN_UNIFORM_VECTORS)
+}
+
+/// The same for a shader that needs so many vectors beside those of the surfaces.
+pub(super) fn check_uniforms(
+    context: &Context,
+    scene: &Scene,
+    own: usize,
+) -> Result<(), TraceError> {
+    let needed = kernel::uniform_count(scene) + own;
     let limit = context.limits().max_fragment_uniform_vectors as usize;
     if needed <= limit {
         return Ok(());

@@ -11,6 +11,7 @@
 //! The state of a wave never leaves the GPU in between. Departures from the thesis
 //! stand where they are made, in `glsl/`, and together in `docs/thesis.md`.
 
+mod arrivals;
 mod budget;
 mod directions;
 mod error;
@@ -29,6 +30,7 @@ mod user_fields;
 mod waves;
 
 pub use crate::kernel::Directions;
+pub use arrivals::{ArrivalCounts, ArrivalSettings};
 #[cfg(any(test, feature = "experiment"))]
 pub(crate) use budget::Budget;
 pub use error::TraceError;

@@ -3,7 +3,7 @@
 use super::{Algorithm, Directions, Settings, field_trial};
 use crate::error::Error;
 use crate::gpu::{Context, Program, ProgramCache};
-use crate::kernel::{self, AlgorithmText, Key, MarchText};
+use crate::kernel::{self, AlgorithmText, ArrivalsText, Key, MarchText};
 use crate::scene::Scene;
 use std::num::NonZeroUsize;
 use std::rc::Rc;
@@ -61,6 +61,23 @@ impl Programs {
         let key = Key::whole_frame(scene, options, directions);
         let text = || kernel::whole_frame_text(scene, options, directions);
         self.get_of_scene(context, key, "frame", (scene, settings), text)
+    }
+
+    /// The pass that records arrivals in a scene's structure.
+    pub fn arrivals(
+        &mut self,
+        context: &Context,
+        scene: &Scene,
+        options: &ArrivalsText,
+    ) -> Result<Rc<Program>, Error> {
+        let key = Key::arrivals(scene, options.clone());
+        self.cache.get_or_compile(key, || {
+            kernel::check(scene)?;
+            let text = kernel::arrivals_text(scene, options);
+            field_trial::ensure(scene, &[&text])?;
+            let label = format!("arrivals of {}", scene.name);
+            Ok(Program::fragment(context, &label, &text)?)
+        })
     }
 
     /// The panning pass.

@@ -4,7 +4,9 @@
 
 use crate::error::Error;
 use crate::gpu::{Context, DataList, Program};
-use crate::kernel::{self, CellData, Layout, Lists, OriginRebasing, RebasedScene, SceneCells};
+use crate::kernel::{
+    self, CellData, Layout, Lists, Materials, OriginRebasing, RebasedScene, SceneCells,
+};
 use crate::scene::Scene;
 
 /// What the shaders of a scene read by index.
@@ -38,8 +40,13 @@ impl SceneData {
         }
         let mut data = kernel::scene_data(scene);
         let cells = self.cells.as_ref();
-        self.cell_data =
-            cells.map(|cells| CellData::append(&mut data, &layout, rebasing, rebased, cells));
+        let materials = match cells {
+            Some(_) => Materials::of(scene),
+            None => Materials::default(),
+        };
+        let numbers = materials.of_surfaces();
+        self.cell_data = cells
+            .map(|cells| CellData::append(&mut data, &layout, (rebasing, rebased), cells, numbers));
         self.list.set(&data)?;
         Ok(())
     }

@@ -1,11 +1,13 @@
 //! The tracer: frame after frame on one context.
 
+mod arrivals;
 mod heard_paths;
 mod passes;
 mod prepared;
 mod steps;
 mod throughput;
 
+use super::arrivals::ArrivalTargets;
 use super::budget::{self, Budget};
 use super::directions::unit_directions;
 use super::frame::timed;
@@ -62,6 +64,7 @@ pub struct Tracer {
     context: Context,
     shared: Rc<RefCell<SharedPrograms>>,
     targets: Option<Targets>,
+    arrival_targets: Option<ArrivalTargets>,
     scene_data: SceneData,
     throughput: Throughput,
     under_way: Option<FrameUnderWay>,
@@ -109,6 +112,7 @@ impl Tracer {
             context: context.clone(),
             shared,
             targets: None,
+            arrival_targets: None,
             scene_data: SceneData::new(context)?,
             throughput: Throughput::new(GpuTimer::new(context)),
             under_way: None,
@@ -237,7 +241,7 @@ impl Tracer {
         let (rebasing, rebased, budget) = prepared;
         let as_one = keep == Waves::Dropped && fits_one_pass(scene, settings, || budget);
         let programs = self.programs(scene, settings, as_one)?;
-        self.make_room(settings, &programs)?;
+        self.make_room(settings, !programs.are_one())?;
         // Compiling and making textures, which a first frame alone does, is not in its time.
         let setup = Duration::from_secs_f64(setup * 1e-3);
         let now = Instant::now();
@@ -282,7 +286,7 @@ impl Tracer {
     }
 
     /// Makes textures for so many waves where there are none yet.
-    fn make_room(&mut self, settings: &Settings, of: &FramePrograms) -> Result<(), Error> {
+    fn make_room(&mut self, settings: &Settings, with_pairs: bool) -> Result<(), Error> {
         let grid = Grid::new(settings.waves);
         let targets = match self.targets.take().filter(|targets| targets.grid == grid) {
             Some(targets) => targets,
@@ -290,7 +294,7 @@ impl Tracer {
             None => Targets::new(&self.context, grid)?,
         };
         let targets = self.targets.insert(targets);
-        if !of.are_one() {
+        if with_pairs {
             targets.provide_pairs(&self.context)?;
         }
         if settings.sum_on_gpu && targets.sum.is_none() {

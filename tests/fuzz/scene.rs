@@ -63,6 +63,24 @@ const TOKENS: &[&str] = &[
     "count",
     "period",
     "lipschitz",
+    "materials",
+    "Material",
+    "absorption",
+    "scattering",
+    "material",
+    "walls",
+    "floor",
+    "back",
+    "brick",
+    "mat",
+    "air",
+    "Air",
+    "temperature",
+    "humidity",
+    "pressure",
+    "sources",
+    "listeners",
+    "level_db",
     "true",
     "X",
 ];
@@ -99,13 +117,26 @@ const BASE: &str = "Scene(surfaces: [Surface(shape: Sphere(radius: Value(\"size\
                     (0, Value(\"turn\", 30), 0))], source: Source(position: (9, 9, 9)), listener: \
                     Listener(position: (-9, 9, 9), radius: 1))";
 
+/// A scene with all that may be said of sound.
+const SOUND: &str = "Scene(surfaces: [Surface(shape: Room(size: (9, 4, 7)), material: \"brick\", walls: \
+                     (floor: \"mat\", back: \"curtain\")), Surface(shape: Sphere(radius: 1), material: \
+                     \"mat\")], materials: {\"mat\": Material(absorption: [0.1, 0.2, 0.3, 0.4, 0.5, \
+                     0.6, 0.7, 0.8], scattering: 0.1)}, air: Air(temperature: 10, humidity: 70, pressure: \
+                     99), sources: [Source(name: \"a\", position: (3, 0, 0), level_db: -6), Source(path: \
+                     [Key(time: 0, position: (0, 1, 3)), Key(time: 3, position: (0, 1, 2))])], listeners: \
+                     [Listener(name: \"b\", position: (0, 0, 3), radius: 0.1), Listener(radius: 0.2, \
+                     position: (0, 1, 3))])";
+
 /// Files with a base: one beside them, a built-in one, themselves.
-const SMALL: [&str; 3] = [
+const SMALL: [&str; 4] = [
     "Scene(base: \"base.ron\", name: \"small\", source: Source(position: (1, 2, 3)), listener: \
      Listener(position: (4, 5, 6), yaw: 30, pitch: 5, radius: 2), values: [Value(\"size\", 2), \
      Value(\"turn\", 60)])",
     "Scene(base: \"corner\", listener: Listener(path: [Key(time: 0, position: (9, 9, 9))]))",
     "Scene(base: \"scene.ron\", values: [])",
+    "Scene(base: \"base.ron\", materials: {\"brick\": Material(absorption: 0.5)}, air: \
+     Air(humidity: 20), sources: [Source(level_db: 3), Source(name: \"b\")], listener: \
+     Listener(name: \"c\"))",
 ];
 
 fn corpus() -> Vec<Vec<u8>> {
@@ -124,6 +155,7 @@ fn corpus() -> Vec<Vec<u8>> {
         .map(str::to_owned)
         .chain(made)
         .chain(SMALL.map(str::to_owned))
+        .chain([SOUND.to_owned()])
         .map(String::into_bytes)
         .collect()
 }
@@ -139,7 +171,7 @@ pub fn target() -> Target {
 }
 
 /// Reads a scene file, and one that is based on it; what it holds is moved, asked for its
-/// distances and warnings.
+/// distances, warnings and sound, and written.
 pub fn one(data: &[u8]) {
     with_file("base.ron", BASE.as_bytes(), |_| ());
     let small = b"Scene(base: \"scene.ron\", source: Source(position: (1, 2, 3)))";
@@ -153,6 +185,12 @@ pub fn one(data: &[u8]) {
             Ok(scene) => scene,
             Err(error) => return drop(error.to_string()),
         };
+        drop(ron::to_string(&scene));
+        let losses = scene.air_attenuation();
+        assert!(losses.iter().all(|m| m.is_finite()) && scene.speed_of_sound() > 0.0);
+        for source in 0..scene.sources().count() {
+            drop(scene.heard_by(source, scene.listeners().count() - 1));
+        }
         for name in scene.value_names() {
             let _ = scene.set_value(&name, 0.5);
         }

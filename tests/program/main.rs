@@ -13,6 +13,7 @@ mod cost;
 mod demo_scenes;
 mod demo_window;
 mod gpu_report;
+mod impulse;
 mod interrupted;
 mod localise;
 mod localise_form;

@@ -10,4 +10,5 @@ mod heard_paths;
 mod options;
 mod panning;
 mod pictures;
+mod responses;
 mod thesis_tables;

@@ -1,12 +1,12 @@
 //! Directions for the limit of many waves, and how fast an error falls towards it.
 
 use super::report::{Slope, SlopePoint};
+use crate::sphere;
 use crate::trace::Directions;
 use glam::{DQuat, DVec3, Vec3};
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
-/// A spherical Fibonacci lattice of so many unit vectors, in `f64` until the end
-/// (Swinbank and Purser 2006).
+/// A spherical Fibonacci lattice of so many unit vectors, in `f64` until the end.
 ///
 /// `turned`: by half a turn about (1, 1, 1), which takes its poles to other places and so
 /// makes it another lattice: the lattice itself is symmetric about axes through its
@@ -16,14 +16,8 @@ pub fn lattice(count: u64, turned: bool) -> Vec<Vec3> {
         true => DQuat::from_axis_angle(DVec3::ONE.normalize(), PI),
         false => DQuat::IDENTITY,
     };
-    let golden = (5f64.sqrt() - 1.0) / 2.0;
-    let direction = |index: u64| {
-        let height = 1.0 - (2.0 * index as f64 + 1.0) / count as f64;
-        let (sin, cos) = (TAU * (index as f64 * golden).fract()).sin_cos();
-        let ring = (1.0 - height * height).sqrt();
-        (turn * DVec3::new(ring * cos, height, ring * sin)).as_vec3()
-    };
-    (0..count).map(direction).collect()
+    let all = sphere::lattice(count);
+    all.map(|direction| (turn * direction).as_vec3()).collect()
 }
 
 /// Waves that have to be heard for a point to count: with fewer, frames that hear nothing

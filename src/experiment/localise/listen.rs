@@ -4,9 +4,10 @@
 use super::observer::{Levels, Observer, azimuth_deg};
 use crate::audio::{Mixer, PanningLaw, SAMPLE_RATE, Sound, SoundSpec};
 use crate::error::Error;
-use crate::scene::{Scene, Source};
+use crate::scene::Scene;
 use crate::trace::{Settings, Tracer};
 use glam::DVec3;
+use std::iter::once;
 
 /// Beside the middle, in degrees, in scenes whose own source is not clearly beside it.
 const BESIDE_DEG: f64 = 45.0;
@@ -40,8 +41,12 @@ pub fn facings(scene: &Scene) -> Vec<Scene> {
 /// The scene without anything that moves by itself.
 pub fn standing(scene: &Scene) -> Scene {
     let mut still = scene.clone();
-    still.source = Source::at(scene.source.position);
-    still.listener.path = Default::default();
+    for source in once(&mut still.source).chain(&mut still.further_sources) {
+        source.path = Default::default();
+    }
+    for listener in once(&mut still.listener).chain(&mut still.further_listeners) {
+        listener.path = Default::default();
+    }
     for surface in &mut still.surfaces {
         surface.drivers.clear();
     }

@@ -21,7 +21,7 @@ pub struct Case {
 #[derive(Clone, Debug)]
 pub enum Check {
     /// Waves against their exact end points.
-    Waves(WaveCheck),
+    Waves(Box<WaveCheck>),
     /// Input that must be refused with a typed error, each with what is wrong with it. A profile
     /// is given what has its settings.
     Refused(Vec<(&'static str, Scene, Settings)>),
@@ -88,14 +88,14 @@ impl Case {
             name: name.into(),
             hard,
             exact: exact.into(),
-            check: Check::Waves(WaveCheck {
+            check: Check::Waves(Box::new(WaveCheck {
                 scene,
                 truth: None,
                 directions,
                 iterations,
                 bound: Bound::Spread { exceptions: 0.0 },
                 overestimate: 1.0,
-            }),
+            })),
         }
     }
 

@@ -3,7 +3,7 @@
 use crate::gpu::{Api, Context, DataList, Program, RenderTarget, Texture, full_screen_pass};
 use crate::kernel;
 use crate::kernel::Lists;
-use crate::kernel::text::{Part, closed_form_parts, directed_parts};
+use crate::kernel::text::{ListenerText, Part, closed_form_parts, directed_parts};
 use crate::reference::ExactScene;
 use crate::scene::shape::Ellipsoid;
 use crate::scene::shape::tests::promises::trees;
@@ -176,7 +176,7 @@ fn asked(context: &Context, scene: &Scene) -> Asked {
         first += kernel::uniform_count(&scene_of(vec![surface.clone()]));
     }
     ask += &field_calls(scene.surfaces.len());
-    let parts = directed_parts(scene, false);
+    let parts = directed_parts(scene, ListenerText::Solid, false);
     Asked::new(context, scene, parts, ask)
 }
 
@@ -345,7 +345,12 @@ fn closed_forms_meet_what_a_march_meets() {
         let mut ask = String::from("vec4 answer(int which, vec3 p, vec3 d) {\n");
         ask += "    float object;\n    float t = closestHit(p, d, -1.0, NO_HIT, object);\n";
         ask += "    return vec4(t, object, 0.0, 0.0);\n}\n";
-        let asked = Asked::new(&context, &scene, closed_form_parts(&scene), ask);
+        let asked = Asked::new(
+            &context,
+            &scene,
+            closed_form_parts(&scene, ListenerText::Solid),
+            ask,
+        );
         let mut random = Random(23);
         let mut lines: Vec<(Vec3, Vec3)> = Vec::new();
         for _ in 0..400 {

@@ -3,7 +3,7 @@
 mod distance_functions;
 mod field_shaders;
 
-use super::text::{Part, closed_form_parts, directed_parts};
+use super::text::{ListenerText, Part, closed_form_parts, directed_parts};
 use super::{Lists, OriginRebasing, Source, distance_parts, join, link, structure};
 use crate::scene::shape::Cuboid;
 use crate::scene::{Node, Scene};
@@ -16,13 +16,15 @@ const CALLS: [(&str, Parts); 4] = [
     ("distanceFunction()", distance_parts),
     (
         "directedDistance() directedGradient() reflectWave()",
-        |scene| directed_parts(scene, false),
+        |scene| directed_parts(scene, ListenerText::Solid, false),
     ),
     (
         "directedDistance() surfaceDistance() reflectWave()",
-        |scene| directed_parts(scene, true),
+        |scene| directed_parts(scene, ListenerText::Solid, true),
     ),
-    ("closestHit() reflectWave()", closed_form_parts),
+    ("closestHit() reflectWave()", |scene| {
+        closed_form_parts(scene, ListenerText::Solid)
+    }),
 ];
 
 /// Every text of a scene, each with the functions that a pass calls.

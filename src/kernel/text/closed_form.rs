@@ -3,6 +3,7 @@
 use super::field::{gradient_text, hit_text, normal_text, value_text};
 use super::fields_ahead::{Marched, fields_ahead};
 use super::link::Part;
+use super::listener::ListenerText;
 use super::named::Named;
 use super::records;
 use super::reflect::reflect_text;
@@ -13,7 +14,7 @@ use std::fmt::Write;
 
 /// `closestHit(p, d, last, limit, object)` and `reflectWave(object, t, p, d)` of a scene; where
 /// fields have no closed form `marchFields(p, d, last, limit, object, limitReached)` for these.
-pub fn closed_form_parts(scene: &Scene) -> Vec<Part> {
+pub fn closed_form_parts(scene: &Scene, listener: ListenerText) -> Vec<Part> {
     let text = Text::new(scene, Lists::Lines);
     let marched = |named: &Named| Marched::Others.takes(named);
     let mut parts = text.parts();
@@ -22,20 +23,25 @@ pub fn closed_form_parts(scene: &Scene) -> Vec<Part> {
     text.add_fields(&mut parts, |_| true, gradient_text);
     text.add_fields(&mut parts, |_| true, normal_text);
     text.add(&mut parts, "the grids of kinds", records::grids_text(&text));
-    let functions = records::closest_of_kinds(&text) + &closest_hit(&text) + &reflect_text(&text);
+    let functions =
+        records::closest_of_kinds(&text) + &closest_hit(&text, listener) + &reflect_text(&text);
     text.add(&mut parts, "the scene", functions);
     parts.extend(fields_ahead(&text, Marched::Others));
     parts
 }
 
-fn closest_hit(text: &Text) -> String {
-    let mut out = String::from(
+fn closest_hit(text: &Text, listener: ListenerText) -> String {
+    let first = match listener {
+        ListenerText::Solid => "min(hitListener(p, d), limit)",
+        ListenerText::Transparent => "limit",
+    };
+    let mut out = format!(
         "// How far from p along d the next object is, and its number. A convex surface is\n\
          // not met by the wave that leaves it (last). Where nothing is met before limit the\n\
          // distance is limit and the number means nothing; it is GIVEN_UP where a step limit\n\
          // left open what comes first.\n\
-         float closestHit(vec3 p, vec3 d, float last, float limit, out float object) {\n    \
-         float nearest = min(hitListener(p, d), limit);\n    object = 0.0;\n",
+         float closestHit(vec3 p, vec3 d, float last, float limit, out float object) {{\n    \
+         float nearest = {first};\n    object = 0.0;\n",
     );
     if text.all().any(Named::has_step_limit) {
         out.push_str("    copySteps = uCopySteps;\n");

@@ -4,6 +4,7 @@ use super::distance::surface_distances;
 use super::field::{gradient_text, normal_text, value_text};
 use super::fields_ahead::{Marched, fields_ahead};
 use super::link::Part;
+use super::listener::ListenerText;
 use super::named::Named;
 use super::of_kind::of_kind;
 use super::reflect::reflect_text;
@@ -16,7 +17,11 @@ use std::fmt::Write;
 /// `reflectWave(object, t, p, d)` of a scene, `surfaceDistance(p, object)` where normals are
 /// taken from differences of it, and `marchFields(p, d, last, limit, object, limitReached)` where
 /// there are fields.
-pub fn directed_parts(scene: &Scene, difference_normals: bool) -> Vec<Part> {
+pub fn directed_parts(
+    scene: &Scene,
+    listener: ListenerText,
+    difference_normals: bool,
+) -> Vec<Part> {
     let lists = match difference_normals {
         true => Lists::NearestCandidates,
         false => Lists::Overlapping,
@@ -29,7 +34,8 @@ pub fn directed_parts(scene: &Scene, difference_normals: bool) -> Vec<Part> {
     if difference_normals {
         text.add(&mut parts, "the scene's distance", surface_distances(&text));
     }
-    let functions = of_kinds(&text) + &directed_distance(&text) + &directed_gradient(&text);
+    let functions =
+        of_kinds(&text) + &directed_distance(&text, listener) + &directed_gradient(&text);
     text.add(&mut parts, "the scene", functions + &reflect_text(&text));
     parts.extend(fields_ahead(&text, Marched::All));
     parts
@@ -61,14 +67,18 @@ fn of_kinds(text: &Text) -> String {
     distance + &gradient
 }
 
-fn directed_distance(text: &Text) -> String {
-    let mut out = String::from(
+fn directed_distance(text: &Text, listener: ListenerText) -> String {
+    let first = match listener {
+        ListenerText::Solid => "sdListenerDirected(p, d)",
+        ListenerText::Transparent => "1e30",
+    };
+    let mut out = format!(
         "// Distance to the nearest object that a wave at p along d can meet, its number, and\n\
          // the distance to the second nearest. What the wave leaves (last) is out of its way\n\
          // when it is convex, and so is all that it recedes from; of a room only the walls\n\
          // ahead count.\n\
-         float directedDistance(vec3 p, vec3 d, float last, out float object, out float second) {\n    \
-         float nearest = sdListenerDirected(p, d);\n    object = 0.0;\n    second = 1e30;\n    \
+         float directedDistance(vec3 p, vec3 d, float last, out float object, out float second) {{\n    \
+         float nearest = {first};\n    object = 0.0;\n    second = 1e30;\n    \
          float candidate;\n",
     );
     for named in text.unrolled.iter().filter(|named| named.field().is_none()) {

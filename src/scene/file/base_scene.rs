@@ -11,54 +11,20 @@
 //! The surfaces are always those of the base, so that a chain of files holds one list of them
 //! in memory.
 
-use super::{ListenerFile, SourceFile, malformed, options, text_of};
+use super::air::AirFile;
+use super::chain::{Chain, MOST_BASES};
+use super::material::Materials;
+use super::placed::{ListenerFile, Placed, Several, SourceFile, one_form};
+use super::places::{Place, Refused, place_of};
+use super::{malformed, options, text_of};
 use crate::scene::builtin::{self, Named};
+use crate::scene::check::twice;
 use crate::scene::notation::{Attached, FixedRadius, Name};
 use crate::scene::{Scene, SceneError};
 use ron::value::RawValue;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-
-/// Scenes that one is based on, one on the other, at the most: a chain is written by hand, and
-/// each file of it may have the full size.
-const MOST_BASES: usize = 8;
-
-/// The files from the scene that was asked for down to the one being read, by their real paths.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Chain {
-    files: Vec<PathBuf>,
-    bases: usize,
-}
-
-impl Chain {
-    /// A chain that begins at a file.
-    pub fn at(path: &Path) -> Chain {
-        Chain {
-            files: std::fs::canonicalize(path).into_iter().collect(),
-            bases: 0,
-        }
-    }
-
-    /// The chain down to this base, or why there is none.
-    fn down_to(&self, base: &Path) -> Result<Chain, String> {
-        let real = std::fs::canonicalize(base).ok();
-        if real.as_ref().is_some_and(|real| self.files.contains(real)) {
-            let base = base.display();
-            return Err(format!("the base {base} is itself based on this scene"));
-        }
-        if self.bases == MOST_BASES {
-            return Err(format!(
-                "more than {MOST_BASES} scenes are based on each other"
-            ));
-        }
-        let files = self.files.iter().cloned().chain(real);
-        Ok(Chain {
-            files: files.collect(),
-            bases: self.bases + 1,
-        })
-    }
-}
 
 /// A scene file with a base, as its text says it.
 #[derive(Deserialize)]
@@ -69,9 +35,17 @@ pub(super) struct BasedFile<'a> {
     #[serde(default)]
     name: Name,
     #[serde(default)]
+    materials: Materials,
+    #[serde(default)]
+    air: Option<AirFile>,
+    #[serde(default)]
     source: Option<SourceFile>,
     #[serde(default)]
+    sources: Option<Several<SourceFile>>,
+    #[serde(default)]
     listener: Option<ListenerFile<Option<FixedRadius>>>,
+    #[serde(default)]
+    listeners: Option<Several<ListenerFile<FixedRadius>>>,
     /// Each a [`ValueFile`].
     #[serde(borrow, default)]
     values: Vec<&'a RawValue>,
@@ -114,15 +88,8 @@ impl BasedFile<'_> {
     /// The scene of the base with what differs.
     pub fn scene(self, text: &str, files: &Attached, chain: &Chain) -> Result<Scene, SceneError> {
         let mut scene = self.base(text, files, chain)?;
-        if !self.name.0.is_empty() {
-            scene.name.clone_from(&self.name.0);
-        }
-        if let Some(source) = &self.source {
-            source.change(&mut scene.source);
-        }
-        if let Some(listener) = &self.listener {
-            listener.change(&mut scene.listener);
-        }
+        let changed = self.change(&mut scene);
+        changed.map_err(|refused| refused.in_text(text, files))?;
         self.set_values(&mut scene, text, files)?;
         let Some(first) = self.values.first() else {
             return Ok(scene);
@@ -133,6 +100,36 @@ impl BasedFile<'_> {
         // Unless the base is at fault, the values are.
         self.base(text, files, chain)?.check()?;
         Err(at_value(text, files, first, refused.to_string()))
+    }
+
+    /// Everything but the values.
+    fn change(&self, scene: &mut Scene) -> Result<(), Refused> {
+        if !self.name.0.is_empty() {
+            scene.name.clone_from(&self.name.0);
+        }
+        scene.materials.extend(self.materials.0.clone());
+        if let Some(air) = &self.air {
+            scene.air = Some(air.change(scene.air));
+        }
+        one_form::<SourceFile>(self.source.is_some(), self.sources.is_some())?;
+        if let Some(source) = &self.source {
+            source.change(&mut scene.source);
+            let names = scene.sources().map(|source| &source.name);
+            once_each::<SourceFile>(names)?;
+        }
+        if let Some(sources) = &self.sources {
+            (scene.source, scene.further_sources) = sources.read(SourceFile::read);
+        }
+        one_form::<ListenerFile<FixedRadius>>(self.listener.is_some(), self.listeners.is_some())?;
+        if let Some(listener) = &self.listener {
+            listener.change(&mut scene.listener);
+            let names = scene.listeners().map(|listener| &listener.name);
+            once_each::<ListenerFile<FixedRadius>>(names)?;
+        }
+        if let Some(listeners) = &self.listeners {
+            (scene.listener, scene.further_listeners) = listeners.read(ListenerFile::read);
+        }
+        Ok(())
     }
 
     /// The base, not yet checked as a whole.
@@ -192,12 +189,19 @@ impl BasedFile<'_> {
 
 /// An error at a value of the text.
 fn at_value(text: &str, files: &Attached, value: &RawValue, why: String) -> SceneError {
-    let value = value.trim().get_ron();
-    // The value is a part of the text.
-    let before = value.as_ptr() as usize - text.as_ptr() as usize;
-    let lines = text[..before].split('\n');
-    let (count, last) = lines.fold((0, ""), |(count, _), line| (count + 1, line));
-    malformed(files, count, last.chars().count() + 1, &why)
+    let (line, column) = place_of(text, value);
+    malformed(files, line, column, &why)
+}
+
+/// Refuses a name that the first has and one of the others.
+fn once_each<'a, T: Placed>(
+    names: impl Iterator<Item = &'a Option<String>>,
+) -> Result<(), Refused> {
+    let Some(name) = twice(names) else {
+        return Ok(());
+    };
+    let why = format!("two of the {} are called {name:?}", T::SEVERAL);
+    Err(Refused::At(Place::Field(T::ONE), why))
 }
 
 /// The files that a scene file is based on, as far as they can be read.

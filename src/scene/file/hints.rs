@@ -1,15 +1,19 @@
-//! What is wrong with a shape in a scene file, in the words of scene files.
+//! What is wrong with a shape, a material and the like in a scene file, in the words of scene files.
 //!
 //! RON's own errors tell where they are found and what a parser would have liked there. Whoever
-//! writes `Sphere(1)` wants to know how a sphere is written.
+//! writes `Sphere(1)` or `Air(20)` wants to know how that is written.
 
-use crate::scene::notation::Form;
+use super::air::AirFile;
+use super::material::MaterialFile;
+use super::placed::{ListenerFile, SourceFile};
+use crate::scene::notation::{FixedRadius, Form};
 use crate::scene::shape::{form_of, shape_names};
 use crate::text::nearest;
 use ron::error::{Error, Position, SpannedError};
 
-/// The sentence for an error in this text that is about a shape or an operator.
-pub(super) fn about_shape(text: &str, error: &SpannedError) -> Option<String> {
+/// The sentence for an error in this text that is about a shape, an operator, or another part that
+/// has a name and fields.
+pub(super) fn about_part(text: &str, error: &SpannedError) -> Option<String> {
     match &error.code {
         Error::NoSuchEnumVariant { found, outer, .. } if outer.as_deref() == Some("Shape") => {
             Some(no_such_shape(found))
@@ -35,20 +39,31 @@ fn no_such_shape(found: &str) -> String {
     }
 }
 
-/// How the shape is written whose name stands before the error.
+/// How the part is written whose name stands before the error.
 fn how_written(before: &str, behind: &str, is_list: bool) -> Option<String> {
     let before = before.trim_end();
     let named = before.strip_suffix(['(', '[', '{']).unwrap_or(before);
     let named = named.trim_end();
     let begin = named.rfind(|c: char| !c.is_alphanumeric());
     let name = &named[begin.map_or(0, |at| at + 1)..];
-    let form = form_of(name)?;
+    let form = form_of(name).or_else(|| form_of_sound(name))?;
     let has_bracket = behind.trim_start().starts_with(['(', '[', '{']);
     if form == Form::NameAlone && !has_bracket {
         // Something else is missing behind it.
         return None;
     }
     Some(format!("{name} is written {}", form.written(name, is_list)))
+}
+
+/// How that is written which makes, reflects, carries or hears sound.
+fn form_of_sound(name: &str) -> Option<Form> {
+    match name {
+        "Material" => Form::of::<MaterialFile>(),
+        "Air" => Form::of::<AirFile>(),
+        "Source" => Form::of::<SourceFile>(),
+        "Listener" => Form::of::<ListenerFile<FixedRadius>>(),
+        _ => None,
+    }
 }
 
 /// Bytes before a place in a text.
@@ -92,6 +107,30 @@ mod tests {
             let said = told(shape);
             assert!(said.contains(sentence), "{shape}: {said}");
             assert!(said.starts_with("scene:2:"), "{shape}: {said}");
+        }
+    }
+
+    /// Protects whoever writes a material, the air or a source otherwise than it is written.
+    #[test]
+    fn sound_is_told_how_it_is_written() {
+        for (said, sentence) in [
+            (
+                "materials: {\"a\": Material(0.5)}",
+                "Material is written Material(absorption: …, scattering: …)",
+            ),
+            (
+                "air: Air(20)",
+                "Air is written Air(temperature: …, humidity: …, pressure: …)",
+            ),
+            (
+                "sources: [Source(1)]",
+                "Source is written Source(name: …, level_db: …, position: …, path: …)",
+            ),
+        ] {
+            let text = format!("Scene(surfaces: [],\n {said})");
+            let said = Scene::from_ron(&text, "scene").unwrap_err().to_string();
+            assert!(said.starts_with("scene:2:"), "{said}");
+            assert!(said.ends_with(sentence), "{said}");
         }
     }
 

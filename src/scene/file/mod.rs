@@ -4,20 +4,31 @@
 //! the plain [`Scene`] at once. Every number is checked while it is read, so that
 //! an error points at its line and column. See `docs/scene-format.md`.
 
+mod air;
 mod base_scene;
+mod chain;
 mod hints;
+mod material;
+mod placed;
+mod places;
 mod serialise;
 mod surface;
 #[cfg(feature = "demo")]
 mod write;
 
-use super::{Key, Listener, Path, Scene, SceneError, Source};
+use super::check::NOT_A_ROOM;
+use super::{Scene, SceneError};
 use crate::input::read_text;
-use crate::scene::notation::{Attached, Degrees, Finite, FixedRadius, Name, Point};
+use crate::scene::notation::{Attached, FixedRadius, Name};
 use crate::text::in_a_line;
-use base_scene::{BasedFile, Chain};
-use glam::Vec3;
+use air::AirFile;
+use base_scene::BasedFile;
+use chain::Chain;
+use material::Materials;
+use placed::{ListenerFile, Several, SourceFile};
+use places::{Place, Refused};
 use serde::Deserialize;
+use std::iter::once;
 use std::path;
 use surface::SurfaceFile;
 
@@ -127,7 +138,10 @@ fn parse(text: &str, files: &Attached, chain: &Chain) -> Result<Scene, SceneErro
     // Some editors put a byte-order mark before the text.
     let text = text.trim_start_matches('\u{feff}');
     let error = match options().from_str::<SceneFile>(text) {
-        Ok(file) => return file.scene(files),
+        Ok(file) => {
+            let scene = file.scene(files);
+            return scene.map_err(|refused| refused.in_text(text, files));
+        }
         Err(error) => error,
     };
     if !base_scene::has_base(text, &error.code) {
@@ -141,7 +155,7 @@ fn parse(text: &str, files: &Attached, chain: &Chain) -> Result<Scene, SceneErro
 
 fn from_ron(files: &Attached, text: &str, error: &ron::error::SpannedError) -> SceneError {
     let start = error.span.start;
-    let message = match (&error.code, hints::about_shape(text, error)) {
+    let message = match (&error.code, hints::about_part(text, error)) {
         (_, Some(hint)) => hint,
         (ron::Error::ExceededRecursionLimit, _) => "shapes are nested too deeply here".to_owned(),
         (code, None) => code.to_string(),
@@ -165,136 +179,55 @@ struct SceneFile {
     #[serde(default)]
     name: Name,
     surfaces: Vec<SurfaceFile>,
-    source: SourceFile,
-    listener: ListenerFile<FixedRadius>,
-}
-
-#[derive(Deserialize)]
-#[serde(rename = "Source", deny_unknown_fields)]
-struct SourceFile {
     #[serde(default)]
-    position: Option<Point>,
+    materials: Materials,
     #[serde(default)]
-    path: Option<PathFile>,
-}
-
-/// A listener, whose radius is `R`: it may be left out where a base has one.
-#[derive(Deserialize)]
-#[serde(
-    rename = "Listener",
-    deny_unknown_fields,
-    bound = "R: Deserialize<'de>"
-)]
-struct ListenerFile<R> {
+    air: Option<AirFile>,
     #[serde(default)]
-    position: Option<Point>,
+    source: Option<SourceFile>,
     #[serde(default)]
-    yaw: Option<Degrees>,
+    sources: Option<Several<SourceFile>>,
     #[serde(default)]
-    pitch: Option<Degrees>,
-    radius: R,
+    listener: Option<ListenerFile<FixedRadius>>,
     #[serde(default)]
-    path: Option<PathFile>,
-}
-
-#[derive(Deserialize)]
-#[serde(rename = "Key", deny_unknown_fields)]
-struct KeyFile {
-    time: Finite,
-    position: Point,
-    #[serde(default)]
-    yaw: Degrees,
-    #[serde(default)]
-    pitch: Degrees,
-}
-
-/// Keys whose times strictly increase.
-#[derive(Default, Deserialize)]
-#[serde(try_from = "Vec<KeyFile>")]
-struct PathFile(Path);
-
-impl PathFile {
-    fn path(&self) -> Path {
-        self.0.clone()
-    }
-}
-
-impl TryFrom<Vec<KeyFile>> for PathFile {
-    type Error = String;
-    fn try_from(keys: Vec<KeyFile>) -> Result<PathFile, String> {
-        let keys = keys.iter().map(Key::from).collect();
-        match Path::new(keys) {
-            Some(path) => Ok(PathFile(path)),
-            None => Err("the times of a path's keys must increase".to_owned()),
-        }
-    }
-}
-
-impl From<&KeyFile> for Key {
-    fn from(key: &KeyFile) -> Key {
-        Key {
-            time: key.time.0,
-            position: key.position.0,
-            yaw: key.yaw.0,
-            pitch: key.pitch.0,
-        }
-    }
+    listeners: Option<Several<ListenerFile<FixedRadius>>>,
 }
 
 impl SceneFile {
     /// The scene, with the files that it names.
-    fn scene(self, files: &Attached) -> Result<Scene, SceneError> {
+    fn scene(self, files: &Attached) -> Result<Scene, Refused> {
+        let sources = Several::needed(self.source, self.sources)?;
+        let listeners = Several::needed(self.listener, self.listeners)?;
         let surfaces = self.surfaces.into_iter();
-        let surfaces: Result<_, _> = surfaces.map(|s| s.read(files)).collect();
-        let mut source = Source::at(Vec3::ZERO);
-        self.source.change(&mut source);
-        let mut listener = Listener::at(Vec3::ZERO, self.listener.radius.0);
-        self.listener.change(&mut listener);
-        Ok(Scene {
-            name: self.name.0,
-            surfaces: surfaces?,
-            source,
-            listener,
-        })
+        let surfaces: Result<_, SceneError> = surfaces.map(|s| s.read(files)).collect();
+        let (source, further_sources) = sources.read(SourceFile::read);
+        let (listener, further_listeners) = listeners.read(ListenerFile::read);
+        let mut scene = Scene::new(self.name.0, surfaces?, source, listener);
+        scene.further_sources = further_sources;
+        scene.further_listeners = further_listeners;
+        scene.materials = self.materials.0;
+        scene.air = self.air.map(|air| air.change(None));
+        check_materials(&scene)?;
+        Ok(scene)
     }
 }
 
-impl SourceFile {
-    /// Puts a source where the file says: without a position it is where its path begins.
-    /// A source that is put somewhere has no path but the one said with it.
-    fn change(&self, source: &mut Source) {
-        if self.position.is_none() && self.path.is_none() {
-            return;
-        }
-        source.path = self.path.as_ref().map(PathFile::path).unwrap_or_default();
-        let start = source.path.at(0.0).map(|key| key.position);
-        let position = self.position.map(|point| point.0).or(start);
-        source.position = position.unwrap_or(source.position);
-    }
-}
-
-impl<R: Copy + Into<Option<FixedRadius>>> ListenerFile<R> {
-    /// Puts a listener where the file says: without a position it stands and looks as its path
-    /// begins. A listener that is put somewhere has no path but the one said with it.
-    fn change(&self, listener: &mut Listener) {
-        if let Some(radius) = self.radius.into() {
-            listener.radius = radius.0;
-        }
-        let [yaw, pitch] = [self.yaw, self.pitch];
-        if self.position.is_none() && self.path.is_none() && yaw.is_none() && pitch.is_none() {
-            return;
-        }
-        listener.path = self.path.as_ref().map(PathFile::path).unwrap_or_default();
-        match (self.position, listener.path.at(0.0)) {
-            (None, Some(key)) => {
-                listener.position = key.position;
-                (listener.yaw, listener.pitch) = (key.yaw, key.pitch);
+/// Every material that a surface or a wall names is there, and the walls are those of a room.
+fn check_materials(scene: &Scene) -> Result<(), Refused> {
+    for (surface, of) in scene.surfaces.iter().enumerate() {
+        let walls = of.walls.iter().enumerate();
+        let walls = walls.map(|(wall, name)| (Some(wall), name));
+        for (wall, name) in once((None, &of.material)).chain(walls) {
+            let Some(name) = name else {
+                continue;
+            };
+            let place = Place::Material { surface, wall };
+            if wall.is_some() && !of.has_walls() {
+                return Err(Refused::At(place, NOT_A_ROOM.to_owned()));
             }
-            (position, _) => {
-                listener.position = position.map_or(listener.position, |point| point.0);
-                listener.yaw = yaw.map_or(listener.yaw, |angle| angle.0);
-                listener.pitch = pitch.map_or(listener.pitch, |angle| angle.0);
-            }
+            let found = scene.find_material(name);
+            found.map_err(|why| Refused::At(place, why))?;
         }
     }
+    Ok(())
 }

@@ -4,9 +4,13 @@
 //! of the file, so that there is one notation.
 
 use super::SceneFile;
+use crate::bands::BAND_COUNT;
 use crate::scene::notation::{Attached, Fields, Form, Written};
 use crate::scene::shape::form_of;
-use crate::scene::{Driver, Listener, Motion, Path, Quantity, Scene, Shape, Source, Surface};
+use crate::scene::{
+    Air, Driver, Listener, Material, Motion, Path, Quantity, Scene, Shape, Source, Surface,
+    WALL_NAMES,
+};
 use glam::{EulerRot, Quat, Vec3};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de, ser};
 use std::collections::BTreeMap;
@@ -35,8 +39,20 @@ impl Serialize for Scene {
         }
         let surfaces = self.surfaces.iter().map(surface).collect();
         fields.push(("surfaces", Written::List(surfaces)));
-        fields.push(("source", source(&self.source)));
-        fields.push(("listener", listener(&self.listener)));
+        if !self.materials.is_empty() {
+            let materials = self.materials.iter();
+            let materials = materials.map(|(name, of)| (name.clone(), material(of)));
+            fields.push(("materials", Written::Map(materials.collect())));
+        }
+        fields.extend(self.air.map(|of| ("air", air(of))));
+        fields.push(match self.further_sources.is_empty() {
+            true => ("source", source(&self.source)),
+            false => ("sources", sources(self)),
+        });
+        fields.push(match self.further_listeners.is_empty() {
+            true => ("listener", listener(&self.listener)),
+            false => ("listeners", listeners(self)),
+        });
         Written::Struct("Scene", fields).serialize(serializer)
     }
 }
@@ -46,25 +62,68 @@ impl<'de> Deserialize<'de> for Scene {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Scene, D::Error> {
         let file = SceneFile::deserialize(deserializer)?;
         let files = Attached::in_folder("the scene", std::path::Path::new(""));
-        let scene = file.scene(&files).map_err(de::Error::custom)?;
+        let scene = file.scene(&files);
+        let scene = scene.map_err(|refused| de::Error::custom(refused.without_place()))?;
         scene.check().map_err(de::Error::custom)?;
         Ok(scene)
     }
 }
 
+/// All sources, in order.
+pub(super) fn sources(of: &Scene) -> Written {
+    Written::List(of.sources().map(source).collect())
+}
+
+/// All listeners, in order.
+pub(super) fn listeners(of: &Scene) -> Written {
+    Written::List(of.listeners().map(listener).collect())
+}
+
+fn material(of: &Material) -> Written {
+    let parts = [("absorption", of.absorption), ("scattering", of.scattering)];
+    let said = parts
+        .into_iter()
+        .filter(|(_, bands)| *bands != [0.0; BAND_COUNT]);
+    let written = said.map(|(part, bands)| match bands == [bands[0]; BAND_COUNT] {
+        true => (part, Written::Real(bands[0])),
+        false => (part, Written::List(bands.map(Written::Real).to_vec())),
+    });
+    Written::Struct("Material", written.collect())
+}
+
+fn air(of: Air) -> Written {
+    let fields = vec![
+        ("temperature", Written::Real(of.temperature)),
+        ("humidity", Written::Real(of.humidity)),
+        ("pressure", Written::Real(of.pressure)),
+    ];
+    Written::Struct("Air", fields)
+}
+
+/// The name of something, if it has one.
+fn named(name: &Option<String>) -> Fields {
+    let name = name.iter().cloned();
+    name.map(|name| ("name", Written::Text(name))).collect()
+}
+
 fn source(of: &Source) -> Written {
-    let mut fields = vec![("position", point(of.position))];
+    let mut fields = named(&of.name);
+    if of.level_db != 0.0 {
+        fields.push(("level_db", Written::Number(of.level_db)));
+    }
+    fields.push(("position", point(of.position)));
     fields.extend(path(&of.path));
     Written::Struct("Source", fields)
 }
 
 fn listener(of: &Listener) -> Written {
-    let mut fields = vec![
+    let mut fields = named(&of.name);
+    fields.extend([
         ("position", point(of.position)),
         ("yaw", degrees(of.yaw)),
         ("pitch", degrees(of.pitch)),
         ("radius", Written::Number(of.radius)),
-    ];
+    ]);
     fields.extend(path(&of.path));
     Written::Struct("Listener", fields)
 }
@@ -75,7 +134,7 @@ fn path(of: &Path) -> Option<(&'static str, Written)> {
     }
     let keys = of.keys().iter().map(|key| {
         let fields = vec![
-            ("time", Written::Seconds(key.time)),
+            ("time", Written::Real(key.time)),
             ("position", point(key.position)),
             ("yaw", degrees(key.yaw)),
             ("pitch", degrees(key.pitch)),
@@ -88,10 +147,7 @@ fn path(of: &Path) -> Option<(&'static str, Written)> {
 fn surface(of: &Surface) -> Written {
     let mut drivers = of.drivers.iter();
     let turning = drivers.any(|driver| driver.parameter.starts_with("rotation."));
-    let mut fields = Fields::new();
-    if let Some(name) = &of.name {
-        fields.push(("name", Written::Text(name.clone())));
-    }
+    let mut fields = named(&of.name);
     fields.push(("shape", node(&of.shape, "", &of.drivers)));
     let position = of.position.to_array();
     fields.push(("position", along_axes(position, "position", &of.drivers)));
@@ -104,6 +160,13 @@ fn surface(of: &Surface) -> Written {
     }
     if of.dynamic_rotation && !turning {
         fields.push(("turns", Written::Flag(true)));
+    }
+    let material = of.material.iter().cloned();
+    fields.extend(material.map(|name| ("material", Written::Text(name))));
+    if of.walls.iter().any(Option::is_some) {
+        let walls = WALL_NAMES.into_iter().zip(&of.walls);
+        let named = walls.filter_map(|(wall, name)| Some((wall, Written::Text(name.clone()?))));
+        fields.push(("walls", Written::Struct("Walls", named.collect())));
     }
     Written::Struct("Surface", fields)
 }
@@ -239,14 +302,21 @@ mod tests {
     }
 
     fn assert_same(read: &Scene, written: &Scene) {
-        assert_eq!((&read.name, &read.source), (&written.name, &written.source));
-        assert_eq!(read.listener, written.listener);
+        let bare = |scene: &Scene| Scene {
+            surfaces: Vec::new(),
+            ..scene.clone()
+        };
+        assert_eq!(bare(read), bare(written));
         assert_eq!(read.surfaces.len(), written.surfaces.len());
         let mut random = Random(5);
         for (read, written) in read.surfaces.iter().zip(&written.surfaces) {
             assert_eq!(
                 (&read.name, read.position),
                 (&written.name, written.position)
+            );
+            assert_eq!(
+                (&read.material, &read.walls),
+                (&written.material, &written.walls)
             );
             assert_eq!(read.drivers.len(), written.drivers.len());
             for driver in &written.drivers {
@@ -291,8 +361,12 @@ mod tests {
                 Surface(shape: Cylinder(radius: 0.5, height: Value("tall", 2), axis: X),
                     position: (0, 9, 0)),
                 Surface(shape: Prism(corners: [(0, 0), (1, 0), (0, Value("up", 1))], depth: 1),
-                    position: (0, -9, 0)),
+                    position: (0, -9, 0), material: "tiles"),
+                Surface(shape: Room(size: (90, 90, 90)), material: "brick",
+                    walls: (floor: "carpet", back: "tiles")),
             ],
+            materials: {"tiles": Material(absorption: 0.015, scattering: 0.1)},
+            air: Air(temperature: 7.3),
             source: Source(path: [Key(time: 0, position: (0, 0, 5)), Key(time: 1, position: (1, 0, 5), yaw: 90)]),
             listener: Listener(position: (0, 0, -5), yaw: 33, pitch: -7, radius: 0.3),
         )"#;

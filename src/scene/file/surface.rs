@@ -1,5 +1,6 @@
 //! One surface of a scene file.
 
+use super::material::WallsFile;
 use crate::scene::notation::{Angle, Attached, Metres, Name, ReadNumbers, Reader, Vector};
 use crate::scene::shape::ShapeFile;
 use crate::scene::{SceneError, Surface};
@@ -19,6 +20,10 @@ pub(super) struct SurfaceFile {
     rotation: Vector<Angle>,
     #[serde(default)]
     turns: bool,
+    #[serde(default)]
+    material: Option<Name>,
+    #[serde(default)]
+    walls: Option<WallsFile>,
 }
 
 impl SurfaceFile {
@@ -40,6 +45,8 @@ impl SurfaceFile {
             dynamic_rotation: self.turns || turning,
             angles: if turning { angles } else { Vec3::ZERO },
             drivers: reader.into_drivers(),
+            material: self.material.map(|name| name.0),
+            walls: self.walls.map(WallsFile::names).unwrap_or_default(),
         })
     }
 }

@@ -1,9 +1,12 @@
 //! Scene files with a base, written.
 
 use super::base_scene::{ValueFile, base_beside};
+use super::serialise::{listeners, sources};
 use super::{folder_of, options, text_of};
-use crate::scene::{BUILTIN_NAMES, SceneError};
+use crate::scene::notation::Written;
+use crate::scene::{BUILTIN_NAMES, Scene, SceneError};
 use glam::Vec3;
+use ron::ser::PrettyConfig;
 use ron::value::RawValue;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -14,11 +17,35 @@ use std::path::{Component, Path, PathBuf};
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct BasedScene {
     base: String,
-    /// These three as they stand in the file.
-    name: Option<String>,
-    source: Option<String>,
-    listener: Option<String>,
+    /// Each field but the values, as it stands in the file.
+    fields: BTreeMap<Field, String>,
     values: BTreeMap<String, f32>,
+}
+
+/// A field of a scene file with a base, in the order in which they are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Field {
+    Name,
+    Materials,
+    Air,
+    Source,
+    Sources,
+    Listener,
+    Listeners,
+}
+
+impl Field {
+    fn name(self) -> &'static str {
+        match self {
+            Field::Name => "name",
+            Field::Materials => "materials",
+            Field::Air => "air",
+            Field::Source => "source",
+            Field::Sources => "sources",
+            Field::Listener => "listener",
+            Field::Listeners => "listeners",
+        }
+    }
 }
 
 /// What a scene file with a base says.
@@ -29,11 +56,55 @@ struct Parts<'a> {
     #[serde(borrow, default)]
     name: Option<&'a RawValue>,
     #[serde(borrow, default)]
+    materials: Option<&'a RawValue>,
+    #[serde(borrow, default)]
+    air: Option<&'a RawValue>,
+    #[serde(borrow, default)]
     source: Option<&'a RawValue>,
     #[serde(borrow, default)]
+    sources: Option<&'a RawValue>,
+    #[serde(borrow, default)]
     listener: Option<&'a RawValue>,
+    #[serde(borrow, default)]
+    listeners: Option<&'a RawValue>,
     #[serde(default)]
     values: Vec<ValueFile>,
+}
+
+impl Parts<'_> {
+    /// What is said, as it stands in the file.
+    fn fields(&self) -> BTreeMap<Field, String> {
+        let all = [
+            (Field::Name, self.name),
+            (Field::Materials, self.materials),
+            (Field::Air, self.air),
+            (Field::Source, self.source),
+            (Field::Sources, self.sources),
+            (Field::Listener, self.listener),
+            (Field::Listeners, self.listeners),
+        ];
+        let said = all.into_iter();
+        said.filter_map(|(field, value)| Some((field, value?.trim().to_string())))
+            .collect()
+    }
+}
+
+/// What a source keeps wherever it is put.
+#[derive(Default, Deserialize)]
+#[serde(rename = "Source")]
+struct KeptSource<'a> {
+    #[serde(borrow, default)]
+    name: Option<&'a RawValue>,
+    #[serde(borrow, default)]
+    level_db: Option<&'a RawValue>,
+}
+
+/// What a listener keeps wherever it is put.
+#[derive(Default, Deserialize)]
+#[serde(rename = "Listener")]
+struct KeptListener<'a> {
+    #[serde(borrow, default)]
+    name: Option<&'a RawValue>,
 }
 
 impl BasedScene {
@@ -56,34 +127,57 @@ impl BasedScene {
         let Ok(parts) = options().from_str::<Parts>(&text) else {
             return Ok(on(relative(folder, path)?));
         };
+        let fields = parts.fields();
         let base = match base_beside(path, &parts.base) {
             Some(file) => relative(folder, &file)?,
             None => parts.base,
         };
-        let as_said = |part: Option<&RawValue>| part.map(|part| part.trim().to_string());
         Ok(BasedScene {
             base,
-            name: as_said(parts.name),
-            source: as_said(parts.source),
-            listener: as_said(parts.listener),
+            fields,
             values: parts.values.into_iter().map(ValueFile::pair).collect(),
         })
     }
 
-    /// Puts the source at a place in metres, where it stands still.
-    pub fn put_source(&mut self, position: Vec3) {
-        self.source = Some(format!("Source(position: {})", point(position)));
+    /// Puts the first source where that of a scene is, whose other sources are those of this file;
+    /// it stands still there.
+    pub fn put_source(&mut self, scene: &Scene) {
+        if let Some(list) = self.fields.get_mut(&Field::Sources) {
+            *list = in_ron(&sources(scene));
+            return;
+        }
+        let kept: KeptSource = self.said(Field::Source);
+        let kept = again([("name", kept.name), ("level_db", kept.level_db)]);
+        let position = point(scene.source.position);
+        let text = format!("Source({kept}position: {position})");
+        self.fields.insert(Field::Source, text);
     }
 
-    /// Puts the listener where this one stands and looks, without a path.
-    pub fn put_listener(&mut self, listener: &crate::scene::Listener) {
-        self.listener = Some(format!(
-            "Listener(position: {}, yaw: {}, pitch: {}, radius: {})",
+    /// Puts the first listener where that of a scene stands and looks, without a path; the other
+    /// listeners of the scene are those of this file.
+    pub fn put_listener(&mut self, scene: &Scene) {
+        if let Some(list) = self.fields.get_mut(&Field::Listeners) {
+            *list = in_ron(&listeners(scene));
+            return;
+        }
+        let kept: KeptListener = self.said(Field::Listener);
+        let kept = again([("name", kept.name)]);
+        let listener = &scene.listener;
+        let text = format!(
+            "Listener({kept}position: {}, yaw: {}, pitch: {}, radius: {})",
             point(listener.position),
             listener.yaw.to_degrees(),
             listener.pitch.to_degrees(),
             listener.radius
-        ));
+        );
+        self.fields.insert(Field::Listener, text);
+    }
+
+    /// What the file says in a field; nothing where it says nothing, and the base's stands.
+    fn said<'a, T: Deserialize<'a> + Default>(&'a self, field: Field) -> T {
+        let said = self.fields.get(&field).map_or("()", String::as_str);
+        // What was read before has this form.
+        options().from_str(said).unwrap_or_default()
     }
 
     /// Sets a named value in the unit of the base's file.
@@ -99,15 +193,8 @@ impl BasedScene {
             let _ = writeln!(text, "// {line}");
         }
         let _ = writeln!(text, "Scene(\n    base: {},", quoted(&self.base));
-        let parts = [
-            ("name", &self.name),
-            ("source", &self.source),
-            ("listener", &self.listener),
-        ];
-        for (field, value) in parts {
-            if let Some(value) = value {
-                let _ = writeln!(text, "    {field}: {value},");
-            }
+        for (field, value) in &self.fields {
+            let _ = writeln!(text, "    {}: {value},", field.name());
         }
         if !self.values.is_empty() {
             text.push_str("    values: [\n");
@@ -123,6 +210,28 @@ impl BasedScene {
 
 fn point(p: Vec3) -> String {
     format!("({}, {}, {})", p.x, p.y, p.z)
+}
+
+/// Fields as they were said, each with a comma behind it.
+fn again<const N: usize>(fields: [(&str, Option<&RawValue>); N]) -> String {
+    let said = fields.into_iter().filter_map(|(field, value)| {
+        let value = value?.trim();
+        Some(format!("{field}: {value}, "))
+    });
+    said.collect()
+}
+
+/// A list as a scene file says it, in one line.
+fn in_ron(list: &Written) -> String {
+    let notation = PrettyConfig::new()
+        .struct_names(true)
+        .compact_structs(true)
+        .compact_arrays(true)
+        .separate_tuple_members(false);
+    // Writing to a string never fails.
+    options()
+        .to_string_pretty(list, notation)
+        .unwrap_or_default()
 }
 
 /// A string in RON, which has the escapes of Rust.

@@ -10,7 +10,8 @@ use serde::ser::{
 #[derive(Clone, Debug)]
 pub(crate) enum Written {
     Number(f32),
-    Seconds(f64),
+    /// A number of 64 bits.
+    Real(f64),
     Count(u32),
     Flag(bool),
     Text(String),
@@ -22,6 +23,8 @@ pub(crate) enum Written {
     Keys(Vec<(f64, f32)>),
     /// A number that follows a named value, and where it is.
     Named(String, f32),
+    /// Texts and what they stand for: `{"name": …}`.
+    Map(Vec<(String, Written)>),
     /// A name of the notation, and what stands behind it.
     Struct(&'static str, Fields),
     /// The name of a shape or an operator.
@@ -39,7 +42,7 @@ impl Serialize for Written {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
         match self {
             Written::Number(value) => to.serialize_f32(*value),
-            Written::Seconds(value) => to.serialize_f64(*value),
+            Written::Real(value) => to.serialize_f64(*value),
             Written::Count(value) => to.serialize_u32(*value),
             Written::Flag(value) => to.serialize_bool(*value),
             Written::Text(value) => to.serialize_str(value),
@@ -57,6 +60,10 @@ impl Serialize for Written {
                 variant.serialize_field(name)?;
                 variant.serialize_field(value)?;
                 variant.end()
+            }
+            Written::Map(entries) => {
+                let entries = entries.iter();
+                to.collect_map(entries.map(|(key, value)| (key, value)))
             }
             Written::Struct(name, fields) => {
                 let mut all = to.serialize_struct(name, fields.len())?;

@@ -1,5 +1,7 @@
 //! Frames and the text of passes, where a test needs what callers do not have.
 
+mod arrivals;
+mod arrivals_energy;
 mod field_waves;
 mod foreign_contexts;
 mod gpu_against_cpu;

@@ -1,10 +1,11 @@
 //! The passes of a frame, and the textures that they draw to.
 
+use super::super::limits::check_waves;
 use super::super::sum::Sum;
 use super::super::waves::STATUS_DEAD;
-use super::super::{Grid, TraceError};
+use super::super::{Grid, Settings, TraceError};
 use super::Tracer;
-use super::prepared::{EVALUATIONS_PER_DRAW, FramePrograms, PreparedFrame};
+use super::prepared::{EVALUATIONS_PER_DRAW, FramePrograms, PreparedFrame, set_direction_uniforms};
 use crate::error::Error;
 use crate::gpu::{
     Context, GpuError, PingPong, Program, RenderTarget, Target, Texture, full_screen_pass_rows,
@@ -67,6 +68,35 @@ impl Tracer {
         frame.set_start_uniforms(initialise);
         let target = self.pairs()?.current();
         self.draw(initialise, frame.grid, target, 1, 0..frame.grid.height)
+    }
+
+    /// The start directions of the waves, in order: unit vectors, world axes. Of `settings` the
+    /// waves, the seed and the directions count.
+    ///
+    /// # Errors
+    /// As [`Tracer::frame`].
+    pub(crate) fn start_directions(&mut self, settings: &Settings) -> Result<Vec<Vec3>, Error> {
+        settings.validate()?;
+        let _entered = self.context.enter()?;
+        self.aside(|tracer| {
+            let grid = Grid::new(settings.waves);
+            check_waves(&tracer.context, grid)?;
+            let initialise = {
+                let programs = &mut tracer.shared.borrow_mut().programs;
+                programs.initialise(&tracer.context, settings.directions)?
+            };
+            // The textures are no frame's now.
+            if tracer.frame_marching_for().is_some() {
+                tracer.give_up();
+            }
+            tracer.make_room(settings, true)?;
+            set_direction_uniforms(&initialise, settings, grid);
+            let target = tracer.pairs()?.current();
+            tracer.draw(&initialise, grid, target, 1, 0..grid.height)?;
+            let [_, directions] = tracer.read_pair()?;
+            let texels = directions.as_chunks::<4>().0.iter();
+            Ok(texels.map(|[x, y, z, _]| Vec3::new(*x, *y, *z)).collect())
+        })
     }
 
     /// What the initialise pass does, for directions that are given.
@@ -155,7 +185,7 @@ impl Tracer {
     }
 
     /// Draws some rows of one pass in bands, of so many evaluations a wave at the most.
-    fn draw(
+    pub(super) fn draw(
         &self,
         program: &Program,
         grid: Grid,

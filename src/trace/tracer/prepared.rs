@@ -117,11 +117,9 @@ impl PreparedFrame {
 
     /// Sets the uniforms of what starts the waves.
     pub fn set_start_uniforms(&self, program: &Program) {
-        set_grid(program, self.grid);
+        set_direction_uniforms(program, &self.settings, self.grid);
         program.set_vec3("uSource", self.uniforms.source);
         program.set_f32("uStartStatus", self.uniforms.start_status);
-        program.set_u32("uSeed", self.settings.seed);
-        program.set_vec4("uTurn", Vec4::from(random_turn(self.settings.seed)));
     }
 
     /// Sets the uniforms of the march that are the same for all iterations. Those that the
@@ -207,6 +205,13 @@ fn start_status(scene: &Scene, settings: &Settings, rebased: &RebasedScene) -> f
         true => STATUS_DEAD,
         false => STATUS_STARTED,
     }
+}
+
+/// Sets the uniforms that start directions depend on.
+pub(super) fn set_direction_uniforms(program: &Program, settings: &Settings, grid: Grid) {
+    set_grid(program, grid);
+    program.set_u32("uSeed", settings.seed);
+    program.set_vec4("uTurn", Vec4::from(random_turn(settings.seed)));
 }
 
 fn set_grid(program: &Program, grid: Grid) {

@@ -1,10 +1,11 @@
-//! The grammar of scene files: every shape, operator and driver from text to data, and what is
-//! refused, where.
+//! The grammar of scene files: every shape, operator and driver from text to data, what is
+//! said of sound, and what is refused, where.
 
 mod files;
 mod motion;
 mod refusals;
 mod shapes;
+mod sound;
 
 use echomarch::{Scene, Shape};
 

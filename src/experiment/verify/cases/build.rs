@@ -6,12 +6,7 @@ use glam::{DVec3, Vec3};
 
 /// A scene of these surfaces.
 pub fn scene(name: &str, surfaces: Vec<Surface>, source: Vec3, listener: Listener) -> Scene {
-    Scene {
-        name: name.to_owned(),
-        surfaces,
-        source: Source::at(source),
-        listener,
-    }
+    Scene::new(name, surfaces, Source::at(source), listener)
 }
 
 /// The room of the thesis: 30 x 20 x 30 m about the origin.

@@ -242,6 +242,21 @@ impl Repeat {
         })
     }
 
+    /// Where the copies that can be the nearest see the point `p`, in their own axes.
+    pub(crate) fn places(&self, child: &Shape, p: DVec3) -> Vec<DVec3> {
+        let copies = self.copies(child).unwrap_or([Copies::Own; 3]);
+        let period = self.period.as_dvec3();
+        let along = |axis: usize| offsets(p[axis], period[axis], self.count[axis], copies[axis]);
+        let (xs, ys, zs) = (along(0), along(1), along(2));
+        let mut places = Vec::with_capacity(xs.len() * ys.len() * zs.len());
+        for x in &xs {
+            for y in &ys {
+                places.extend(zs.iter().map(|z| DVec3::new(*x, *y, *z)));
+            }
+        }
+        places
+    }
+
     /// The copies that are evaluated along x, y and z.
     ///
     /// # Errors

@@ -1,7 +1,13 @@
 //! Checks of a scene: errors where it cannot be traced, warnings where it is odd.
 
-use super::{Motion, Scene, SceneError, Surface};
+mod sound;
+mod warnings;
+
+pub(super) use sound::{LEVELS, MOST_PLACED, NOT_A_ROOM, twice};
+pub use warnings::Warning;
+
 use crate::scene::shape::LARGEST;
+use crate::scene::{Motion, Scene, SceneError, Surface};
 use glam::Vec3;
 use std::fmt;
 
@@ -14,80 +20,6 @@ const MOST_WORK_BETWEEN: usize = 300_000;
 
 /// Frames between keys that are looked at, at the most: a minute and a half.
 const MOST_BETWEEN: usize = 2700;
-
-/// Something odd that still runs.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum Warning {
-    /// The source is in a solid: no wave gets out.
-    SourceInsideSurface {
-        /// Which surface.
-        surface: String,
-        /// How deep, in metres.
-        depth: f32,
-    },
-    /// The source is within the listener's sphere: every wave arrives at once.
-    SourceInsideListener {
-        /// Distance of the source from the listener's centre, in metres.
-        distance: f32,
-        /// Radius of the listener, in metres.
-        radius: f32,
-    },
-    /// The centre of the listener is in a solid.
-    ListenerInsideSurface {
-        /// Which surface.
-        surface: String,
-        /// How deep, in metres.
-        depth: f32,
-    },
-    /// A user's field without air or without a solid in its box, by its samples.
-    OneSided {
-        /// Which surface.
-        surface: String,
-        /// The field's file.
-        file: String,
-        /// Whether it is solid everywhere; else it is nowhere.
-        solid: bool,
-    },
-}
-
-impl fmt::Display for Warning {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Warning::SourceInsideSurface { surface, depth } => {
-                write!(
-                    f,
-                    "the source is {depth} m inside {surface}: no wave gets out"
-                )
-            }
-            Warning::SourceInsideListener { distance, radius } => write!(
-                f,
-                "the source is {distance} m from the listener's centre, inside its sphere of {radius} m: every wave arrives at once"
-            ),
-            Warning::ListenerInsideSurface { surface, depth } => {
-                write!(
-                    f,
-                    "the listener's centre is {depth} m inside {surface}: few waves can reach it"
-                )
-            }
-            Warning::OneSided {
-                surface,
-                file,
-                solid,
-            } => {
-                let (all, sign) = if *solid {
-                    ("solid", "negative")
-                } else {
-                    ("air", "positive")
-                };
-                write!(
-                    f,
-                    "{surface}: {file} is all {all}: its value is {sign} at every sample in its box"
-                )
-            }
-        }
-    }
-}
 
 impl Scene {
     /// [`Scene::validate_moving`], and every field as [`Shape::check`](super::Shape::check) does: some
@@ -128,23 +60,7 @@ impl Scene {
         for (index, surface) in self.surfaces.iter().enumerate() {
             self.validate_surface(&surface.label(index), surface)?;
         }
-        self.finite("the source's position", self.source.position)?;
-        self.finite("the listener's position", self.listener.position)?;
-        let gaze = Vec3::new(self.listener.yaw, self.listener.pitch, 0.0);
-        self.finite("the listener's yaw and pitch", gaze)?;
-        self.positive("the listener's radius in metres", self.listener.radius)?;
-        for key in self
-            .source
-            .path
-            .keys()
-            .iter()
-            .chain(self.listener.path.keys())
-        {
-            self.finite("a path's position", key.position)?;
-            let turn_and_time = Vec3::new(key.yaw, key.pitch, key.time as f32);
-            self.finite("a path's yaw, pitch and time", turn_and_time)?;
-        }
-        Ok(())
+        self.validate_sound()
     }
 
     /// [`Scene::validate`], and each surface at every time of its key frames, and at the
@@ -192,47 +108,6 @@ impl Scene {
             }
         }
         Ok(())
-    }
-
-    /// What is odd about the scene as it stands, although it can be traced.
-    pub fn warnings(&self) -> Vec<Warning> {
-        let mut warnings = Vec::new();
-        let distance = self.source.position.distance(self.listener.position);
-        if let Some((surface, depth)) = self.solid_at(self.source.position) {
-            warnings.push(Warning::SourceInsideSurface { surface, depth });
-        } else if distance < self.listener.radius {
-            let radius = self.listener.radius;
-            warnings.push(Warning::SourceInsideListener { distance, radius });
-        }
-        if let Some((surface, depth)) = self.solid_at(self.listener.position) {
-            warnings.push(Warning::ListenerInsideSurface { surface, depth });
-        }
-        for (index, surface) in self.surfaces.iter().enumerate() {
-            let nodes = surface.shape.nodes();
-            for user in nodes.iter().filter_map(|node| node.node.user()) {
-                let Some(samples) = user.samples() else {
-                    continue;
-                };
-                let solid = samples.values.iter().all(|value| *value < 0.0);
-                if solid || samples.values.iter().all(|value| *value > 0.0) {
-                    warnings.push(Warning::OneSided {
-                        surface: surface.label(index),
-                        file: user.file.display().to_string(),
-                        solid,
-                    });
-                }
-            }
-        }
-        warnings
-    }
-
-    fn solid_at(&self, point: Vec3) -> Option<(String, f32)> {
-        let nearest = self.surface_distance(point);
-        if nearest.distance >= 0.0 || nearest.object == 0 {
-            return None;
-        }
-        let index = nearest.object as usize - 1;
-        Some((self.surfaces[index].label(index), -nearest.distance))
     }
 
     fn validate_surface(&self, label: &str, surface: &Surface) -> Result<(), SceneError> {
@@ -340,15 +215,15 @@ mod tests {
     use crate::scene::shape::{Cuboid, Room, Sphere};
     use crate::scene::{Listener, Node, Source};
 
-    fn room() -> Scene {
-        Scene {
-            name: "test".into(),
-            surfaces: vec![Surface::new(Node::Room(Room {
+    pub(super) fn room() -> Scene {
+        Scene::new(
+            "test",
+            vec![Surface::new(Node::Room(Room {
                 size: Vec3::splat(10.0),
             }))],
-            source: Source::at(Vec3::X * 3.0),
-            listener: Listener::at(Vec3::ZERO, 1.0),
-        }
+            Source::at(Vec3::X * 3.0),
+            Listener::at(Vec3::ZERO, 1.0),
+        )
     }
 
     /// Protects the refusal of numbers that would poison a shader.
@@ -372,25 +247,5 @@ mod tests {
             spoil(&mut scene);
             assert!(scene.validate().is_err(), "case {index}");
         }
-    }
-
-    /// Protects the warnings: they name the surface and do not refuse.
-    #[test]
-    fn odd_places_are_warned_of() {
-        let mut scene = room();
-        assert_eq!(scene.warnings(), vec![]);
-        scene.source.position.x = 6.0;
-        assert!(matches!(&scene.warnings()[..],
-            [Warning::SourceInsideSurface { surface, depth }] if surface == "surface 1 (Room)" && *depth == 1.0));
-        // Within both nothing arrives at all: only the solid is told.
-        scene.listener.position.x = 5.5;
-        assert_eq!(scene.warnings().len(), 2);
-        scene.listener.position.x = 0.0;
-        scene.source.position.x = 0.5;
-        assert!(matches!(
-            scene.warnings()[..],
-            [Warning::SourceInsideListener { .. }]
-        ));
-        assert!(scene.validate().is_ok());
     }
 }

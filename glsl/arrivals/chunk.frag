@@ -1,0 +1,115 @@
+// A pass over the waves of a block: takes each through a chunk of iterations, and writes where it
+// stands then, a tally, and records of its crossings of the listener.
+//
+//   first texture:   position x, y, z in metres, status
+//   second texture:  direction x, y, z, metres flown from the source (rounded)
+//   tally:           metres flown in the chunk as whole sixteenths and rest, crossings + 1024 * fate,
+//                    the first word of events
+//   words:           four more words of events, where there are materials
+//   each record:     metres from the chunk's start to the middle of the chord; iteration +
+//                    chord * uChordScale, with the sign of the direction's z; direction x, y
+//
+// A wave with more crossings than there are records is drawn once more, as one of a list, with
+// those that are recorded passed over.
+
+uniform highp sampler2D uOrigins;      // the waves at the chunk's start
+uniform highp sampler2D uDirections;
+uniform highp sampler2D uList;         // number in the block or -1, crossings to pass over
+uniform bool uIsListed;
+uniform bool uIsStart;                 // the waves are at the source
+uniform uint uFirstWave;               // of the block
+uniform int uIterationsInChunk;
+
+layout(location = 0) out vec4 outOrigin;
+layout(location = 1) out vec4 outDirection;
+layout(location = 2) out vec4 outTally;
+
+const float CROSSINGS = 1024.0;   // more than a chunk has
+
+float fate(float status) {
+    return status >= 0.1 ? 0.0 : -status;
+}
+
+#if EVENT_BITS > 0
+// 30 bits in a float that is none of those that may change on their way (NaN, subnormal): bits 29
+// and 30 of its exponent are 1 and 0, and the sign is one bit of the word.
+float inFloat(uint bits) {
+    return uintBitsToFloat(0x20000000u | (bits & 0x1FFFFFFFu) | ((bits & 0x20000000u) << 2u));
+}
+
+void prepareEvents(uint wave) {
+    copyMaterials();
+#if SCATTERS
+    waveNumber = wave;
+    // Not the numbers by which waves start.
+    scatterSeed = uSeed ^ 0x5CA77E2Du;
+    startIteration = uStartIteration;
+    materialCount = uMaterialCount;
+#endif
+}
+#else
+void prepareEvents(uint wave) {}
+#endif
+
+void main() {
+    copyUniforms();
+    copySettings();
+    lengthLimit = uLengthLimit;
+    chordScale = uChordScale;
+    ivec2 texel = ivec2(gl_FragCoord.xy);
+    uint number = waveIndex();
+    bool exists = true;
+    if (uIsListed) {
+        vec4 entry = texelFetch(uList, texel, 0);
+        exists = entry.x >= 0.0;
+        number = uint(max(entry.x, 0.0));
+        texel = ivec2(number % uGridWidth, number / uGridWidth);
+        passedOver = entry.y;
+    }
+    uint wave = uFirstWave + number;
+    vec4 origin;
+    vec4 direction;
+    if (uIsStart) {
+        startWave(wave, origin, direction);
+    } else {
+        origin = texelFetch(uOrigins, texel, 0);
+        direction = texelFetch(uDirections, texel, 0);
+    }
+    exists = exists && wave < uWaveCount;
+    vec3 p = origin.xyz;
+    vec3 d = direction.xyz;
+    float status = exists ? origin.w : STATUS_DEAD;
+    startLength = direction.w;
+    int iterations = uIterationsInChunk;
+    prepareEvents(wave);
+#if EVENT_BITS > 0
+    int done = 0;
+    for (int word = 0; word < WORDS; ++word) {
+        if (status < 0.1 || done >= iterations) {
+            break;
+        }
+        uint events = 0u;
+        uint unit = 1u;
+        for (int place = 0; place < EVENTS_IN_WORD; ++place) {
+            if (status < 0.1 || done >= iterations) {
+                break;
+            }
+            events += unit * flyOn(float(done), p, d, status);
+            unit <<= uint(EVENT_BITS);
+            ++done;
+        }
+        keepWord(word, inFloat(events));
+    }
+#else
+    for (int i = 0; i < iterations; ++i) {
+        if (status < 0.1) {
+            break;
+        }
+        flyOn(float(i), p, d, status);
+    }
+#endif
+    outOrigin = vec4(p, status);
+    outDirection = vec4(d, startLength + (sixteenths + rest));
+    outTally = vec4(sixteenths, rest, crossings + CROSSINGS * fate(status), firstWord());
+    writeOutputs();
+}

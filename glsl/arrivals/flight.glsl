@@ -1,0 +1,85 @@
+// One iteration of a wave that the listener does not stop, and the record of its crossing.
+
+const float STATUS_GIVEN_UP = -2.0;   // a march reached its step limit: followed no more
+const float STATUS_OVER = -3.0;       // has flown as far as is asked for
+
+uniform float uLengthLimit;   // metres from the source after which a wave is followed no more
+uniform float uChordScale;    // 1 / (4 listener radii): of a chord it makes at most a half
+
+float lengthLimit = 0.0;
+float chordScale = 0.0;
+float startLength = 0.0;   // metres flown before the chunk, rounded
+float passedOver = 0.0;    // crossings that are recorded elsewhere
+#if SCATTERS
+uniform uint uStartIteration;   // iterations before the chunk
+uniform float uMaterialCount;
+
+uint waveNumber = 0u;
+uint scatterSeed = 0u;
+uint startIteration = 0u;
+float materialCount = 0.0;
+#endif
+
+// Metres flown in the chunk: whole sixteenths, and what is beyond them. Sixteenths add up exactly
+// (to 2^20 m), and the rests stay so small that rounding takes 1e-7 m from each at the most. (Of
+// one sum in floats it would take 3e-5 m from each flight behind 512 m.)
+float sixteenths = 0.0;
+float rest = 0.0;
+float crossings = 0.0;   // in the chunk
+
+void addLength(float t) {
+    float whole = floor(16.0 * t) * 0.0625;
+    sixteenths += whole;
+    rest += t - whole;
+}
+
+// Records where the flight from p along d, t long, crosses the listener. (A wave that begins or
+// ends within crosses as much of it as it flies through.)
+void crossListener(vec3 p, vec3 d, float t, float iteration) {
+    vec3 offset = p - listener.xyz;
+    float along = dot(offset, d);
+    vec3 aside = offset - along * d;
+    float halfChord = sqrt(max(squaredListenerRadius - dot(aside, aside), 0.0));
+    float enters = max(-along - halfChord, 0.0);
+    float leaves = min(halfChord - along, t);
+    bool crosses = leaves > enters;
+    // The third component of the direction is known from the others, but for its sign.
+    float share = iteration + (leaves - enters) * chordScale;
+    float middle = sixteenths + (rest + 0.5 * (enters + leaves));
+    vec4 record = vec4(middle, d.z < 0.0 ? -share : share, d.xy);
+    keepRecord(crosses ? crossings - passedOver : -1.0, record);
+    crossings += crosses ? 1.0 : 0.0;
+}
+
+// Takes the wave to the next surface and mirrors or scatters it there. What happens to its energy
+// is told by the event (src/kernel/materials.rs).
+uint flyOn(float iteration, inout vec3 p, inout vec3 d, inout float status) {
+    float object;
+    float t = fly(p, d, status, object);
+    bool givenUp = t < 0.0;
+    bool met = !givenUp && t < maxDistance;
+    crossListener(p, d, t, iteration);
+    vec3 onto = p;
+    vec3 reflected = d;
+    reflectWave(object, t, onto, reflected);
+    uint event = 0u;
+#if EVENT_BITS > 0
+    vec3 turned = reflected - d;
+    float material = materialAt(object, turned);
+    float number = floor(material);
+#if SCATTERS
+    uvec3 bits = mixBits(uvec3(waveNumber, scatterSeed, startIteration + uint(iteration)));
+    bool isScattered = unitInterval(bits.x) < 2.0 * (material - number);
+    vec3 anywhere = scattered(turned, reflected, bits);
+    reflected = isScattered ? anywhere : reflected;
+    number += isScattered ? materialCount : 0.0;
+#endif
+    event = met ? uint(number) : 0u;
+#endif
+    addLength(met ? t : 0.0);
+    p = met ? onto : p;
+    d = met ? reflected : d;
+    bool over = startLength + sixteenths > lengthLimit;
+    status = met ? (over ? STATUS_OVER : object) : givenUp ? STATUS_GIVEN_UP : STATUS_DEAD;
+    return event;
+}

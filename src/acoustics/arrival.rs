@@ -1,0 +1,40 @@
+//! What arrives at a listener: crossings of its sphere by waves, and exact taps.
+
+use crate::bands::Bands;
+use glam::DVec3;
+
+/// One crossing of the listener's sphere by one wave.
+///
+/// The listener is transparent. A crossing is one sample of the energy density at the listener:
+/// its expectation over the waves is the mean of the density over the sphere's open volume
+/// (M. Vorländer, *Auralization*, 2008, section 11.3: detectors with a volume).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Arrival {
+    /// The wave's number.
+    pub wave: u32,
+    /// Whether the wave was mirrored alone, and no oftener than the exact paths go: then such a
+    /// path stands for it.
+    pub order_is_early: bool,
+    /// Metres flown from the source to the middle of the chord through the sphere. The middle is
+    /// the place next to the sphere's centre, so that for mirrored waves this is the length of
+    /// the path to the centre, but for b² / 2 l (b: how far the wave passes the centre, l: metres
+    /// from the source's image).
+    pub length_m: f64,
+    /// Direction of flight: a unit vector, world axes.
+    pub direction: DVec3,
+    /// This crossing's share of the energy density for a source of unit power, over the speed of
+    /// sound, in 1/m²: reflectances × chord ÷ (open volume of the sphere × waves). Without air.
+    pub energy: Bands,
+}
+
+/// Sound that arrives at one instant, known exactly: the direct sound, or an early echo.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tap {
+    /// Seconds from the source's impulse.
+    pub seconds: f64,
+    /// Energy density for a source of unit power, over the speed of sound, in 1/m², with all
+    /// losses: 1 / (4π r²) for the direct sound at r metres in still, lossless air.
+    pub energy: Bands,
+    /// Direction of flight at the listener: a unit vector, world axes.
+    pub direction: DVec3,
+}

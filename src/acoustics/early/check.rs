@@ -1,0 +1,91 @@
+//! Whether a stationary path is one that sound takes.
+//!
+//! Rules for what arithmetic cannot decide, with *touch* = 10⁴ roundings of the scene, some 10⁻⁹
+//! of its extent:
+//! - A point up to *touch* beyond the edge of a face is on the face.
+//! - A reflection at less than [`GRAZING`] to the surface is none: the path cannot be told from
+//!   the one that goes straight on.
+//! - A segment is free if nothing is met on it before *touch* of its end; the surface that it
+//!   ends on may be met earlier by *touch* ÷ cosine, as its distance is measured along the segment.
+//! - Two points closer than *touch* lie in an edge: between them the wave has the direction
+//!   that mirroring gives.
+
+use super::NoPath;
+use super::surfaces::Surfaces;
+use crate::reference::ExactScene;
+use glam::DVec3;
+
+/// Least cosine between a wave and a surface's normal: at it rounding along the wave is 10⁶
+/// times that across the surface, 10⁻⁷ of the scene's extent.
+const GRAZING: f64 = 1e-6;
+
+/// A path to check: `points` from source to listener, and for each reflection between them the
+/// surface's number and its unit normal into the air.
+pub(super) struct Checked<'a> {
+    pub points: &'a [DVec3],
+    pub surfaces: &'a [u32],
+    pub normals: &'a [DVec3],
+}
+
+impl Checked<'_> {
+    /// # Errors
+    /// Why sound does not take the path.
+    pub fn is_taken(&self, exact: &ExactScene, surfaces: &Surfaces) -> Result<(), NoPath> {
+        let inner = self.surfaces.iter().zip(&self.points[1..]);
+        for (surface, point) in inner {
+            if !surfaces.has(*surface, *point) {
+                return Err(NoPath::OffSurface);
+            }
+        }
+        let directions = self.directions(surfaces.touch);
+        for (i, normal) in self.normals.iter().enumerate() {
+            let (to, from) = (directions[i].dot(*normal), directions[i + 1].dot(*normal));
+            if to > -GRAZING || from < GRAZING {
+                return Err(NoPath::NotFromTheAir);
+            }
+        }
+        let is_free = |(i, d): (usize, &DVec3)| self.is_free(exact, surfaces.touch, i, *d);
+        match directions.iter().enumerate().all(is_free) {
+            true => Ok(()),
+            false => Err(NoPath::Blocked),
+        }
+    }
+
+    /// The unit vectors of flight, one for each segment.
+    fn directions(&self, touch: f64) -> Vec<DVec3> {
+        let mut all: Vec<DVec3> = Vec::with_capacity(self.normals.len() + 1);
+        for (i, pair) in self.points.windows(2).enumerate() {
+            let offset = pair[1] - pair[0];
+            let mirrored = match all.last() {
+                Some(d) => *d - self.normals[i - 1] * (2.0 * d.dot(self.normals[i - 1])),
+                None => DVec3::ZERO,
+            };
+            let is_long = offset.length() > touch;
+            all.push(if is_long {
+                offset.normalize()
+            } else {
+                mirrored
+            });
+        }
+        all
+    }
+
+    fn is_free(&self, exact: &ExactScene, touch: f64, segment: usize, direction: DVec3) -> bool {
+        let (from, to) = (self.points[segment], self.points[segment + 1]);
+        let length = from.distance(to);
+        if length <= touch {
+            return true;
+        }
+        let left = segment.checked_sub(1);
+        let leaving = left.map(|i| (self.surfaces[i], self.normals[i]));
+        let Some(hit) = exact.first_surface(from, direction, leaving, length) else {
+            return true;
+        };
+        let is_end = self.surfaces.get(segment) == Some(&hit.object);
+        let slack = match is_end {
+            true => touch / direction.dot(self.normals[segment]).abs(),
+            false => touch,
+        };
+        hit.t >= length - slack
+    }
+}

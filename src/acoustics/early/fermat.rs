@@ -1,0 +1,266 @@
+//! Fermat's principle: a path is specular where its length is stationary among all that touch
+//! the same surfaces in the same order.
+//!
+//! Length L(x₁ … x_k) = Σ |x_{i+1} − x_i| between fixed ends, subject to f_i(x_i) = 0. With unit
+//! vectors u_i of the segments, its gradient at x_i is u_{i−1} − u_i; it must be a multiple −λ_i
+//! of the normal n_i, λ_i = −(u_{i−1} − u_i)·n_i. Newton's step solves, in coordinates t_i of the
+//! tangent planes, Tᵀ W T δ = −Tᵀ ∇L with the second derivatives of L + Σ λ_i f_i,
+//! - W_ii = P_{i−1}/d_{i−1} + P_i/d_i + λ_i B_i, where P = I − u uᵀ and B_i = ∇²f_i/|∇f_i|,
+//! - W_{i,i+1} = −P_i/d_i,
+//!
+//! and then sets the points back onto their surfaces (Absil, Mahony and Sepulchre, *Optimization
+//! Algorithms on Matrix Manifolds*, 2008, chapter 6: so it converges quadratically). The
+//! path may be a minimum, a maximum or a saddle: what must fall is |Tᵀ∇L|, the tangential
+//! difference of two unit vectors. Where the step does not let it fall, and where the matrix
+//! is singular (a focus), Levenberg's and Marquardt's step takes its place.
+
+use super::linear::Matrix;
+use super::sheet::{Osculation, Sheet, outer};
+use glam::{DMat3, DVec3};
+
+/// Why there is no stationary path.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct NotConverged;
+
+/// Largest tangential difference of the unit vectors before and after a reflection that counts as
+/// specular, in radians; one more step follows and squares it. A thousand times the rounding of
+/// directions between points that are a thousandth of the scene apart.
+const SPECULAR: f64 = 1e-10;
+
+/// The same at a sheet that is known by differences, whose normals are good to some 10⁻¹⁰.
+const SPECULAR_BY_DIFFERENCES: f64 = 1e-8;
+
+/// Steps at the most. From a wave that passed close by it takes three to six; a focus some
+/// twenty.
+const STEPS: usize = 60;
+
+/// Halvings of a step at the most, and tenfold growths of Marquardt's number.
+const TRIES: usize = 12;
+
+/// A step goes no further than this share of the shorter segment beside its point, and turns the
+/// normal by no more than so many radians: beyond, second derivatives say nothing.
+const TRUST: f64 = 0.5;
+
+/// Two consecutive points closer than this share of the path are a corner, not a path.
+const SHORTEST_SEGMENT: f64 = 1e-13;
+
+/// Newton steps that set a point onto its sheet, and the error at which they end, as a share
+/// of the coordinate's size.
+const LANDING_STEPS: usize = 8;
+const LANDED: f64 = 4.0 * f64::EPSILON;
+
+/// A path between fixed ends by way of sheets.
+pub(super) struct Chain<'a> {
+    pub source: DVec3,
+    pub listener: DVec3,
+    pub sheets: &'a [Sheet<'a>],
+}
+
+/// Points on their sheets with what Newton's step needs.
+#[derive(Clone)]
+struct State {
+    points: Vec<DVec3>,
+    near: Vec<Osculation>,
+    tangents: Vec<[DVec3; 2]>,
+    /// Unit vectors and lengths of the segments.
+    segments: Vec<(DVec3, f64)>,
+    /// Tangential parts of ∇L, two for each point.
+    slope: Vec<f64>,
+}
+
+impl Chain<'_> {
+    /// The points of a specular path that is found from `points`.
+    ///
+    /// # Errors
+    /// [`NotConverged`] if none is found.
+    pub fn solve(&self, points: &[DVec3]) -> Result<Vec<DVec3>, NotConverged> {
+        let mut state = self.state(points.to_vec()).ok_or(NotConverged)?;
+        let by_differences = self.sheets.iter().any(Sheet::is_differenced);
+        let enough = match by_differences {
+            true => SPECULAR_BY_DIFFERENCES,
+            false => SPECULAR,
+        };
+        for _ in 0..STEPS {
+            if state.error() <= enough {
+                return Ok(self.polished(state).points);
+            }
+            state = self.better(&state).ok_or(NotConverged)?;
+        }
+        Err(NotConverged)
+    }
+
+    /// One more step, if it helps.
+    fn polished(&self, state: State) -> State {
+        let step = state.newton_step();
+        let next = step.and_then(|step| self.moved(&state, &step, 1.0));
+        match next {
+            Some(next) if next.merit() < state.merit() => next,
+            _ => state,
+        }
+    }
+
+    fn better(&self, state: &State) -> Option<State> {
+        /// The least fall of a merit, for the share of a step that is taken (Armijo).
+        const LEAST_FALL: f64 = 1e-4;
+        if let Some(step) = state.newton_step() {
+            let mut share = state.trusted(&step);
+            for _ in 0..TRIES {
+                let next = self.moved(state, &step, share);
+                let most = state.merit() * (1.0 - LEAST_FALL * share);
+                if let Some(next) = next.filter(|next| next.merit() <= most) {
+                    return Some(next);
+                }
+                share *= 0.5;
+            }
+        }
+        self.damped(state)
+    }
+
+    fn damped(&self, state: &State) -> Option<State> {
+        /// Marquardt's number at first, as a share of the matrix' largest number squared.
+        const FIRST: f64 = 1e-8;
+        let matrix = state.matrix();
+        let right: Vec<f64> = matrix.times(&state.slope).iter().map(|x| -x).collect();
+        let mut more = FIRST * matrix.largest().powi(2);
+        for _ in 0..TRIES {
+            let step = matrix.squared_plus(more).solve(right.clone());
+            let next = step.and_then(|step| self.moved(state, &step, state.trusted(&step)));
+            if let Some(next) = next.filter(|next| next.merit() < state.merit()) {
+                return Some(next);
+            }
+            more *= 10.0;
+        }
+        None
+    }
+
+    fn moved(&self, state: &State, step: &[f64], share: f64) -> Option<State> {
+        let moved = state.points.iter().enumerate().map(|(i, point)| {
+            let [a, b] = state.tangents[i];
+            *point + (a * step[2 * i] + b * step[2 * i + 1]) * share
+        });
+        self.state(moved.collect())
+    }
+
+    /// Sets points onto their sheets; `None` where they have no normal, or two are one.
+    fn state(&self, mut points: Vec<DVec3>) -> Option<State> {
+        let mut near = Vec::with_capacity(points.len());
+        for (point, sheet) in points.iter_mut().zip(self.sheets) {
+            near.push(land(sheet, point)?);
+        }
+        let all: Vec<DVec3> = [self.source]
+            .into_iter()
+            .chain(points.iter().copied())
+            .chain([self.listener])
+            .collect();
+        let offsets: Vec<DVec3> = all.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let total: f64 = offsets.iter().map(|offset| offset.length()).sum();
+        let mut segments = Vec::with_capacity(offsets.len());
+        for offset in offsets {
+            let length = offset.length();
+            if length.is_nan() || length <= SHORTEST_SEGMENT * total {
+                return None;
+            }
+            segments.push((offset / length, length));
+        }
+        let tangents: Vec<_> = near
+            .iter()
+            .map(|at| at.normal.any_orthonormal_pair().into())
+            .collect();
+        let slope = tangents
+            .iter()
+            .enumerate()
+            .flat_map(|(i, pair): (usize, &[DVec3; 2])| {
+                let turn = segments[i].0 - segments[i + 1].0;
+                pair.map(|tangent| tangent.dot(turn))
+            });
+        let slope = slope.collect();
+        Some(State {
+            points,
+            near,
+            tangents,
+            segments,
+            slope,
+        })
+    }
+}
+
+/// Moves a point along normals onto its sheet, and says what is there.
+fn land(sheet: &Sheet, point: &mut DVec3) -> Option<Osculation> {
+    let mut at = sheet.at(*point)?;
+    for _ in 0..LANDING_STEPS {
+        if at.distance.abs() <= LANDED * point.abs().max_element() {
+            break;
+        }
+        *point -= at.normal * at.distance;
+        at = sheet.at(*point)?;
+    }
+    Some(at)
+}
+
+impl State {
+    /// Half the squared length of the tangential slope.
+    fn merit(&self) -> f64 {
+        0.5 * self.slope.iter().map(|x| x * x).sum::<f64>()
+    }
+
+    /// The largest angle by which a reflection is not specular, in radians.
+    fn error(&self) -> f64 {
+        self.slope.iter().fold(0.0, |most, x| x.abs().max(most))
+    }
+
+    fn newton_step(&self) -> Option<Vec<f64>> {
+        let right = self.slope.iter().map(|x| -x).collect();
+        self.matrix().solve(right)
+    }
+
+    /// The share of a step that can be trusted.
+    fn trusted(&self, step: &[f64]) -> f64 {
+        let mut share: f64 = 1.0;
+        for (i, at) in self.near.iter().enumerate() {
+            let [a, b] = self.tangents[i];
+            let offset = a * step[2 * i] + b * step[2 * i + 1];
+            let length = offset.length();
+            let shorter = self.segments[i].1.min(self.segments[i + 1].1);
+            let turn = (at.bend * offset).length();
+            if length > 0.0 && !at.bend.abs_diff_eq(DMat3::ZERO, 0.0) {
+                share = share.min(TRUST * shorter / length);
+            }
+            if turn > 0.0 {
+                share = share.min(TRUST / turn);
+            }
+        }
+        share
+    }
+
+    /// Tᵀ W T.
+    fn matrix(&self) -> Matrix {
+        let count = self.points.len();
+        let across: Vec<DMat3> = self.segments.iter().map(across).collect();
+        let mut matrix = Matrix::zero(2 * count);
+        for i in 0..count {
+            let at = self.near[i];
+            let turn = self.segments[i].0 - self.segments[i + 1].0;
+            let multiplier = -turn.dot(at.normal);
+            let own = across[i] + across[i + 1] + at.bend * multiplier;
+            self.fill(&mut matrix, (i, i), own);
+            if i + 1 < count {
+                self.fill(&mut matrix, (i, i + 1), -across[i + 1]);
+                self.fill(&mut matrix, (i + 1, i), -across[i + 1]);
+            }
+        }
+        matrix
+    }
+
+    fn fill(&self, matrix: &mut Matrix, (i, j): (usize, usize), block: DMat3) {
+        for (row, left) in self.tangents[i].iter().enumerate() {
+            for (column, right) in self.tangents[j].iter().enumerate() {
+                *matrix.at_mut(2 * i + row, 2 * j + column) = left.dot(block * *right);
+            }
+        }
+    }
+}
+
+/// (I − u uᵀ) ÷ length of a segment.
+fn across((unit, length): &(DVec3, f64)) -> DMat3 {
+    (DMat3::IDENTITY - outer(*unit, *unit)) * length.recip()
+}

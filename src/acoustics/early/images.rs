@@ -1,0 +1,38 @@
+//! Paths by way of planes: mirror images of the source (Allen and Berkley, *Image method for
+//! efficiently simulating small-room acoustics*, JASA 65, 1979).
+
+use super::sheet::{Form, Sheet};
+use glam::DVec3;
+
+/// How far a point may lie beyond the ends of its segment, as a share of it: in an edge two
+/// points of a path are one, and rounding decides which comes first.
+const BEYOND: f64 = 1e-12;
+
+/// The points at which the line from source to listener is mirrored at all sheets, in order;
+/// `None` if they are not all planes, or the line to an image does not cross its plane.
+pub(super) fn points(source: DVec3, listener: DVec3, sheets: &[Sheet]) -> Option<Vec<DVec3>> {
+    let plane = |sheet: &Sheet| match sheet.form {
+        Form::Flat { normal, offset } => Some((normal, offset)),
+        _ => None,
+    };
+    let planes: Vec<(DVec3, f64)> = sheets.iter().map(plane).collect::<Option<_>>()?;
+    let mut images = vec![source];
+    for (normal, offset) in &planes {
+        let last = *images.last()?;
+        images.push(last - *normal * (2.0 * (last.dot(*normal) - offset)));
+    }
+    let mut points = vec![DVec3::ZERO; planes.len()];
+    let mut seen_from = listener;
+    for (i, (normal, offset)) in planes.iter().enumerate().rev() {
+        let image = images[i + 1];
+        let here = seen_from.dot(*normal) - offset;
+        let there = image.dot(*normal) - offset;
+        let share = here / (here - there);
+        if !(-BEYOND..=1.0 + BEYOND).contains(&share) {
+            return None;
+        }
+        seen_from += (image - seen_from) * share.clamp(0.0, 1.0);
+        points[i] = seen_from;
+    }
+    Some(points)
+}

@@ -1,0 +1,52 @@
+//! What the waves have missed, estimated from what they have found.
+//!
+//! A path is found if one of the waves that pass by the listener belongs to it, and each such
+//! wave belongs to it with a probability p in proportion to the energy that it brings without
+//! absorption. Good (*The population frequencies of species*, Biometrika 40, 1953, after Turing):
+//! of n waves that found paths, f₁ found one that no other wave found; then the paths that none
+//! found have together a probability of about f₁/n. Chao (*Nonparametric estimation of the
+//! number of classes in a population*, 1984, in its form without bias): they are at least some
+//! f₁ (f₁ − 1) / (2 (f₂ + 1)), f₂ those found by two. Where most paths are weak, as off balls and
+//! pillars, they are many more; the first estimate, of their energy, does not suffer from that.
+//!
+//! What no wave can find is not in it: paths at users' fields, and those beyond the order that
+//! waves were followed to.
+
+/// How much of the early part the waves have missed.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct Missed {
+    /// Waves that found a path.
+    pub waves: u64,
+    /// Paths that exactly one wave found.
+    pub found_once: u64,
+    /// Paths that exactly two waves found.
+    pub found_twice: u64,
+}
+
+impl Missed {
+    /// From how many waves found each path.
+    pub(super) fn of(found_by: impl Iterator<Item = u32>) -> Missed {
+        let mut missed = Missed::default();
+        for count in found_by {
+            missed.waves += u64::from(count);
+            missed.found_once += u64::from(count == 1);
+            missed.found_twice += u64::from(count == 2);
+        }
+        missed
+    }
+
+    /// The share, 0 to 1, that missed paths have of the energy of all paths without absorption;
+    /// also the probability that the next wave to pass by finds a new path. `None` when no
+    /// wave found any. Its standard deviation is about
+    /// √(f₁ + 2 f₂) / n (Good 1953, with f₂ the paths that two waves found).
+    pub fn energy_share(&self) -> Option<f64> {
+        (self.waves > 0).then(|| self.found_once as f64 / self.waves as f64)
+    }
+
+    /// How many paths were missed at the least.
+    pub fn paths(&self) -> f64 {
+        let once = self.found_once as f64;
+        once * (once - 1.0).max(0.0) / (2.0 * (self.found_twice as f64 + 1.0))
+    }
+}

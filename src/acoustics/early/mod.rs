@@ -1,0 +1,178 @@
+//! The early part of an impulse response exactly: specular paths from point to point.
+//!
+//! Waves that were followed from the source say which sequences of surfaces there are; for each
+//! the path itself is found, so that delay and energy do not depend on the number of waves.
+//!
+//! # Finding a path
+//! A sequence of planes has at most one path, by mirror images of the source
+//! (Allen and Berkley 1979), in closed form. All others are solved for by Newton's method on
+//! Fermat's condition, from the places where the wave was mirrored. Each surface is taken as the
+//! smooth *sheet* that the wave has met: planes, quadrics (balls, cylinders, cones, ellipsoids,
+//! patches of a height field …) and rings have derivatives in closed form, also moved, turned,
+//! scaled, repeated, cut, grown; what blends, twists, bends or morphs has differences of its
+//! value. Of users' GLSL fields the CPU knows samples alone: what is mirrored at them is reported
+//! as [`NoPath::NotExact`], and its waves stay statistics.
+//!
+//! Sound takes a stationary path only if its points lie on the surfaces themselves, within their
+//! edges; if each reflection comes from the air; and if nothing is in the way (users' fields by
+//! their samples). What arithmetic cannot decide has a rule in `check.rs`.
+//!
+//! What becomes of a wave that arrived is its [outcome](Found::outcomes): one that found a path is
+//! replaced by it; one whose surfaces are not exact stays what it is; all others passed through
+//! the listener's sphere, but no path leads to its centre.
+//!
+//! # Spreading
+//! A source of power 1 gives the listener the energy density 1/(4π A) in 1/m², where A is the
+//! area of the wave front per solid angle of the start, by ray differentials (Igehy 1999) with
+//! the curvatures of the surfaces. Off planes A is the squared length.
+//!
+//! # Foci
+//! Where a mirror gathers a front A can be 0, and the density at a point infinite. A listener
+//! of radius r catches less: if all waves pass through its centre, their chords are 2r, and the
+//! density in it 2r / (4/3 π r³) = 3/(2π r²). A path whose front says more than that is marked as
+//! a focus, [`SpecularPath::is_focus`]; its spreading is no more than this bound times the share of
+//! all waves that found it. At a perfect focus a whole area of the mirror has the same
+//! length; all of that is one path with one of its points. Where the energy itself matters, take
+//! it from the waves that found a focus.
+//!
+//! # What the waves have missed
+//! See [`Missed`].
+
+mod candidates;
+mod check;
+mod differences;
+mod fermat;
+mod find;
+mod images;
+mod leaves;
+mod linear;
+mod missed;
+mod paths;
+mod sheet;
+mod spreading;
+mod surfaces;
+#[cfg(test)]
+mod tests;
+mod tree;
+
+pub use candidates::{Candidate, Candidates};
+pub use find::Found;
+pub use missed::Missed;
+pub use paths::SpecularPath;
+pub use surfaces::Vertex;
+
+use crate::reference::ExactScene;
+use crate::scene::{Scene, SceneError};
+use glam::{DVec3, Vec3};
+use surfaces::Surfaces;
+
+/// The surfaces of a scene as mirrors, to find paths among.
+///
+/// ```
+/// use echomarch::acoustics::early::{EarlyPaths, Ends};
+/// use echomarch::{Scene, glam::Vec3};
+/// let scene = Scene::builtin("shoebox")?;
+/// let early = EarlyPaths::new(&scene)?;
+/// let ends = Ends::of(&scene);
+/// let along_axes = [Vec3::X, Vec3::Y, Vec3::Z].into_iter().flat_map(|axis| [axis, -axis]);
+/// let waves: Vec<Vec3> = along_axes.collect();
+/// let candidates = early.candidates(&ends, &waves, 1, f64::INFINITY);
+/// let found = early.find(&ends, &candidates);
+/// // The direct sound, and one echo from each wall.
+/// assert_eq!(found.paths.len(), 7);
+/// # Ok::<(), echomarch::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct EarlyPaths {
+    exact: ExactScene,
+    surfaces: Surfaces,
+}
+
+/// Where paths begin and end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ends {
+    /// World position of the source in metres.
+    pub source: DVec3,
+    /// World position of the listener's centre in metres.
+    pub listener: DVec3,
+    /// Radius of the listener's sphere in metres, greater than 0: it bounds what a focus can
+    /// bring.
+    pub radius_m: f64,
+}
+
+/// Why a candidate has no path.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum NoPath {
+    /// A surface of it is known by samples alone (a user's field): its waves stay statistics.
+    NotExact,
+    /// No path over these surfaces is stationary, or none was found from the wave's.
+    NotStationary,
+    /// The path would be mirrored beyond the edge of a surface.
+    OffSurface,
+    /// The path would come to a surface from within the solid, or graze it.
+    NotFromTheAir,
+    /// Something is in the way.
+    Blocked,
+}
+
+impl Ends {
+    /// Source and listener of a scene.
+    pub fn of(scene: &Scene) -> Ends {
+        Ends {
+            source: scene.source.position.as_dvec3(),
+            listener: scene.listener.position.as_dvec3(),
+            radius_m: scene.listener.radius.into(),
+        }
+    }
+}
+
+impl EarlyPaths {
+    /// Takes over the surfaces of `scene`, as it stands (paths are not followed: see
+    /// [`Scene::at`]).
+    ///
+    /// # Errors
+    /// [`SceneError`] as from [`Scene::validate`].
+    pub fn new(scene: &Scene) -> Result<EarlyPaths, SceneError> {
+        let exact = ExactScene::new(scene)?;
+        let surfaces = Surfaces::new(scene, exact.rounding());
+        Ok(EarlyPaths { exact, surfaces })
+    }
+
+    /// Follows waves from the source along `directions` (of any length but 0) through the
+    /// listener, for at most `order` reflections. Each flight that comes within `reach_m` metres of
+    /// the listener's centre is a candidate; the index of a wave is that of its direction.
+    ///
+    /// With the listener's radius candidates are the waves that it catches, and [`Missed`]
+    /// speaks of their energy. A greater reach finds more paths with the same waves: in a room of
+    /// planes take ∞, for candidates of one sequence cost nothing there.
+    ///
+    /// On the threads of rayon's pool; the result does not depend on their number. Cost: as
+    /// [`ExactScene::trace_all`]. Marched fields take a thousand times as long as the basic
+    /// shapes: with them follow only waves that are known to arrive.
+    pub fn candidates(
+        &self,
+        ends: &Ends,
+        directions: &[Vec3],
+        order: u32,
+        reach_m: f64,
+    ) -> Candidates {
+        candidates::follow_all(&self.exact, ends, directions, order, reach_m)
+    }
+
+    /// Whether all of these reflections are at planes, so that a path over them is found whatever
+    /// wave named them.
+    pub fn are_flat(&self, vertices: &[Vertex]) -> bool {
+        let sheets = vertices.iter().map(|vertex| self.surfaces.sheet(vertex));
+        sheets
+            .into_iter()
+            .all(|sheet| sheet.is_ok_and(|sheet| sheet.is_flat()))
+    }
+
+    /// The paths of all candidates, and the direct sound where nothing is in its way.
+    ///
+    /// On the threads of rayon's pool; the result does not depend on their number.
+    pub fn find(&self, ends: &Ends, candidates: &Candidates) -> Found {
+        find::find(&self.exact, &self.surfaces, ends, candidates)
+    }
+}

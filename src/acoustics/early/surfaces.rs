@@ -1,0 +1,139 @@
+//! The surfaces of a scene, and which sheet of them lies where.
+
+use super::differences::Differenced;
+use super::sheet::{Frame, Sheet};
+use super::tree::{Search, Way};
+use crate::scene::{Scene, Shape, Surface};
+use glam::{DMat3, DQuat, DVec3};
+
+/// A place where a wave met a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Vertex {
+    /// World position in metres, on the surface.
+    pub point: DVec3,
+    /// Unit vector in world axes, out of the solid into the air.
+    pub normal: DVec3,
+    /// The number of the surface, from 1 in the scene's order.
+    pub surface: u32,
+}
+
+/// The surfaces of a scene in `f64`.
+#[derive(Clone, Debug)]
+pub(super) struct Surfaces {
+    surfaces: Vec<(Shape, Frame)>,
+    /// Metres off a surface that count as on it.
+    pub touch: f64,
+    /// The largest coordinate of the scene in metres.
+    largest: f64,
+}
+
+/// Units of the scene's rounding that still count as on a surface: solutions of Newton's method
+/// and hits of marched fields are off by some tens of them, and what lies closer to an edge
+/// cannot be told from it anyway. In a scene of 100 m this is 0.1 µm.
+const TOUCH_IN_ROUNDINGS: f64 = 1e4;
+
+/// A value that small, as a share of what counts as on the surface, is as good as 0.
+const SETTLED: f64 = 1e-2;
+
+/// What cannot be mirrored exactly: its value is known at samples alone.
+pub(super) struct NotExact;
+
+impl Surfaces {
+    /// Those of `scene`, in which `rounding` metres count as rounding.
+    pub fn new(scene: &Scene, rounding: f64) -> Surfaces {
+        let placed = |surface: &Surface| (surface.shape.clone(), frame(surface));
+        let surfaces: Vec<_> = scene.surfaces.iter().map(placed).collect();
+        let ends = [scene.source.position, scene.listener.position];
+        let reach = |surface: &Surface| {
+            surface.position.as_dvec3().abs().max_element() + surface.shape.extent()
+        };
+        let reaches = scene.surfaces.iter().map(reach);
+        let far = ends.map(|end| end.as_dvec3().abs().max_element());
+        Surfaces {
+            surfaces,
+            touch: TOUCH_IN_ROUNDINGS * rounding,
+            largest: reaches.chain(far).fold(0.0, f64::max),
+        }
+    }
+
+    /// The sheet that was met at `vertex`: of those that have the surface there the one whose
+    /// normal is nearest to the vertex's.
+    ///
+    /// # Errors
+    /// [`NotExact`] for what is known by samples alone, and for a number without a surface.
+    pub fn sheet(&self, vertex: &Vertex) -> Result<Sheet<'_>, NotExact> {
+        let index = (vertex.surface as usize).checked_sub(1).ok_or(NotExact)?;
+        let (shape, frame) = self.surfaces.get(index).ok_or(NotExact)?;
+        let mut search = Search {
+            point: vertex.point,
+            touch: self.touch,
+            largest: self.largest,
+            found: Vec::new(),
+            is_sampled: false,
+        };
+        let way = Way {
+            frame: *frame,
+            level: 0.0,
+            sign: 1.0,
+            id: vertex.surface.into(),
+        };
+        search.descend(shape, way);
+        if search.is_sampled {
+            return Err(NotExact);
+        }
+        let alike = |sheet: &Sheet| {
+            let normal = sheet.at(vertex.point).map(|at| at.normal);
+            normal.map_or(f64::NEG_INFINITY, |normal| normal.dot(vertex.normal))
+        };
+        let found = search.found.into_iter();
+        let best = found.max_by(|a, b| alike(a).total_cmp(&alike(b)));
+        best.ok_or(NotExact)
+    }
+
+    /// The place on the surface with this number next to a world point, by steps along the
+    /// gradient of its value; `None` where they lead nowhere.
+    pub fn onto(&self, surface: u32, point: DVec3) -> Option<Vertex> {
+        /// Newton's steps at the most: next to a surface three are enough.
+        const STEPS: usize = 16;
+        let (shape, frame) = self.surfaces.get((surface as usize).checked_sub(1)?)?;
+        let value = Differenced::new(shape, 0.0, self.largest);
+        let mut p = frame.place(point);
+        for _ in 0..STEPS {
+            let at = value.derivatives(p);
+            let squared = at.gradient.length_squared();
+            if squared == 0.0 || !squared.is_finite() {
+                return None;
+            }
+            if at.value.abs() <= SETTLED * self.touch {
+                let back = frame.turn.transpose();
+                return Some(Vertex {
+                    point: back * (p - frame.shift),
+                    normal: back * at.gradient.normalize(),
+                    surface,
+                });
+            }
+            p -= at.gradient * (at.value / squared);
+        }
+        None
+    }
+
+    /// Whether a world point lies on the surface with this number, and not only on one of its
+    /// sheets' continuations.
+    pub fn has(&self, surface: u32, point: DVec3) -> bool {
+        let index = (surface as usize).wrapping_sub(1);
+        let value = |(shape, frame): &(Shape, Frame)| shape.value(frame.place(point));
+        let value = self.surfaces.get(index).map(value);
+        value.is_some_and(|value| value.abs() <= self.touch)
+    }
+}
+
+/// The axes of a surface's own shape, its rotation made unit again.
+fn frame(surface: &Surface) -> Frame {
+    let [x, y, z, w] = surface.rotation.to_array().map(f64::from);
+    let rotation = DQuat::from_xyzw(x, y, z, w).normalize();
+    let turn = match rotation == DQuat::IDENTITY {
+        true => DMat3::IDENTITY,
+        false => DMat3::from_quat(rotation).transpose(),
+    };
+    Frame::SAME.then(turn, -(turn * surface.position.as_dvec3()))
+}

@@ -1,0 +1,273 @@
+//! Which sheet of a tree lies at a point: down the tree, to the leaves that have the surface there.
+//!
+//! The surface is where value = level. Unions, cuts and walls choose a child or move the level;
+//! moves, turns and copies change the axes. What blends or distorts ends the way: there the
+//! level of the whole subtree is the sheet, by differences of its value.
+
+use super::differences::Differenced;
+use super::leaves;
+use super::sheet::{Form, Frame, Quadratic, Sheet};
+use crate::scene::shape::{Elongate, Mirror, Repeat};
+use crate::scene::{Node, Shape};
+use glam::{DMat3, DVec3};
+
+/// A way down a tree.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Way {
+    pub frame: Frame,
+    /// The value that the surface has, in metres.
+    pub level: f64,
+    /// 1 where the air lies on the side of greater values, else −1.
+    pub sign: f64,
+    /// Tells this way from others.
+    pub id: u64,
+}
+
+/// The sheets that are found, and what they are looked for with.
+pub(super) struct Search<'a> {
+    /// Where the surface is met, in world metres.
+    pub point: DVec3,
+    /// Metres off a surface that count as on it.
+    pub touch: f64,
+    /// The largest coordinate of the scene in metres.
+    pub largest: f64,
+    pub found: Vec<Sheet<'a>>,
+    /// Whether a surface was met that is known by samples alone.
+    pub is_sampled: bool,
+}
+
+impl Way {
+    /// The branch with this number.
+    pub fn branch(self, number: u64) -> Way {
+        /// The multiplier of FNV-1a for 64 bits.
+        const SPREAD: u64 = 0x0000_0100_0000_01b3;
+        let id = (self.id ^ (number + 1)).wrapping_mul(SPREAD);
+        Way { id, ..self }
+    }
+
+    fn turned(self, turn: DMat3, shift: DVec3) -> Way {
+        let frame = self.frame.then(turn, shift);
+        Way { frame, ..self }
+    }
+
+    pub fn moved(self, shift: DVec3) -> Way {
+        self.turned(DMat3::IDENTITY, shift)
+    }
+
+    fn at(self, level: f64) -> Way {
+        Way { level, ..self }
+    }
+
+    /// −value instead of value.
+    fn turned_out(self) -> Way {
+        Way {
+            level: -self.level,
+            sign: -self.sign,
+            ..self
+        }
+    }
+}
+
+impl<'a> Search<'a> {
+    /// Adds the sheets of `shape` that have the surface next to the point.
+    pub fn descend(&mut self, shape: &'a Shape, way: Way) {
+        match &shape.node {
+            Node::Union(_) => self.nearest(&shape.children, way, 1.0),
+            Node::Intersection(_) => self.nearest(&shape.children, way, -1.0),
+            Node::Difference(_) => self.difference(&shape.children, way),
+            Node::SmoothUnion(_) => self.smooth_union(shape, way),
+            Node::Repeat(repeat) => self.repeat(repeat, shape, way),
+            Node::Twist(_) | Node::Bend(_) | Node::Morph(_) => self.differenced(shape, way),
+            node => match shape.children.first() {
+                Some(child) => self.single(node, child, way),
+                None => self.leaf(shape, way),
+            },
+        }
+    }
+
+    /// Operators on one child.
+    fn single(&mut self, node: &Node, child: &'a Shape, way: Way) {
+        let p = way.frame.place(self.point);
+        let below = match node {
+            Node::Complement(_) => way.turned_out(),
+            Node::Offset(offset) => way.at(way.level + f64::from(offset.by)),
+            Node::Shell(shell) => {
+                let half = way.level + 0.5 * f64::from(shell.thickness);
+                match child.value(p) >= 0.0 {
+                    true => way.at(half).branch(0),
+                    false => way.at(half).turned_out().branch(1),
+                }
+            }
+            Node::Scale(scale) => {
+                let by = f64::from(scale.by);
+                let smaller = DMat3::from_diagonal(DVec3::splat(by.recip()));
+                way.at(way.level / by).turned(smaller, DVec3::ZERO)
+            }
+            Node::Translate(translate) => way.moved(-translate.by.as_dvec3()),
+            Node::Rotate(rotate) => way.turned(rotate.matrix().transpose(), DVec3::ZERO),
+            Node::Mirror(mirror) => folded(mirror, p, way),
+            Node::Elongate(elongate) => pulled_apart(elongate, p, way),
+            _ => return self.differenced(child, way),
+        };
+        self.descend(child, below);
+    }
+
+    /// Children of a union (`side` 1) or an intersection (−1) that have the surface at `p`.
+    fn nearest(&mut self, children: &'a [Shape], way: Way, side: f64) {
+        let p = way.frame.place(self.point);
+        let values: Vec<f64> = children.iter().map(|child| side * child.value(p)).collect();
+        let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+        for (index, child) in children.iter().enumerate() {
+            if values[index] <= least + self.touch {
+                self.descend(child, way.branch(index as u64));
+            }
+        }
+    }
+
+    /// The first child, and the complements of all others, cut each other.
+    fn difference(&mut self, children: &'a [Shape], way: Way) {
+        let p = way.frame.place(self.point);
+        let outward = |index: usize| if index == 0 { 1.0 } else { -1.0 };
+        let value = |(index, child): (usize, &Shape)| outward(index) * child.value(p);
+        let values: Vec<f64> = children.iter().enumerate().map(value).collect();
+        let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        for (index, child) in children.iter().enumerate() {
+            if values[index] < most - self.touch {
+                continue;
+            }
+            let way = way.branch(index as u64);
+            match index {
+                0 => self.descend(child, way),
+                _ => self.descend(child, way.turned_out()),
+            }
+        }
+    }
+
+    /// Where one child alone has the value nothing is blended.
+    fn smooth_union(&mut self, shape: &'a Shape, way: Way) {
+        let p = way.frame.place(self.point);
+        let value = shape.value(p);
+        let alone = shape.children.iter().position(|c| c.value(p) == value);
+        match alone {
+            Some(index) => {
+                self.descend(&shape.children[index], way.branch(index as u64));
+            }
+            None => self.differenced(shape, way),
+        }
+    }
+
+    fn repeat(&mut self, repeat: &Repeat, shape: &'a Shape, way: Way) {
+        let p = way.frame.place(self.point);
+        let Some(child) = shape.children.first() else {
+            return;
+        };
+        let places = repeat.places(child, p);
+        let values: Vec<f64> = places.iter().map(|place| child.value(*place)).collect();
+        let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+        for (place, value) in places.into_iter().zip(values) {
+            if value > least + self.touch {
+                continue;
+            }
+            let shift = place - p;
+            let marks = shift.to_array().map(f64::to_bits);
+            let way = marks
+                .into_iter()
+                .fold(way.moved(shift), Way::branch_of_bits);
+            self.descend(child, way);
+        }
+    }
+
+    /// The subtree's level itself.
+    fn differenced(&mut self, shape: &'a Shape, way: Way) {
+        if shape.nodes().iter().any(|tree| tree.node.user().is_some()) {
+            self.is_sampled = true;
+            return;
+        }
+        let differenced = Differenced::new(shape, way.level, self.largest);
+        self.add(Form::Differenced(differenced), way, None);
+    }
+
+    fn leaf(&mut self, shape: &'a Shape, way: Way) {
+        if shape.node.user().is_some() {
+            self.is_sampled = true;
+            return;
+        }
+        let before = self.found.len();
+        leaves::add(self, &shape.node, way);
+        let (point, touch) = (self.point, self.touch);
+        let is_here = |sheet: &Sheet| sheet.at(point).is_some_and(|at| at.distance.abs() <= touch);
+        let mut index = 0;
+        self.found.retain(|sheet| {
+            index += 1;
+            index <= before || is_here(sheet)
+        });
+        if self.found.len() == before {
+            self.differenced(shape, way);
+        }
+    }
+
+    /// A plane normal · p = offset of a leaf's axes; the normal is a unit vector towards
+    /// greater values.
+    pub fn flat(&mut self, normal: DVec3, offset: f64, way: Way, wall: Option<u8>) {
+        let seen = way.frame.turn.transpose() * normal;
+        let scale = seen.length();
+        // Where a shape was pulled apart its faces across have no place.
+        if scale == 0.0 {
+            return;
+        }
+        let form = Form::Flat {
+            normal: seen * (way.sign / scale),
+            offset: (offset - normal.dot(way.frame.shift)) * (way.sign / scale),
+        };
+        self.add(form, way, wall);
+    }
+
+    pub fn quadric(&mut self, quadric: Quadratic, way: Way) {
+        self.add(Form::Quadric(quadric), way, None);
+    }
+
+    pub fn add(&mut self, form: Form<'a>, way: Way, wall: Option<u8>) {
+        self.found.push(Sheet {
+            form,
+            frame: way.frame,
+            sign: way.sign,
+            id: way.id,
+            wall,
+        });
+    }
+}
+
+impl Way {
+    fn branch_of_bits(self, bits: u64) -> Way {
+        self.branch(bits.rotate_left(20) >> 1)
+    }
+}
+
+fn folded(mirror: &Mirror, p: DVec3, way: Way) -> Way {
+    let is_folded = |axis: usize| mirror.axes[axis] && p[axis] < 0.0;
+    let sides = [0, 1, 2].map(|axis| if is_folded(axis) { -1.0 } else { 1.0 });
+    let number = (0..3).map(|axis| u64::from(is_folded(axis)) << axis).sum();
+    let turn = DMat3::from_diagonal(DVec3::from_array(sides));
+    way.turned(turn, DVec3::ZERO).branch(number)
+}
+
+/// Between its halves a shape that was pulled apart is the same along the axis.
+fn pulled_apart(elongate: &Elongate, p: DVec3, way: Way) -> Way {
+    let by = elongate.by.as_dvec3();
+    let held = p.clamp(-by, by);
+    let mut scale = DVec3::ONE;
+    let mut shift = DVec3::ZERO;
+    let mut number = 0;
+    for axis in 0..3 {
+        number *= 3;
+        match held[axis] == p[axis] && by[axis] > 0.0 {
+            true => scale[axis] = 0.0,
+            false => {
+                shift[axis] = -held[axis];
+                number += if p[axis] > 0.0 { 1 } else { 2 };
+            }
+        }
+    }
+    way.turned(DMat3::from_diagonal(scale), shift)
+        .branch(number)
+}

@@ -1,0 +1,315 @@
+//! Energy against time, by band, in bins.
+
+use super::{AcousticsError, Arrival};
+use crate::bands::{BAND_COUNT, BANDS_HZ, Bands};
+use glam::DVec3;
+use std::ops::RangeInclusive;
+
+/// The shortest and the longest time bin, in seconds: from a few samples of sound, to bins that
+/// hold no decay any more.
+pub const BINS_S: RangeInclusive<f64> = 1e-4..=0.1;
+
+/// The least and the greatest number of batches. It is a power of two: figures are computed from
+/// orthogonal halves of the batches.
+pub const BATCHES: RangeInclusive<usize> = 1..=256;
+
+/// An echogram has at most so many bins: 65 s at 1 ms, 80 MiB with 16 batches. What is later is
+/// summed without its time ([`Echogram::beyond`]).
+const MAX_BINS: usize = 1 << 16;
+
+/// What arrives at a listener against time: energy, and energy × direction, by octave band.
+///
+/// Energies are densities for a source of unit power, over the speed of sound, in 1/m²: the
+/// direct sound at r metres has 1 / (4π r²). They are kept for each batch of waves, so that
+/// figures know their error ([`Figures`](super::Figures)). All sums are in `f64`, in the order in
+/// which they are added.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Echogram {
+    bin_s: f64,
+    first_s: f64,
+    batches: usize,
+    /// Bin by bin, in each bin batch by batch.
+    energies: Vec<Bands>,
+    /// Energy × direction of flight by bin and band; all batches.
+    flows: Vec<[DVec3; BAND_COUNT]>,
+    beyond: Bands,
+}
+
+/// One band of one bin, all batches.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EchogramRow {
+    /// The bin's middle: seconds from the source's impulse.
+    pub time_s: f64,
+    /// The octave band's centre in hertz.
+    pub band_hz: f64,
+    /// Energy in 1/m².
+    pub energy: f64,
+    /// Energy × direction of flight in 1/m², world axes: it points away from where the sound
+    /// comes from, and is as long as the energy if all comes from there.
+    pub flow: DVec3,
+}
+
+impl EchogramRow {
+    /// The columns' names in CSV.
+    pub const COLUMNS: [&str; 6] = ["time_s", "band_hz", "energy", "x", "y", "z"];
+
+    /// The values of these columns.
+    pub fn values(&self) -> [f64; 6] {
+        let DVec3 { x, y, z } = self.flow;
+        [self.time_s, self.band_hz, self.energy, x, y, z]
+    }
+}
+
+impl Echogram {
+    /// An echogram with bins of `bin_s` seconds, and none of them yet. A bin's edge is at 0 s.
+    ///
+    /// # Errors
+    /// [`AcousticsError::BadBin`] unless `bin_s` is in [`BINS_S`], [`AcousticsError::BadBatches`]
+    /// unless `batches` is a power of two in [`BATCHES`].
+    pub fn new(bin_s: f64, batches: usize) -> Result<Echogram, AcousticsError> {
+        if !BINS_S.contains(&bin_s) {
+            return Err(AcousticsError::BadBin { bin_s });
+        }
+        if !BATCHES.contains(&batches) || !batches.is_power_of_two() {
+            return Err(AcousticsError::BadBatches { batches });
+        }
+        Ok(Echogram {
+            bin_s,
+            first_s: 0.0,
+            batches,
+            energies: Vec::new(),
+            flows: Vec::new(),
+            beyond: [0.0; BAND_COUNT],
+        })
+    }
+
+    /// Like [`new`](Self::new), with a bin's edge at `edge_s` seconds. If that is the direct
+    /// sound's arrival, and a bin divides 10 ms, the limits of C50, C80 and D50 are edges too, and
+    /// nothing is shared out between their sides.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new). An edge that is no finite number counts as 0 s.
+    pub fn with_edge_at(
+        edge_s: f64,
+        bin_s: f64,
+        batches: usize,
+    ) -> Result<Echogram, AcousticsError> {
+        let mut echogram = Echogram::new(bin_s, batches)?;
+        if edge_s.is_finite() {
+            echogram.first_s = edge_s - (edge_s / bin_s).ceil() * bin_s;
+        }
+        Ok(echogram)
+    }
+
+    /// Adds what arrives `seconds` after the source's impulse, flying along `direction` (a unit
+    /// vector, world axes). What comes before 0 s counts as at 0 s. A time that is no number, or
+    /// beyond 65,536 bins, goes into [`beyond`](Self::beyond).
+    ///
+    /// # Panics
+    /// If there is no such batch.
+    pub fn add(&mut self, batch: usize, seconds: f64, energy: &Bands, direction: DVec3) {
+        assert!(batch < self.batches, "batch {batch} of {}", self.batches);
+        let place = (seconds.max(0.0) - self.first_s) / self.bin_s;
+        if seconds.is_nan() || place >= MAX_BINS as f64 {
+            add_to(&mut self.beyond, energy);
+            return;
+        }
+        let bin = place as usize;
+        if bin >= self.flows.len() {
+            self.flows.resize(bin + 1, [DVec3::ZERO; BAND_COUNT]);
+            self.energies
+                .resize((bin + 1) * self.batches, [0.0; BAND_COUNT]);
+        }
+        add_to(&mut self.energies[bin * self.batches + batch], energy);
+        for (flow, energy) in self.flows[bin].iter_mut().zip(energy) {
+            *flow += direction * *energy;
+        }
+    }
+
+    /// Adds a wave's crossing: its batch is its number modulo the batches, its time its length
+    /// over the speed of sound. The air takes exp(−`air_per_m` × length) of its energy (ISO
+    /// 9613-1 gives that in decibels: m = α ln 10 / 10).
+    pub fn add_arrival(&mut self, arrival: &Arrival, speed_m_per_s: f64, air_per_m: &Bands) {
+        let left = |band: usize| (-air_per_m[band] * arrival.length_m).exp();
+        let energy = std::array::from_fn(|band| arrival.energy[band] * left(band));
+        let seconds = arrival.length_m / speed_m_per_s;
+        let batch = arrival.wave as usize % self.batches;
+        self.add(batch, seconds, &energy, arrival.direction);
+    }
+
+    /// Seconds that a bin takes.
+    pub fn bin_s(&self) -> f64 {
+        self.bin_s
+    }
+
+    /// When the first bin begins, in seconds: 0, or less than a bin before that.
+    pub fn first_s(&self) -> f64 {
+        self.first_s
+    }
+
+    /// How many bins there are: up to the last in which something arrived.
+    pub fn bins(&self) -> usize {
+        self.flows.len()
+    }
+
+    /// How many batches the waves are in.
+    pub fn batches(&self) -> usize {
+        self.batches
+    }
+
+    /// The energy of a bin in 1/m², all batches; 0 where there is no bin.
+    pub fn energy(&self, bin: usize) -> Bands {
+        let mut sum = [0.0; BAND_COUNT];
+        for energy in self.in_bin(bin) {
+            add_to(&mut sum, energy);
+        }
+        sum
+    }
+
+    /// The energy of a bin in 1/m², one batch; 0 where there is none such.
+    pub fn batch_energy(&self, bin: usize, batch: usize) -> Bands {
+        let found = self.in_bin(bin).get(batch);
+        found.copied().unwrap_or([0.0; BAND_COUNT])
+    }
+
+    /// The energy of a bin × direction of flight in 1/m² by band, all batches, world axes.
+    pub fn flow(&self, bin: usize) -> [DVec3; BAND_COUNT] {
+        let found = self.flows.get(bin);
+        found.copied().unwrap_or([DVec3::ZERO; BAND_COUNT])
+    }
+
+    /// The energy of all bins in 1/m².
+    pub fn total(&self) -> Bands {
+        let mut sum = [0.0; BAND_COUNT];
+        for energy in &self.energies {
+            add_to(&mut sum, energy);
+        }
+        sum
+    }
+
+    /// The energy in 1/m² of what came too late for the bins.
+    pub fn beyond(&self) -> Bands {
+        self.beyond
+    }
+
+    /// The rows of a table, by time and then by band.
+    pub fn rows(&self) -> impl Iterator<Item = EchogramRow> + '_ {
+        (0..self.bins()).flat_map(move |bin| {
+            let (energy, flow) = (self.energy(bin), self.flow(bin));
+            let time_s = self.first_s + (bin as f64 + 0.5) * self.bin_s;
+            (0..BAND_COUNT).map(move |band| EchogramRow {
+                time_s,
+                band_hz: BANDS_HZ[band],
+                energy: energy[band],
+                flow: flow[band],
+            })
+        })
+    }
+
+    /// The energies of a bin by batch; none where there is no bin.
+    fn in_bin(&self, bin: usize) -> &[Bands] {
+        let begins = bin.saturating_mul(self.batches);
+        let ends = begins.saturating_add(self.batches);
+        self.energies.get(begins..ends).unwrap_or(&[])
+    }
+}
+
+fn add_to(sum: &mut Bands, energy: &Bands) {
+    for (sum, energy) in sum.iter_mut().zip(energy) {
+        *sum += energy;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const AIRLESS: Bands = [0.0; BAND_COUNT];
+
+    fn arrival(wave: u32, length_m: f64) -> Arrival {
+        Arrival {
+            wave,
+            order_is_early: false,
+            length_m,
+            direction: DVec3::X,
+            energy: std::array::from_fn(|band| (band + 1) as f64),
+        }
+    }
+
+    /// Protects which bin and batch a crossing falls into, and the sums.
+    #[test]
+    fn a_crossing_falls_into_its_bin_and_batch() {
+        let mut echogram = Echogram::new(1e-3, 4).expect("a good bin");
+        echogram.add_arrival(&arrival(6, 3.5), 1000.0, &AIRLESS);
+        echogram.add_arrival(&arrival(1, 3.75), 1000.0, &AIRLESS);
+        echogram.add_arrival(&arrival(1, 0.5), 1000.0, &AIRLESS);
+        assert_eq!((echogram.bins(), echogram.batches()), (4, 4));
+        assert_eq!(echogram.batch_energy(3, 2)[0], 1.0);
+        assert_eq!(echogram.batch_energy(3, 1)[7], 8.0);
+        assert_eq!(echogram.batch_energy(3, 0), [0.0; BAND_COUNT]);
+        assert_eq!(echogram.energy(3)[1], 4.0);
+        assert_eq!(echogram.flow(3)[1], DVec3::X * 4.0);
+        assert_eq!(echogram.total()[2], 9.0);
+        assert_eq!(echogram.energy(4), [0.0; BAND_COUNT]);
+    }
+
+    /// Protects the air's loss: by band, and by the way flown.
+    #[test]
+    fn air_takes_its_share() {
+        let mut echogram = Echogram::new(1e-3, 1).expect("a good bin");
+        let mut air = AIRLESS;
+        air[7] = 0.02;
+        echogram.add_arrival(&arrival(0, 100.0), 343.0, &air);
+        assert_eq!(echogram.total()[6], 7.0);
+        assert!((echogram.total()[7] - 8.0 * (-2.0_f64).exp()).abs() < 1e-12);
+    }
+
+    /// Protects edges at the direct sound, and times before 0 s.
+    #[test]
+    fn a_bin_begins_at_the_edge_that_was_asked_for() {
+        let mut echogram = Echogram::with_edge_at(0.0123, 1e-3, 1).expect("a good bin");
+        assert!((echogram.first_s() + 0.7e-3).abs() < 1e-15);
+        let one = [1.0; BAND_COUNT];
+        echogram.add(0, 0.0122, &one, DVec3::Y);
+        echogram.add(0, 0.0124, &one, DVec3::Y);
+        echogram.add(0, -1.0, &one, DVec3::Y);
+        let filled: Vec<usize> = (0..20)
+            .filter(|&bin| echogram.energy(bin)[0] > 0.0)
+            .collect();
+        assert_eq!(filled, [0, 12, 13]);
+    }
+
+    /// Protects memory from times that no echogram holds.
+    #[test]
+    fn what_is_too_late_has_no_bin() {
+        let mut echogram = Echogram::new(1e-3, 1).expect("a good bin");
+        let one = [1.0; BAND_COUNT];
+        for seconds in [1e9, f64::INFINITY, f64::NAN] {
+            echogram.add(0, seconds, &one, DVec3::Y);
+        }
+        assert_eq!((echogram.bins(), echogram.beyond()[0]), (0, 3.0));
+    }
+
+    /// Protects the refusal of bins and batches that make no echogram.
+    #[test]
+    fn bad_numbers_are_refused() {
+        for bin_s in [0.0, 1.0, -1e-3, f64::NAN] {
+            assert!(Echogram::new(bin_s, 16).is_err());
+        }
+        for batches in [0, 15, 512] {
+            let refused = Echogram::new(1e-3, batches);
+            assert_eq!(refused, Err(AcousticsError::BadBatches { batches }));
+        }
+    }
+
+    /// Protects the columns of the table.
+    #[test]
+    fn rows_go_by_time_and_band() {
+        let mut echogram = Echogram::new(1e-3, 2).expect("a good bin");
+        let energy = std::array::from_fn(|band| band as f64);
+        echogram.add(1, 1.2e-3, &energy, DVec3::NEG_Z);
+        let rows: Vec<EchogramRow> = echogram.rows().collect();
+        assert_eq!(rows.len(), 16);
+        assert_eq!(rows[10].values(), [1.5e-3, 250.0, 2.0, -0.0, -0.0, -2.0]);
+    }
+}

@@ -1,0 +1,266 @@
+//! Room acoustic figures by octave band (ISO 3382-1:2009), and how wrong the waves make them.
+
+mod decay;
+mod pieces;
+#[cfg(test)]
+mod tests;
+
+use super::{Echogram, Tap};
+use crate::bands::{BAND_COUNT, Bands};
+use decay::Decay;
+use pieces::{Span, pieces};
+use rayon::prelude::*;
+use std::f64::consts::PI;
+
+/// *G* is 0 dB for the energy of the direct sound at so many metres, in the open.
+const STRENGTH_DISTANCE_M: f64 = 10.0;
+
+/// A time of decay with a larger error, as a share of itself, is none: its decay is too noisy. It
+/// is twice the least difference in reverberation that is noticed (5 %, ISO 3382-1, annex A).
+const WORST_TIME_ERROR: f64 = 0.1;
+
+/// What a band's decay says, by ISO 3382-1. `None` where it is too short or too noisy to tell, and
+/// where there is no such number: no decay time without an echo, no clarity without late sound.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BandFigures {
+    /// Early decay time in seconds: six times the decay from 0 dB to −10 dB.
+    pub edt_s: Option<f64>,
+    /// Reverberation time in seconds from the decay from −5 dB to −25 dB.
+    pub t20_s: Option<f64>,
+    /// Reverberation time in seconds from the decay from −5 dB to −35 dB.
+    pub t30_s: Option<f64>,
+    /// Clarity in decibels: energy within 50 ms of the direct sound against later energy.
+    pub c50_db: Option<f64>,
+    /// Clarity in decibels, parted at 80 ms.
+    pub c80_db: Option<f64>,
+    /// Definition: the share of the energy within 50 ms, 0 … 1.
+    pub d50: Option<f64>,
+    /// Centre time in seconds after the direct sound.
+    pub ts_s: Option<f64>,
+    /// Strength in decibels against the same source 10 m away in the open.
+    pub g_db: Option<f64>,
+}
+
+/// The figures of all bands, with their errors.
+///
+/// # Method
+/// - The time counts from the direct sound, or from the first arrival if there is none. The
+///   energy of a bin arrives evenly over the bin, that of a tap at one instant.
+/// - The decay curve is the backward integral of the energy (M. R. Schroeder, JASA 37, 1965). The
+///   energy beyond the record's end is added to it, as ISO 3382-1, 5.3.3 allows: that of an
+///   exponential decay, at the rate of the last 10 dB of the record. Without it a decay ending at
+///   the record would look too fast. It is a guess, so a decay counts only if the record ends at
+///   least 10 dB below its lower limit (EDT −20 dB, T20 −35 dB, T30 −45 dB), and a sum of
+///   energies only if at most 1 % of it is beyond the record. In a record whose second half does
+///   not decay by 5 dB against its first the tail cannot be told, and nothing is.
+/// - Decay times are by least squares on the curve in decibels, every instant with the same
+///   weight.
+///
+/// # Errors
+/// Figures are not linear in the energies, and decay times jump where a limit moves from one echo
+/// to the next. So a figure is computed from all batches, and again from orthogonal halves of them
+/// and the halves' complements (P. J. McCarthy, *Pseudo-replication: half samples*, Review of the
+/// International Statistical Institute 37, 1969): with n batches, from 2 (n − 1) halves. The mean
+/// square of these against the figure of all is its variance. For a sum of energies that is the
+/// variance of the batches' mean; for others it holds the curvature and the bias too, since a half
+/// is as far off from all waves as these are from the truth. Exact taps are in each half, and
+/// have no error of their own. The variance comes from n − 1 degrees of freedom: Student's t widens
+/// the error by t(97.5 %)/2, so that twice the error holds the truth in 95 % of cases (16 batches:
+/// by 6.6 %). A figure that some half does not have is none: its decay is too noisy.
+/// What all waves share is not in it: the listener's size, and paths that a wave cannot take.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Figures {
+    /// The figures by band.
+    pub bands: [BandFigures; BAND_COUNT],
+    /// Their errors, in the same units: one standard deviation. `None` where there is no figure,
+    /// and with fewer than two batches.
+    pub errors: [BandFigures; BAND_COUNT],
+    /// The share of the energy that is beyond the record by the tail that was added; `None` if it
+    /// cannot be told.
+    pub cut_off: [Option<f64>; BAND_COUNT],
+    /// What the times count from: seconds after the source's impulse. `None` if nothing arrived.
+    pub begins_s: Option<f64>,
+}
+
+/// The figures as a list, so that they can be computed with.
+const FIGURE_COUNT: usize = 8;
+
+/// The first of them are times of decay.
+const DECAY_TIMES: usize = 3;
+
+type List = [Option<f64>; FIGURE_COUNT];
+
+impl BandFigures {
+    fn from_list(list: List) -> BandFigures {
+        let [edt_s, t20_s, t30_s, c50_db, c80_db, d50, ts_s, g_db] = list;
+        BandFigures {
+            edt_s,
+            t20_s,
+            t30_s,
+            c50_db,
+            c80_db,
+            d50,
+            ts_s,
+            g_db,
+        }
+    }
+}
+
+impl Figures {
+    /// The figures of what arrived: `taps` exactly, and all else in `echogram`, in a record that
+    /// ends `ends_s` seconds after the source's impulse. `direct_s` is when the direct sound
+    /// arrives; without it the times count from the first arrival.
+    pub fn new(taps: &[Tap], echogram: &Echogram, direct_s: Option<f64>, ends_s: f64) -> Figures {
+        let begins_s = direct_s.or_else(|| first_arrival_s(taps, echogram));
+        let mut figures = Figures {
+            bands: Default::default(),
+            errors: Default::default(),
+            cut_off: [None; BAND_COUNT],
+            begins_s,
+        };
+        let Some(begins_s) = begins_s.filter(|&begins_s| begins_s < ends_s && ends_s.is_finite())
+        else {
+            return figures;
+        };
+        let span = Span { begins_s, ends_s };
+        let all = pieces(taps, echogram, |bin| echogram.energy(bin), span);
+        let (lists, cut_off) = lists(&all, echogram.bin_s());
+        let halves = Halves::new(taps, echogram, span);
+        for (band, list) in lists.into_iter().enumerate() {
+            let (list, errors) = halves.judge(band, list);
+            figures.bands[band] = BandFigures::from_list(list);
+            figures.errors[band] = BandFigures::from_list(errors);
+        }
+        figures.cut_off = cut_off;
+        figures
+    }
+}
+
+/// When something arrives first: a tap's time, or a bin's beginning.
+fn first_arrival_s(taps: &[Tap], echogram: &Echogram) -> Option<f64> {
+    let heard = |energy: &Bands| energy.iter().any(|energy| *energy > 0.0);
+    let taps_s = taps.iter().filter(|tap| heard(&tap.energy));
+    let bin = (0..echogram.bins()).find(|&bin| heard(&echogram.energy(bin)));
+    let bin_s = bin.map(|bin| (echogram.first_s() + bin as f64 * echogram.bin_s()).max(0.0));
+    taps_s.map(|tap| tap.seconds).chain(bin_s).reduce(f64::min)
+}
+
+/// The figures of each band, and the share of the energy beyond the record.
+fn lists(pieces: &[pieces::Piece], bin_s: f64) -> ([List; BAND_COUNT], [Option<f64>; BAND_COUNT]) {
+    let mut lists = [[None; FIGURE_COUNT]; BAND_COUNT];
+    let mut cut_off = [None; BAND_COUNT];
+    for band in 0..BAND_COUNT {
+        let Some(decay) = Decay::new(pieces, band, bin_s) else {
+            continue;
+        };
+        lists[band] = list(&decay);
+        cut_off[band] = Some(decay.tail_share());
+    }
+    (lists, cut_off)
+}
+
+fn list(decay: &Decay) -> List {
+    let decibels = |ratio: f64| 10.0 * ratio.log10();
+    let clarity_db = |seconds: f64| {
+        let (early, late) = decay.parted_at(seconds)?;
+        Some(decibels(early / late))
+    };
+    let total = decay.total();
+    let reference = 1.0 / (4.0 * PI * STRENGTH_DISTANCE_M.powi(2));
+    [
+        decay.time_s(0.0, -10.0),
+        decay.time_s(-5.0, -25.0),
+        decay.time_s(-5.0, -35.0),
+        clarity_db(0.05),
+        clarity_db(0.08),
+        total.map(|total| 1.0 - decay.from(0.05) / total),
+        decay.centre_s(),
+        total.map(|total| decibels(total / reference)),
+    ]
+}
+
+/// The figures of halves of the batches.
+struct Halves {
+    lists: Vec<[List; BAND_COUNT]>,
+    widening: f64,
+}
+
+impl Halves {
+    /// Every half and its complement: batch b is in half h by the sign of Sylvester's matrix,
+    /// whose rows are orthogonal, and half of whose entries in each row but the first are positive.
+    fn new(taps: &[Tap], echogram: &Echogram, span: Span) -> Halves {
+        let batches = echogram.batches();
+        let is_in = |half: usize, batch: usize| (half & batch).count_ones() % 2 == 1;
+        let of = |(half, complement): (usize, bool)| {
+            let energy = |bin: usize| {
+                let mut sum = [0.0; BAND_COUNT];
+                for batch in (0..batches).filter(|&batch| is_in(half, batch) != complement) {
+                    let energy = echogram.batch_energy(bin, batch);
+                    for (sum, energy) in sum.iter_mut().zip(energy) {
+                        *sum += 2.0 * energy;
+                    }
+                }
+                sum
+            };
+            lists(&pieces(taps, echogram, energy, span), echogram.bin_s()).0
+        };
+        let halves: Vec<(usize, bool)> = (1..batches)
+            .flat_map(|half| [(half, false), (half, true)])
+            .collect();
+        Halves {
+            lists: halves.into_par_iter().map(of).collect(),
+            widening: student_975(batches - 1) / 2.0,
+        }
+    }
+
+    /// A band's figures as far as they can be told, and their errors.
+    fn judge(&self, band: usize, list: List) -> (List, List) {
+        let (mut told, mut errors) = (list, [None; FIGURE_COUNT]);
+        if self.lists.is_empty() {
+            return (told, errors);
+        }
+        for figure in 0..FIGURE_COUNT {
+            errors[figure] = list[figure].and_then(|whole| self.error(band, figure, whole));
+            let limit = match list[figure] {
+                Some(time_s) if figure < DECAY_TIMES => WORST_TIME_ERROR * time_s,
+                _ => f64::INFINITY,
+            };
+            if errors[figure].is_none_or(|error| error > limit) {
+                (told[figure], errors[figure]) = (None, None);
+            }
+        }
+        (told, errors)
+    }
+
+    /// The error of a figure; `None` if there is no such figure for some half.
+    fn error(&self, band: usize, figure: usize, whole: f64) -> Option<f64> {
+        let mut squares = 0.0;
+        for list in &self.lists {
+            squares += (list[band][figure]? - whole).powi(2);
+        }
+        Some(self.widening * (squares / self.lists.len() as f64).sqrt())
+    }
+}
+
+/// Student's t that a variate with so many degrees of freedom is below in 97.5 % of cases.
+///
+/// M. Abramowitz and I. Stegun, *Handbook of Mathematical Functions*, 1964, 26.7.5: a series in
+/// 1/degrees about the normal variate. From 3 degrees on it is right to 1 %; with 1 and 2, where
+/// it is not, the numbers themselves.
+fn student_975(degrees: usize) -> f64 {
+    /// The normal variate that 97.5 % are below.
+    const NORMAL: f64 = 1.959_963_984_540_054;
+    match degrees {
+        0 => f64::INFINITY,
+        1 => 12.706_204_736,
+        2 => 4.302_652_730,
+        _ => {
+            let n = degrees as f64;
+            let x = NORMAL;
+            let first = (x.powi(3) + x) / 4.0;
+            let second = (5.0 * x.powi(5) + 16.0 * x.powi(3) + 3.0 * x) / 96.0;
+            let third = (3.0 * x.powi(7) + 19.0 * x.powi(5) + 17.0 * x.powi(3) - 15.0 * x) / 384.0;
+            x + first / n + second / n.powi(2) + third / n.powi(3)
+        }
+    }
+}

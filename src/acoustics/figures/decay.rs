@@ -1,0 +1,218 @@
+//! The decay of one band: backward integration (Schroeder 1965), its tail beyond the record, and
+//! what ISO 3382-1 reads off it.
+
+use super::pieces::Piece;
+
+/// The tail is taken from so much decay at the record's end, in decibels: that of ISO 3382-1:2009,
+/// 5.3.3.
+const TAIL_DECAY_DB: f64 = 10.0;
+
+/// The tail's window shrinks by this factor while it is searched: fine against the noise of the
+/// energies in it, and some 200 steps from a whole record to a bin.
+const WINDOW_STEP: f64 = 0.97;
+
+/// The record must end so far below the lower limit of a decay, in decibels: what ISO 3382-1:2009
+/// asks for between that limit and noise.
+const MARGIN_DB: f64 = 10.0;
+
+/// Of a sum of energies at most this share may be beyond the record: an error of a fifth in the
+/// tail is then 0.01 dB.
+const TAIL_SHARE: f64 = 0.01;
+
+/// A decay that takes fewer bins is that of the bin rather than of the room.
+const LEAST_BINS: f64 = 3.0;
+
+/// Nodes and weights of Gauss and Legendre's rule with three points on 0 … 1: exact for
+/// polynomials of degree 5.
+const GAUSS: [(f64, f64); 3] = [
+    (0.112_701_665_379_258_3, 5.0 / 18.0),
+    (0.5, 8.0 / 18.0),
+    (0.887_298_334_620_741_7, 5.0 / 18.0),
+];
+
+/// The decay curve of one band.
+pub(super) struct Decay<'a> {
+    pieces: &'a [Piece],
+    band: usize,
+    /// Energy in 1/m² from the beginning of each piece on; one more for the record's end.
+    remaining: Vec<f64>,
+    tail: Tail,
+    bin_s: f64,
+}
+
+/// The energy beyond the record, as an exponential decay.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Tail {
+    /// 1/m².
+    energy: f64,
+    /// Seconds in which the energy falls by e.
+    time_s: f64,
+}
+
+const NO_TAIL: Tail = Tail {
+    energy: 0.0,
+    time_s: 0.0,
+};
+
+impl<'a> Decay<'a> {
+    /// The decay of a band; `None` if there is no energy, or if its tail cannot be told since the
+    /// record's second half does not decay by 10 dB.
+    pub(super) fn new(pieces: &'a [Piece], band: usize, bin_s: f64) -> Option<Decay<'a>> {
+        let mut remaining = vec![0.0; pieces.len() + 1];
+        for (index, piece) in pieces.iter().enumerate().rev() {
+            remaining[index] = remaining[index + 1] + piece.energy[band];
+        }
+        let mut decay = Decay {
+            pieces,
+            band,
+            remaining,
+            tail: NO_TAIL,
+            bin_s,
+        };
+        if decay.remaining[0] <= 0.0 {
+            return None;
+        }
+        decay.tail = decay.find_tail()?;
+        for energy in &mut decay.remaining {
+            *energy += decay.tail.energy;
+        }
+        Some(decay)
+    }
+
+    fn length_s(&self) -> f64 {
+        self.pieces.last().map_or(0.0, |piece| piece.ends_s)
+    }
+
+    /// The energy beyond the record. ISO 3382-1 takes it to fall as it does over the last 10 dB of
+    /// the record. These are found by the energies of two windows of the same length, the second
+    /// of which ends with the record: they are as long as their energies are 5 dB apart.
+    fn find_tail(&self) -> Option<Tail> {
+        let ratio = 10_f64.powf(TAIL_DECAY_DB / 2.0 / 10.0);
+        let ends_s = self.length_s();
+        let energies = |window_s: f64| {
+            let last = self.from(ends_s - window_s);
+            (self.from(ends_s - 2.0 * window_s) - last, last)
+        };
+        let decays = |window_s: f64| {
+            let (before, last) = energies(window_s);
+            before >= ratio * last
+        };
+        let mut window_s = ends_s / 2.0;
+        if !decays(window_s) {
+            return None;
+        }
+        while window_s * WINDOW_STEP >= self.bin_s && decays(window_s * WINDOW_STEP) {
+            window_s *= WINDOW_STEP;
+        }
+        let (before, last) = energies(window_s);
+        if last <= 0.0 {
+            return Some(NO_TAIL);
+        }
+        Some(Tail {
+            energy: last * last / (before - last),
+            time_s: window_s / (before / last).ln(),
+        })
+    }
+
+    /// Energy in 1/m² from a time on, which lies in the record.
+    pub(super) fn from(&self, seconds: f64) -> f64 {
+        let after = self.pieces.partition_point(|piece| piece.ends_s < seconds);
+        let Some(piece) = self.pieces.get(after) else {
+            return self.tail.energy;
+        };
+        self.within(after, piece, seconds)
+    }
+
+    /// Energy in 1/m² from a time within a piece on.
+    fn within(&self, index: usize, piece: &Piece, seconds: f64) -> f64 {
+        let length_s = piece.ends_s - piece.begins_s;
+        if length_s <= 0.0 || seconds <= piece.begins_s {
+            return self.remaining[index];
+        }
+        let share = (seconds - piece.begins_s) / length_s;
+        (1.0 - share).mul_add(piece.energy[self.band], self.remaining[index + 1])
+    }
+
+    /// All energy in 1/m², the tail's included; `None` if too much of it is beyond the record.
+    pub(super) fn total(&self) -> Option<f64> {
+        let total = self.remaining[0];
+        (self.tail.energy <= TAIL_SHARE * total).then_some(total)
+    }
+
+    /// The share of all energy that is beyond the record.
+    pub(super) fn tail_share(&self) -> f64 {
+        self.tail.energy / self.remaining[0]
+    }
+
+    /// Energies in 1/m² before a time and from it on; `None` if all is before, or too much beyond
+    /// the record.
+    pub(super) fn parted_at(&self, seconds: f64) -> Option<(f64, f64)> {
+        if seconds > self.length_s() {
+            return None;
+        }
+        let late = self.from(seconds);
+        let told = late > 0.0 && self.tail.energy <= TAIL_SHARE * late;
+        told.then(|| (self.remaining[0] - late, late))
+    }
+
+    /// The centre of the energy in seconds after the direct sound.
+    pub(super) fn centre_s(&self) -> Option<f64> {
+        let total = self.total()?;
+        let middle = |piece: &Piece| (piece.begins_s + piece.ends_s) / 2.0;
+        let moments = |piece: &Piece| middle(piece) * piece.energy[self.band];
+        let tail = self.tail.energy * (self.length_s() + self.tail.time_s);
+        Some((self.pieces.iter().map(moments).sum::<f64>() + tail) / total)
+    }
+
+    /// Seconds for a decay by 60 dB, from the line of least squares through the curve in decibels
+    /// between two levels (both negative or 0, the upper one first).
+    pub(super) fn time_s(&self, upper_db: f64, lower_db: f64) -> Option<f64> {
+        let ends_db = 10.0 * self.tail_share().log10();
+        if ends_db > lower_db - MARGIN_DB {
+            return None;
+        }
+        let (begins_s, ends_s) = (self.reaches_s(upper_db)?, self.reaches_s(lower_db)?);
+        let length_s = ends_s - begins_s;
+        if length_s < LEAST_BINS * self.bin_s {
+            return None;
+        }
+        let middle_s = (begins_s + ends_s) / 2.0;
+        let moment = self.level_moment(begins_s, ends_s, middle_s);
+        let slope_db_per_s = moment / (length_s.powi(3) / 12.0);
+        (slope_db_per_s < 0.0).then(|| -60.0 / slope_db_per_s)
+    }
+
+    /// When the curve is first at a level, or below it.
+    fn reaches_s(&self, level_db: f64) -> Option<f64> {
+        if level_db >= 0.0 {
+            return Some(0.0);
+        }
+        let wanted = self.remaining[0] * 10_f64.powf(level_db / 10.0);
+        // The curve never rises.
+        let next = self.remaining.partition_point(|&energy| energy > wanted);
+        let index = next.checked_sub(1)?;
+        let piece = self.pieces.get(index)?;
+        let share = (self.remaining[index] - wanted) / piece.energy[self.band];
+        Some(piece.begins_s + share.clamp(0.0, 1.0) * (piece.ends_s - piece.begins_s))
+    }
+
+    /// The integral of level × (time − `middle_s`) between two times, in dB s².
+    fn level_moment(&self, begins_s: f64, ends_s: f64, middle_s: f64) -> f64 {
+        let first = self
+            .pieces
+            .partition_point(|piece| piece.ends_s <= begins_s);
+        let mut sum = 0.0;
+        for (index, piece) in self.pieces.iter().enumerate().skip(first) {
+            if piece.begins_s >= ends_s {
+                break;
+            }
+            let (from_s, to_s) = (piece.begins_s.max(begins_s), piece.ends_s.min(ends_s));
+            for (node, weight) in GAUSS {
+                let at_s = from_s + node * (to_s - from_s);
+                let level_db = 10.0 * (self.within(index, piece, at_s) / self.remaining[0]).log10();
+                sum += weight * (to_s - from_s) * level_db * (at_s - middle_s);
+            }
+        }
+        sum
+    }
+}

@@ -1,0 +1,246 @@
+//! Figures against decays whose figures are known in closed form.
+
+use super::*;
+use crate::acoustics::tests::mean;
+use crate::rng::{hash, unit_interval};
+use glam::DVec3;
+
+const BIN_S: f64 = 1e-3;
+
+/// 60 dB as a natural logarithm: a decay time over the time in which the energy falls by e.
+const SIXTY_DB: f64 = 13.815_510_557_964_274;
+
+/// What a decay by exp(−t/`time_s`) has between two times, of a whole of 1.
+fn between(begins_s: f64, ends_s: f64, time_s: f64) -> f64 {
+    (-begins_s / time_s).exp() - (-ends_s / time_s).exp()
+}
+
+/// An exponential decay in all bands, from `begins_s` to `ends_s`.
+fn exponential(time_s: f64, begins_s: f64, ends_s: f64) -> Echogram {
+    let mut echogram = Echogram::with_edge_at(begins_s, BIN_S, 1).expect("a good bin");
+    for bin in 0..((ends_s - begins_s) / BIN_S).round() as usize {
+        let from_s = bin as f64 * BIN_S;
+        let energy = between(from_s, from_s + BIN_S, time_s);
+        let middle_s = begins_s + from_s + BIN_S / 2.0;
+        echogram.add(0, middle_s, &[energy; BAND_COUNT], DVec3::X);
+    }
+    echogram
+}
+
+fn tap(seconds: f64, energy: f64) -> Tap {
+    Tap {
+        seconds,
+        energy: [energy; BAND_COUNT],
+        direction: DVec3::X,
+    }
+}
+
+#[track_caller]
+fn assert_near(found: Option<f64>, expected: f64, tolerance: f64) {
+    let found = found.expect("a figure");
+    assert!((found - expected).abs() <= tolerance, "{found} {expected}");
+}
+
+/// Protects each figure of a pure decay, and the tail of a record that ends at −46 dB: without it
+/// T30 would be 0.5 % too short. A bin is a hundredth of the time in which the energy falls by e;
+/// its even energy is wrong by the square of that over 12: 10⁻⁵.
+#[test]
+fn a_pure_decay_has_its_figures() {
+    let time_s = 0.1;
+    let ends_s = 0.02 + 4.6 * time_s * 10_f64.ln();
+    let echogram = exponential(time_s, 0.02, ends_s);
+    let figures = Figures::new(&[], &echogram, Some(0.02), ends_s);
+    let band = figures.bands[3];
+    for decay_s in [band.edt_s, band.t20_s, band.t30_s] {
+        assert_near(decay_s, SIXTY_DB * time_s, 1e-4);
+    }
+    assert_near(band.c50_db, 10.0 * (0.5_f64.exp() - 1.0).log10(), 1e-4);
+    assert_near(band.c80_db, 10.0 * (0.8_f64.exp() - 1.0).log10(), 1e-4);
+    assert_near(band.d50, 1.0 - (-0.5_f64).exp(), 1e-5);
+    assert_near(band.ts_s, time_s, 1e-5);
+    assert_near(band.g_db, 10.0 * (400.0 * PI).log10(), 1e-4);
+    assert_near(figures.cut_off[3], 10_f64.powf(-4.6), 1e-6);
+    assert_eq!(figures.errors[3], BandFigures::default());
+}
+
+/// Protects the margins: a record that ends too early says nothing of what it lacks.
+#[test]
+fn a_record_that_is_too_short_tells_less() {
+    let time_s = 0.1;
+    let until = |level_db: f64| {
+        let ends_s = level_db / 10.0 * time_s * 10_f64.ln();
+        Figures::new(&[], &exponential(time_s, 0.0, ends_s), None, ends_s).bands[0]
+    };
+    let (at_44, at_34, at_19, at_9) = (until(44.0), until(34.0), until(19.0), until(9.0));
+    assert!(at_44.t30_s.is_none() && at_44.t20_s.is_some());
+    assert!(at_34.t20_s.is_none() && at_34.edt_s.is_some());
+    assert!(at_34.g_db.is_some() && at_19.g_db.is_none());
+    // The whole record decays by less than 10 dB: its tail cannot be told.
+    assert_eq!(at_9, BandFigures::default());
+}
+
+/// Protects a room that absorbs nothing from having figures.
+#[test]
+fn what_does_not_decay_has_no_figures() {
+    let mut echogram = Echogram::new(BIN_S, 1).expect("a good bin");
+    for bin in 0..500 {
+        echogram.add(
+            0,
+            (f64::from(bin) + 0.5) * BIN_S,
+            &[1.0; BAND_COUNT],
+            DVec3::X,
+        );
+    }
+    let figures = Figures::new(&[], &echogram, None, 0.5);
+    assert_eq!(figures.bands[0], BandFigures::default());
+    assert_eq!(figures.cut_off[0], None);
+}
+
+/// Protects the free field: strength by distance, no decay, nothing late.
+#[test]
+fn the_direct_sound_alone_has_strength_and_no_decay() {
+    let echogram = Echogram::new(BIN_S, 16).expect("a good bin");
+    let direct = tap(0.01, 1.0 / (16.0 * PI));
+    let band = Figures::new(&[direct], &echogram, Some(0.01), 1.0).bands[7];
+    assert_near(band.g_db, 10.0 * 25_f64.log10(), 1e-12);
+    assert_near(band.d50, 1.0, 0.0);
+    assert_near(band.ts_s, 0.0, 0.0);
+    assert_eq!((band.edt_s, band.t30_s, band.c80_db), (None, None, None));
+    let nothing = Figures::new(&[], &echogram, None, 1.0);
+    assert_eq!((nothing.begins_s, nothing.bands[0].g_db), (None, None));
+}
+
+/// Protects where times count from, and taps that part bins: echoes 60 ms and 90 ms behind the
+/// direct sound, one of them in a filled bin.
+#[test]
+fn times_count_from_the_direct_sound() {
+    let mut echogram = Echogram::new(BIN_S, 1).expect("a good bin");
+    echogram.add(0, 0.1001, &[1.0; BAND_COUNT], DVec3::X);
+    let taps = [tap(0.01, 4.0), tap(0.07, 2.0), tap(0.1005, 3.0)];
+    let band = Figures::new(&taps, &echogram, Some(0.01), 2.0).bands[0];
+    assert_near(band.c50_db, 10.0 * (4.0_f64 / 6.0).log10(), 1e-12);
+    assert_near(band.c80_db, 10.0 * (6.0_f64 / 4.0).log10(), 1e-12);
+    assert_near(band.ts_s, (2.0 * 0.06 + 4.0 * 0.0905) / 10.0, 1e-12);
+    // Without the direct sound the first echo begins.
+    let figures = Figures::new(&taps[1..], &echogram, None, 2.0);
+    assert_eq!(figures.begins_s, Some(0.07));
+}
+
+/// Protects the factor of Student's t against its table.
+#[test]
+fn student_s_t_is_that_of_the_table() {
+    for (degrees, expected) in [(1, 12.7062), (2, 4.3027), (15, 2.1314), (63, 1.9983)] {
+        assert!((student_975(degrees) - expected).abs() < 1e-4, "{degrees}");
+    }
+    assert!((student_975(3) / 3.1824 - 1.0).abs() < 0.01);
+}
+
+/// A draw of waves in a place with two decays, half of the waves in each: in 16 batches, each
+/// heard 20 times at even random times over 2 s. With `only` of one of these batches alone.
+fn draw(seed: u64, waves: usize, only: Option<usize>) -> Echogram {
+    let batches = if only.is_some() { 1 } else { 16 };
+    let mut echogram = Echogram::new(BIN_S, batches).expect("a good bin");
+    for wave in (0..waves).filter(|wave| only.is_none_or(|only| wave % 16 == only)) {
+        for arrival in 0..ARRIVALS {
+            let number = (wave * ARRIVALS + arrival) as u64;
+            let seconds = 2.0 * unit_interval(hash(hash(seed).wrapping_add(number)));
+            let energy = (-seconds / TWO_TIMES_S[wave / 16 % 2]).exp();
+            echogram.add(wave % batches, seconds, &lowest(energy), DVec3::X);
+        }
+    }
+    echogram
+}
+
+/// An energy in the lowest band alone: the others have no figures, and take no time.
+fn lowest(energy: f64) -> Bands {
+    std::array::from_fn(|band| if band == 0 { energy } else { 0.0 })
+}
+
+/// How often a wave is heard.
+const ARRIVALS: usize = 20;
+
+/// Waves enough for a reverberation time.
+const MANY: usize = 1600;
+
+/// In which the energies fall by e: reverberation times of 1.1 s and 1.7 s.
+const TWO_TIMES_S: [f64; 2] = [0.08, 0.12];
+
+fn told(figures: &Figures) -> [(Option<f64>, Option<f64>); 3] {
+    let (found, error) = (figures.bands[0], figures.errors[0]);
+    [
+        (found.t30_s, error.t30_s),
+        (found.c80_db, error.c80_db),
+        (found.g_db, error.g_db),
+    ]
+}
+
+/// The figures that infinitely many waves of [`draw`] have, but for their sum.
+fn truth() -> [f64; 3] {
+    let mut echogram = Echogram::new(BIN_S, 1).expect("a good bin");
+    for bin in 0..2000 {
+        let from_s = f64::from(bin) * BIN_S;
+        let decays = TWO_TIMES_S.map(|time_s| time_s * between(from_s, from_s + BIN_S, time_s));
+        let energy = (MANY * ARRIVALS) as f64 / 2.0 * (decays[0] + decays[1]) / 2.0;
+        echogram.add(0, from_s + BIN_S / 2.0, &[energy; BAND_COUNT], DVec3::X);
+    }
+    told(&Figures::new(&[], &echogram, Some(0.0), 2.0)).map(|(found, _)| found.expect("a figure"))
+}
+
+/// Protects that errors are honest: over 300 draws the truth lies within two errors in 95 % of
+/// them, by the binomial law ± 3 × 1.26 %.
+#[test]
+fn two_errors_hold_the_truth_in_95_of_100_draws() {
+    const DRAWS: u64 = 300;
+    let truth = truth();
+    let mut held = [0; 3];
+    for seed in 0..DRAWS {
+        let figures = Figures::new(&[], &draw(seed, MANY, None), Some(0.0), 2.0);
+        for (index, (found, error)) in told(&figures).into_iter().enumerate() {
+            let (found, error) = (found.expect("a figure"), error.expect("an error"));
+            held[index] += u64::from((found - truth[index]).abs() <= 2.0 * error);
+        }
+    }
+    for held in held {
+        let share = held as f64 / DRAWS as f64;
+        assert!((share - 0.95).abs() < 3.0 * 0.0126, "{held} of {DRAWS}");
+    }
+}
+
+/// Protects the reason for halves: of few waves the mean of figures from one batch each is
+/// biased, here by 0.2 dB, where the figure of all waves together is not: its bias is a
+/// sixteenth of that, if at all.
+#[test]
+fn figures_of_single_batches_are_biased() {
+    const DRAWS: u64 = 200;
+    const FEW: usize = 160;
+    let [_, truth_db, _] = truth();
+    let c80_db = |seed, only| {
+        let figures = Figures::new(&[], &draw(seed, FEW, only), Some(0.0), 2.0);
+        (figures.bands[0].c80_db, figures.errors[0].c80_db)
+    };
+    let (mut all_db, mut single_db, mut error_db) = (0.0, 0.0, 0.0);
+    for seed in 0..DRAWS {
+        let (found, error) = c80_db(seed, None);
+        all_db += found.expect("a figure") - truth_db;
+        error_db += error.expect("an error");
+        let singles = (0..16).filter_map(|batch| c80_db(seed, Some(batch)).0);
+        single_db += mean(singles) - truth_db;
+    }
+    let [all_db, single_db, error_db] = [all_db, single_db, error_db].map(|sum| sum / DRAWS as f64);
+    // The mean over the draws has an error of its own.
+    let own_db = error_db / (DRAWS as f64).sqrt();
+    assert!(single_db.abs() > 4.0 * own_db, "{single_db} {own_db}");
+    assert!(all_db.abs() < 2.0 * own_db, "{all_db} {own_db}");
+}
+
+/// Protects taps from errors: they are exact, and dilute those of the waves.
+#[test]
+fn taps_have_no_error() {
+    let echogram = draw(1, MANY, None);
+    let error = |taps: &[Tap]| {
+        let figures = Figures::new(taps, &echogram, Some(0.0), 2.0);
+        figures.errors[0].g_db.expect("an error")
+    };
+    let energy = echogram.total()[0];
+    assert!((error(&[tap(0.0, 9.0 * energy)]) / error(&[]) - 0.1).abs() < 0.01);
+}

@@ -1,0 +1,172 @@
+//! Impulse responses that can be heard: taps, and noise shaped by an echogram.
+
+mod axes;
+mod format;
+mod late;
+mod spectrum;
+mod taps;
+#[cfg(test)]
+mod tests;
+
+pub use axes::ListenerAxes;
+pub use format::Format;
+
+use super::{AcousticsError, Echogram, Tap};
+use crate::bands::BAND_COUNT;
+use spectrum::{Crossing, Spectra};
+use std::f64::consts::PI;
+use std::ops::RangeInclusive;
+
+/// The lowest and the highest rate of an impulse response, in hertz.
+pub const RATES_HZ: RangeInclusive<u32> = 8_000..=192_000;
+
+/// The longest impulse response, in seconds.
+pub const MAX_SECONDS: f64 = 60.0;
+
+/// The rate of an impulse response unless another is asked for, in hertz.
+const DEFAULT_RATE_HZ: u32 = 48_000;
+
+/// How an impulse response is made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ImpulseSettings {
+    /// Samples a second, in [`RATES_HZ`].
+    pub rate_hz: u32,
+    /// How long it is, from the source's impulse on: above 0, to [`MAX_SECONDS`].
+    pub seconds: f64,
+    /// Its channels.
+    pub format: Format,
+    /// Chooses the late part's noise. The same seed gives the same samples.
+    pub seed: u64,
+}
+
+impl ImpulseSettings {
+    /// One channel at 48 kHz, with seed 0.
+    pub fn new(seconds: f64) -> ImpulseSettings {
+        ImpulseSettings {
+            rate_hz: DEFAULT_RATE_HZ,
+            seconds,
+            format: Format::Mono,
+            seed: 0,
+        }
+    }
+}
+
+/// A sampled impulse response: what a listener hears of an impulse at the source.
+///
+/// The direct sound of a source of unit power is an impulse of amplitude 1 at 1 m: an energy E
+/// (1/m²) has the amplitude √(4π E). The first sample is the source's impulse.
+///
+/// # Method
+/// - **Taps** stand at their time, between samples too (windowed sinc). Each is filtered to the
+///   energies of its bands, zero-phase: at a band's centre its amplitude is √(4π E) exactly, and
+///   from centre to centre it goes over smoothly. So its peak is at its time whatever its bands.
+/// - **The echogram** is Gaussian noise, independent for each band and mean-free, with the
+///   energy of each bin. Then it is filtered to its octave; the filters' powers add up to 1. A
+///   filter spreads the energy of a bin in time, by some 20 ms at 63 Hz and less than 1 ms from
+///   2 kHz on, to both sides: no filter is sharp in time and in frequency.
+/// - Below 63 Hz the energy is that of 63 Hz, above 8 kHz that of 8 kHz.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ImpulseResponse {
+    rate_hz: u32,
+    format: Format,
+    channels: Vec<Vec<f32>>,
+}
+
+impl ImpulseResponse {
+    /// Makes the response to what arrives: `taps` one by one, `echogram` as noise. `axes` are the
+    /// listener's; [`Format::Mono`] does not ask for them.
+    ///
+    /// # Errors
+    /// [`AcousticsError::BadRate`] and [`AcousticsError::BadLength`] if the settings are out of
+    /// range.
+    pub fn new(
+        taps: &[Tap],
+        echogram: &Echogram,
+        axes: &ListenerAxes,
+        settings: &ImpulseSettings,
+    ) -> Result<ImpulseResponse, AcousticsError> {
+        let &ImpulseSettings {
+            rate_hz,
+            seconds,
+            format,
+            seed,
+        } = settings;
+        if !RATES_HZ.contains(&rate_hz) {
+            return Err(AcousticsError::BadRate { rate_hz });
+        }
+        if !(seconds > 0.0 && seconds <= MAX_SECONDS) {
+            return Err(AcousticsError::BadLength { seconds });
+        }
+        let samples = (seconds * f64::from(rate_hz)).ceil() as usize;
+        let sound = late::Sound {
+            format,
+            axes: *axes,
+            rate_hz: rate_hz.into(),
+            seed,
+        };
+        Ok(ImpulseResponse {
+            rate_hz,
+            format,
+            channels: channels(taps, echogram, &sound, samples),
+        })
+    }
+
+    /// Samples a second.
+    pub fn rate_hz(&self) -> u32 {
+        self.rate_hz
+    }
+
+    /// What the channels are.
+    pub fn format(&self) -> Format {
+        self.format
+    }
+
+    /// The samples of each channel.
+    pub fn channels(&self) -> &[Vec<f32>] {
+        &self.channels
+    }
+
+    /// The samples of all channels in turn, as in a WAV file.
+    pub fn interleaved(&self) -> Vec<f32> {
+        let frames = self.channels.first().map_or(0, Vec::len);
+        let frame = |index: usize| self.channels.iter().map(move |samples| samples[index]);
+        (0..frames).flat_map(frame).collect()
+    }
+}
+
+/// The amplitude of an energy in 1/m².
+fn amplitude(energy: f64) -> f64 {
+    (4.0 * PI * energy.max(0.0)).sqrt()
+}
+
+fn channels(
+    taps: &[Tap],
+    echogram: &Echogram,
+    sound: &late::Sound,
+    samples: usize,
+) -> Vec<Vec<f32>> {
+    let count = sound.format.channels();
+    let mut spectra = Spectra::new(count, samples, sound.rate_hz);
+    let mut unfiltered = vec![spectra.silence(); count];
+    for band in 0..BAND_COUNT {
+        if !taps.is_empty() {
+            add_taps(&mut unfiltered, taps, band, sound);
+            spectra.add(&mut unfiltered, Crossing::Amplitude, band);
+        }
+        if echogram.bins() > 0 {
+            late::add(&mut unfiltered, samples, echogram, band, sound);
+            spectra.add(&mut unfiltered, Crossing::Power, band);
+        }
+    }
+    spectra.into_channels(samples)
+}
+
+fn add_taps(unfiltered: &mut [Vec<f64>], taps: &[Tap], band: usize, sound: &late::Sound) {
+    for tap in taps {
+        let gains = sound.format.gains(&sound.axes, -tap.direction);
+        for (samples, gain) in unfiltered.iter_mut().zip(gains) {
+            let place = tap.seconds * sound.rate_hz;
+            taps::add(samples, place, gain * amplitude(tap.energy[band]));
+        }
+    }
+}

@@ -1,0 +1,96 @@
+//! How many channels there are, and what share of sound from a direction each has.
+
+use super::ListenerAxes;
+use glam::DVec3;
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+
+/// The most channels that a format has.
+pub(super) const MOST_CHANNELS: usize = 4;
+
+/// The mean of the square of one component of a unit vector over all directions: what a
+/// first-order channel (SN3D) has of a diffuse field's energy.
+const DIFFUSE_SHARE: f64 = 1.0 / 3.0;
+
+/// The channels of an impulse response.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Format {
+    /// One channel, the same for all directions.
+    #[default]
+    Mono,
+    /// Left and right: each arrival is panned with constant power by how far it comes from the
+    /// side, cos and sin of (1 + s) π/4, where s is its direction's component along the right ear.
+    Stereo,
+    /// First-order ambisonics in the convention AmbiX (C. Nachbar et al., *AmbiX – A Suggested
+    /// Ambisonics Format*, 2011): channels W, Y, Z, X (ACN), of a wave from (x, y, z) with gains
+    /// 1, y, z, x (SN3D); x is ahead of the listener, y to the left, z up.
+    AmbiX,
+}
+
+/// Amplitudes of noise in each channel: one noise that all share, and one of its own.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Noise {
+    pub(super) common: [f64; MOST_CHANNELS],
+    pub(super) own: [f64; MOST_CHANNELS],
+}
+
+impl Format {
+    /// How many channels there are.
+    pub fn channels(self) -> usize {
+        match self {
+            Format::Mono => 1,
+            Format::Stereo => 2,
+            Format::AmbiX => 4,
+        }
+    }
+
+    /// The gains of sound from a direction (a unit vector towards where it comes from).
+    pub(super) fn gains(self, axes: &ListenerAxes, from: DVec3) -> [f64; MOST_CHANNELS] {
+        match self {
+            Format::Mono => [1.0, 0.0, 0.0, 0.0],
+            Format::Stereo => {
+                let side = from.dot(axes.right()).clamp(-1.0, 1.0);
+                let (right, left) = ((1.0 + side) * FRAC_PI_4).sin_cos();
+                [left, right, 0.0, 0.0]
+            }
+            Format::AmbiX => {
+                let DVec3 { x, y, z } = axes.ambix(from);
+                [1.0, y, z, x]
+            }
+        }
+    }
+
+    /// Noise of power 1 that comes from all around, but for a mean direction: `mean` is the mean
+    /// of the unit vectors towards where it comes from, by energy, from length 0 (diffuse) to 1.
+    ///
+    /// AmbiX: the share |mean| of the energy is one wave from there, the rest is diffuse; so the
+    /// energy and the intensity both are right. Stereo: independent noises whose powers are those
+    /// of one wave from that far to the side; equal if it is diffuse.
+    pub(super) fn noise(self, axes: &ListenerAxes, mean: DVec3) -> Noise {
+        let none = [0.0; MOST_CHANNELS];
+        match self {
+            Format::Mono => Noise {
+                common: none,
+                own: self.gains(axes, mean),
+            },
+            Format::Stereo => {
+                let side = mean.dot(axes.right()).clamp(-1.0, 1.0);
+                let sine = (side * FRAC_PI_2).sin();
+                let own = [(1.0 - sine) / 2.0, (1.0 + sine) / 2.0, 0.0, 0.0];
+                Noise {
+                    common: none,
+                    own: own.map(f64::sqrt),
+                }
+            }
+            Format::AmbiX => {
+                let directed = mean.length().min(1.0);
+                let gains = self.gains(axes, mean.try_normalize().unwrap_or(DVec3::ZERO));
+                let diffuse = (1.0 - directed).sqrt();
+                let side = diffuse * DIFFUSE_SHARE.sqrt();
+                Noise {
+                    common: gains.map(|gain| gain * directed.sqrt()),
+                    own: [diffuse, side, side, side],
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,323 @@
+//! Impulse responses against the taps and echograms that they are made of.
+
+use super::*;
+use crate::bands::{BANDS_HZ, Bands};
+use glam::DVec3;
+use realfft::RealFftPlanner;
+
+const RATE_HZ: f64 = 48_000.0;
+
+fn axes() -> ListenerAxes {
+    ListenerAxes::new(DVec3::NEG_Z, DVec3::Y).expect("good axes")
+}
+
+fn response(taps: &[Tap], echogram: &Echogram, format: Format, seed: u64) -> ImpulseResponse {
+    let settings = ImpulseSettings {
+        format,
+        seed,
+        ..ImpulseSettings::new(1.0)
+    };
+    ImpulseResponse::new(taps, echogram, &axes(), &settings).expect("good settings")
+}
+
+fn empty() -> Echogram {
+    Echogram::new(1e-3, 1).expect("a good bin")
+}
+
+fn tap(seconds: f64, energy: Bands, from: DVec3) -> Tap {
+    Tap {
+        seconds,
+        energy,
+        direction: -from,
+    }
+}
+
+/// The energy of amplitude 1.
+const ONE: Bands = [1.0 / (4.0 * PI); BAND_COUNT];
+
+/// The response between its samples, whose spectrum is theirs.
+fn at(samples: &[f32], place: f64) -> f64 {
+    let sinc = |offset: f64| {
+        if offset == 0.0 {
+            1.0
+        } else {
+            (PI * offset).sin() / (PI * offset)
+        }
+    };
+    let terms = samples.iter().enumerate();
+    terms
+        .map(|(index, sample)| f64::from(*sample) * sinc(place - index as f64))
+        .sum()
+}
+
+/// Protects times and amplitudes: a source at 1 m gives amplitude 1, at its time between samples;
+/// and bands that differ do not move the peak.
+#[test]
+fn a_tap_is_where_it_belongs() {
+    let seconds = 0.010_006_9;
+    let place = seconds * RATE_HZ;
+    let flat = response(&[tap(seconds, ONE, DVec3::X)], &empty(), Format::Mono, 0);
+    let samples = &flat.channels()[0][..1000];
+    // A window of 65 samples loses what is above 0.45 of the rate: some percent of the peak.
+    assert!(
+        (at(samples, place) - 1.0).abs() < 0.05,
+        "{}",
+        at(samples, place)
+    );
+    let mut uneven = ONE;
+    for (band, energy) in uneven.iter_mut().enumerate() {
+        *energy *= 0.6_f64.powi(band as i32);
+    }
+    let uneven = response(&[tap(seconds, uneven, DVec3::X)], &empty(), Format::Mono, 0);
+    for response in [flat, uneven] {
+        let samples = &response.channels()[0][..1000];
+        let steps = (-100..=100).map(|step| place + f64::from(step) * 0.002);
+        let peak = steps.max_by(|a, b| at(samples, *a).total_cmp(&at(samples, *b)));
+        // What is above 0.45 of the rate has another phase: 0.02 samples are 0.4 µs.
+        assert!((peak.expect("a peak") - place).abs() <= 0.02);
+    }
+}
+
+/// Protects a tap's bands: the spectrum at each band's centre.
+#[test]
+fn a_tap_has_the_energy_of_its_bands() {
+    let energy: Bands = std::array::from_fn(|band| ONE[0] * (1.0 + band as f64) / 8.0);
+    let response = response(&[tap(0.3, energy, DVec3::X)], &empty(), Format::Mono, 0);
+    for (band, energy) in energy.iter().enumerate() {
+        let step = 2.0 * PI * 62.5 * 2_f64.powi(band as i32) / RATE_HZ;
+        let samples = response.channels()[0].iter().enumerate();
+        let (real, imaginary) = samples.fold((0.0, 0.0), |sum: (f64, f64), (index, sample)| {
+            let (sin, cos) = (step * index as f64).sin_cos();
+            (
+                sum.0 + f64::from(*sample) * cos,
+                sum.1 - f64::from(*sample) * sin,
+            )
+        });
+        let found = real.hypot(imaginary);
+        // Windowing passes by 2 in 10,000; samples are f32.
+        assert!(
+            (found / amplitude(*energy) - 1.0).abs() < 1e-3,
+            "{band}: {found}"
+        );
+    }
+}
+
+/// Protects the conventions of AmbiX: order W Y Z X, SN3D, y to the left; and left from right.
+#[test]
+fn directions_are_encoded() {
+    let diagonal = DVec3::new(1.0, 1.0, -1.0).normalize();
+    let third = 1.0 / 3.0_f64.sqrt();
+    // Towards −z is ahead, x is right, y is up.
+    for (from, gains) in [
+        (DVec3::NEG_Z, [1.0, 0.0, 0.0, 1.0]),
+        (DVec3::NEG_X, [1.0, 1.0, 0.0, 0.0]),
+        (DVec3::Y, [1.0, 0.0, 1.0, 0.0]),
+        (diagonal, [1.0, -third, third, third]),
+    ] {
+        let made = response(&[tap(0.01, ONE, from)], &empty(), Format::AmbiX, 0);
+        for (channel, gain) in made.channels().iter().zip(gains) {
+            assert!((f64::from(channel[480]) - gain).abs() < 1e-6, "{from}");
+        }
+    }
+    for (from, gains) in [
+        (DVec3::X, [0.0, 1.0]),
+        (DVec3::NEG_X, [1.0, 0.0]),
+        (DVec3::Y, [0.5_f64.sqrt(); 2]),
+    ] {
+        let made = response(&[tap(0.01, ONE, from)], &empty(), Format::Stereo, 0);
+        for (channel, gain) in made.channels().iter().zip(gains) {
+            assert!((f64::from(channel[480]) - gain).abs() < 1e-6, "{from}");
+        }
+    }
+}
+
+/// Decays of another speed in each band, from all of `from` in equal parts.
+fn decaying(from: &[DVec3]) -> Echogram {
+    let mut echogram = empty();
+    for bin in 0..1000 {
+        let seconds = (f64::from(bin) + 0.5) * 1e-3;
+        let energy = |band: usize| (-seconds / (0.1 + 0.05 * band as f64)).exp() * 1e-3;
+        for direction in from {
+            let energy = std::array::from_fn(|band| energy(band) / from.len() as f64);
+            echogram.add(0, seconds, &energy, -*direction);
+        }
+    }
+    echogram
+}
+
+/// A channel within this share of an octave about a band's centre, to each side.
+fn filtered(samples: &[f32], band: usize, octaves: f64) -> Vec<f64> {
+    let length = samples.len().next_power_of_two();
+    let mut planner = RealFftPlanner::new();
+    let (forward, inverse) = (
+        planner.plan_fft_forward(length),
+        planner.plan_fft_inverse(length),
+    );
+    let mut signal = vec![0.0; length];
+    for (value, sample) in signal.iter_mut().zip(samples) {
+        *value = f64::from(*sample);
+    }
+    let mut spectrum = forward.make_output_vec();
+    forward
+        .process(&mut signal, &mut spectrum)
+        .expect("lengths of the plan");
+    let centre_hz = 62.5 * 2_f64.powi(band as i32);
+    for (bin, value) in spectrum.iter_mut().enumerate() {
+        let distance = (bin as f64 * RATE_HZ / length as f64 / centre_hz)
+            .log2()
+            .abs();
+        if distance > octaves {
+            *value *= 0.0;
+        }
+    }
+    inverse
+        .process(&mut spectrum, &mut signal)
+        .expect("lengths of the plan");
+    signal.iter().map(|value| value / length as f64).collect()
+}
+
+/// Protects the late part's energy, by band and time. Within a third of an octave about its centre
+/// a band is alone, and noise of that bandwidth B has in T seconds an energy with the relative
+/// standard deviation 1/√(B T). Four of these, and 3 % for what the edges of a window spread.
+#[test]
+fn noise_follows_the_echogram() {
+    const WINDOWS: usize = 4;
+    let echogram = decaying(&[DVec3::X]);
+    let response = response(&[], &echogram, Format::Mono, 3);
+    for (band, centre_hz) in BANDS_HZ.into_iter().enumerate() {
+        let octaves = 1.0 / 3.0;
+        let found = filtered(&response.channels()[0], band, octaves);
+        let width_hz = centre_hz * (octaves.exp2() - (-octaves).exp2());
+        let samples = RATE_HZ as usize / WINDOWS;
+        // The first window has the edge of the sound itself.
+        for window in 1..WINDOWS - 1 {
+            let bins = window * 1000 / WINDOWS..(window + 1) * 1000 / WINDOWS;
+            let energy: f64 = bins.map(|bin| echogram.energy(bin)[band]).sum();
+            let expected = 4.0 * PI * energy * width_hz / (RATE_HZ / 2.0);
+            let part = &found[window * samples..(window + 1) * samples];
+            let energy: f64 = part.iter().map(|sample| sample * sample).sum();
+            let deviation = (width_hz / WINDOWS as f64).powf(-0.5);
+            let ratio = energy / expected;
+            assert!(
+                (ratio - 1.0).abs() < 4.0 * deviation + 0.03,
+                "{band} {window}: {ratio}"
+            );
+        }
+    }
+}
+
+/// Protects the late part's time structure: the energy of single bins at high frequencies, where a
+/// filter is sharper in time than a bin. Every tenth bin has sound; a millisecond at 8 kHz has
+/// B T = 11 over the octave, and so 300 bins together 2 %.
+#[test]
+fn noise_stays_in_its_bins() {
+    let mut echogram = empty();
+    for bin in 0..1000 {
+        let energy = if bin % 10 == 5 {
+            [1e-3; BAND_COUNT]
+        } else {
+            [0.0; BAND_COUNT]
+        };
+        echogram.add(0, (f64::from(bin) + 0.5) * 1e-3, &energy, DVec3::X);
+    }
+    let made = response(&[], &echogram, Format::Mono, 4);
+    let found = filtered(&made.channels()[0], 7, 0.5);
+    let energy = |offset: usize| -> f64 {
+        let bins = (0..100).map(|tenth| (tenth * 10 + offset) * 48);
+        bins.map(|begins| {
+            found[begins..begins + 48]
+                .iter()
+                .map(|x| x * x)
+                .sum::<f64>()
+        })
+        .sum()
+    };
+    let all: f64 = (0..10).map(energy).sum();
+    assert!(energy(5) > 0.9 * all, "{}", energy(5) / all);
+    assert!(energy(0) < 0.01 * all, "{}", energy(0) / all);
+}
+
+/// The mean product of two channels' samples, over that of the first with itself.
+fn share(response: &ImpulseResponse, a: usize, b: usize) -> f64 {
+    let sum = |a: &[f32], b: &[f32]| -> f64 {
+        let products = a.iter().zip(b).map(|(a, b)| f64::from(*a) * f64::from(*b));
+        products.sum()
+    };
+    let channels = response.channels();
+    sum(&channels[a], &channels[b]) / sum(&channels[0], &channels[0])
+}
+
+/// Protects where the late part comes from: one direction, and two opposite ones, which are
+/// diffuse for what a first order tells. The decaying noise has some 2000 independent values:
+/// deviations are 2 %, and four of them are allowed.
+#[test]
+fn noise_comes_from_where_the_energy_came() {
+    let left = response(&[], &decaying(&[DVec3::NEG_X]), Format::AmbiX, 5);
+    for (channel, expected) in [1.0, 1.0, 0.0, 0.0].into_iter().enumerate() {
+        assert!(
+            (share(&left, 0, channel) - expected).abs() < 1e-3,
+            "{channel}"
+        );
+    }
+    let diffuse = response(&[], &decaying(&[DVec3::NEG_X, DVec3::X]), Format::AmbiX, 5);
+    for channel in 1..4 {
+        assert!(share(&diffuse, 0, channel).abs() < 0.08);
+        assert!((share(&diffuse, channel, channel) - 1.0 / 3.0).abs() < 0.08);
+    }
+    // Three parts of four from ahead, one from behind: half of it is directed.
+    let ahead = [DVec3::NEG_Z, DVec3::NEG_Z, DVec3::NEG_Z, DVec3::Z];
+    let half = response(&[], &decaying(&ahead), Format::AmbiX, 5);
+    assert!((share(&half, 0, 3) - 0.5).abs() < 0.08);
+    assert!((share(&half, 3, 3) - (0.5 + 0.5 / 3.0)).abs() < 0.08);
+    let right = response(
+        &[],
+        &decaying(&[DVec3::X, DVec3::X, DVec3::Y]),
+        Format::Stereo,
+        5,
+    );
+    let powers = share(&right, 1, 1);
+    // A mean of 2/3 to the right: (1 + sin 60°) / (1 − sin 60°).
+    assert!((powers / 13.93 - 1.0).abs() < 0.16, "{powers}");
+}
+
+/// Protects that a response can be had again, and another one too.
+#[test]
+fn the_seed_chooses_the_noise() {
+    let echogram = decaying(&[DVec3::X]);
+    let made = |seed| response(&[], &echogram, Format::Mono, seed);
+    assert_eq!(made(1), made(1));
+    assert_ne!(made(1), made(2));
+}
+
+/// Protects lengths, and the order of samples in a file.
+#[test]
+fn samples_are_interleaved() {
+    let made = response(&[tap(0.0, ONE, DVec3::X)], &empty(), Format::Stereo, 0);
+    assert_eq!(
+        (made.channels().len(), made.channels()[0].len()),
+        (2, 48_000)
+    );
+    let samples = made.interleaved();
+    assert_eq!(samples.len(), 96_000);
+    assert!(samples[0].abs() < 1e-6 && (samples[1] - 1.0).abs() < 1e-6);
+}
+
+/// Protects the refusal of rates and lengths that no response has.
+#[test]
+fn bad_settings_are_refused() {
+    let make = |rate_hz, seconds| {
+        let settings = ImpulseSettings {
+            rate_hz,
+            ..ImpulseSettings::new(seconds)
+        };
+        ImpulseResponse::new(&[], &empty(), &axes(), &settings)
+    };
+    assert_eq!(
+        make(100, 1.0),
+        Err(AcousticsError::BadRate { rate_hz: 100 })
+    );
+    for seconds in [0.0, -1.0, 61.0, f64::NAN] {
+        assert!(make(48_000, seconds).is_err());
+    }
+    assert!(make(44_100, 0.5).is_ok());
+}

@@ -1,0 +1,172 @@
+//! `echomarch impulse`: impulse responses and room acoustic figures.
+
+mod files;
+mod pairs;
+mod print_out;
+
+use super::exit::BadInput;
+use super::numbers::{count, real};
+use super::options::{Common, check_ending, check_range};
+use super::print;
+use super::scene::SceneAtTime;
+use crate::acoustics::{Format, MAX_SECONDS, RATES_HZ};
+use crate::audio::SAMPLE_RATE;
+use crate::output::check_file;
+use crate::response::{Response, ResponseSettings};
+use crate::trace::{Algorithm, Directions, Profile, Settings};
+use clap::{Args, ValueEnum};
+use pairs::Pair;
+use std::path::PathBuf;
+
+const EXAMPLES: &str = "\
+Examples:
+  echomarch impulse shoebox                          figures of the room, and its early paths
+  echomarch impulse hall.ron -o ir.wav --waves 262144
+  echomarch impulse hall.ron -o ir.wav --format ambisonic --seconds 3
+  echomarch impulse hall.ron --source flute --listener stalls --plot decay.svg
+  echomarch impulse hall.ron --echogram echogram.csv --json > hall.json";
+
+/// Arguments of `impulse`.
+#[derive(Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub struct Arguments {
+    #[command(flatten)]
+    scene: SceneAtTime,
+    /// Write the impulse response as a WAV file of 32-bit floats; its first sample is the source's
+    /// impulse, and amplitude 1 is the direct sound at 1 m
+    #[arg(short, long, value_name = "FILE.wav")]
+    output: Option<PathBuf>,
+    /// Channels of the WAV file: mono, stereo, or ambisonic (first order: ACN, SN3D)
+    #[arg(long, default_value = "mono", value_name = "NAME", requires = "output")]
+    format: FormatOption,
+    /// Samples a second of the WAV file
+    #[arg(long, allow_negative_numbers = true, default_value_t = SAMPLE_RATE, value_name = "HZ",
+        requires = "output", value_parser = count::<u32>)]
+    rate: u32,
+    /// Write the energy by time and band as CSV: time_s,band_hz,energy,x,y,z
+    #[arg(long, value_name = "FILE.csv")]
+    echogram: Option<PathBuf>,
+    /// Write a plot of the energy and its decay against time
+    #[arg(long, value_name = "FILE.svg")]
+    plot: Option<PathBuf>,
+    /// Only this source, by its name or number
+    #[arg(long, value_name = "NAME")]
+    source: Option<String>,
+    /// Only this listener, by its name or number
+    #[arg(long, value_name = "NAME")]
+    listener: Option<String>,
+    /// How long the waves are followed [default: until all bands have fallen by 60 dB, 10 s at
+    /// the most]
+    #[arg(long, allow_negative_numbers = true, value_name = "SECONDS", value_parser = real::<f64>)]
+    seconds: Option<f64>,
+    /// Reflections of the paths that are found exactly, at the most
+    #[arg(long, allow_negative_numbers = true, default_value_t = 6, value_name = "N", value_parser = count::<u32>)]
+    order: u32,
+    /// The algorithm: hybrid (closed form), march (accurate sphere tracing)
+    #[arg(long, default_value_t = Profile::Hybrid, value_name = "NAME")]
+    profile: Profile,
+    /// Number of sound waves, 1 to 16777216
+    #[arg(long, allow_negative_numbers = true, default_value_t = 65_536, value_name = "N", value_parser = count::<u32>)]
+    waves: u32,
+    /// Chooses the start directions, and the noise of the late part
+    #[arg(long, allow_negative_numbers = true, default_value_t = 1, value_name = "N", value_parser = count::<u32>)]
+    seed: u32,
+    /// Start directions: random (the thesis), fibonacci (an even lattice)
+    #[arg(long, default_value_t = Directions::Random, value_name = "NAME")]
+    directions: Directions,
+}
+
+/// The channels of the WAV file.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum FormatOption {
+    Mono,
+    Stereo,
+    Ambisonic,
+}
+
+impl From<FormatOption> for Format {
+    fn from(option: FormatOption) -> Format {
+        match option {
+            FormatOption::Mono => Format::Mono,
+            FormatOption::Stereo => Format::Stereo,
+            FormatOption::Ambisonic => Format::AmbiX,
+        }
+    }
+}
+
+/// Runs the subcommand.
+pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
+    let settings = arguments.settings()?;
+    arguments.check_names()?;
+    let scene = common.scene_at_time(&arguments.scene)?;
+    let pairs = pairs::chosen(
+        &scene,
+        arguments.source.as_deref(),
+        arguments.listener.as_deref(),
+    )?;
+    if arguments.files().next().is_some() && pairs.len() > 1 {
+        return Err(BadInput(pairs::too_many(&scene, pairs.len())).into());
+    }
+    arguments.files().try_for_each(|file| check_file(file))?;
+    let mut tracer = common.tracer()?;
+    let bar = print::progress(common.quiet, pairs.len() as u64, "pairs");
+    let mut heard: Vec<(Pair, Response)> = Vec::new();
+    for pair in pairs {
+        let response = Response::trace(&mut tracer, &pair.scene, &settings)?;
+        files::write(arguments, &pair, &response)?;
+        heard.push((pair, response));
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    common.warn_checked(&scene);
+    print_out::warn(common, &heard);
+    if common.json {
+        let renderer = tracer.context().renderer();
+        return print::json(&print_out::report(&scene, renderer, &settings, &heard));
+    }
+    print_out::text(&scene, &settings, &heard)
+}
+
+impl Arguments {
+    fn settings(&self) -> anyhow::Result<ResponseSettings> {
+        let trace = Settings::new(Algorithm::of(self.profile))
+            .with_waves(self.waves)
+            .with_seed(self.seed)
+            .with_directions(self.directions);
+        let settings = ResponseSettings::default().with_trace(trace);
+        let mut settings = settings.with_order(self.order);
+        settings.seconds = self.seconds;
+        settings.validate()?;
+        Ok(settings)
+    }
+
+    fn check_names(&self) -> anyhow::Result<()> {
+        let endings = [
+            (&self.output, "wav"),
+            (&self.echogram, "csv"),
+            (&self.plot, "svg"),
+        ];
+        for (file, ending) in endings {
+            file.as_deref()
+                .map_or(Ok(()), |file| check_ending(file, ending))?;
+        }
+        let (least, most) = (*RATES_HZ.start(), *RATES_HZ.end());
+        if let (Some(seconds), Some(_)) = (self.seconds, &self.output) {
+            check_range("--seconds of a WAV file", seconds, 0.0, MAX_SECONDS)?;
+        }
+        check_range(
+            "--rate",
+            f64::from(self.rate),
+            f64::from(least),
+            f64::from(most),
+        )?;
+        Ok(())
+    }
+
+    /// The files that are to be written.
+    fn files(&self) -> impl Iterator<Item = &PathBuf> {
+        [&self.output, &self.echogram, &self.plot]
+            .into_iter()
+            .flatten()
+    }
+}

@@ -1,0 +1,60 @@
+//! The files of `echomarch impulse`.
+
+use super::Arguments;
+use super::pairs::Pair;
+use crate::acoustics::{Echogram, EchogramRow, ImpulseResponse, ImpulseSettings, ListenerAxes};
+use crate::audio::WavWriter;
+use crate::error::Error;
+use crate::experiment::decay_plot;
+use crate::output::write_whole;
+use crate::response::Response;
+use anyhow::anyhow;
+use std::io::{self, Write};
+use std::path::Path;
+
+/// Writes what was asked for.
+pub fn write(arguments: &Arguments, pair: &Pair, response: &Response) -> anyhow::Result<()> {
+    if let Some(file) = &arguments.output {
+        write_wav(arguments, file, pair, response)?;
+    }
+    if let Some(file) = &arguments.echogram {
+        write_whole(file, |out| write_echogram(&response.echogram, out))?;
+    }
+    if let Some(file) = &arguments.plot {
+        let title = format!("{}: {} to {}", pair.scene.name, pair.source, pair.listener);
+        let svg = decay_plot::svg(&title, response);
+        let svg = svg.map_err(|error| anyhow!("cannot draw the plot: {error}"))?;
+        write_whole(file, |out| out.write_all(svg.as_bytes()))?;
+    }
+    Ok(())
+}
+
+fn write_wav(
+    arguments: &Arguments,
+    file: &Path,
+    pair: &Pair,
+    response: &Response,
+) -> anyhow::Result<()> {
+    let listener = &pair.scene.listener;
+    let axes = ListenerAxes::new(listener.forward().as_dvec3(), listener.up().as_dvec3());
+    let axes = axes.map_err(Error::from)?;
+    let mut settings = ImpulseSettings::new(response.seconds);
+    settings.rate_hz = arguments.rate;
+    settings.format = arguments.format.into();
+    settings.seed = arguments.seed.into();
+    let impulse = ImpulseResponse::new(&response.taps(), &response.echogram, &axes, &settings);
+    let impulse = impulse.map_err(Error::from)?;
+    let channels = settings.format.channels() as u16;
+    let mut wav = WavWriter::create_with_channels(file, arguments.rate, channels)?;
+    wav.write(&impulse.interleaved())?;
+    Ok(wav.finish()?)
+}
+
+fn write_echogram(echogram: &Echogram, out: &mut dyn Write) -> io::Result<()> {
+    let mut csv = csv::Writer::from_writer(out);
+    csv.write_record(EchogramRow::COLUMNS)?;
+    for row in echogram.rows() {
+        csv.write_record(row.values().map(|value| value.to_string()))?;
+    }
+    csv.flush()
+}

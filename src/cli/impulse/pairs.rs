@@ -1,0 +1,98 @@
+//! Which sources and listeners are meant.
+
+use super::super::exit::BadInput;
+use crate::scene::Scene;
+
+/// A source and a listener of a scene.
+pub struct Pair {
+    /// What they are called: by their names, or their numbers from 1.
+    pub source: String,
+    pub listener: String,
+    /// The scene with these two as the first.
+    pub scene: Scene,
+}
+
+/// The pairs of the sources and listeners that were chosen by name or number; all without a choice.
+pub fn chosen(
+    scene: &Scene,
+    source: Option<&str>,
+    listener: Option<&str>,
+) -> Result<Vec<Pair>, BadInput> {
+    let sources = labels(scene.sources().map(|source| source.name.as_deref()));
+    let listeners = labels(scene.listeners().map(|listener| listener.name.as_deref()));
+    let from = choose("source", &sources, source)?;
+    let to = choose("listener", &listeners, listener)?;
+    let both = from
+        .iter()
+        .flat_map(|from| to.iter().map(move |to| (*from, *to)));
+    let pair = |(from, to): (usize, usize)| Pair {
+        source: sources[from].clone(),
+        listener: listeners[to].clone(),
+        scene: scene.heard_by(from, to),
+    };
+    Ok(both.map(pair).collect())
+}
+
+/// Says that files hold one pair.
+pub fn too_many(scene: &Scene, count: usize) -> String {
+    format!(
+        "files hold one source and one listener, and {} has {count} such pairs: choose by --source and --listener",
+        scene.name
+    )
+}
+
+fn labels<'a>(names: impl Iterator<Item = Option<&'a str>>) -> Vec<String> {
+    let label = |(index, name): (usize, Option<&str>)| match name {
+        Some(name) => name.to_owned(),
+        None => (index + 1).to_string(),
+    };
+    names.enumerate().map(label).collect()
+}
+
+/// The indices that are meant: a name counts before a number.
+fn choose(what: &str, labels: &[String], wanted: Option<&str>) -> Result<Vec<usize>, BadInput> {
+    let Some(wanted) = wanted else {
+        return Ok((0..labels.len()).collect());
+    };
+    let by_number = || {
+        wanted
+            .parse::<usize>()
+            .ok()?
+            .checked_sub(1)
+            .filter(|at| *at < labels.len())
+    };
+    match labels
+        .iter()
+        .position(|label| label == wanted)
+        .or_else(by_number)
+    {
+        Some(index) => Ok(vec![index]),
+        None => Err(BadInput(format!(
+            "the scene has no {what} {wanted:?}; it has: {}",
+            labels.join(", ")
+        ))),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects the choice by name and by number, and what is said of a wrong one.
+    #[test]
+    fn names_count_before_numbers() {
+        let labels = labels([Some("2"), None, Some("flute")].into_iter());
+        assert_eq!(choose("source", &labels, None).unwrap(), [0, 1, 2]);
+        // The second one without a name is "2" as well: the name wins.
+        assert_eq!(choose("source", &labels, Some("2")).unwrap(), [0]);
+        assert_eq!(choose("source", &labels, Some("3")).unwrap(), [2]);
+        assert_eq!(choose("source", &labels, Some("flute")).unwrap(), [2]);
+        let refused = choose("source", &labels, Some("drum")).unwrap_err();
+        assert!(
+            refused
+                .0
+                .contains("no source \"drum\"; it has: 2, 2, flute")
+        );
+        assert!(choose("source", &labels, Some("0")).is_err());
+    }
+}

@@ -1,0 +1,324 @@
+//! What `echomarch impulse` prints.
+
+use super::super::options::Common;
+use super::super::print;
+use super::pairs::Pair;
+use crate::acoustics::{BandFigures, Figures};
+use crate::bands::{BAND_COUNT, BANDS_HZ, Bands};
+use crate::report::{Column, Row, Table};
+use crate::response::{HeardPath, Response, ResponseSettings};
+use crate::scene::Scene;
+use serde::Serialize;
+use std::f64::consts::PI;
+
+/// Paths that the text names; the JSON has all.
+const PATHS_IN_TEXT: usize = 8;
+
+/// A level of 0 dB: the direct sound 10 m away in the open, in 1/m².
+const STRENGTH_0_DB: f64 = 1.0 / (4.0 * PI * 100.0);
+
+/// More of the energy than this, if it came after the record's end, is told.
+const TOLD_CUT_OFF: f64 = 0.001;
+
+/// What is printed as JSON.
+#[derive(Serialize)]
+pub struct Report<'a> {
+    scene: &'a str,
+    renderer: &'a str,
+    profile: String,
+    waves: u32,
+    iterations: u32,
+    seconds: f64,
+    milliseconds: f64,
+    pairs: Vec<PairReport<'a>>,
+}
+
+#[derive(Serialize)]
+struct PairReport<'a> {
+    source: &'a str,
+    listener: &'a str,
+    seconds: f64,
+    iterations: u32,
+    milliseconds: f64,
+    bands_hz: Bands,
+    edt_s: Vec<Option<f64>>,
+    t20_s: Vec<Option<f64>>,
+    t30_s: Vec<Option<f64>>,
+    c50_db: Vec<Option<f64>>,
+    c80_db: Vec<Option<f64>>,
+    d50: Vec<Option<f64>>,
+    ts_s: Vec<Option<f64>>,
+    g_db: Vec<Option<f64>>,
+    error: ErrorReport,
+    /// The share of the energy after the record's end.
+    cut_off: [Option<f64>; BAND_COUNT],
+    /// The share of the early energy on paths that no wave found.
+    missed_early_share: Option<f64>,
+    direct: Option<DirectReport>,
+    paths: Vec<PathReport<'a>>,
+}
+
+/// One standard deviation.
+#[derive(Serialize)]
+struct ErrorReport {
+    edt_s: Vec<Option<f64>>,
+    t20_s: Vec<Option<f64>>,
+    t30_s: Vec<Option<f64>>,
+    c50_db: Vec<Option<f64>>,
+    c80_db: Vec<Option<f64>>,
+    d50: Vec<Option<f64>>,
+    ts_s: Vec<Option<f64>>,
+    g_db: Vec<Option<f64>>,
+}
+
+#[derive(Serialize)]
+struct DirectReport {
+    delay_s: f64,
+    g_db: f64,
+    azimuth_deg: f64,
+    elevation_deg: f64,
+}
+
+#[derive(Serialize)]
+struct PathReport<'a> {
+    order: usize,
+    surfaces: &'a [u32],
+    delay_s: f64,
+    /// Of the mean of the bands' energies.
+    g_db: f64,
+    g_db_bands: Vec<Option<f64>>,
+    azimuth_deg: f64,
+    elevation_deg: f64,
+    is_focus: bool,
+}
+
+/// The whole result.
+pub fn report<'a>(
+    scene: &'a Scene,
+    renderer: &'a str,
+    settings: &ResponseSettings,
+    heard: &'a [(Pair, Response)],
+) -> Report<'a> {
+    let responses = || heard.iter().map(|(_, response)| response);
+    Report {
+        scene: &scene.name,
+        renderer,
+        profile: settings.trace.profile().to_string(),
+        waves: settings.trace.waves,
+        iterations: responses().map(|r| r.counts.iterations).max().unwrap_or(0),
+        seconds: responses().map(|r| r.seconds).fold(0.0, f64::max),
+        milliseconds: responses().map(|r| r.milliseconds).sum(),
+        pairs: heard
+            .iter()
+            .map(|(pair, response)| of_pair(pair, response))
+            .collect(),
+    }
+}
+
+fn of_pair<'a>(pair: &'a Pair, response: &'a Response) -> PairReport<'a> {
+    let Figures {
+        bands,
+        errors,
+        cut_off,
+        ..
+    } = &response.figures;
+    PairReport {
+        source: &pair.source,
+        listener: &pair.listener,
+        seconds: response.seconds,
+        iterations: response.counts.iterations,
+        milliseconds: response.milliseconds,
+        bands_hz: BANDS_HZ,
+        edt_s: by_band(bands, |f| f.edt_s),
+        t20_s: by_band(bands, |f| f.t20_s),
+        t30_s: by_band(bands, |f| f.t30_s),
+        c50_db: by_band(bands, |f| f.c50_db),
+        c80_db: by_band(bands, |f| f.c80_db),
+        d50: by_band(bands, |f| f.d50),
+        ts_s: by_band(bands, |f| f.ts_s),
+        g_db: by_band(bands, |f| f.g_db),
+        error: ErrorReport {
+            edt_s: by_band(errors, |f| f.edt_s),
+            t20_s: by_band(errors, |f| f.t20_s),
+            t30_s: by_band(errors, |f| f.t30_s),
+            c50_db: by_band(errors, |f| f.c50_db),
+            c80_db: by_band(errors, |f| f.c80_db),
+            d50: by_band(errors, |f| f.d50),
+            ts_s: by_band(errors, |f| f.ts_s),
+            g_db: by_band(errors, |f| f.g_db),
+        },
+        cut_off: *cut_off,
+        missed_early_share: response.missed.energy_share(),
+        direct: response.direct().map(|path| DirectReport {
+            delay_s: path.delay_s,
+            g_db: strength_db(mean(&path.energy)).unwrap_or(f64::NEG_INFINITY),
+            azimuth_deg: path.azimuth.to_degrees(),
+            elevation_deg: path.elevation.to_degrees(),
+        }),
+        paths: response.paths.iter().map(of_path).collect(),
+    }
+}
+
+fn of_path(path: &HeardPath) -> PathReport<'_> {
+    PathReport {
+        order: path.path.surfaces.len(),
+        surfaces: &path.path.surfaces,
+        delay_s: path.delay_s,
+        g_db: strength_db(mean(&path.energy)).unwrap_or(f64::NEG_INFINITY),
+        g_db_bands: path
+            .energy
+            .iter()
+            .map(|energy| strength_db(*energy))
+            .collect(),
+        azimuth_deg: path.azimuth.to_degrees(),
+        elevation_deg: path.elevation.to_degrees(),
+        is_focus: path.path.is_focus,
+    }
+}
+
+fn by_band(
+    of: &[BandFigures; BAND_COUNT],
+    figure: impl Fn(&BandFigures) -> Option<f64>,
+) -> Vec<Option<f64>> {
+    of.iter().map(figure).collect()
+}
+
+fn mean(bands: &Bands) -> f64 {
+    bands.iter().sum::<f64>() / BAND_COUNT as f64
+}
+
+/// *G* of an energy density in 1/m², in decibels; `None` for silence.
+fn strength_db(energy: f64) -> Option<f64> {
+    (energy > 0.0).then(|| 10.0 * (energy / STRENGTH_0_DB).log10())
+}
+
+/// One band of one pair, as a row of a table.
+struct BandRow {
+    band_hz: f64,
+    figures: BandFigures,
+    errors: BandFigures,
+}
+
+/// The figures for people.
+pub fn text(
+    scene: &Scene,
+    settings: &ResponseSettings,
+    heard: &[(Pair, Response)],
+) -> anyhow::Result<()> {
+    for (pair, response) in heard {
+        print::line(&format!(
+            "{}: source {}, listener {}: {} waves, {} iterations, {:.2} s, profile {}, seed {}",
+            scene.name,
+            pair.source,
+            pair.listener,
+            settings.trace.waves,
+            response.counts.iterations,
+            response.seconds,
+            settings.trace.profile(),
+            settings.trace.seed
+        ))?;
+        let rows = (0..BAND_COUNT).map(|band| BandRow {
+            band_hz: BANDS_HZ[band],
+            figures: response.figures.bands[band],
+            errors: response.figures.errors[band],
+        });
+        print::line(&Table::of(rows).terminal())?;
+        print_paths(response)?;
+        print::line(&format!("  {:.0} ms", response.milliseconds))?;
+    }
+    Ok(())
+}
+
+impl Row for BandRow {
+    fn columns() -> Vec<Column<BandRow>> {
+        vec![
+            Column::new("band_hz", "band", |row: &BandRow| row.band_hz)
+                .unit("Hz")
+                .fixed(0)
+                .key(),
+            Column::new("edt_s", "EDT", |row: &BandRow| row.figures.edt_s)
+                .unit("s")
+                .fixed(3),
+            Column::new("t20_s", "T20", |row: &BandRow| row.figures.t20_s)
+                .unit("s")
+                .fixed(3),
+            Column::new("t30_s", "T30", |row: &BandRow| row.figures.t30_s)
+                .unit("s")
+                .fixed(3),
+            Column::new("t30_error_s", "±", |row: &BandRow| row.errors.t30_s)
+                .unit("s")
+                .fixed(3),
+            Column::new("c80_db", "C80", |row: &BandRow| row.figures.c80_db)
+                .unit("dB")
+                .fixed(2),
+            Column::new("c80_error_db", "±", |row: &BandRow| row.errors.c80_db)
+                .unit("dB")
+                .fixed(2),
+            Column::new("g_db", "G", |row: &BandRow| row.figures.g_db)
+                .unit("dB")
+                .fixed(2),
+            Column::new("g_error_db", "±", |row: &BandRow| row.errors.g_db)
+                .unit("dB")
+                .fixed(2),
+        ]
+    }
+}
+
+fn print_paths(response: &Response) -> anyhow::Result<()> {
+    let shown = response.paths.iter().take(PATHS_IN_TEXT);
+    for path in shown {
+        let over: Vec<String> = path.path.surfaces.iter().map(u32::to_string).collect();
+        let over = match over.is_empty() {
+            true => "direct".to_owned(),
+            false => format!("over {}", over.join(", ")),
+        };
+        let strength = strength_db(mean(&path.energy));
+        print::line(&format!(
+            "  {:9.3} ms  G {:>6} dB  azimuth {:+7.1}°, elevation {:+6.1}°  {over}",
+            path.delay_s * 1e3,
+            strength.map_or("−∞".to_owned(), |db| format!("{db:.2}")),
+            path.azimuth.to_degrees(),
+            path.elevation.to_degrees(),
+        ))?;
+    }
+    match response.paths.len().saturating_sub(PATHS_IN_TEXT) {
+        0 => Ok(()),
+        more => print::line(&format!("  and {more} exact paths more (--json tells all)")),
+    }
+}
+
+/// Tells what the record does not hold.
+pub fn warn(common: &Common, heard: &[(Pair, Response)]) {
+    for (pair, response) in heard {
+        let of = format!("{} to {}", pair.source, pair.listener);
+        let counts = &response.counts;
+        if counts.arrivals == 0 && response.paths.is_empty() {
+            common.note(&format!("note: {of}: nothing arrives"));
+        }
+        if counts.step_limit_reached > 0 {
+            let count = counts.step_limit_reached;
+            common.note(&format!(
+                "warning: {of}: {count} marches reached the step limit; their waves are dead"
+            ));
+        }
+        if counts.cut_off > 0 {
+            let count = counts.cut_off;
+            common.note(&format!(
+                "warning: {of}: {count} waves were cut off after {} iterations, before the record's end",
+                counts.iterations
+            ));
+        }
+        let beyond = response
+            .figures
+            .cut_off
+            .iter()
+            .flatten()
+            .fold(0.0, |most, share| f64::max(most, *share));
+        if beyond > TOLD_CUT_OFF {
+            common.note(&format!(
+                "note: {of}: about {:.1} % of the energy comes after the record's end (--seconds)",
+                100.0 * beyond
+            ));
+        }
+    }
+}

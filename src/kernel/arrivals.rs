@@ -1,0 +1,207 @@
+//! The fragment shader that takes waves past a transparent listener and records their crossings.
+
+use super::layout::Layout;
+use super::materials::Materials;
+use super::passes::{AlgorithmText, Directions, marches_fields, start};
+use super::text::{
+    ListenerText, Part, Source, closed_form_parts, directed_parts, join, link, materials_parts,
+    parts, source,
+};
+use crate::scene::Scene;
+use glam::Vec4;
+use std::fmt::Write;
+
+/// Bits of a word, as which events are written: what a float holds without harm.
+pub(crate) const WORD_BITS: u32 = 30;
+
+/// Words of events in a texture of their own, beside the one in the tally.
+const WORDS_IN_TEXTURE: u32 = 4;
+
+/// What the text depends on beside the structure of the scene.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct ArrivalsText {
+    /// How a wave finds what it meets. There is no such text of `thesis`.
+    pub algorithm: AlgorithmText,
+    /// How waves start.
+    pub directions: Directions,
+    /// Crossings that a pass records of a wave.
+    pub records: u32,
+    /// Bits of an event; 0 where no surface absorbs or scatters.
+    pub event_bits: u32,
+    /// Whether events have a texture.
+    pub has_words: bool,
+    /// Whether surfaces scatter.
+    pub scatters: bool,
+    /// Rooms whose walls are of different materials, by index.
+    pub rooms: Vec<usize>,
+}
+
+impl ArrivalsText {
+    /// The output that is the tally, behind two of the wave's state; then come the words, if there
+    /// are any, then the records.
+    pub const TALLY: u32 = 2;
+
+    /// For a scene of these materials, with so many records at the most, on a driver that allows
+    /// so many outputs, four at least.
+    pub fn new(
+        (algorithm, directions): (AlgorithmText, Directions),
+        materials: &Materials,
+        records: u32,
+        outputs: u32,
+    ) -> ArrivalsText {
+        let event_bits = materials.bits();
+        let has_words = event_bits > 0 && outputs > ArrivalsText::TALLY + 2;
+        let text = ArrivalsText {
+            algorithm,
+            directions,
+            records: 0,
+            event_bits,
+            has_words,
+            scatters: materials.scatter(),
+            rooms: materials.rooms(),
+        };
+        ArrivalsText {
+            records: records.min(outputs - text.first_record()),
+            ..text
+        }
+    }
+
+    /// The first output that is a record.
+    pub fn first_record(&self) -> u32 {
+        ArrivalsText::TALLY + 1 + u32::from(self.has_words)
+    }
+
+    /// Textures that a pass writes to.
+    pub fn outputs(&self) -> u32 {
+        self.first_record() + self.records
+    }
+
+    /// Words of events.
+    pub fn words(&self) -> u32 {
+        match (self.event_bits, self.has_words) {
+            (0, _) => 0,
+            (_, false) => 1,
+            (_, true) => 1 + WORDS_IN_TEXTURE,
+        }
+    }
+
+    /// Iterations of a pass for whose events there is room; none where there are no events.
+    pub fn most_iterations(&self) -> Option<u32> {
+        (self.event_bits > 0).then(|| self.words() * self.events_in_word())
+    }
+
+    fn events_in_word(&self) -> u32 {
+        WORD_BITS / self.event_bits.max(1)
+    }
+}
+
+/// The values of `uMaterials`.
+pub(crate) fn material_values(
+    scene: &Scene,
+    materials: &Materials,
+    text: &ArrivalsText,
+) -> Vec<Vec4> {
+    let layout = Layout::of(&scene.surfaces, text.algorithm.lists());
+    materials.uniform_values(&layout.unrolled)
+}
+
+/// The text of the pass, for a scene that should have been [checked](super::check).
+pub(crate) fn arrivals_text(scene: &Scene, text: &ArrivalsText) -> String {
+    let (fly, marches, mut library) = flight(scene, text.algorithm);
+    let options = format!(
+        "#define EXACT_NORMALS 1\n#define LANDING 1\n#define MARCHES_FIELDS {}\n\
+         #define COUNT_EVALUATIONS(n)\n#define EVENT_BITS {}\n#define EVENTS_IN_WORD {}\n\
+         #define WORDS {}\n#define SCATTERS {}\n",
+        u8::from(marches),
+        text.event_bits,
+        text.events_in_word(),
+        text.words(),
+        u8::from(text.scatters)
+    );
+    if text.event_bits > 0 {
+        library.extend(materials_parts(scene, text.algorithm.lists(), &text.rooms));
+        library.extend(parts(source!("arrivals/walls.glsl")));
+    }
+    if text.scatters {
+        library.extend(parts(source!("arrivals/scatter.glsl")));
+    }
+    library.extend(parts(Source::new("what is written", written(text))));
+    let mut roots = vec![source!("wave.glsl"), Source::new("options", options), fly];
+    roots.extend(start(text.directions));
+    roots.extend([
+        source!("arrivals/flight.glsl"),
+        source!("arrivals/chunk.frag"),
+    ]);
+    join(&link(roots, library))
+}
+
+/// What finds the next surface, whether that marches fields, and the parts that it calls.
+fn flight(scene: &Scene, algorithm: AlgorithmText) -> (Source, bool, Vec<Part>) {
+    let listener = ListenerText::Transparent;
+    match algorithm {
+        AlgorithmText::Hybrid => {
+            let mut library = closed_form_parts(scene, listener);
+            library.extend(parts(source!("iterate_hybrid.glsl")));
+            let fly = source!("arrivals/fly_hybrid.glsl");
+            (fly, marches_fields(scene, false), library)
+        }
+        AlgorithmText::March { .. } | AlgorithmText::Thesis => {
+            let mut library = directed_parts(scene, listener, false);
+            library.extend(parts(source!("iterate_march.glsl")));
+            let fly = source!("arrivals/fly_march.glsl");
+            (fly, marches_fields(scene, true), library)
+        }
+    }
+}
+
+/// The outputs of words and records, and what keeps them until they are written. (Writing to a
+/// String cannot fail.)
+fn written(text: &ArrivalsText) -> String {
+    let (mut outputs, mut keep, mut write) = (String::new(), String::new(), String::new());
+    for record in 0..text.records {
+        let output = text.first_record() + record;
+        let _ = writeln!(
+            outputs,
+            "layout(location = {output}) out vec4 outRecord{record};"
+        );
+        let _ = writeln!(outputs, "vec4 record{record} = vec4(0.0);");
+        let _ = writeln!(
+            keep,
+            "    record{record} = place == {record}.0 ? record : record{record};"
+        );
+        let _ = writeln!(write, "    outRecord{record} = record{record};");
+    }
+    if text.has_words {
+        write.push_str("    outWords = vec4(word1, word2, word3, word4);\n");
+    }
+    let words = words(text);
+    format!(
+        "{outputs}// Keeps the record at its place, if it has that place.\n\
+         void keepRecord(float place, vec4 record) {{\n{keep}}}\n\n\
+         {words}void writeOutputs() {{\n{write}}}\n\n"
+    )
+}
+
+/// What keeps the words of events.
+fn words(text: &ArrivalsText) -> String {
+    if text.words() == 0 {
+        return "float firstWord() { return 0.0; }\n\n".to_owned();
+    }
+    let (mut declared, mut keep) = (String::new(), String::new());
+    if text.has_words {
+        let output = ArrivalsText::TALLY + 1;
+        let _ = writeln!(declared, "layout(location = {output}) out vec4 outWords;");
+    }
+    for word in 0..text.words() {
+        let _ = writeln!(declared, "float word{word} = 0.0;");
+        let _ = writeln!(
+            keep,
+            "    word{word} = place == {word} ? word : word{word};"
+        );
+    }
+    format!(
+        "{declared}// Keeps a word of events at its place.\n\
+         void keepWord(int place, float word) {{\n{keep}}}\n\n\
+         float firstWord() {{ return word0; }}\n\n"
+    )
+}

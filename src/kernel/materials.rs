@@ -1,0 +1,269 @@
+//! The materials of a scene as shaders and replays of waves know them: by numbers.
+//!
+//! A reflection is an *event*: 0 where nothing is lost or scattered, then one for each distinct
+//! material, then one more for each that scatters. A wave carries no energies: a shader writes down
+//! its events, and what they leave of the energy is multiplied up on the CPU, in `f64`.
+//!
+//! The shader reads one float of a surface: its event, and as the fraction half of the share that
+//! is scattered, one for all bands. Where bands scatter by different shares, that one decides
+//! where the wave goes, and what the event leaves makes up for it.
+
+use crate::bands::{BAND_COUNT, Bands};
+use crate::scene::{Material, Node, Scene, WALL_COUNT};
+use glam::Vec4;
+
+/// Bits of an event at the most: as many whole numbers a float tells with a share behind them.
+const MOST_BITS: u32 = 14;
+
+/// The distinct materials of a scene's surfaces.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Materials {
+    /// Those that scatter stand first.
+    distinct: Vec<Material>,
+    /// How many scatter.
+    scattering: usize,
+    /// The number that the shader reads for each surface.
+    of_surfaces: Vec<f32>,
+    /// Rooms whose walls differ, by index, and the numbers of their walls.
+    walls: Vec<(usize, [f32; WALL_COUNT])>,
+}
+
+impl Materials {
+    /// Those of the scene, none where no surface absorbs or scatters.
+    pub fn of(scene: &Scene) -> Materials {
+        if !scene.has_materials() {
+            return Materials::default();
+        }
+        let mut materials = Materials::default();
+        for index in 0..scene.surfaces.len() {
+            for wall in walls(scene, index) {
+                materials.add(*scene.material(index, wall).unwrap_or(&Material::MIRROR));
+            }
+        }
+        materials
+            .distinct
+            .sort_by_key(|material| !scatters(material));
+        materials.scattering = materials.distinct.iter().filter(|m| scatters(m)).count();
+        let number = |index, wall| {
+            let material = scene.material(index, wall).unwrap_or(&Material::MIRROR);
+            materials.number(material)
+        };
+        let of_surfaces = (0..scene.surfaces.len()).map(|index| number(index, None));
+        let of_surfaces: Vec<f32> = of_surfaces.collect();
+        let mut rooms = Vec::new();
+        for (index, of_surface) in of_surfaces.iter().enumerate() {
+            let numbers: Vec<f32> = walls(scene, index)
+                .map(|wall| number(index, wall))
+                .collect();
+            if let Ok(walls) = <[f32; WALL_COUNT]>::try_from(numbers)
+                && walls != [*of_surface; WALL_COUNT]
+            {
+                rooms.push((index, walls));
+            }
+        }
+        Materials {
+            of_surfaces,
+            walls: rooms,
+            ..materials
+        }
+    }
+
+    fn add(&mut self, material: Material) {
+        if !material.is_mirror() && !self.distinct.contains(&material) {
+            self.distinct.push(material);
+        }
+    }
+
+    fn number(&self, material: &Material) -> f32 {
+        let known = self.distinct.iter().position(|known| known == material);
+        known.map_or(0.0, |place| {
+            (place + 1) as f32 + 0.5 * share(material, self.bits())
+        })
+    }
+
+    /// Whether there are any.
+    pub fn is_empty(&self) -> bool {
+        self.distinct.is_empty()
+    }
+
+    /// Whether any scatters.
+    pub fn scatter(&self) -> bool {
+        self.scattering > 0
+    }
+
+    /// How many there are: what is added to the number of an event where the wave is scattered.
+    pub fn count(&self) -> usize {
+        self.distinct.len()
+    }
+
+    /// Bits of an event; 0 without materials. More than [`Materials::MOST_BITS`] cannot be told.
+    pub fn bits(&self) -> u32 {
+        let events = self.distinct.len() + self.scattering;
+        usize::BITS - events.leading_zeros()
+    }
+
+    /// Bits of an event at the most.
+    pub const MOST_BITS: u32 = MOST_BITS;
+
+    /// The rooms whose walls differ, by index.
+    pub fn rooms(&self) -> Vec<usize> {
+        self.walls.iter().map(|(room, _)| *room).collect()
+    }
+
+    /// The number of each surface.
+    pub fn of_surfaces(&self) -> &[f32] {
+        &self.of_surfaces
+    }
+
+    /// The numbers of some surfaces, those of all walls where these differ, in vectors of four.
+    pub fn uniform_values(&self, surfaces: &[usize]) -> Vec<Vec4> {
+        let mut numbers = Vec::new();
+        for index in surfaces {
+            match self.walls.iter().find(|(room, _)| room == index) {
+                Some((_, walls)) => numbers.extend(walls),
+                None => numbers.push(self.of_surfaces.get(*index).copied().unwrap_or(0.0)),
+            }
+        }
+        let four = |four: &[f32]| {
+            let at = |place: usize| four.get(place).copied().unwrap_or(0.0);
+            Vec4::new(at(0), at(1), at(2), at(3))
+        };
+        numbers.chunks(4).map(four).collect()
+    }
+
+    /// What each event leaves of the energy, by its number.
+    pub fn left(&self) -> Vec<Bands> {
+        let bits = self.bits();
+        let mirrored = self.distinct.iter().map(|material| {
+            left(material, bits, |scattered, share| match share < 1.0 {
+                true => (1.0 - scattered) / (1.0 - share),
+                false => 0.0,
+            })
+        });
+        let scattered = self.distinct[..self.scattering]
+            .iter()
+            .map(|material| left(material, bits, |scattered, share| scattered / share));
+        let nothing_lost = std::iter::once([1.0; BAND_COUNT]);
+        nothing_lost.chain(mirrored).chain(scattered).collect()
+    }
+
+    /// Whether the wave is scattered in an event.
+    pub fn is_scattered(&self, event: usize) -> bool {
+        event > self.distinct.len()
+    }
+}
+
+/// No wall for the surface as a whole; all walls of a room.
+fn walls(scene: &Scene, index: usize) -> impl Iterator<Item = Option<usize>> {
+    let is_room = matches!(scene.surfaces[index].shape.node, Node::Room(_));
+    let walls = (0..WALL_COUNT).filter(move |_| is_room).map(Some);
+    let whole = std::iter::once(None).filter(move |_| !is_room);
+    walls.chain(whole)
+}
+
+/// Of the energy that a material reflects in each band a part goes the way that was chosen; in the
+/// mean over both ways `of_way(scattering, share)` is 1.
+fn left(material: &Material, bits: u32, of_way: impl Fn(f64, f64) -> f64) -> Bands {
+    let share = f64::from(share(material, bits));
+    let reflectance = material.reflectance();
+    std::array::from_fn(|band| reflectance[band] * of_way(material.scattering[band], share))
+}
+
+fn scatters(material: &Material) -> bool {
+    mean_scattering(material) > 0.0
+}
+
+/// The share of reflections that are diffuse: the mean over the bands, as a multiple of a step of
+/// which a half stands exactly behind an event of so many bits in a float.
+fn share(material: &Material, bits: u32) -> f32 {
+    let steps = f64::from(1u32 << (22 - bits.min(MOST_BITS)));
+    let mean = mean_scattering(material);
+    if mean == 0.0 {
+        return 0.0;
+    }
+    // Neither way is left out where a part of the energy goes it.
+    let most = if mean < 1.0 { steps - 1.0 } else { steps };
+    ((mean * steps).round().clamp(1.0, most) / steps) as f32
+}
+
+fn mean_scattering(material: &Material) -> f64 {
+    material.scattering.iter().sum::<f64>() / BAND_COUNT as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Surface;
+    use crate::scene::shape::{Room, Sphere};
+    use glam::Vec3;
+
+    fn material(number: u32) -> Material {
+        let share = f64::from(number) / 40.0;
+        Material {
+            absorption: [share; BAND_COUNT],
+            scattering: std::array::from_fn(|band| match number % 3 {
+                0 => 0.0,
+                1 => share,
+                _ => (share + band as f64 / 16.0).min(1.0),
+            }),
+        }
+    }
+
+    fn scene() -> Scene {
+        let mut scene = Scene::builtin("shoebox").unwrap();
+        for number in 0..20 {
+            scene
+                .materials
+                .insert(format!("m{number}"), material(number));
+        }
+        let walls = Room {
+            size: Vec3::splat(9.0),
+        };
+        let room = Surface::new(Node::Room(walls)).with_material("m1");
+        scene.surfaces = vec![room.with_wall_material(3, "m2")];
+        let ball = |number: u32| {
+            let ball = Surface::new(Node::Sphere(Sphere { radius: 0.1 }));
+            ball.with_material(format!("m{number}"))
+        };
+        scene.surfaces.extend((0..20).map(ball));
+        scene
+    }
+
+    /// Protects energy: in the mean over both ways of a reflection each band keeps what the
+    /// material reflects of it, whatever a float makes of the share that is scattered.
+    #[test]
+    fn both_ways_together_keep_what_is_reflected() {
+        let scene = scene();
+        let materials = Materials::of(&scene);
+        let left = materials.left();
+        assert_eq!(left.len(), 1 + materials.count() + materials.scattering);
+        for (index, number) in materials.of_surfaces().iter().enumerate().skip(1) {
+            let material = scene.material(index, None).unwrap();
+            let event = number.floor() as usize;
+            let share = 2.0 * f64::from(number.fract());
+            let scattered = left.get(event + materials.count()).filter(|_| share > 0.0);
+            let scattered = scattered.unwrap_or(&[0.0; BAND_COUNT]);
+            for band in 0..BAND_COUNT {
+                let mean = (1.0 - share) * left[event][band] + share * scattered[band];
+                assert!(
+                    (mean - material.reflectance()[band]).abs() < 1e-12,
+                    "{material:?}"
+                );
+            }
+        }
+    }
+
+    /// Protects the numbers of walls, and of what is alike: equal materials are one event.
+    #[test]
+    fn walls_that_differ_have_numbers_of_their_own() {
+        let materials = Materials::of(&scene());
+        assert_eq!(materials.rooms(), [0]);
+        let values = materials.uniform_values(&[0, 1, 2]);
+        let numbers: Vec<f32> = values.iter().flat_map(|v| v.to_array()).collect();
+        assert_eq!(numbers[0], numbers[5]);
+        assert_ne!(numbers[0], numbers[3]);
+        // Surface 1 is of m0, which is a mirror; surface 2 is of m1, as the walls.
+        assert_eq!(numbers[6..], [0.0, numbers[0]]);
+        assert!(Materials::of(&Scene::builtin("corner").unwrap()).is_empty());
+    }
+}

@@ -1,0 +1,87 @@
+//! How long a response is, where no one says it.
+
+use crate::bands::{BAND_COUNT, Bands};
+use crate::error::Error;
+use crate::scene::Scene;
+use crate::trace::{ArrivalSettings, Settings, Tracer};
+
+/// Waves that foretell the decay: their energies, not their number, decide, and a thousand of
+/// them tell a time within some per cent.
+const WAVES: u32 = 4096;
+
+/// The longest response that is not asked for, in seconds: beyond it few halls can be heard.
+const LONGEST_S: f64 = 10.0;
+
+/// The shortest, in seconds: one block of a sound.
+const SHORTEST_S: f64 = 0.1;
+
+/// The share of the energy that may be left: 60 dB, the definition of the reverberation time.
+const LEFT: f64 = 1e-6;
+
+/// Bins of time in which the decay is looked at, in seconds.
+const BIN_S: f64 = 0.01;
+
+/// Seconds after which the energy still to come is at most [`LEFT`] of all, in every band.
+pub(super) fn needed(
+    tracer: &mut Tracer,
+    scene: &Scene,
+    settings: &Settings,
+) -> Result<f64, Error> {
+    let (speed, air) = (scene.speed_of_sound(), scene.air_attenuation());
+    let mut bins: Vec<Bands> = Vec::new();
+    let few = settings.clone().with_waves(settings.waves.min(WAVES));
+    tracer.arrivals(
+        scene,
+        &few,
+        &ArrivalSettings::new(LONGEST_S),
+        &mut |arrival| {
+            let bin = (arrival.length_m / speed / BIN_S) as usize;
+            if bin >= bins.len() {
+                bins.resize(bin + 1, [0.0; BAND_COUNT]);
+            }
+            for band in 0..BAND_COUNT {
+                bins[bin][band] += arrival.energy[band] * (-air[band] * arrival.length_m).exp();
+            }
+        },
+    )?;
+    Ok(end(&bins))
+}
+
+/// The end of the last bin before which some band has more than [`LEFT`] to come.
+fn end(bins: &[Bands]) -> f64 {
+    let mut all = [0.0; BAND_COUNT];
+    for bin in bins {
+        (0..BAND_COUNT).for_each(|band| all[band] += bin[band]);
+    }
+    let mut to_come = [0.0; BAND_COUNT];
+    for (index, bin) in bins.iter().enumerate().rev() {
+        (0..BAND_COUNT).for_each(|band| to_come[band] += bin[band]);
+        if (0..BAND_COUNT).any(|band| to_come[band] > LEFT * all[band]) {
+            return ((index + 1) as f64 * BIN_S).clamp(SHORTEST_S, LONGEST_S);
+        }
+    }
+    SHORTEST_S
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects the length of a response: the slowest band decides, and silence is short.
+    #[test]
+    fn the_slowest_band_decides() {
+        let decay =
+            |seconds: f64| move |bin: usize| 10_f64.powf(-6.0 * bin as f64 * BIN_S / seconds);
+        let (fast, slow) = (decay(0.5), decay(2.0));
+        let bins: Vec<Bands> = (0..1000)
+            .map(|bin| {
+                let mut bands = [fast(bin); BAND_COUNT];
+                bands[2] = slow(bin);
+                bands
+            })
+            .collect();
+        assert!((end(&bins) - 2.0).abs() <= 2.0 * BIN_S, "{}", end(&bins));
+        assert_eq!(end(&[]), SHORTEST_S);
+        assert_eq!(end(&[[1.0; BAND_COUNT]; 2000]), LONGEST_S);
+    }
+}

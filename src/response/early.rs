@@ -1,0 +1,207 @@
+//! The early part: which arrivals are exact paths, and what is heard along each.
+
+use crate::acoustics::early::{Candidates, EarlyPaths, Ends, Found, Missed, NoPath, SpecularPath};
+use crate::acoustics::{Arrival, Tap};
+use crate::bands::{BAND_COUNT, Bands};
+use crate::error::Error;
+use crate::scene::{Listener, Scene};
+use crate::sphere::lattice;
+use glam::{DVec3, Vec3};
+
+/// A specular path from source to listener, and what is heard along it.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct HeardPath {
+    /// Where it goes.
+    pub path: SpecularPath,
+    /// Seconds from the source's impulse to its arrival.
+    pub delay_s: f64,
+    /// Energy density at the listener by band, in 1/m² for a source of power 1: with the losses at
+    /// the surfaces and in the air, and the source's level.
+    pub energy: Bands,
+    /// Where it comes from, to the right of the listener's gaze, in radians from −π to π.
+    pub azimuth: f64,
+    /// Where it comes from, above the plane of the listener's ears, in radians.
+    pub elevation: f64,
+}
+
+impl HeardPath {
+    /// Whether it is the direct sound.
+    pub fn is_direct(&self) -> bool {
+        self.path.surfaces.is_empty()
+    }
+
+    /// The path as a tap of an impulse response.
+    pub fn tap(&self) -> Tap {
+        Tap {
+            seconds: self.delay_s,
+            energy: self.energy,
+            direction: self.path.arrival_direction,
+        }
+    }
+}
+
+/// The paths of the waves that arrived early.
+pub(super) struct EarlyPart {
+    found: Found,
+    /// For each early arrival the path that it belongs to, or why there is none.
+    outcomes: Vec<Result<usize, NoPath>>,
+}
+
+impl EarlyPart {
+    /// Finds the paths of these arrivals; `starts` are the waves of them, each once, in order.
+    pub fn find(
+        scene: &Scene,
+        starts: &[(u32, Vec3)],
+        order: u32,
+        arrivals: &[Arrival],
+    ) -> Result<EarlyPart, Error> {
+        let paths = EarlyPaths::new(scene)?;
+        let ends = Ends::of(scene);
+        let directions: Vec<Vec3> = starts.iter().map(|(_, direction)| *direction).collect();
+        let mut candidates = paths.candidates(&ends, &directions, order, ends.radius_m);
+        let lengths = candidate_lengths(&ends, &candidates);
+        add_flat(&paths, &ends, order, &mut candidates);
+        let found = paths.find(&ends, &candidates);
+        let mut outcomes = Vec::with_capacity(arrivals.len());
+        let mut first = 0;
+        let mut wave = 0;
+        for arrival in arrivals {
+            while starts[wave].0 != arrival.wave {
+                wave += 1;
+            }
+            while lengths
+                .get(first)
+                .is_some_and(|(of, _)| (*of as usize) < wave)
+            {
+                first += 1;
+            }
+            let own = lengths[first..]
+                .iter()
+                .take_while(|(of, _)| *of as usize == wave);
+            let nearest = own.enumerate().min_by(|(_, (_, a)), (_, (_, b))| {
+                (a - arrival.length_m)
+                    .abs()
+                    .total_cmp(&(b - arrival.length_m).abs())
+            });
+            // What passes by the sphere's rim may not pass by it in f64.
+            let outcome = nearest.map_or(Err(NoPath::NotStationary), |(at, _)| {
+                found.outcomes[first + at]
+            });
+            outcomes.push(outcome);
+        }
+        Ok(EarlyPart { found, outcomes })
+    }
+
+    /// How much of the early part the waves have missed.
+    pub fn missed(&self) -> Missed {
+        self.found.missed
+    }
+
+    /// The arrivals whose paths cannot be found exactly: they stay statistics.
+    pub fn left_over<'a>(&'a self, arrivals: &'a [Arrival]) -> impl Iterator<Item = &'a Arrival> {
+        let outcomes = self.outcomes.iter().zip(arrivals);
+        let left = outcomes.filter(|(outcome, _)| **outcome == Err(NoPath::NotExact));
+        left.map(|(_, arrival)| arrival)
+    }
+
+    /// What is heard along each path. At a focus the energy is that of the waves that found it.
+    pub fn heard(
+        &self,
+        scene: &Scene,
+        speed: f64,
+        air: &Bands,
+        level: f64,
+        arrivals: &[Arrival],
+    ) -> Vec<HeardPath> {
+        let paths = self.found.paths.iter().enumerate();
+        let heard = |(index, path): (usize, &SpecularPath)| {
+            let length = path.length_m;
+            let at_listener = match path.is_focus {
+                true => self.caught(index, arrivals),
+                false => reflectance(scene, path).map(|share| share * path.spreading),
+            };
+            let energy =
+                std::array::from_fn(|band| at_listener[band] * level * (-air[band] * length).exp());
+            let (azimuth, elevation) = comes_from(&scene.listener, -path.arrival_direction);
+            HeardPath {
+                path: path.clone(),
+                delay_s: length / speed,
+                energy,
+                azimuth,
+                elevation,
+            }
+        };
+        paths.map(heard).collect()
+    }
+
+    /// What the waves of a path brought.
+    fn caught(&self, path: usize, arrivals: &[Arrival]) -> Bands {
+        let mut energy = [0.0; BAND_COUNT];
+        for (outcome, arrival) in self.outcomes.iter().zip(arrivals) {
+            if *outcome == Ok(path) {
+                (0..BAND_COUNT).for_each(|band| energy[band] += arrival.energy[band]);
+            }
+        }
+        energy
+    }
+}
+
+/// Directions in which paths over planes are looked for, besides those of the waves that arrived: a
+/// wave names such a path wherever it goes by, so few find what many would miss.
+const FLAT_SEARCH: u64 = 1 << 14;
+
+/// Adds the sequences of planes that an even lattice of directions meets.
+fn add_flat(paths: &EarlyPaths, ends: &Ends, order: u32, candidates: &mut Candidates) {
+    let search: Vec<Vec3> = lattice(FLAT_SEARCH).map(|d| d.as_vec3()).collect();
+    let first = candidates.waves() as u32;
+    let more = paths.candidates(ends, &search, order, f64::INFINITY);
+    for candidate in more
+        .iter()
+        .filter(|candidate| paths.are_flat(candidate.vertices))
+    {
+        candidates.add(first + candidate.wave, candidate.vertices);
+    }
+}
+
+/// The wave of each candidate, and its length to where it is nearest to the listener, in metres.
+fn candidate_lengths(ends: &Ends, candidates: &Candidates) -> Vec<(u32, f64)> {
+    let length = |vertices: &mut dyn Iterator<Item = DVec3>| {
+        let mut from = ends.source;
+        let mut flown = 0.0;
+        for point in vertices {
+            flown += from.distance(point);
+            from = point;
+        }
+        flown + from.distance(ends.listener)
+    };
+    let of = candidates.iter();
+    of.map(|c| (c.wave, length(&mut c.vertices.iter().map(|v| v.point))))
+        .collect()
+}
+
+/// The share of the energy that is mirrored at all surfaces of a path, by band.
+fn reflectance(scene: &Scene, path: &SpecularPath) -> Bands {
+    let mut share = [1.0; BAND_COUNT];
+    for (surface, wall) in path.surfaces.iter().zip(&path.walls) {
+        let index = *surface as usize - 1;
+        let Some(material) = scene.material(index, wall.map(usize::from)) else {
+            continue;
+        };
+        for (band, share) in share.iter_mut().enumerate() {
+            *share *= (1.0 - material.absorption[band]) * (1.0 - material.scattering[band]);
+        }
+    }
+    share
+}
+
+/// Azimuth to the right of the gaze and elevation of a direction, in radians; 0 for none.
+pub(super) fn comes_from(listener: &Listener, towards: DVec3) -> (f64, f64) {
+    let along = |axis: Vec3| axis.as_dvec3().dot(towards);
+    let (right, up, ahead) = (
+        along(listener.right()),
+        along(listener.up()),
+        along(listener.forward()),
+    );
+    (right.atan2(ahead), up.atan2(right.hypot(ahead)))
+}

@@ -1,0 +1,182 @@
+//! What a listener hears of a source: exact early paths, an echogram of all else, figures.
+//!
+//! Waves are traced through the scene on the GPU, and every crossing of the listener's sphere is
+//! an [`Arrival`]. Those that were mirrored a few times alone name the paths that are then found
+//! exactly, from point to point ([`EarlyPaths`](crate::acoustics::early::EarlyPaths)); each is a [`Tap`]. All other arrivals are added up
+//! in an [`Echogram`]. The [`Figures`] of ISO 3382-1 come from both, and so does the sampled
+//! [`ImpulseResponse`](crate::acoustics::ImpulseResponse). The model, its sources and what it leaves out: `docs/acoustics.md`.
+
+mod duration;
+mod early;
+mod settings;
+
+pub use early::HeardPath;
+pub use settings::{MAX_ORDER, ResponseSettings};
+
+use crate::acoustics::early::Missed;
+use crate::acoustics::{Arrival, Echogram, Figures, Tap};
+use crate::bands::{BAND_COUNT, Bands};
+use crate::error::Error;
+use crate::scene::Scene;
+use crate::trace::{ArrivalCounts, ArrivalSettings, Settings, Tracer};
+use early::EarlyPart;
+use glam::Vec3;
+use std::time::Instant;
+
+/// What one listener hears of one source.
+///
+/// ```
+/// use echomarch::gpu::Context;
+/// use echomarch::response::{Response, ResponseSettings};
+/// use echomarch::{Scene, Tracer};
+///
+/// let mut tracer = Tracer::new(&Context::headless(&Default::default())?)?;
+/// let mut scene = Scene::builtin("shoebox")?;
+/// scene.surfaces[0].material = Some("brick".to_owned());
+/// let settings = ResponseSettings::default().with_seconds(0.5);
+/// let response = Response::trace(&mut tracer, &scene, &settings)?;
+/// let direct = response.direct().expect("nothing is in the way");
+/// assert!((direct.delay_s - direct.path.length_m / 343.0).abs() < 1e-9);
+/// # Ok::<(), echomarch::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct Response {
+    /// The exact early paths, by length.
+    pub paths: Vec<HeardPath>,
+    /// How much of the early part the waves have missed.
+    pub missed: Missed,
+    /// All that is in no exact path: energy densities in 1/m² for a source of power 1, by time and
+    /// band, with the source's level and the air's loss in them.
+    pub echogram: Echogram,
+    /// Room acoustic figures by band.
+    pub figures: Figures,
+    /// How long after the source's impulse the record ends, in seconds.
+    pub seconds: f64,
+    /// What became of the waves.
+    pub counts: ArrivalCounts,
+    /// Milliseconds that all of it took, without compiling.
+    pub milliseconds: f64,
+}
+
+impl Response {
+    /// Traces what the first listener of `scene` hears of its first source, as the scene stands
+    /// (other pairs: [`Scene::heard_by`]).
+    ///
+    /// # Errors
+    /// As [`Tracer::arrivals`]; [`Error::Acoustics`] for bins out of range.
+    pub fn trace(
+        tracer: &mut Tracer,
+        scene: &Scene,
+        settings: &ResponseSettings,
+    ) -> Result<Response, Error> {
+        settings.validate()?;
+        let began = Instant::now();
+        let seconds = match settings.seconds {
+            Some(seconds) => seconds,
+            None => duration::needed(tracer, scene, &settings.trace)?,
+        };
+        let mut sum = Sum::new(scene, settings)?;
+        let how = ArrivalSettings::new(seconds).with_early_order(settings.order);
+        let counts = tracer.arrivals(scene, &settings.trace, &how, &mut |arrival| {
+            sum.take(arrival)
+        })?;
+        let arrivals = std::mem::take(&mut sum.early);
+        let starts = start_directions(tracer, &settings.trace, &arrivals)?;
+        let early = EarlyPart::find(scene, &starts, settings.order, &arrivals)?;
+        early
+            .left_over(&arrivals)
+            .for_each(|arrival| sum.add(arrival));
+        let paths = early.heard(scene, sum.speed, &sum.air, sum.level, &arrivals);
+        let taps: Vec<Tap> = paths.iter().map(HeardPath::tap).collect();
+        let direct_s = paths
+            .iter()
+            .find(|path| path.is_direct())
+            .map(|path| path.delay_s);
+        let figures = Figures::new(&taps, &sum.echogram, direct_s, seconds);
+        Ok(Response {
+            paths,
+            missed: early.missed(),
+            echogram: sum.echogram,
+            figures,
+            seconds,
+            counts,
+            milliseconds: began.elapsed().as_secs_f64() * 1e3,
+        })
+    }
+
+    /// The direct sound; `None` where something is in its way.
+    pub fn direct(&self) -> Option<&HeardPath> {
+        self.paths.iter().find(|path| path.is_direct())
+    }
+
+    /// The exact paths as taps of an impulse response.
+    pub fn taps(&self) -> Vec<Tap> {
+        self.paths.iter().map(HeardPath::tap).collect()
+    }
+
+    /// The energy density of all that arrives, by band, in 1/m².
+    pub fn energy(&self) -> Bands {
+        let mut energy = self.echogram.total();
+        for path in &self.paths {
+            (0..BAND_COUNT).for_each(|band| energy[band] += path.energy[band]);
+        }
+        energy
+    }
+}
+
+/// Adds up arrivals as they come; the early ones are kept.
+struct Sum {
+    echogram: Echogram,
+    early: Vec<Arrival>,
+    speed: f64,
+    air: Bands,
+    /// The source's level as a factor of energy.
+    level: f64,
+}
+
+impl Sum {
+    fn new(scene: &Scene, settings: &ResponseSettings) -> Result<Sum, Error> {
+        let speed = scene.speed_of_sound();
+        // Bins begin with what may arrive first, so that 50 and 80 ms after it lie between bins.
+        let apart = scene.source.position.as_dvec3() - scene.listener.position.as_dvec3();
+        let first_s = apart.length() / speed;
+        Ok(Sum {
+            echogram: Echogram::with_edge_at(first_s, settings.bin_s, settings.batches)?,
+            early: Vec::new(),
+            speed,
+            air: scene.air_attenuation(),
+            level: 10_f64.powf(f64::from(scene.source.level_db) / 10.0),
+        })
+    }
+
+    fn take(&mut self, arrival: Arrival) {
+        if arrival.order_is_early {
+            self.early.push(arrival);
+        } else {
+            self.add(&arrival);
+        }
+    }
+
+    fn add(&mut self, arrival: &Arrival) {
+        let mut arrival = *arrival;
+        arrival.energy = arrival.energy.map(|energy| energy * self.level);
+        self.echogram.add_arrival(&arrival, self.speed, &self.air);
+    }
+}
+
+/// The start directions of the waves that arrived early, in their order.
+fn start_directions(
+    tracer: &mut Tracer,
+    settings: &Settings,
+    early: &[Arrival],
+) -> Result<Vec<(u32, Vec3)>, Error> {
+    let mut waves: Vec<u32> = early.iter().map(|arrival| arrival.wave).collect();
+    waves.dedup();
+    if waves.is_empty() {
+        return Ok(Vec::new());
+    }
+    let all = tracer.start_directions(settings)?;
+    let start = |wave: u32| (wave, all[wave as usize]);
+    Ok(waves.into_iter().map(start).collect())
+}

@@ -1,0 +1,87 @@
+//! How responses are traced.
+
+use crate::error::Error;
+use crate::trace::{ArrivalSettings, Profile, Settings, TraceError};
+
+/// How a [`Response`](super::Response) is traced.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct ResponseSettings {
+    /// Waves, start directions, seed and algorithm. The iterations follow from the seconds.
+    pub trace: Settings,
+    /// How long the waves are followed; `None` until the energy of every band has fallen by 60 dB,
+    /// as a few waves foretell it.
+    pub seconds: Option<f64>,
+    /// Reflections of an exact path at the most, 0 to [`MAX_ORDER`]: 6 by default. Where walls
+    /// absorb half of the sound, a decay of 35 dB is some dozen echoes of up to so many reflections,
+    /// and each is met by few waves.
+    pub order: u32,
+    /// Length of a time bin of the echogram in seconds: 1 ms by default, less than the time that
+    /// sound takes through a listener of common size.
+    pub bin_s: f64,
+    /// Batches that errors are estimated from: 16 by default.
+    pub batches: usize,
+}
+
+/// Reflections of an exact path at the most: the number of paths grows with the cube of the order,
+/// and waves find fewer and fewer of them.
+pub const MAX_ORDER: u32 = 16;
+
+impl Default for ResponseSettings {
+    /// 65,536 waves of the profile `hybrid`, exact paths of up to six reflections.
+    fn default() -> ResponseSettings {
+        ResponseSettings {
+            trace: Settings::default(),
+            seconds: None,
+            order: 6,
+            bin_s: 1e-3,
+            batches: 16,
+        }
+    }
+}
+
+impl ResponseSettings {
+    /// The same with these waves, directions and algorithm.
+    pub fn with_trace(mut self, trace: Settings) -> ResponseSettings {
+        self.trace = trace;
+        self
+    }
+
+    /// The same for a record of so many seconds.
+    pub fn with_seconds(mut self, seconds: f64) -> ResponseSettings {
+        self.seconds = Some(seconds);
+        self
+    }
+
+    /// The same with exact paths of up to so many reflections.
+    pub fn with_order(mut self, order: u32) -> ResponseSettings {
+        self.order = order;
+        self
+    }
+
+    /// Checks every number against its range, before anything is traced.
+    ///
+    /// # Errors
+    /// [`Error::Trace`] with the name, the range and the value;
+    /// [`TraceError::NoArrivals`] for the profile `thesis`.
+    pub fn validate(&self) -> Result<(), Error> {
+        self.trace.validate()?;
+        let profile = self.trace.profile();
+        if profile == Profile::Thesis {
+            let profile = profile.to_string();
+            return Err(TraceError::NoArrivals { profile }.into());
+        }
+        if let Some(seconds) = self.seconds {
+            ArrivalSettings::new(seconds).validate()?;
+        }
+        if self.order > MAX_ORDER {
+            return Err(TraceError::BadSetting {
+                what: "order of exact paths",
+                must: format!("0 to {MAX_ORDER}"),
+                value: self.order.to_string(),
+            }
+            .into());
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,203 @@
+//! What is odd about a scene, and runs.
+
+use crate::scene::Scene;
+use glam::Vec3;
+use std::fmt;
+
+/// Something odd that still runs.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Warning {
+    /// The source is in a solid: no wave gets out.
+    SourceInsideSurface {
+        /// Which source, as a sentence calls it: `the source`, `source 2 (flute)`.
+        source: String,
+        /// Which surface.
+        surface: String,
+        /// How deep, in metres.
+        depth: f32,
+    },
+    /// The source is within the listener's sphere: every wave arrives at once.
+    SourceInsideListener {
+        /// Which source, as a sentence calls it.
+        source: String,
+        /// Which listener, as a sentence calls it.
+        listener: String,
+        /// Distance of the source from the listener's centre, in metres.
+        distance: f32,
+        /// Radius of the listener, in metres.
+        radius: f32,
+    },
+    /// The centre of the listener is in a solid.
+    ListenerInsideSurface {
+        /// Which listener, as a sentence calls it.
+        listener: String,
+        /// Which surface.
+        surface: String,
+        /// How deep, in metres.
+        depth: f32,
+    },
+    /// A user's field without air or without a solid in its box, by its samples.
+    OneSided {
+        /// Which surface.
+        surface: String,
+        /// The field's file.
+        file: String,
+        /// Whether it is solid everywhere; else it is nowhere.
+        solid: bool,
+    },
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Warning::SourceInsideSurface {
+                source,
+                surface,
+                depth,
+            } => {
+                write!(
+                    f,
+                    "{source} is {depth} m inside {surface}: no wave gets out"
+                )
+            }
+            Warning::SourceInsideListener {
+                source,
+                listener,
+                distance,
+                radius,
+            } => write!(
+                f,
+                "{source} is {distance} m from {listener}'s centre, inside its sphere of {radius} m: every wave arrives at once"
+            ),
+            Warning::ListenerInsideSurface {
+                listener,
+                surface,
+                depth,
+            } => {
+                write!(
+                    f,
+                    "{listener}'s centre is {depth} m inside {surface}: few waves can reach it"
+                )
+            }
+            Warning::OneSided {
+                surface,
+                file,
+                solid,
+            } => {
+                let (all, sign) = if *solid {
+                    ("solid", "negative")
+                } else {
+                    ("air", "positive")
+                };
+                write!(
+                    f,
+                    "{surface}: {file} is all {all}: its value is {sign} at every sample in its box"
+                )
+            }
+        }
+    }
+}
+
+impl Scene {
+    /// What is odd about the scene as it stands, although it can be traced.
+    pub fn warnings(&self) -> Vec<Warning> {
+        let mut warnings = self.odd_sources();
+        for (index, listener) in self.listeners().enumerate() {
+            if let Some((surface, depth)) = self.solid_at(listener.position) {
+                let listener = self.listener_label(index);
+                warnings.push(Warning::ListenerInsideSurface {
+                    listener,
+                    surface,
+                    depth,
+                });
+            }
+        }
+        warnings.extend(self.one_sided_fields());
+        warnings
+    }
+
+    /// Sources in solids, and those in listeners.
+    fn odd_sources(&self) -> Vec<Warning> {
+        let mut warnings = Vec::new();
+        for (index, from) in self.sources().enumerate() {
+            let source = self.source_label(index);
+            if let Some((surface, depth)) = self.solid_at(from.position) {
+                warnings.push(Warning::SourceInsideSurface {
+                    source,
+                    surface,
+                    depth,
+                });
+                continue;
+            }
+            for (index, at) in self.listeners().enumerate() {
+                let distance = from.position.distance(at.position);
+                if distance < at.radius {
+                    warnings.push(Warning::SourceInsideListener {
+                        source: source.clone(),
+                        listener: self.listener_label(index),
+                        distance,
+                        radius: at.radius,
+                    });
+                }
+            }
+        }
+        warnings
+    }
+
+    /// Users' fields that are all solid or all air.
+    fn one_sided_fields(&self) -> Vec<Warning> {
+        let mut warnings = Vec::new();
+        for (index, surface) in self.surfaces.iter().enumerate() {
+            let nodes = surface.shape.nodes();
+            for user in nodes.iter().filter_map(|node| node.node.user()) {
+                let Some(samples) = user.samples() else {
+                    continue;
+                };
+                let solid = samples.values.iter().all(|value| *value < 0.0);
+                if solid || samples.values.iter().all(|value| *value > 0.0) {
+                    warnings.push(Warning::OneSided {
+                        surface: surface.label(index),
+                        file: user.file.display().to_string(),
+                        solid,
+                    });
+                }
+            }
+        }
+        warnings
+    }
+
+    fn solid_at(&self, point: Vec3) -> Option<(String, f32)> {
+        let nearest = self.surface_distance(point);
+        if nearest.distance >= 0.0 || nearest.object == 0 {
+            return None;
+        }
+        let index = nearest.object as usize - 1;
+        Some((self.surfaces[index].label(index), -nearest.distance))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects the warnings: they name the surface and do not refuse.
+    #[test]
+    fn odd_places_are_warned_of() {
+        let mut scene = super::super::tests::room();
+        assert_eq!(scene.warnings(), vec![]);
+        scene.source.position.x = 6.0;
+        assert!(matches!(&scene.warnings()[..],
+            [Warning::SourceInsideSurface { surface, depth, .. }] if surface == "surface 1 (Room)" && *depth == 1.0));
+        // Within both nothing arrives at all: only the solid is told.
+        scene.listener.position.x = 5.5;
+        assert_eq!(scene.warnings().len(), 2);
+        scene.listener.position.x = 0.0;
+        scene.source.position.x = 0.5;
+        assert!(matches!(
+            scene.warnings()[..],
+            [Warning::SourceInsideListener { .. }]
+        ));
+        assert!(scene.validate().is_ok());
+    }
+}

@@ -1,0 +1,189 @@
+//! The materials of a scene file, and who is made of them.
+
+use crate::bands::{BAND_COUNT, Bands};
+use crate::scene::notation::Name;
+use crate::scene::{Material, WALL_COUNT};
+use serde::Deserialize;
+use serde::de::{Deserializer, Error, MapAccess, SeqAccess, Visitor};
+use std::collections::BTreeMap;
+use std::fmt;
+
+/// Materials by their names, each defined once.
+#[derive(Default)]
+pub(super) struct Materials(pub BTreeMap<String, Material>);
+
+#[derive(Deserialize)]
+#[serde(rename = "Material", deny_unknown_fields)]
+pub(super) struct MaterialFile {
+    #[serde(default)]
+    absorption: Shares<false>,
+    #[serde(default)]
+    scattering: Shares<true>,
+}
+
+/// The materials of single walls of a room.
+#[derive(Deserialize)]
+#[serde(rename = "Walls", deny_unknown_fields)]
+pub(super) struct WallsFile {
+    #[serde(default)]
+    left: Option<Name>,
+    #[serde(default)]
+    right: Option<Name>,
+    #[serde(default)]
+    floor: Option<Name>,
+    #[serde(default)]
+    ceiling: Option<Name>,
+    #[serde(default)]
+    front: Option<Name>,
+    #[serde(default)]
+    back: Option<Name>,
+}
+
+impl WallsFile {
+    /// In the order of [`WALL_NAMES`](crate::scene::WALL_NAMES).
+    pub fn names(self) -> [Option<String>; WALL_COUNT] {
+        let walls = [
+            self.left,
+            self.right,
+            self.floor,
+            self.ceiling,
+            self.front,
+            self.back,
+        ];
+        walls.map(|name| name.map(|name| name.0))
+    }
+}
+
+/// Shares of energy by octave bands, said by one number or by eight; of the energy that is
+/// scattered if `SCATTERED`, else of that absorbed.
+struct Shares<const SCATTERED: bool>(Bands);
+
+impl<const SCATTERED: bool> Default for Shares<SCATTERED> {
+    fn default() -> Self {
+        Shares([0.0; BAND_COUNT])
+    }
+}
+
+/// One share, checked where it stands.
+struct Share<const SCATTERED: bool>(f64);
+
+const fn what(scattered: bool) -> &'static str {
+    match scattered {
+        true => "a scattering",
+        false => "an absorption",
+    }
+}
+
+impl<const SCATTERED: bool> Share<SCATTERED> {
+    fn new<E: Error>(share: f64) -> Result<Self, E> {
+        if (0.0..=1.0).contains(&share) {
+            return Ok(Share(share));
+        }
+        let what = what(SCATTERED);
+        Err(E::custom(format!("{what} must be 0 to 1, not {share}")))
+    }
+}
+
+impl<'de, const SCATTERED: bool> Deserialize<'de> for Share<SCATTERED> {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        Share::new(f64::deserialize(from)?)
+    }
+}
+
+impl<'de, const SCATTERED: bool> Deserialize<'de> for Shares<SCATTERED> {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        from.deserialize_any(OneOrEight::<SCATTERED>)
+    }
+}
+
+/// Reads a number, or eight in brackets.
+struct OneOrEight<const SCATTERED: bool>;
+
+impl<const SCATTERED: bool> OneOrEight<SCATTERED> {
+    fn all<E: Error>(share: f64) -> Result<Shares<SCATTERED>, E> {
+        let Share(share) = Share::<SCATTERED>::new(share)?;
+        Ok(Shares([share; BAND_COUNT]))
+    }
+}
+
+impl<'de, const SCATTERED: bool> Visitor<'de> for OneOrEight<SCATTERED> {
+    type Value = Shares<SCATTERED>;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let what = what(SCATTERED);
+        write!(
+            f,
+            "{what} as a number from 0 to 1 or eight of them in brackets (octave bands 63 Hz to 8 kHz)"
+        )
+    }
+
+    fn visit_f64<E: Error>(self, share: f64) -> Result<Self::Value, E> {
+        OneOrEight::all(share)
+    }
+
+    fn visit_u64<E: Error>(self, share: u64) -> Result<Self::Value, E> {
+        OneOrEight::all(share as f64)
+    }
+
+    fn visit_i64<E: Error>(self, share: i64) -> Result<Self::Value, E> {
+        OneOrEight::all(share as f64)
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut shares: A) -> Result<Self::Value, A::Error> {
+        let mut bands = [0.0; BAND_COUNT];
+        let mut count = 0;
+        while let Some(Share(share)) = shares.next_element::<Share<SCATTERED>>()? {
+            if let Some(band) = bands.get_mut(count) {
+                *band = share;
+            }
+            count += 1;
+        }
+        if count == BAND_COUNT {
+            return Ok(Shares(bands));
+        }
+        let what = what(SCATTERED);
+        Err(A::Error::custom(format!(
+            "{what} is one number or eight (octave bands 63 Hz to 8 kHz), not {count}"
+        )))
+    }
+}
+
+impl<'de> Deserialize<'de> for Materials {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Materials, D::Error> {
+        from.deserialize_map(ByName)
+    }
+}
+
+/// Reads names and materials.
+struct ByName;
+
+impl<'de> Visitor<'de> for ByName {
+    type Value = Materials;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("materials by their names, {\"name\": Material(…), …}")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut said: A) -> Result<Materials, A::Error> {
+        let mut materials = BTreeMap::new();
+        while let Some(Name(name)) = said.next_key()? {
+            if name.is_empty() {
+                return Err(A::Error::custom("a material needs a name"));
+            }
+            if materials.contains_key(&name) {
+                let why = format!("the material {name:?} is defined twice");
+                return Err(A::Error::custom(why));
+            }
+            let MaterialFile {
+                absorption: Shares(absorption),
+                scattering: Shares(scattering),
+            } = said.next_value()?;
+            let material = Material {
+                absorption,
+                scattering,
+            };
+            materials.insert(name, material);
+        }
+        Ok(Materials(materials))
+    }
+}

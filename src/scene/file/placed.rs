@@ -1,0 +1,287 @@
+//! Sources and listeners of a scene file.
+
+use super::places::{Place, Refused};
+use crate::scene::check::{LEVELS, MOST_PLACED};
+use crate::scene::notation::{Degrees, Finite, FixedRadius, Name, Point};
+use crate::scene::{Key, Listener, Path, Source};
+use glam::Vec3;
+use serde::Deserialize;
+use serde::de::{Deserializer, Error, SeqAccess, Visitor};
+use std::collections::HashSet;
+use std::fmt;
+use std::marker::PhantomData;
+
+#[derive(Deserialize)]
+#[serde(rename = "Source", deny_unknown_fields)]
+pub(super) struct SourceFile {
+    #[serde(default)]
+    name: Option<Name>,
+    #[serde(default)]
+    level_db: Option<Level>,
+    #[serde(default)]
+    position: Option<Point>,
+    #[serde(default)]
+    path: Option<PathFile>,
+}
+
+/// A listener, whose radius is `R`: it may be left out where a base has one.
+#[derive(Deserialize)]
+#[serde(
+    rename = "Listener",
+    deny_unknown_fields,
+    bound = "R: Deserialize<'de>"
+)]
+pub(super) struct ListenerFile<R> {
+    #[serde(default)]
+    name: Option<Name>,
+    #[serde(default)]
+    position: Option<Point>,
+    #[serde(default)]
+    yaw: Option<Degrees>,
+    #[serde(default)]
+    pitch: Option<Degrees>,
+    radius: R,
+    #[serde(default)]
+    path: Option<PathFile>,
+}
+
+/// Decibels of a source.
+#[derive(Clone, Copy, Deserialize)]
+#[serde(try_from = "f32")]
+struct Level(f32);
+
+impl TryFrom<f32> for Level {
+    type Error = String;
+    fn try_from(decibels: f32) -> Result<Level, String> {
+        if LEVELS.contains(&decibels) {
+            return Ok(Level(decibels));
+        }
+        let (least, most) = (LEVELS.start(), LEVELS.end());
+        Err(format!(
+            "a level in decibels must be {least} to {most}, not {decibels}"
+        ))
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(rename = "Key", deny_unknown_fields)]
+struct KeyFile {
+    time: Finite,
+    position: Point,
+    #[serde(default)]
+    yaw: Degrees,
+    #[serde(default)]
+    pitch: Degrees,
+}
+
+/// Keys whose times strictly increase.
+#[derive(Default, Deserialize)]
+#[serde(try_from = "Vec<KeyFile>")]
+struct PathFile(Path);
+
+impl PathFile {
+    fn path(&self) -> Path {
+        self.0.clone()
+    }
+}
+
+impl TryFrom<Vec<KeyFile>> for PathFile {
+    type Error = String;
+    fn try_from(keys: Vec<KeyFile>) -> Result<PathFile, String> {
+        let keys = keys.iter().map(Key::from).collect();
+        match Path::new(keys) {
+            Some(path) => Ok(PathFile(path)),
+            None => Err("the times of a path's keys must increase".to_owned()),
+        }
+    }
+}
+
+impl From<&KeyFile> for Key {
+    fn from(key: &KeyFile) -> Key {
+        Key {
+            time: key.time.0,
+            position: key.position.0,
+            yaw: key.yaw.0,
+            pitch: key.pitch.0,
+        }
+    }
+}
+
+impl SourceFile {
+    /// The source that the file says.
+    pub fn read(&self) -> Source {
+        let mut source = Source::at(Vec3::ZERO);
+        self.change(&mut source);
+        source
+    }
+
+    /// Puts a source where the file says: without a position it is where its path begins.
+    /// A source that is put somewhere has no path but the one said with it.
+    pub fn change(&self, source: &mut Source) {
+        if let Some(name) = &self.name {
+            source.name = Some(name.0.clone());
+        }
+        if let Some(Level(decibels)) = self.level_db {
+            source.level_db = decibels;
+        }
+        if self.position.is_none() && self.path.is_none() {
+            return;
+        }
+        source.path = self.path.as_ref().map(PathFile::path).unwrap_or_default();
+        let start = source.path.at(0.0).map(|key| key.position);
+        let position = self.position.map(|point| point.0).or(start);
+        source.position = position.unwrap_or(source.position);
+    }
+}
+
+impl ListenerFile<FixedRadius> {
+    /// The listener that the file says.
+    pub fn read(&self) -> Listener {
+        let mut listener = Listener::at(Vec3::ZERO, self.radius.0);
+        self.change(&mut listener);
+        listener
+    }
+}
+
+impl<R: Copy + Into<Option<FixedRadius>>> ListenerFile<R> {
+    /// Puts a listener where the file says: without a position it stands and looks as its path
+    /// begins. A listener that is put somewhere has no path but the one said with it.
+    pub fn change(&self, listener: &mut Listener) {
+        if let Some(name) = &self.name {
+            listener.name = Some(name.0.clone());
+        }
+        if let Some(radius) = self.radius.into() {
+            listener.radius = radius.0;
+        }
+        let [yaw, pitch] = [self.yaw, self.pitch];
+        if self.position.is_none() && self.path.is_none() && yaw.is_none() && pitch.is_none() {
+            return;
+        }
+        listener.path = self.path.as_ref().map(PathFile::path).unwrap_or_default();
+        match (self.position, listener.path.at(0.0)) {
+            (None, Some(key)) => {
+                listener.position = key.position;
+                (listener.yaw, listener.pitch) = (key.yaw, key.pitch);
+            }
+            (position, _) => {
+                listener.position = position.map_or(listener.position, |point| point.0);
+                listener.yaw = yaw.map_or(listener.yaw, |angle| angle.0);
+                listener.pitch = pitch.map_or(listener.pitch, |angle| angle.0);
+            }
+        }
+    }
+}
+
+/// What a scene has one or several of, each of which may have a name.
+pub(super) trait Placed {
+    /// The field for one of them.
+    const ONE: &'static str;
+    /// The field for several.
+    const SEVERAL: &'static str;
+    /// How one is written.
+    const NOTATION: &'static str;
+
+    fn name(&self) -> Option<&Name>;
+}
+
+impl Placed for SourceFile {
+    const ONE: &'static str = "source";
+    const SEVERAL: &'static str = "sources";
+    const NOTATION: &'static str = "Source(…)";
+
+    fn name(&self) -> Option<&Name> {
+        self.name.as_ref()
+    }
+}
+
+impl<R> Placed for ListenerFile<R> {
+    const ONE: &'static str = "listener";
+    const SEVERAL: &'static str = "listeners";
+    const NOTATION: &'static str = "Listener(…)";
+
+    fn name(&self) -> Option<&Name> {
+        self.name.as_ref()
+    }
+}
+
+/// A list of one at least, whose names differ.
+pub(super) struct Several<T> {
+    first: T,
+    further: Vec<T>,
+}
+
+/// Refuses a scene that says it by both forms, `source: …` and `sources: […]`.
+pub(super) fn one_form<T: Placed>(one: bool, several: bool) -> Result<(), Refused> {
+    if one && several {
+        let why = format!("a scene has {} or {}, not both", T::ONE, T::SEVERAL);
+        return Err(Refused::At(Place::Field(T::SEVERAL), why));
+    }
+    Ok(())
+}
+
+impl<T: Placed> Several<T> {
+    /// What a scene says by one of the two forms.
+    pub fn needed(one: Option<T>, several: Option<Several<T>>) -> Result<Several<T>, Refused> {
+        one_form::<T>(one.is_some(), several.is_some())?;
+        let alone = |first| Several {
+            first,
+            further: Vec::new(),
+        };
+        one.map(alone).or(several).ok_or_else(|| {
+            let (one, several, notation) = (T::ONE, T::SEVERAL, T::NOTATION);
+            let why = format!(
+                "a scene needs {one}: {notation}, or several as {several}: [{notation}, …]"
+            );
+            Refused::At(Place::End, why)
+        })
+    }
+
+    /// The first, and the further ones.
+    pub fn read<U>(&self, read: impl Fn(&T) -> U) -> (U, Vec<U>) {
+        (read(&self.first), self.further.iter().map(&read).collect())
+    }
+}
+
+impl<'de, T: Placed + Deserialize<'de>> Deserialize<'de> for Several<T> {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Several<T>, D::Error> {
+        from.deserialize_seq(OneAtLeast(PhantomData))
+    }
+}
+
+/// Reads a list.
+struct OneAtLeast<T>(PhantomData<T>);
+
+impl<'de, T: Placed + Deserialize<'de>> Visitor<'de> for OneAtLeast<T> {
+    type Value = Several<T>;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "[{}, …]", T::NOTATION)
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Several<T>, A::Error> {
+        let Some(first) = list.next_element::<T>()? else {
+            let why = format!("{} need one at least", T::SEVERAL);
+            return Err(A::Error::custom(why));
+        };
+        let mut known: HashSet<String> = first
+            .name()
+            .map(|name| name.0.clone())
+            .into_iter()
+            .collect();
+        let mut further = Vec::new();
+        while let Some(next) = list.next_element::<T>()? {
+            if let Some(Name(name)) = next.name()
+                && !known.insert(name.clone())
+            {
+                let why = format!("two of the {} are called {name:?}", T::SEVERAL);
+                return Err(A::Error::custom(why));
+            }
+            further.push(next);
+            if further.len() == MOST_PLACED {
+                let why = format!("a scene has {MOST_PLACED} {} at the most", T::SEVERAL);
+                return Err(A::Error::custom(why));
+            }
+        }
+        Ok(Several { first, further })
+    }
+}

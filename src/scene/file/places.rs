@@ -1,0 +1,161 @@
+//! Where something stands in the text of a scene file that can be read, and is refused for what else
+//! the file says.
+
+use super::{malformed, options};
+use crate::scene::SceneError;
+use crate::scene::notation::Attached;
+use ron::value::RawValue;
+use serde::Deserialize;
+use serde::de::IgnoredAny;
+
+/// What is refused in a file that can be read.
+pub(super) enum Refused {
+    /// What stands at a place, and why it cannot.
+    At(Place, String),
+    /// What has no place, or tells its own.
+    Scene(SceneError),
+}
+
+/// Where something stands in a scene file.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Place {
+    /// The value of a field of the scene.
+    Field(&'static str),
+    /// The material of a surface (from 0), or of one of its walls.
+    Material { surface: usize, wall: Option<usize> },
+    /// Where the scene ends: what should stand before it is missing.
+    End,
+}
+
+impl From<SceneError> for Refused {
+    fn from(error: SceneError) -> Refused {
+        Refused::Scene(error)
+    }
+}
+
+impl Refused {
+    /// The error, at its line and column in the file's text.
+    pub fn in_text(self, text: &str, files: &Attached) -> SceneError {
+        match self {
+            Refused::Scene(error) => error,
+            Refused::At(place, why) => {
+                let (line, column) = place.find(text).unwrap_or((1, 1));
+                malformed(files, line, column, &why)
+            }
+        }
+    }
+
+    /// The error in a format that knows no places.
+    pub fn without_place(self) -> String {
+        match self {
+            Refused::Scene(error) => error.to_string(),
+            Refused::At(_, why) => why,
+        }
+    }
+}
+
+/// Line and column, each from 1, of a value that is a part of the text.
+pub(super) fn place_of(text: &str, value: &RawValue) -> (usize, usize) {
+    let value = value.trim().get_ron();
+    let before = value.as_ptr() as usize - text.as_ptr() as usize;
+    let lines = text[..before].split('\n');
+    let (count, last) = lines.fold((0, ""), |(count, _), line| (count + 1, line));
+    (count, last.chars().count() + 1)
+}
+
+/// The values of a scene file that may be refused after all of it was read.
+#[derive(Deserialize)]
+#[serde(rename = "Scene")]
+struct Values<'a> {
+    #[serde(borrow, default)]
+    surfaces: Vec<SurfaceValues<'a>>,
+    #[serde(borrow, default)]
+    source: Option<&'a RawValue>,
+    #[serde(borrow, default)]
+    sources: Option<&'a RawValue>,
+    #[serde(borrow, default)]
+    listener: Option<&'a RawValue>,
+    #[serde(borrow, default)]
+    listeners: Option<&'a RawValue>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename = "Surface")]
+struct SurfaceValues<'a> {
+    #[serde(borrow, default)]
+    material: Option<&'a RawValue>,
+    #[serde(borrow, default)]
+    walls: Option<WallValues<'a>>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename = "Walls")]
+struct WallValues<'a> {
+    #[serde(borrow, default)]
+    left: Option<&'a RawValue>,
+    #[serde(borrow, default)]
+    right: Option<&'a RawValue>,
+    #[serde(borrow, default)]
+    floor: Option<&'a RawValue>,
+    #[serde(borrow, default)]
+    ceiling: Option<&'a RawValue>,
+    #[serde(borrow, default)]
+    front: Option<&'a RawValue>,
+    #[serde(borrow, default)]
+    back: Option<&'a RawValue>,
+}
+
+/// A file's scene, whose end is refused.
+#[derive(Deserialize)]
+#[serde(try_from = "IgnoredAny")]
+struct Ended;
+
+impl TryFrom<IgnoredAny> for Ended {
+    type Error = &'static str;
+    fn try_from(_: IgnoredAny) -> Result<Ended, &'static str> {
+        Err("the end")
+    }
+}
+
+impl Place {
+    /// Line and column, each from 1.
+    fn find(self, text: &str) -> Option<(usize, usize)> {
+        if let Place::End = self {
+            let end = options().from_str::<Ended>(text).err()?.span.start;
+            return Some((end.line, end.col));
+        }
+        let values: Values = options().from_str(text).ok()?;
+        Some(place_of(text, self.among(values)?))
+    }
+
+    fn among<'a>(self, values: Values<'a>) -> Option<&'a RawValue> {
+        match self {
+            Place::Field("source") => values.source,
+            Place::Field("sources") => values.sources,
+            Place::Field("listener") => values.listener,
+            Place::Field("listeners") => values.listeners,
+            Place::Field(_) | Place::End => None,
+            Place::Material { surface, wall } => {
+                let surface = values.surfaces.into_iter().nth(surface)?;
+                match wall {
+                    None => surface.material,
+                    Some(wall) => surface.walls?.into_array()[wall],
+                }
+            }
+        }
+    }
+}
+
+impl<'a> WallValues<'a> {
+    /// In the order of [`WALL_NAMES`](crate::scene::WALL_NAMES).
+    fn into_array(self) -> [Option<&'a RawValue>; crate::scene::WALL_COUNT] {
+        [
+            self.left,
+            self.right,
+            self.floor,
+            self.ceiling,
+            self.front,
+            self.back,
+        ]
+    }
+}

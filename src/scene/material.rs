@@ -1,0 +1,222 @@
+//! What surfaces are made of: how much of a sound's energy each reflection keeps, and how much of
+//! that is scattered.
+
+use crate::bands::{BAND_COUNT, Bands};
+
+/// The walls of a [`Room`](super::shape::Room) as a scene file names them, in the order of
+/// [`Surface::walls`](super::Surface::walls): those at −x, +x, −y, +y, −z and +z of its own axes.
+/// The front is where a listener looks that is not turned.
+pub const WALL_NAMES: [&str; WALL_COUNT] = ["left", "right", "floor", "ceiling", "front", "back"];
+
+/// How many walls a room has.
+pub const WALL_COUNT: usize = 6;
+
+/// How a surface reflects, in each octave band of [`BANDS_HZ`](crate::bands::BANDS_HZ).
+///
+/// ```
+/// use echomarch::scene::Material;
+/// let curtain = Material::absorbing(0.5).scattering_by(0.2);
+/// assert_eq!(curtain.reflectance(), [0.5; 8]);
+/// assert!(Material::MIRROR.is_mirror() && !curtain.is_mirror());
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Material {
+    /// The share of the energy that a reflection takes away, 0 to 1: the absorption coefficient
+    /// for random incidence.
+    pub absorption: Bands,
+    /// The share of the reflected energy that leaves in directions other than the mirrored one, 0
+    /// to 1: the scattering coefficient (ISO 17497-1).
+    pub scattering: Bands,
+}
+
+impl Material {
+    /// Reflects all, as a mirror: what a surface is that has no material.
+    pub const MIRROR: Material = Material {
+        absorption: [0.0; BAND_COUNT],
+        scattering: [0.0; BAND_COUNT],
+    };
+
+    /// A mirror that takes the same share (0 to 1) in every band.
+    pub fn absorbing(share: f64) -> Material {
+        Material {
+            absorption: [share; BAND_COUNT],
+            ..Material::MIRROR
+        }
+    }
+
+    /// The same material, of whose reflected energy this share (0 to 1) is scattered in every band.
+    pub fn scattering_by(self, share: f64) -> Material {
+        Material {
+            scattering: [share; BAND_COUNT],
+            ..self
+        }
+    }
+
+    /// The share of the energy that a reflection keeps, 1 − absorption.
+    pub fn reflectance(&self) -> Bands {
+        self.absorption.map(|absorbed| 1.0 - absorbed)
+    }
+
+    /// Whether it reflects all, mirrored, in every band.
+    pub fn is_mirror(&self) -> bool {
+        *self == Material::MIRROR
+    }
+
+    /// A built-in material by its name; see [`BUILTIN_MATERIALS`].
+    pub fn builtin(name: &str) -> Option<&'static Material> {
+        let known = BUILTIN_MATERIALS.iter().find(|known| known.name == name);
+        known.map(|known| &known.material)
+    }
+}
+
+impl Default for Material {
+    fn default() -> Material {
+        Material::MIRROR
+    }
+}
+
+/// A material that every scene may name without a definition.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct BuiltinMaterial {
+    /// What scenes call it.
+    pub name: &'static str,
+    /// What was measured.
+    pub of: &'static str,
+    /// Where the values are published.
+    pub source: &'static str,
+    /// The values.
+    pub material: Material,
+}
+
+/// The source of all values of [`BUILTIN_MATERIALS`].
+const VORLAENDER: &str = "M. Vorländer, Auralization, Springer 2008, annex, tables of random-incidence absorption coefficients";
+
+/// From seven published coefficients, 125 Hz to 8 kHz. No table tells 63 Hz: there the one at
+/// 125 Hz stands. None tells scattering of these: they are mirrors.
+const fn published(name: &'static str, of: &'static str, a: [f64; 7]) -> BuiltinMaterial {
+    BuiltinMaterial {
+        name,
+        of,
+        source: VORLAENDER,
+        material: Material {
+            absorption: [a[0], a[0], a[1], a[2], a[3], a[4], a[5], a[6]],
+            ..Material::MIRROR
+        },
+    }
+}
+
+/// Materials that every scene may name; a scene's own of the same name comes first.
+///
+/// At 63 Hz each has the published value of 125 Hz, `wood-floor` at 8 kHz that of 4 kHz. None
+/// scatters.
+pub const BUILTIN_MATERIALS: &[BuiltinMaterial] = &[
+    published(
+        "audience",
+        "audience, orchestra or choir, with narrow aisles",
+        [0.60, 0.74, 0.88, 0.96, 0.93, 0.85, 0.85],
+    ),
+    published(
+        "brick",
+        "rendered brickwork",
+        [0.01, 0.02, 0.02, 0.03, 0.03, 0.04, 0.04],
+    ),
+    published(
+        "carpet",
+        "6 mm pile carpet on closed-cell foam",
+        [0.03, 0.09, 0.25, 0.31, 0.33, 0.44, 0.44],
+    ),
+    published(
+        "concrete",
+        "smooth unpainted concrete",
+        [0.01, 0.01, 0.02, 0.02, 0.02, 0.05, 0.05],
+    ),
+    published(
+        "curtain",
+        "cotton curtain of 0.5 kg/m², draped to 3/4 of its area, some 130 mm before a wall",
+        [0.30, 0.45, 0.65, 0.56, 0.59, 0.71, 0.71],
+    ),
+    published(
+        "door",
+        "solid wooden door",
+        [0.14, 0.10, 0.06, 0.08, 0.10, 0.10, 0.10],
+    ),
+    published(
+        "glass",
+        "glass window of 0.68 kg/m²",
+        [0.10, 0.05, 0.04, 0.03, 0.03, 0.03, 0.03],
+    ),
+    published(
+        "marble",
+        "marble floor",
+        [0.01, 0.01, 0.01, 0.02, 0.02, 0.02, 0.02],
+    ),
+    published(
+        "mineral-wool",
+        "50 mm of mineral wool of 40 kg/m³, glued to a wall",
+        [0.15, 0.70, 0.60, 0.60, 0.85, 0.90, 0.90],
+    ),
+    published(
+        "plaster",
+        "hard walls and floors on average: brick, plaster and the like",
+        [0.02, 0.02, 0.03, 0.03, 0.04, 0.05, 0.05],
+    ),
+    published(
+        "plasterboard",
+        "two boards of 13 mm on a steel frame, 50 mm of mineral wool behind them, painted",
+        [0.15, 0.10, 0.06, 0.04, 0.04, 0.05, 0.05],
+    ),
+    published(
+        "rough-concrete",
+        "rough concrete",
+        [0.02, 0.03, 0.03, 0.03, 0.04, 0.07, 0.07],
+    ),
+    published(
+        "seats",
+        "empty chairs, upholstered, with a cover of cloth",
+        [0.44, 0.60, 0.77, 0.89, 0.82, 0.70, 0.70],
+    ),
+    published(
+        "wood-floor",
+        "stage floor of two layers, 27 mm over an air space",
+        [0.10, 0.07, 0.06, 0.06, 0.06, 0.06, 0.06],
+    ),
+    published(
+        "wood-panel",
+        "16 mm of wood on studs of 40 mm",
+        [0.18, 0.12, 0.10, 0.09, 0.08, 0.07, 0.07],
+    ),
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects the built-in list: shares, names in order and each once, the source beside each.
+    #[test]
+    fn built_in_materials_are_shares_with_names_and_sources() {
+        let names: Vec<&str> = BUILTIN_MATERIALS.iter().map(|known| known.name).collect();
+        assert!(names.is_sorted_by(|a, b| a < b), "{names:?}");
+        for known in BUILTIN_MATERIALS {
+            let Material {
+                absorption,
+                scattering,
+            } = known.material;
+            let mut all = absorption.iter().chain(&scattering);
+            assert!(all.all(|share| (0.0..=1.0).contains(share)), "{known:?}");
+            assert!(!known.material.is_mirror() && !known.source.is_empty());
+            assert_eq!(Material::builtin(known.name), Some(&known.material));
+        }
+        assert_eq!(Material::builtin("bricks"), None);
+    }
+
+    /// Protects the order of bands: low ones first, 63 Hz as 125 Hz.
+    #[test]
+    fn published_values_stand_at_their_bands() {
+        let carpet = Material::builtin("carpet").unwrap();
+        assert_eq!(
+            carpet.absorption,
+            [0.03, 0.03, 0.09, 0.25, 0.31, 0.33, 0.44, 0.44]
+        );
+    }
+}

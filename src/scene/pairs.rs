@@ -1,0 +1,202 @@
+//! All sources and listeners of a scene, and what lies between them: surfaces of materials, and air.
+
+use super::air::USUAL_SPEED_OF_SOUND;
+use super::{Listener, Material, Scene, Source};
+use crate::bands::{BAND_COUNT, Bands};
+use std::iter::once;
+
+impl Scene {
+    /// All sources in order, [`Scene::source`] first.
+    pub fn sources(&self) -> impl Iterator<Item = &Source> {
+        once(&self.source).chain(&self.further_sources)
+    }
+
+    /// All listeners in order, [`Scene::listener`] first.
+    pub fn listeners(&self) -> impl Iterator<Item = &Listener> {
+        once(&self.listener).chain(&self.further_listeners)
+    }
+
+    pub(super) fn sources_mut(&mut self) -> impl Iterator<Item = &mut Source> {
+        once(&mut self.source).chain(&mut self.further_sources)
+    }
+
+    pub(super) fn listeners_mut(&mut self) -> impl Iterator<Item = &mut Listener> {
+        once(&mut self.listener).chain(&mut self.further_listeners)
+    }
+
+    /// The scene with one source and one listener alone, by their places (from 0) in
+    /// [`Scene::sources`] and [`Scene::listeners`].
+    ///
+    /// ```
+    /// use echomarch::{Listener, Scene, Source};
+    /// # use echomarch::glam::Vec3;
+    /// let mut scene = Scene::builtin("corner")?;
+    /// scene.further_sources.push(Source::at(Vec3::Y).named("flute"));
+    /// let flute = scene.heard_by(1, 0);
+    /// assert_eq!(flute.source.name.as_deref(), Some("flute"));
+    /// assert_eq!(flute.sources().count(), 1);
+    /// # Ok::<(), echomarch::Error>(())
+    /// ```
+    ///
+    /// # Panics
+    /// When there is no source or no listener of that number, as an index of a slice.
+    pub fn heard_by(&self, source: usize, listener: usize) -> Scene {
+        Scene {
+            name: self.name.clone(),
+            surfaces: self.surfaces.clone(),
+            materials: self.materials.clone(),
+            air: self.air,
+            source: match source {
+                0 => self.source.clone(),
+                further => self.further_sources[further - 1].clone(),
+            },
+            listener: match listener {
+                0 => self.listener.clone(),
+                further => self.further_listeners[further - 1].clone(),
+            },
+            further_sources: Vec::new(),
+            further_listeners: Vec::new(),
+        }
+    }
+
+    /// The material of a surface (counted from 0), or of one of its walls in the order of
+    /// [`WALL_NAMES`](super::WALL_NAMES): that of the wall, else that of the surface. None where it
+    /// has none, and so reflects all.
+    pub fn material(&self, surface: usize, wall: Option<usize>) -> Option<&Material> {
+        let surface = self.surfaces.get(surface)?;
+        self.material_named(surface.material_name(wall)?)
+    }
+
+    /// The material of this name: the scene's own, or else a built-in one.
+    pub fn material_named(&self, name: &str) -> Option<&Material> {
+        let own = self.materials.get(name);
+        own.or_else(|| Material::builtin(name))
+    }
+
+    /// Whether some surface absorbs or scatters: else a reflection keeps all of the energy, and
+    /// mirrors it.
+    pub fn has_materials(&self) -> bool {
+        let mut names = self.surfaces.iter().flat_map(|s| s.material_names());
+        names.any(|name| self.material_named(name).is_some_and(|m| !m.is_mirror()))
+    }
+
+    /// Speed of sound in metres a second: that of the scene's air, else 343.
+    pub fn speed_of_sound(&self) -> f64 {
+        self.air
+            .map_or(USUAL_SPEED_OF_SOUND, |air| air.speed_of_sound())
+    }
+
+    /// How fast the air takes the energy of a sound, by bands, in 1/m (see
+    /// [`Air::attenuation`](super::Air::attenuation)); 0 where the scene says nothing of its air.
+    pub fn air_attenuation(&self) -> Bands {
+        self.air.map_or([0.0; BAND_COUNT], |air| air.attenuation())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::scene::shape::{Room, Sphere};
+    use crate::scene::{Air, Key, Listener, Material, Path, Scene, Source, Surface};
+    use glam::Vec3;
+
+    fn hall() -> Scene {
+        let room = Surface::new(Room {
+            size: Vec3::splat(9.0),
+        });
+        let room = room.with_material("brick").with_wall_material(2, "carpet");
+        let ball = Surface::new(Sphere { radius: 1.0 });
+        let source = Source::at(Vec3::X * 3.0);
+        Scene::new(
+            "hall",
+            vec![room, ball],
+            source,
+            Listener::at(Vec3::Y * 3.0, 0.3),
+        )
+    }
+
+    /// Protects who is asked for the material: the wall, then the surface; the scene's own, then the
+    /// built-in one.
+    #[test]
+    fn a_wall_comes_before_its_surface_and_a_scene_before_the_list() {
+        let mut scene = hall();
+        let known = |name| Material::builtin(name);
+        assert_eq!(scene.material(0, None), known("brick"));
+        assert_eq!(scene.material(0, Some(2)), known("carpet"));
+        assert_eq!(scene.material(0, Some(3)), known("brick"));
+        assert_eq!(scene.material(1, None), None);
+        assert_eq!(scene.material(2, None), None);
+        let own = Material::absorbing(0.9);
+        scene.materials.insert("brick".into(), own);
+        assert_eq!(scene.material(0, Some(3)), Some(&own));
+        assert!(scene.has_materials());
+        scene.surfaces.remove(0);
+        assert!(!scene.has_materials());
+        scene.surfaces[0].material = Some("mirror".into());
+        scene.materials.insert("mirror".into(), Material::MIRROR);
+        assert!(!scene.has_materials());
+    }
+
+    /// Protects pairs: each source and each listener by its number, and everything else as it was.
+    #[test]
+    fn a_pair_is_a_scene_of_its_own() {
+        let mut scene = hall();
+        scene.air = Some(Air::default());
+        scene.further_sources.push(Source::at(Vec3::Z).named("b"));
+        scene
+            .further_listeners
+            .push(Listener::at(Vec3::Z * 2.0, 0.2));
+        assert_eq!(scene.sources().count(), 2);
+        let pair = scene.heard_by(1, 0);
+        assert_eq!(pair.source, scene.further_sources[0]);
+        assert_eq!(pair.listener, scene.listener);
+        assert_eq!(scene.heard_by(0, 1).listener, scene.further_listeners[0]);
+        assert_eq!(
+            (pair.sources().count(), pair.listeners().count()),
+            (1, 1),
+            "none further"
+        );
+        assert_eq!((pair.air, &pair.surfaces), (scene.air, &scene.surfaces));
+        scene.further_sources.clear();
+        scene.further_listeners.clear();
+        assert_eq!(scene.heard_by(0, 0), scene);
+    }
+
+    /// Protects motion: whoever has a path walks, the first or not, and the longest path counts.
+    #[test]
+    fn all_sources_and_listeners_follow_their_paths() {
+        let mut scene = hall();
+        let key = |time, x| Key {
+            time,
+            position: Vec3::X * x,
+            yaw: x,
+            pitch: 0.0,
+        };
+        let path = |seconds| Path::new(vec![key(0.0, 0.0), key(seconds, 4.0)]).unwrap();
+        let mut source = Source::at(Vec3::ZERO);
+        source.path = path(2.0);
+        let mut listener = Listener::at(Vec3::ZERO, 0.2);
+        listener.path = path(8.0);
+        scene.further_sources.push(source);
+        scene.further_listeners.push(listener);
+        assert_eq!(scene.duration(), 8.0);
+        let posed = scene.at(1.0);
+        assert_eq!(posed.further_sources[0].position.x, 2.0);
+        let listener = &posed.further_listeners[0];
+        assert_eq!((listener.position.x, listener.yaw), (0.5, 0.5));
+    }
+
+    /// Protects a scene without air: 343 m/s, and no loss.
+    #[test]
+    fn without_air_nothing_is_lost() {
+        let mut scene = hall();
+        assert_eq!(scene.speed_of_sound(), 343.0);
+        assert_eq!(scene.air_attenuation(), [0.0; 8]);
+        let air = Air {
+            temperature: 30.0,
+            ..Air::default()
+        };
+        scene.air = Some(air);
+        assert_eq!(scene.speed_of_sound(), air.speed_of_sound());
+        assert_eq!(scene.air_attenuation(), air.attenuation());
+    }
+}

@@ -1,0 +1,42 @@
+//! Arrivals: every crossing of the listener's sphere by every wave, with the energy that it
+//! carries. [`Tracer::arrivals`](super::Tracer::arrivals) gives them.
+//!
+//! The listener is transparent here. A pass (`glsl/arrivals/`) takes the waves of a *block* through
+//! a *chunk* of iterations and writes a record for each crossing, so many to a wave. What was
+//! written is read back and added up here in `f64` while the next chunk is drawn. A wave that
+//! crosses oftener than there are records is drawn again from the chunk's start, as one of a list,
+//! with the crossings before passed over. Nothing is blended: the same input gives the same bits.
+//!
+//! | file | what it does |
+//! | --- | --- |
+//! | `events.rs` | what reflections leave of a wave's energy |
+//! | `settings.rs` | what is asked for, and what came of it |
+//! | `volume.rs` | the open volume of the listener's sphere |
+//! | `targets.rs` | textures, and what is read back of them |
+//! | `replay.rs` | from records to arrivals |
+//! | `../tracer/arrivals.rs` | the passes |
+
+mod events;
+mod replay;
+mod settings;
+mod targets;
+mod volume;
+
+pub(super) use events::EventTable;
+pub(super) use replay::{Block, Listed, Replay};
+pub use settings::{ArrivalCounts, ArrivalSettings};
+pub(super) use targets::{ArrivalTargets, LISTED_AT_MOST, listed_rows};
+pub(super) use volume::open_volume;
+
+/// Waves that are followed at a time, through all their chunks: 60 MB of textures, and enough for
+/// every core of a large graphics card.
+pub(super) const WAVES_IN_BLOCK: u32 = 1 << 18;
+
+/// Iterations in a chunk where loops and records allow it: writing what a chunk writes costs about
+/// as much as ten iterations in an empty room.
+pub(super) const ITERATIONS_IN_CHUNK: u32 = 64;
+
+/// Crossings that are recorded of a wave in a chunk, if the driver has as many outputs. A wave
+/// crosses a listener of common size about once in 64 iterations, and five times or more once in
+/// two hundred chunks.
+pub(super) const RECORDS: u32 = 4;

@@ -1,0 +1,253 @@
+//! From records to arrivals: the waves of a block, chunk by chunk, in `f64`.
+
+use super::super::Grid;
+use super::ArrivalCounts;
+use super::events::{EventTable, Events};
+use crate::acoustics::Arrival;
+use crate::bands::{BAND_COUNT, Bands};
+use glam::DVec3;
+use std::ops::Range;
+
+/// In a tally crossings count 1, fates this (`glsl/arrivals/chunk.frag`).
+const CROSSINGS: u32 = 1024;
+
+/// What arrivals are computed with.
+#[derive(Clone, Debug)]
+pub struct Replay {
+    /// Reflections of an early arrival at the most.
+    pub early_order: u32,
+    /// Metres that waves are followed.
+    pub length_limit: f64,
+    /// Metres of a chord that is recorded as 1.
+    pub chord_unit: f64,
+    /// Energy density of a metre of chord of a wave that has lost nothing: 1 / (V N), in 1/m³.
+    pub density: f64,
+    /// What reflections do; none where nothing absorbs or scatters.
+    pub events: Option<EventTable>,
+}
+
+/// A wave that is drawn once more, because it crosses the listener oftener than is recorded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Listed {
+    /// Number in the block.
+    pub wave: u32,
+    /// Crossings that are recorded already.
+    pub passed_over: u32,
+}
+
+/// What became of a wave until the end of a chunk.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Fate {
+    Travelling,
+    Gone,
+    GivenUp,
+    Flown,
+}
+
+impl Fate {
+    fn of(tally: u32) -> Fate {
+        match tally / CROSSINGS {
+            0 => Fate::Travelling,
+            2 => Fate::GivenUp,
+            3 => Fate::Flown,
+            _ => Fate::Gone,
+        }
+    }
+}
+
+/// A wave at the end of a chunk.
+#[derive(Clone, Copy, Debug)]
+struct WaveSoFar {
+    length: f64,
+    fate: Fate,
+    /// Whether it was never scattered.
+    is_mirrored: bool,
+}
+
+/// The waves of a block, and how far they have come.
+#[derive(Debug)]
+pub struct Block {
+    first: u32,
+    grid: Grid,
+    waves: Vec<WaveSoFar>,
+    /// What is left of their energies, where anything is lost.
+    energies: Vec<Bands>,
+    /// Rows that have waves which are followed.
+    pub rows: Range<u32>,
+    /// Iterations before the chunk.
+    pub iterations: u32,
+}
+
+/// What the passes of a chunk wrote: four floats a texel.
+#[derive(Clone, Copy, Debug)]
+pub struct Chunk<'a> {
+    pub tally: &'a [f32],
+    /// Further words of events, where there is such a texture.
+    pub words: Option<&'a [f32]>,
+    pub records: &'a [Vec<f32>],
+    /// The records of the waves that were drawn once more, in the order of their list.
+    pub listed: &'a [Vec<f32>],
+    /// Iterations.
+    pub iterations: u32,
+}
+
+impl Block {
+    /// Waves at the source: those of the grid, from this number on.
+    pub fn new(first: u32, grid: Grid, has_events: bool) -> Block {
+        let start = WaveSoFar {
+            length: 0.0,
+            fate: Fate::Travelling,
+            is_mirrored: true,
+        };
+        let waves = grid.waves as usize;
+        Block {
+            first,
+            grid,
+            waves: vec![start; waves],
+            energies: vec![[1.0; BAND_COUNT]; if has_events { waves } else { 0 }],
+            rows: 0..grid.height,
+            iterations: 0,
+        }
+    }
+
+    fn numbers(&self) -> Range<u32> {
+        let Range { start, end } = self.rows;
+        start * self.grid.width..(end * self.grid.width).min(self.grid.waves)
+    }
+
+    /// The waves that cross the listener oftener than is recorded, once for each so many
+    /// crossings.
+    pub fn list(&self, tally: &[f32], records: u32) -> Vec<Listed> {
+        let mut list = Vec::new();
+        for wave in self.numbers() {
+            let crossings = tally_of(tally, wave) % CROSSINGS;
+            let further = (records..crossings).step_by(records as usize);
+            list.extend(further.map(|passed_over| Listed { wave, passed_over }));
+        }
+        list
+    }
+
+    /// The rows in which waves are still followed after the chunk.
+    pub fn rows_travelling(&self, tally: &[f32]) -> Range<u32> {
+        let travels = |wave: &u32| Fate::of(tally_of(tally, *wave)) == Fate::Travelling;
+        let mut travelling = self.numbers().filter(travels);
+        let first = travelling.next();
+        let last = travelling.next_back().or(first);
+        let row = |wave: u32| wave / self.grid.width;
+        match (first, last) {
+            (Some(first), Some(last)) => row(first)..row(last) + 1,
+            _ => 0..0,
+        }
+    }
+
+    /// Takes the waves through a chunk, and gives their arrivals: wave by wave, in the order of
+    /// their flight. How many they were.
+    pub fn replay(&mut self, with: &Replay, chunk: &Chunk, take: &mut dyn FnMut(Arrival)) -> u64 {
+        let records = chunk.records.len();
+        let mut listed = 0;
+        let mut taken = 0;
+        for wave in self.numbers() {
+            let at = 4 * wave as usize;
+            let tally = tally_of(chunk.tally, wave);
+            let crossings = (tally % CROSSINGS) as usize;
+            let words = chunk.words.map(|words| &words[at..at + 4]);
+            let mut events = with
+                .events
+                .as_ref()
+                .map(|table| table.events(chunk.tally[at + 3], words));
+            for crossing in 0..crossings {
+                let (texels, place) = match crossing < records {
+                    true => (&chunk.records[crossing], at),
+                    false => {
+                        let entry = listed + crossing / records - 1;
+                        (&chunk.listed[crossing % records], 4 * entry)
+                    }
+                };
+                let record = &texels[place..place + 4];
+                let iteration = record[1].abs().floor() as u32;
+                self.suffer(wave, events.as_mut(), iteration);
+                if let Some(arrival) = self.arrival(with, wave, iteration, record) {
+                    take(arrival);
+                    taken += 1;
+                }
+            }
+            listed += crossings.saturating_sub(1) / records;
+            self.suffer(wave, events.as_mut(), chunk.iterations);
+            let so_far = &mut self.waves[wave as usize];
+            so_far.length += f64::from(chunk.tally[at]) + f64::from(chunk.tally[at + 1]);
+            so_far.fate = Fate::of(tally);
+        }
+        self.iterations += chunk.iterations;
+        taken
+    }
+
+    /// Takes a wave through its reflections before an iteration of the chunk.
+    fn suffer(&mut self, wave: u32, events: Option<&mut Events>, until: u32) {
+        let Some(events) = events else {
+            return;
+        };
+        let energy = &mut self.energies[wave as usize];
+        let is_mirrored = &mut self.waves[wave as usize].is_mirrored;
+        events.suffer(until, energy, is_mirrored);
+    }
+
+    /// The arrival that was recorded; none beyond the limit, or without any energy.
+    fn arrival(&self, with: &Replay, wave: u32, iteration: u32, record: &[f32]) -> Option<Arrival> {
+        let so_far = &self.waves[wave as usize];
+        let length_m = so_far.length + f64::from(record[0]);
+        if length_m > with.length_limit {
+            return None;
+        }
+        let density = f64::from(record[1].abs().fract()) * with.chord_unit * with.density;
+        let energy = match self.energies.get(wave as usize) {
+            Some(left) => left.map(|left| left * density),
+            None => [density; BAND_COUNT],
+        };
+        if energy == [0.0; BAND_COUNT] {
+            return None;
+        }
+        let order = self.iterations + iteration;
+        Some(Arrival {
+            wave: self.first + wave,
+            order_is_early: so_far.is_mirrored && order <= with.early_order,
+            length_m,
+            direction: direction(record),
+            energy,
+        })
+    }
+
+    /// Adds what became of the waves.
+    pub fn count(&self, counts: &mut ArrivalCounts) {
+        counts.waves += self.waves.len() as u64;
+        counts.iterations = counts.iterations.max(self.iterations);
+        for (number, wave) in self.waves.iter().enumerate() {
+            *match wave.fate {
+                Fate::Travelling => &mut counts.cut_off,
+                Fate::Gone => &mut counts.gone,
+                Fate::GivenUp => &mut counts.step_limit_reached,
+                Fate::Flown => &mut counts.flown,
+            } += 1;
+            if matches!(wave.fate, Fate::Travelling | Fate::Flown) {
+                let left = self.energies.get(number).copied();
+                let left = left.unwrap_or([1.0; BAND_COUNT]);
+                let sums = counts.energy_under_way.iter_mut().zip(left);
+                sums.for_each(|(sum, left)| *sum += left);
+            }
+        }
+    }
+}
+
+fn tally_of(texels: &[f32], wave: u32) -> u32 {
+    texels[4 * wave as usize + 2] as u32
+}
+
+/// The unit vector of which a record holds x, y and the sign of z.
+///
+/// Its length is 1 within 2e-7, and so is that of x and y within as much of what it was: the
+/// angle is off by 2e-7 / |z|, and by √(4e-7) = 6e-4 (0.04°) at the most, where z is 0.
+fn direction(record: &[f32]) -> DVec3 {
+    let (x, y) = (f64::from(record[2]), f64::from(record[3]));
+    let z = (1.0 - x * x - y * y).max(0.0).sqrt();
+    let z = if record[1].is_sign_negative() { -z } else { z };
+    DVec3::new(x, y, z).normalize()
+}

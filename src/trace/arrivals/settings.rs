@@ -1,0 +1,102 @@
+//! What is asked of arrivals, and what came of it.
+
+use super::super::TraceError;
+use super::super::settings::MAX_ITERATIONS;
+use super::{ITERATIONS_IN_CHUNK, RECORDS};
+use crate::bands::Bands;
+
+/// How arrivals are traced, beside [`Settings`](crate::Settings): of these the waves, their
+/// directions and the algorithm count.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct ArrivalSettings {
+    /// Waves are followed until they have flown as far as sound flies in this time, in seconds.
+    pub seconds: f64,
+    /// Reflections of an arrival that is called early at the most: 3 by default.
+    pub early_order: u32,
+    /// Iterations of a wave at the most, 1 … [`MAX_ITERATIONS`], however short its way was until
+    /// then: by default as many as that.
+    pub iterations: u32,
+    /// Iterations in a chunk at the most.
+    pub(crate) iterations_in_chunk: u32,
+    /// Crossings that a pass records of a wave at the most.
+    pub(crate) records: u32,
+    /// Outputs of a pass at the most, if the driver allows as many.
+    pub(crate) outputs: u32,
+}
+
+impl ArrivalSettings {
+    /// The defaults for this time in seconds.
+    pub fn new(seconds: f64) -> ArrivalSettings {
+        ArrivalSettings {
+            seconds,
+            early_order: 3,
+            iterations: MAX_ITERATIONS,
+            iterations_in_chunk: ITERATIONS_IN_CHUNK,
+            records: RECORDS,
+            outputs: u32::MAX,
+        }
+    }
+
+    /// The same with another order up to which arrivals are early.
+    pub fn with_early_order(mut self, order: u32) -> ArrivalSettings {
+        self.early_order = order;
+        self
+    }
+
+    /// The same with another limit of iterations.
+    pub fn with_iterations(mut self, iterations: u32) -> ArrivalSettings {
+        self.iterations = iterations;
+        self
+    }
+
+    /// Checks every number against its range.
+    ///
+    /// # Errors
+    /// [`TraceError::BadSetting`] with the name, the range and the value.
+    pub fn validate(&self) -> Result<(), TraceError> {
+        let bad =
+            |what, must: String, value: String| Err(TraceError::BadSetting { what, must, value });
+        if !(self.seconds > 0.0 && self.seconds <= MOST_SECONDS) {
+            let must = format!("greater than 0 and at most {MOST_SECONDS}");
+            return bad(
+                "time of arrivals in seconds",
+                must,
+                self.seconds.to_string(),
+            );
+        }
+        if !(1..=MAX_ITERATIONS).contains(&self.iterations) {
+            let must = format!("1 to {MAX_ITERATIONS}");
+            return bad("iterations of arrivals", must, self.iterations.to_string());
+        }
+        Ok(())
+    }
+}
+
+/// The longest time that may be asked for, in seconds: no room sounds for as long.
+const MOST_SECONDS: f64 = 1000.0;
+
+/// What became of the waves whose arrivals were traced.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct ArrivalCounts {
+    /// Waves that were followed.
+    pub waves: u64,
+    /// Arrivals that were given.
+    pub arrivals: u64,
+    /// Waves that flew into the open, or never started, because the source is in a solid.
+    pub gone: u64,
+    /// Waves that were given up at the step limit of a march.
+    pub step_limit_reached: u64,
+    /// Waves that flew as far as was asked for.
+    pub flown: u64,
+    /// Waves that were cut off after [`ArrivalSettings::iterations`].
+    pub cut_off: u64,
+    /// Iterations that were traced; waves of a later block may have needed more than those before.
+    pub iterations: u32,
+    /// Energy of waves that were followed no more, by bands, as a share of what the source gives
+    /// out: what was cut off.
+    pub energy_under_way: Bands,
+    /// Volume of the listener's sphere that is not in a solid, in m³.
+    pub open_volume_m3: f64,
+}

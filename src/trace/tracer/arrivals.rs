@@ -1,0 +1,352 @@
+//! Arrivals: the passes that take waves past a transparent listener.
+
+use super::super::arrivals::{
+    ArrivalCounts, ArrivalSettings, ArrivalTargets, Block, EventTable, LISTED_AT_MOST, Listed,
+    Replay, WAVES_IN_BLOCK, listed_rows, open_volume,
+};
+use super::super::limits::check_uniforms;
+use super::super::programs::march_options;
+use super::super::{Algorithm, Grid, MAX_ITERATIONS, Profile, Settings, TraceError};
+use super::Tracer;
+use super::prepared::{FramePrograms, PreparedFrame};
+use crate::acoustics::Arrival;
+use crate::error::Error;
+use crate::gpu::{Context, Program, RenderTarget};
+use crate::kernel::{self, ArrivalsText, Materials};
+use crate::scene::{Scene, WALL_COUNT};
+use glam::Vec4;
+use std::ops::Range;
+use std::rc::Rc;
+use std::time::Instant;
+
+/// By how much farther than asked for waves are followed, as a share: the GPU adds up in `f32`,
+/// which rounds by 6e-8 in each chunk, and there are 4,095 at the most; what is too much is left
+/// out on the CPU.
+const FARTHER: f64 = 3e-4;
+
+/// Uniform vectors of the shader beside those of surfaces and materials, at the most.
+const OWN_VECTORS: usize = 40;
+
+/// What one call of [`Tracer::arrivals`] goes by.
+struct Run {
+    frame: PreparedFrame,
+    program: Rc<Program>,
+    replay: Replay,
+    /// The values of `uMaterials`.
+    materials: Vec<Vec4>,
+    /// Iterations of a wave at the most.
+    iterations: u32,
+    /// Those of a chunk.
+    iterations_in_chunk: u32,
+}
+
+/// A chunk to be drawn.
+struct Part {
+    first_wave: u32,
+    first_iteration: u32,
+    iterations: u32,
+    rows: Range<u32>,
+}
+
+impl Part {
+    /// The next chunk, if waves are to be followed in some rows.
+    fn next(&self, run: &Run, rows: Range<u32>) -> Option<Part> {
+        let first_iteration = self.first_iteration + self.iterations;
+        let left = run.iterations - first_iteration;
+        (left > 0 && !rows.is_empty()).then(|| Part {
+            first_wave: self.first_wave,
+            first_iteration,
+            iterations: left.min(run.iterations_in_chunk),
+            rows,
+        })
+    }
+}
+
+impl Tracer {
+    /// Follows waves past the listener, which stops none of them, and gives every crossing of its
+    /// sphere to `take`: in the order of the waves, for 262,144 waves and so many iterations
+    /// at a time. The same input gives the same arrivals, bit for bit on one renderer.
+    ///
+    /// Of `settings` the algorithm, the waves, the seed, the directions and the maximum distance
+    /// count; how far waves are followed is in `how`. `take` must use no GL.
+    ///
+    /// ```
+    /// use echomarch::gpu::Context;
+    /// use echomarch::trace::ArrivalSettings;
+    /// use echomarch::{Scene, Settings, Tracer};
+    ///
+    /// let mut tracer = Tracer::new(&Context::headless(&Default::default())?)?;
+    /// let scene = Scene::builtin("shoebox")?;
+    /// let settings = Settings::default().with_waves(4096);
+    /// let mut energy = 0.0;
+    /// let counts = tracer.arrivals(&scene, &settings, &ArrivalSettings::new(0.2), &mut |arrival| {
+    ///     energy += arrival.energy[4]; // at 1 kHz
+    /// })?;
+    /// assert!(counts.arrivals > 0 && energy > 0.0);
+    /// # Ok::<(), echomarch::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Tracer::frame`]; [`TraceError::NoArrivals`] in the profile `thesis`,
+    /// [`TraceError::BadSetting`] for numbers of `how` out of their range.
+    pub fn arrivals(
+        &mut self,
+        scene: &Scene,
+        settings: &Settings,
+        how: &ArrivalSettings,
+        take: &mut dyn FnMut(Arrival),
+    ) -> Result<ArrivalCounts, Error> {
+        let _entered = self.context.enter()?;
+        self.aside(|tracer| {
+            let run = tracer.prepare_arrivals(scene, settings, how)?;
+            let mut counts = ArrivalCounts {
+                open_volume_m3: open_volume(scene),
+                ..ArrivalCounts::default()
+            };
+            for first in (0..settings.waves).step_by(WAVES_IN_BLOCK as usize) {
+                tracer.arrivals_of_block(&run, first, &mut counts, take)?;
+            }
+            let waves = f64::from(settings.waves);
+            counts.energy_under_way = counts.energy_under_way.map(|energy| energy / waves);
+            Ok(counts)
+        })
+    }
+
+    fn prepare_arrivals(
+        &mut self,
+        scene: &Scene,
+        settings: &Settings,
+        how: &ArrivalSettings,
+    ) -> Result<Run, Error> {
+        let profile = settings.profile();
+        if profile == Profile::Thesis {
+            let profile = profile.to_string();
+            return Err(TraceError::NoArrivals { profile }.into());
+        }
+        how.validate()?;
+        let mut settings = settings.clone().with_count_evaluations(false);
+        settings.algorithm = Algorithm::of(profile);
+        let materials = Materials::of(scene);
+        check_materials(&self.context, scene, &materials)?;
+        let outputs = self.context.limits().most_outputs().min(how.outputs);
+        let march = (march_options(&settings).algorithm, settings.directions);
+        let text = ArrivalsText::new(march, &materials, how.records, outputs);
+        let in_chunk = text.most_iterations().unwrap_or(MAX_ITERATIONS);
+        settings.iterations_per_pass = in_chunk.min(how.iterations_in_chunk);
+        self.check_input(scene, &settings)?;
+        // The scene's data are of this scene now.
+        if self.frame_marching_for().is_some() {
+            self.give_up();
+        }
+        let (rebasing, rebased, budget) = self.set_scene_data(scene, &settings)?;
+        let program = {
+            let programs = &mut self.shared.borrow_mut().programs;
+            programs.arrivals(&self.context, scene, &text)?
+        };
+        self.provide_arrival_targets(&settings, &text)?;
+        let programs = FramePrograms::WholeFrame(Rc::clone(&program));
+        let place = (&rebasing, &rebased);
+        let frame = PreparedFrame::new(scene, &settings, place, budget, programs, Instant::now());
+        Ok(Run {
+            iterations_in_chunk: iterations_in_chunk(&frame, &text),
+            materials: kernel::material_values(scene, &materials, &text),
+            replay: replay(scene, &settings, how, materials),
+            iterations: how.iterations,
+            frame,
+            program,
+        })
+    }
+
+    /// Makes the textures where there are none of that size and kind.
+    fn provide_arrival_targets(
+        &mut self,
+        settings: &Settings,
+        text: &ArrivalsText,
+    ) -> Result<(), Error> {
+        let grid = Grid::new(settings.waves.min(WAVES_IN_BLOCK));
+        let is_same = |known: &ArrivalTargets| known.grid == grid && known.is_for(text);
+        if !self.arrival_targets.as_ref().is_some_and(is_same) {
+            // The old textures have gone before the new ones come.
+            self.arrival_targets = None;
+            let targets = ArrivalTargets::new(&self.context, grid, text.clone())?;
+            self.arrival_targets = Some(targets);
+        }
+        Ok(())
+    }
+
+    /// Follows the waves of a block through all their chunks. While a chunk is drawn the one before
+    /// is added up.
+    fn arrivals_of_block(
+        &mut self,
+        run: &Run,
+        first_wave: u32,
+        counts: &mut ArrivalCounts,
+        take: &mut dyn FnMut(Arrival),
+    ) -> Result<(), Error> {
+        let Some(mut targets) = self.arrival_targets.take() else {
+            return Err(TraceError::NothingTraced.into());
+        };
+        let grid = Grid {
+            waves: targets
+                .grid
+                .waves
+                .min(run.frame.settings.waves - first_wave),
+            ..targets.grid
+        };
+        let mut block = Block::new(first_wave, grid, run.replay.events.is_some());
+        let mut part = Part {
+            first_wave,
+            first_iteration: 0,
+            iterations: run.iterations_in_chunk.min(run.iterations),
+            rows: 0..grid.waves.div_ceil(grid.width),
+        };
+        self.set_arrival_uniforms(run, grid);
+        self.draw_chunk(run, &targets, &part)?;
+        loop {
+            targets.read(part.rows.end)?;
+            block.rows = part.rows.clone();
+            let list = block.list(targets.tally(), targets.text.records);
+            let listed = self.draw_lists(run, &targets, &part, &list)?;
+            let next = part.next(run, block.rows_travelling(targets.tally()));
+            targets.flip();
+            if let Some(next) = &next {
+                self.draw_chunk(run, &targets, next)?;
+            }
+            let chunk = targets.chunk(&listed, part.iterations);
+            counts.arrivals += block.replay(&run.replay, &chunk, take);
+            match next {
+                Some(next) => part = next,
+                None => break,
+            }
+        }
+        block.count(counts);
+        self.arrival_targets = Some(targets);
+        Ok(())
+    }
+
+    fn set_arrival_uniforms(&self, run: &Run, grid: Grid) {
+        run.frame.set_march_uniforms();
+        self.scene_data.set_uniforms(&run.program);
+        let limit = run.replay.length_limit * (1.0 + FARTHER);
+        run.program.set_u32("uGridWidth", grid.width);
+        run.program.set_f32("uLengthLimit", limit as f32);
+        let scale = 1.0 / run.replay.chord_unit;
+        run.program.set_f32("uChordScale", scale as f32);
+        run.program.set_vec4_array("uMaterials", &run.materials);
+        if let Some(events) = &run.replay.events {
+            let count = events.materials().count();
+            run.program.set_f32("uMaterialCount", count as f32);
+        }
+    }
+
+    fn draw_chunk(&self, run: &Run, targets: &ArrivalTargets, part: &Part) -> Result<(), Error> {
+        let program = &run.program;
+        program.set_i32("uIsListed", 0);
+        program.set_texture("uList", 3, &targets.current()[0]);
+        self.draw_part(
+            run,
+            targets,
+            part,
+            targets.next(),
+            targets.grid,
+            part.rows.clone(),
+        )
+    }
+
+    /// Draws the waves that were listed, and reads their records back.
+    fn draw_lists(
+        &self,
+        run: &Run,
+        targets: &ArrivalTargets,
+        part: &Part,
+        list: &[Listed],
+    ) -> Result<Vec<Vec<f32>>, Error> {
+        let mut records = vec![Vec::new(); targets.text.records as usize];
+        let (width, height) = targets.list.size();
+        let grid = Grid {
+            waves: width * height,
+            width,
+            height,
+        };
+        for piece in list.chunks(LISTED_AT_MOST) {
+            targets.list.upload(piece)?;
+            let program = &run.program;
+            program.set_i32("uIsListed", 1);
+            program.set_texture("uList", 3, &targets.list.waves);
+            let rows = 0..listed_rows(piece.len());
+            self.draw_part(run, targets, part, &targets.list.target, grid, rows)?;
+            targets.list.read(piece.len(), &mut records)?;
+        }
+        Ok(records)
+    }
+
+    fn draw_part(
+        &self,
+        run: &Run,
+        targets: &ArrivalTargets,
+        part: &Part,
+        target: &RenderTarget,
+        grid: Grid,
+        rows: Range<u32>,
+    ) -> Result<(), Error> {
+        let program = &run.program;
+        let [origins, directions] = targets.current();
+        program.set_texture("uOrigins", 0, origins);
+        program.set_texture("uDirections", 1, directions);
+        self.scene_data.bind(program, 2);
+        program.set_i32("uIsStart", i32::from(part.first_iteration == 0));
+        program.set_u32("uStartIteration", part.first_iteration);
+        program.set_u32("uFirstWave", part.first_wave);
+        program.set_i32("uIterationsInChunk", part.iterations as i32);
+        let mut evaluations = run.frame.evaluations(part.iterations);
+        if !self.context.is_software() {
+            evaluations = evaluations.saturating_mul(run.frame.weight());
+        }
+        self.draw(program, grid, target, evaluations, rows)
+    }
+}
+
+/// Iterations of a chunk. Where the turns of loops limit them, the loop over words has its turns
+/// as well: there are fewer than an iteration has.
+fn iterations_in_chunk(frame: &PreparedFrame, text: &ArrivalsText) -> u32 {
+    let fit = frame.budget.iterations_per_pass;
+    let is_limited = fit < frame.settings.iterations_per_pass && text.event_bits > 0;
+    if is_limited { (fit - 1).max(1) } else { fit }
+}
+
+/// Materials that cannot be told apart, or do not fit in the uniforms, are told before anything is
+/// compiled.
+fn check_materials(
+    context: &Context,
+    scene: &Scene,
+    materials: &Materials,
+) -> Result<(), TraceError> {
+    let bits = materials.bits();
+    if bits > Materials::MOST_BITS {
+        return Err(TraceError::BadSetting {
+            what: "materials of the scene",
+            must: format!("{} at the most", 1 << (Materials::MOST_BITS - 1)),
+            value: materials.count().to_string(),
+        });
+    }
+    if materials.is_empty() {
+        return Ok(());
+    }
+    let most_numbers = scene.surfaces.len() + WALL_COUNT * materials.rooms().len();
+    check_uniforms(context, scene, OWN_VECTORS + most_numbers.div_ceil(4))
+}
+
+fn replay(scene: &Scene, settings: &Settings, how: &ArrivalSettings, of: Materials) -> Replay {
+    let volume = open_volume(scene);
+    let density = match volume > 0.0 {
+        true => 1.0 / (volume * f64::from(settings.waves)),
+        false => 0.0,
+    };
+    Replay {
+        early_order: how.early_order,
+        length_limit: how.seconds * scene.speed_of_sound(),
+        chord_unit: 4.0 * f64::from(scene.listener.radius),
+        density,
+        events: EventTable::of(of),
+    }
+}

@@ -1,0 +1,453 @@
+//! Materials, air, and several sources and listeners in scene files.
+
+use crate::common::Random;
+use echomarch::scene::shape::{Room, Sphere};
+use echomarch::scene::{Air, BUILTIN_MATERIALS, Key, Material, Path, WALL_NAMES};
+use echomarch::{Listener, Scene, Source, Surface};
+use glam::Vec3;
+
+/// All that a scene may say of sound.
+const HALL: &str = r#"Scene(
+    surfaces: [
+        Surface(shape: Room(size: (9, 4, 7)), material: "brick", walls: (floor: "mat", back: "curtain")),
+        Surface(shape: Sphere(radius: 1), position: (1, 0, 2), material: "mat"),
+        Surface(shape: Sphere(radius: 0.5), position: (-3, 0, 0)),
+    ],
+    materials: {
+        "mat": Material(absorption: 0.03, scattering: [0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 1]),
+        "brick": Material(absorption: [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8]),
+    },
+    air: Air(temperature: 10, humidity: 70),
+    sources: [
+        Source(name: "flute", position: (3, 0, 0), level_db: -6),
+        Source(path: [Key(time: 0, position: (0, 1, 0)), Key(time: 3, position: (0, 1, 2))]),
+    ],
+    listeners: [
+        Listener(name: "row 1", position: (0, 0, 3), radius: 0.1, yaw: 30),
+        Listener(name: "row 2", position: (2, 0, 3), radius: 0.2),
+    ],
+)"#;
+
+fn read(text: &str) -> Scene {
+    Scene::from_ron(text, "text").unwrap_or_else(|error| panic!("{error}\n{text}"))
+}
+
+/// Protects what a file says of sound: each word leads to its number.
+#[test]
+fn everything_that_is_said_is_in_the_scene() {
+    let scene = read(HALL);
+    let mat = Material {
+        scattering: [0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 1.0],
+        ..Material::absorbing(0.03)
+    };
+    let brick = Material {
+        absorption: [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8],
+        ..Material::MIRROR
+    };
+    let wall = |name| WALL_NAMES.iter().position(|known| *known == name);
+    assert_eq!(scene.material(0, None), Some(&brick));
+    assert_eq!(scene.material(0, wall("left")), Some(&brick));
+    assert_eq!(scene.material(0, wall("floor")), Some(&mat));
+    let curtain = Material::builtin("curtain");
+    assert_eq!(scene.material(0, wall("back")), curtain);
+    assert_eq!(scene.material(1, None), Some(&mat));
+    assert_eq!(scene.material(2, None), None);
+    let air = Air {
+        temperature: 10.0,
+        humidity: 70.0,
+        pressure: 101.325,
+    };
+    assert_eq!(scene.air, Some(air));
+    let sources: Vec<&Source> = scene.sources().collect();
+    assert_eq!(sources[0].name.as_deref(), Some("flute"));
+    assert_eq!((sources[0].position.x, sources[0].level_db), (3.0, -6.0));
+    assert_eq!(
+        (sources[1].name.as_deref(), sources[1].level_db),
+        (None, 0.0)
+    );
+    assert_eq!((sources[1].position, scene.duration()), (Vec3::Y, 3.0));
+    let radii: Vec<f32> = scene.listeners().map(|listener| listener.radius).collect();
+    assert_eq!(radii, [0.1, 0.2]);
+    assert_eq!(scene.listener.yaw, 30f32.to_radians());
+}
+
+/// Protects the two forms: one source in a list is the source.
+#[test]
+fn a_list_of_one_is_the_short_form() {
+    let short = "Scene(surfaces: [Surface(shape: Plane)], source: Source(position: (0, 1, 0)), \
+                 listener: Listener(position: (0, 2, 0), radius: 0.5))";
+    let long = short
+        .replace(
+            "source: Source(position: (0, 1, 0))",
+            "sources: [(position: (0, 1, 0))]",
+        )
+        .replace(
+            "listener: Listener(position: (0, 2, 0), radius: 0.5)",
+            "listeners: [(position: (0, 2, 0), radius: 0.5)]",
+        );
+    assert_eq!(read(short), read(&long));
+    assert_eq!(read(short).air, None);
+    assert!(!read(short).has_materials());
+}
+
+/// Protects the author of a scene: the line, the column, and what is wrong there.
+#[test]
+fn bad_sound_is_refused_at_its_place() {
+    let cases = [
+        // Shares.
+        (
+            "absorption: 0.03",
+            "absorption: 1.5",
+            "8:37: an absorption must be 0 to 1, not 1.5",
+        ),
+        (
+            "absorption: 0.03",
+            "absorption: -1",
+            "8:38: an absorption must be 0 to 1, not -1",
+        ),
+        (
+            "0.5, 0.6, 1]",
+            "0.5, NaN, 1]",
+            "8:84: a scattering must be 0 to 1, not NaN",
+        ),
+        (
+            "0.7, 0.8]",
+            "0.7]",
+            "9:73: an absorption is one number or eight",
+        ),
+        (
+            "0.7, 0.8]",
+            "0.7, 0.8, 0.9]",
+            "9:83: an absorption is one number or eight",
+        ),
+        (
+            "absorption: 0.03",
+            "absorption: \"much\"",
+            "8:38: Expected an absorption as a number",
+        ),
+        (
+            "scattering",
+            "scatering",
+            "8:43: Unexpected field named `scatering` in `Material`",
+        ),
+        // Names.
+        (
+            "material: \"mat\"",
+            "material: \"matt\"",
+            "4:74: there is no material \"matt\"; did you mean mat?",
+        ),
+        (
+            "floor: \"mat\"",
+            "floor: \"carpt\"",
+            "3:81: there is no material \"carpt\"; did you mean carpet?",
+        ),
+        (
+            "back: \"curtain\"",
+            "back: \"gold\"",
+            "3:94: there is no material \"gold\"; there are brick, mat, audience, carpet",
+        ),
+        (
+            "floor: ",
+            "flor: ",
+            "3:74: Unexpected field named `flor` in `Walls`",
+        ),
+        (
+            "(1, 0, 2), material: \"mat\"",
+            "(1, 0, 2), walls: (front: \"mat\")",
+            "4:79: only the walls of a Room have materials of their own",
+        ),
+        (
+            "\"brick\": Material",
+            "\"mat\": Material",
+            "9:10: the material \"mat\" is defined twice",
+        ),
+        (
+            "\"mat\": Material",
+            "\"\": Material",
+            "8:10: a material needs a name",
+        ),
+        // Air.
+        (
+            "temperature: 10",
+            "temperature: 60",
+            "11:27: the air's temperature must be -20 to 50 °C, not 60",
+        ),
+        (
+            "humidity: 70",
+            "humidity: 101",
+            "11:41: the air's humidity must be 0 to 100 %, not 101",
+        ),
+        (
+            "humidity: 70",
+            "pressure: 20",
+            "11:41: the air's pressure must be 50 to 200 kPa, not 20",
+        ),
+        // Sources and listeners.
+        (
+            "level_db: -6",
+            "level_db: 200",
+            "13:62: a level in decibels must be -120 to 120, not 200",
+        ),
+        (
+            "\"row 2\"",
+            "\"row 1\"",
+            "18:67: two of the listeners are called \"row 1\"",
+        ),
+        (
+            "air: Air",
+            "source: Source(), air: Air",
+            "12:14: a scene has source or sources, not both",
+        ),
+        (
+            "air: Air",
+            "listener: (radius: 1), air: Air",
+            "16:16: a scene has listener or listeners, not both",
+        ),
+    ];
+    for (text, with, told) in cases {
+        let spoilt = HALL.replacen(text, with, 1);
+        assert_ne!(spoilt, HALL, "{text}");
+        let said = Scene::from_ron(&spoilt, "text")
+            .expect_err(with)
+            .to_string();
+        assert!(said.starts_with(&format!("text:{told}")), "{with}: {said}");
+        assert!(!said.contains('\n'), "{said}");
+    }
+}
+
+/// Protects whoever leaves out who sounds or who hears: what is missing is told, and how it is written.
+#[test]
+fn a_scene_needs_a_source_and_a_listener() {
+    let surfaces = "surfaces: [Surface(shape: Plane)]";
+    let cases = [
+        (
+            "listener: Listener(radius: 1)",
+            "a scene needs source: Source(…), or several as sources: [Source(…), …]",
+        ),
+        (
+            "source: Source()",
+            "a scene needs listener: Listener(…), or several as listeners: [Listener(…), …]",
+        ),
+        (
+            "sources: [], listener: Listener(radius: 1)",
+            "sources need one at least",
+        ),
+    ];
+    for (one, told) in cases {
+        let text = format!("Scene({surfaces},\n{one})\n// The end.");
+        let said = Scene::from_ron(&text, "text").unwrap_err().to_string();
+        assert!(
+            said.starts_with("text:2:") && said.ends_with(told),
+            "{said}"
+        );
+    }
+}
+
+/// Protects from a file that would keep the program busy: pairs of sources and listeners are looked at.
+#[test]
+fn a_scene_has_so_many_sources_and_listeners_at_the_most() {
+    let read = |count: usize| {
+        let sources = "Source(),".repeat(count);
+        let listeners = "(radius: 1, position: (5, 0, 0)),".repeat(count);
+        let text = format!(
+            "Scene(surfaces: [Surface(shape: Plane)],\nsources: [{sources}],\nlisteners: [{listeners}])"
+        );
+        Scene::from_ron(&text, "text").map_err(|error| error.to_string())
+    };
+    assert_eq!(read(256).unwrap().listeners().count(), 256);
+    let said = read(257).unwrap_err();
+    assert!(said.starts_with("text:2:"), "{said}");
+    assert!(
+        said.ends_with("a scene has 256 sources at the most"),
+        "{said}"
+    );
+}
+
+/// Protects the rule of a base for sound: what is named is changed, all else is the base's.
+#[test]
+fn sound_of_a_base_stays_unless_it_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    std::fs::write(path("hall.ron"), HALL).unwrap();
+    let hall = Scene::from_file(&path("hall.ron")).unwrap();
+    let changed = |said: &str| {
+        let text = format!("Scene(base: \"hall.ron\",\n{said})");
+        std::fs::write(path("small.ron"), text).unwrap();
+        let small = Scene::from_file(&path("small.ron"));
+        small.map_err(|error| error.to_string().replace(path("").to_str().unwrap(), ""))
+    };
+    assert_eq!(changed("").unwrap(), hall);
+
+    let mut expected = hall.clone();
+    expected
+        .materials
+        .insert("mat".into(), Material::absorbing(0.5));
+    expected.air = Some(Air {
+        humidity: 20.0,
+        ..hall.air.unwrap()
+    });
+    expected.source.level_db = 3.0;
+    expected.listener.name = Some("seat".into());
+    let said = "materials: {\"mat\": Material(absorption: 0.5)}, air: Air(humidity: 20), \
+                source: Source(level_db: 3), listener: Listener(name: \"seat\")";
+    assert_eq!(changed(said).unwrap(), expected);
+
+    let alone = changed("sources: [Source(position: (0, 1, 0))]").unwrap();
+    assert_eq!(alone.sources().count(), 1);
+    assert_eq!(
+        (alone.source.position, &alone.source.name),
+        (Vec3::Y, &None)
+    );
+    assert_eq!(alone.listeners().count(), 2);
+
+    for (said, told) in [
+        (
+            "listener: Listener(name: \"row 2\")",
+            "small.ron:2:11: two of the listeners are called \"row 2\"",
+        ),
+        (
+            "source: Source(level_db: 3), sources: [Source()]",
+            "small.ron:2:39: a scene has source or sources, not both",
+        ),
+        (
+            "materials: {\"mat\": Material(absorption: 5)}",
+            "small.ron:2:41: an absorption must be",
+        ),
+        (
+            "sources: [Source(name: \"a\"), Source(name: \"a\")]",
+            "small.ron:2:",
+        ),
+    ] {
+        let said = changed(said).unwrap_err();
+        assert!(said.starts_with(told), "{said}");
+    }
+}
+
+/// A number of three decimals from 0 to 1: every reader reads it as it was.
+fn share(random: &mut Random) -> f64 {
+    (1000.0 * random.unit()).round() / 1000.0
+}
+
+/// A scene of drawn materials, air, sources and listeners.
+fn drawn(random: &mut Random) -> Scene {
+    let shares = |random: &mut Random| match random.unit() < 0.3 {
+        true => [share(random); 8],
+        false => std::array::from_fn(|_| share(random)),
+    };
+    let mut names: Vec<String> = BUILTIN_MATERIALS
+        .iter()
+        .map(|m| m.name.to_owned())
+        .collect();
+    let mut materials = std::collections::BTreeMap::new();
+    for index in 0..(4.0 * random.unit()) as u32 {
+        let name = format!("own \"{index}\" ünlike");
+        let material = Material {
+            absorption: shares(random),
+            scattering: shares(random),
+        };
+        names.push(name.clone());
+        materials.insert(name, material);
+    }
+    let name = |random: &mut Random| {
+        let drawn = (names.len() as f64 * random.unit()) as usize;
+        (random.unit() < 0.6).then(|| names[drawn].clone())
+    };
+    let mut room = Surface::new(Room {
+        size: Vec3::splat(90.0),
+    });
+    room.material = name(random);
+    room.walls = std::array::from_fn(|_| name(random));
+    let mut ball = Surface::new(Sphere { radius: 1.0 });
+    ball.material = name(random);
+    let place = |random: &mut Random| (9.0 * random.unit() * random.direction()).as_vec3();
+    let path = |random: &mut Random| {
+        let key = |index: i32, random: &mut Random| Key {
+            time: f64::from(index) + (500.0 * random.unit()).round() / 1024.0,
+            position: place(random),
+            yaw: (9.0 * random.unit()) as f32,
+            pitch: random.unit() as f32,
+        };
+        let count = (3.0 * random.unit()) as i32;
+        Path::new((0..count).map(|index| key(index, random)).collect()).unwrap()
+    };
+    let source = |index: i32, random: &mut Random| {
+        let mut source = Source::at(place(random));
+        source.name = (random.unit() < 0.5).then(|| format!("source {index}"));
+        source.level_db = (240.0 * random.unit() - 120.0) as f32;
+        source.path = path(random);
+        source
+    };
+    let listener = |index: i32, random: &mut Random| {
+        let mut listener = Listener::at(place(random), 0.1 + random.unit() as f32);
+        listener.name = (random.unit() < 0.5).then(|| format!("listener {index}"));
+        listener.yaw = (9.0 * random.unit()) as f32;
+        listener.pitch = random.unit() as f32;
+        listener.path = path(random);
+        listener
+    };
+    let mut scene = Scene::new(
+        "drawn",
+        vec![room, ball],
+        source(0, random),
+        listener(0, random),
+    );
+    scene.materials = materials;
+    scene.air = (random.unit() < 0.5).then(|| Air {
+        temperature: -share(random),
+        humidity: share(random),
+        pressure: 100.0 + (1024.0 * random.unit()).round() / 1024.0,
+    });
+    let count = |random: &mut Random| 1 + (3.0 * random.unit()) as i32;
+    scene.further_sources = (1..count(random)).map(|i| source(i, random)).collect();
+    scene.further_listeners = (1..count(random)).map(|i| listener(i, random)).collect();
+    scene
+}
+
+/// Angles go through degrees; everything else of the scene is the same to the bit.
+fn without_angles(mut scene: Scene) -> Scene {
+    let mut listeners = vec![&mut scene.listener];
+    listeners.extend(&mut scene.further_listeners);
+    for listener in listeners {
+        (listener.yaw, listener.pitch) = (0.0, 0.0);
+        let keys = listener.path.keys().iter().map(|key| Key {
+            yaw: 0.0,
+            pitch: 0.0,
+            ..*key
+        });
+        listener.path = Path::new(keys.collect()).unwrap();
+    }
+    let mut sources = vec![&mut scene.source];
+    sources.extend(&mut scene.further_sources);
+    for source in sources {
+        let keys = source.path.keys().iter().map(|key| Key {
+            yaw: 0.0,
+            pitch: 0.0,
+            ..*key
+        });
+        source.path = Path::new(keys.collect()).unwrap();
+    }
+    scene
+}
+
+/// Protects whatever is saved: drawn scenes are read as they were written, in RON and in JSON.
+#[test]
+fn a_scene_is_read_as_it_was_written() {
+    for seed in 0..200 {
+        let scene = drawn(&mut Random(seed));
+        let ron = ron::to_string(&scene).unwrap();
+        let json = serde_json::to_string(&scene).unwrap();
+        let from_json: Scene =
+            serde_json::from_str(&json).unwrap_or_else(|e| panic!("{e}\n{json}"));
+        for read in [read(&ron), from_json] {
+            // As near as a rounding of degrees: angles are at most 9.
+            let pairs = read.listeners().zip(scene.listeners());
+            let turned = pairs.map(|(a, b)| (a.yaw - b.yaw).abs().max((a.pitch - b.pitch).abs()));
+            assert!(
+                turned.fold(0.0, f32::max) <= 9.0 * f32::EPSILON,
+                "seed {seed}"
+            );
+            let same = without_angles(read) == without_angles(scene.clone());
+            assert!(same, "seed {seed}: {ron}");
+        }
+    }
+}
