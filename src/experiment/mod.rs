@@ -6,7 +6,7 @@
 
 pub mod accuracy;
 pub mod cost;
-pub(crate) mod decay_plot;
+pub mod decay_plot;
 pub mod figures;
 pub mod localise;
 mod plot;
