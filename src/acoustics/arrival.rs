@@ -22,7 +22,7 @@ pub struct Arrival {
     pub length_m: f64,
     /// Direction of flight: a unit vector, world axes.
     pub direction: DVec3,
-    /// This crossing's share of the energy density for a source of unit power, over the speed of
+    /// This crossing's share of the energy density for a source of unit power, times the speed of
     /// sound, in 1/m²: reflectances × chord ÷ (open volume of the sphere × waves). Without air.
     pub energy: Bands,
 }
@@ -32,7 +32,7 @@ pub struct Arrival {
 pub struct Tap {
     /// Seconds from the source's impulse.
     pub seconds: f64,
-    /// Energy density for a source of unit power, over the speed of sound, in 1/m², with all
+    /// Energy density for a source of unit power, times the speed of sound, in 1/m², with all
     /// losses: 1 / (4π r²) for the direct sound at r metres in still, lossless air.
     pub energy: Bands,
     /// Direction of flight at the listener: a unit vector, world axes.

@@ -19,7 +19,7 @@ const MAX_BINS: usize = 1 << 16;
 
 /// What arrives at a listener against time: energy, and energy × direction, by octave band.
 ///
-/// Energies are densities for a source of unit power, over the speed of sound, in 1/m²: the
+/// Energies are densities for a source of unit power, times the speed of sound, in 1/m²: the
 /// direct sound at r metres has 1 / (4π r²). They are kept for each batch of waves, so that
 /// figures know their error ([`Figures`](super::Figures)). All sums are in `f64`, in the order in
 /// which they are added.
@@ -127,7 +127,7 @@ impl Echogram {
     }
 
     /// Adds a wave's crossing: its batch is its number modulo the batches, its time its length
-    /// over the speed of sound. The air takes exp(−`air_per_m` × length) of its energy (ISO
+    /// divided by the speed of sound. The air takes exp(−`air_per_m` × length) of its energy (ISO
     /// 9613-1 gives that in decibels: m = α ln 10 / 10).
     pub fn add_arrival(&mut self, arrival: &Arrival, speed_m_per_s: f64, air_per_m: &Bands) {
         let left = |band: usize| (-air_per_m[band] * arrival.length_m).exp();

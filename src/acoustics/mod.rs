@@ -7,7 +7,7 @@
 //! ```
 //!
 //! # Units
-//! The source gives out power 1. Energies are those of the sound at the listener over the speed of
+//! The source gives out power 1. Energies are energy densities at the listener times the speed of
 //! sound, in 1/m²: 1 / (4π r²) for the direct sound at r metres. Times are seconds from the
 //! source's impulse, but for the figures, which count from the direct sound. Directions are those
 //! of flight, away from where sound comes from, in world axes.

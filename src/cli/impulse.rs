@@ -12,7 +12,7 @@ use super::scene::SceneAtTime;
 use crate::acoustics::{Format, MAX_SECONDS, RATES_HZ};
 use crate::audio::SAMPLE_RATE;
 use crate::output::check_file;
-use crate::response::{Response, ResponseSettings};
+use crate::response::{MAX_ORDER, Response, ResponseSettings};
 use crate::trace::{Algorithm, Directions, Profile, Settings};
 use clap::{Args, ValueEnum};
 use pairs::Pair;
@@ -20,11 +20,14 @@ use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Examples:
-  echomarch impulse shoebox                          figures of the room, and its early paths
+  echomarch impulse hall.ron                         figures of the room, and its early paths
   echomarch impulse hall.ron -o ir.wav --waves 262144
   echomarch impulse hall.ron -o ir.wav --format ambisonic --seconds 3
   echomarch impulse hall.ron --source flute --listener stalls --plot decay.svg
   echomarch impulse hall.ron --echogram echogram.csv --json > hall.json";
+
+/// The shortest response in seconds: less than a bin of time says nothing.
+const SHORTEST_S: f64 = 1e-3;
 
 /// Arguments of `impulse`.
 #[derive(Args, Debug)]
@@ -55,13 +58,14 @@ pub struct Arguments {
     /// Only this listener, by its name or number
     #[arg(long, value_name = "NAME")]
     listener: Option<String>,
-    /// How long the waves are followed [default: until all bands have fallen by 60 dB, 10 s at
-    /// the most]
+    /// How long the waves are followed, 0.001 to 60 [default: until all bands
+    /// have fallen by 60 dB, 10 at the most]
     #[arg(long, allow_negative_numbers = true, value_name = "SECONDS", value_parser = real::<f64>)]
     seconds: Option<f64>,
-    /// Reflections of the paths that are found exactly, at the most
-    #[arg(long, allow_negative_numbers = true, default_value_t = 6, value_name = "N", value_parser = count::<u32>)]
-    order: u32,
+    /// Reflections of the paths that are found exactly, at the most [default: 6 where all surfaces
+    /// are flat, else 3]
+    #[arg(long, allow_negative_numbers = true, value_name = "N", value_parser = count::<u32>)]
+    order: Option<u32>,
     /// The algorithm: hybrid (closed form), march (accurate sphere tracing)
     #[arg(long, default_value_t = Profile::Hybrid, value_name = "NAME")]
     profile: Profile,
@@ -96,8 +100,8 @@ impl From<FormatOption> for Format {
 
 /// Runs the subcommand.
 pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
+    arguments.check()?;
     let settings = arguments.settings()?;
-    arguments.check_names()?;
     let scene = common.scene_at_time(&arguments.scene)?;
     let pairs = pairs::chosen(
         &scene,
@@ -119,7 +123,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     }
     bar.finish_and_clear();
     common.warn_checked(&scene);
-    print_out::warn(common, &heard);
+    print_out::warn(common, &scene, &heard);
     if common.json {
         let renderer = tracer.context().renderer();
         return print::json(&print_out::report(&scene, renderer, &settings, &heard));
@@ -133,14 +137,14 @@ impl Arguments {
             .with_waves(self.waves)
             .with_seed(self.seed)
             .with_directions(self.directions);
-        let settings = ResponseSettings::default().with_trace(trace);
-        let mut settings = settings.with_order(self.order);
+        let mut settings = ResponseSettings::default().with_trace(trace);
+        settings.order = self.order;
         settings.seconds = self.seconds;
         settings.validate()?;
         Ok(settings)
     }
 
-    fn check_names(&self) -> anyhow::Result<()> {
+    fn check(&self) -> anyhow::Result<()> {
         let endings = [
             (&self.output, "wav"),
             (&self.echogram, "csv"),
@@ -150,10 +154,13 @@ impl Arguments {
             file.as_deref()
                 .map_or(Ok(()), |file| check_ending(file, ending))?;
         }
-        let (least, most) = (*RATES_HZ.start(), *RATES_HZ.end());
-        if let (Some(seconds), Some(_)) = (self.seconds, &self.output) {
-            check_range("--seconds of a WAV file", seconds, 0.0, MAX_SECONDS)?;
+        if let Some(order) = self.order {
+            check_range("--order", f64::from(order), 0.0, f64::from(MAX_ORDER))?;
         }
+        if let Some(seconds) = self.seconds {
+            check_range("--seconds", seconds, SHORTEST_S, MAX_SECONDS)?;
+        }
+        let (least, most) = (*RATES_HZ.start(), *RATES_HZ.end());
         check_range(
             "--rate",
             f64::from(self.rate),

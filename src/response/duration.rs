@@ -1,5 +1,6 @@
 //! How long a response is, where no one says it.
 
+use crate::acoustics::MAX_SECONDS;
 use crate::bands::{BAND_COUNT, Bands};
 use crate::error::Error;
 use crate::scene::Scene;
@@ -44,7 +45,10 @@ pub(super) fn needed(
             }
         },
     )?;
-    Ok(end(&bins))
+    let apart = scene.source.position.distance(scene.listener.position);
+    let direct_s = f64::from(apart) / speed;
+    // Few waves may miss a small or distant listener.
+    Ok(end(&bins).max(direct_s + SHORTEST_S).min(MAX_SECONDS))
 }
 
 /// The end of the last bin before which some band has more than [`LEFT`] to come.

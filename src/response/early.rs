@@ -1,6 +1,6 @@
 //! The early part: which arrivals are exact paths, and what is heard along each.
 
-use crate::acoustics::early::{Candidates, EarlyPaths, Ends, Found, Missed, NoPath, SpecularPath};
+use crate::acoustics::early::{Candidates, EarlyPaths, Ends, Missed, NoPath, SpecularPath};
 use crate::acoustics::{Arrival, Tap};
 use crate::bands::{BAND_COUNT, Bands};
 use crate::error::Error;
@@ -43,23 +43,31 @@ impl HeardPath {
 
 /// The paths of the waves that arrived early.
 pub(super) struct EarlyPart {
-    found: Found,
-    /// For each early arrival the path that it belongs to, or why there is none.
-    outcomes: Vec<Result<usize, NoPath>>,
+    paths: Vec<SpecularPath>,
+    missed: Missed,
+    /// For each early arrival the path that it belongs to, or why there is none; `None` where the
+    /// wave passes by the listener in `f64`.
+    outcomes: Vec<Option<Result<usize, NoPath>>>,
 }
 
 impl EarlyPart {
-    /// Finds the paths of these arrivals; `starts` are the waves of them, each once, in order.
+    /// Finds the paths of these arrivals, in the order of their waves; `starts` are these waves, each
+    /// once, of `waves` altogether.
     pub fn find(
         scene: &Scene,
         starts: &[(u32, Vec3)],
+        waves: u32,
         order: u32,
         arrivals: &[Arrival],
     ) -> Result<EarlyPart, Error> {
+        if is_in_a_solid(scene) {
+            return Ok(EarlyPart::none(arrivals.len()));
+        }
         let paths = EarlyPaths::new(scene)?;
         let ends = Ends::of(scene);
         let directions: Vec<Vec3> = starts.iter().map(|(_, direction)| *direction).collect();
-        let mut candidates = paths.candidates(&ends, &directions, order, ends.radius_m);
+        let candidates = paths.candidates(&ends, &directions, order, ends.radius_m);
+        let mut candidates = candidates.among(waves as usize);
         let lengths = candidate_lengths(&ends, &candidates);
         add_flat(&paths, &ends, order, &mut candidates);
         let found = paths.find(&ends, &candidates);
@@ -84,24 +92,35 @@ impl EarlyPart {
                     .abs()
                     .total_cmp(&(b - arrival.length_m).abs())
             });
-            // What passes by the sphere's rim may not pass by it in f64.
-            let outcome = nearest.map_or(Err(NoPath::NotStationary), |(at, _)| {
-                found.outcomes[first + at]
-            });
+            let outcome = nearest.map(|(at, _)| found.outcomes[first + at]);
             outcomes.push(outcome);
         }
-        Ok(EarlyPart { found, outcomes })
+        Ok(EarlyPart {
+            paths: found.paths,
+            missed: found.missed,
+            outcomes,
+        })
+    }
+
+    /// No path: every arrival stays a statistic.
+    fn none(arrivals: usize) -> EarlyPart {
+        EarlyPart {
+            paths: Vec::new(),
+            missed: Missed::default(),
+            outcomes: vec![Some(Err(NoPath::NotFromTheAir)); arrivals],
+        }
     }
 
     /// How much of the early part the waves have missed.
     pub fn missed(&self) -> Missed {
-        self.found.missed
+        self.missed
     }
 
-    /// The arrivals whose paths cannot be found exactly: they stay statistics.
+    /// The arrivals that no exact path stands for: their surfaces are known by samples alone, or the
+    /// listener is partly in sight and its centre is not. They stay statistics.
     pub fn left_over<'a>(&'a self, arrivals: &'a [Arrival]) -> impl Iterator<Item = &'a Arrival> {
         let outcomes = self.outcomes.iter().zip(arrivals);
-        let left = outcomes.filter(|(outcome, _)| **outcome == Err(NoPath::NotExact));
+        let left = outcomes.filter(|(outcome, _)| matches!(outcome, Some(Err(_))));
         left.map(|(_, arrival)| arrival)
     }
 
@@ -114,7 +133,7 @@ impl EarlyPart {
         level: f64,
         arrivals: &[Arrival],
     ) -> Vec<HeardPath> {
-        let paths = self.found.paths.iter().enumerate();
+        let paths = self.paths.iter().enumerate();
         let heard = |(index, path): (usize, &SpecularPath)| {
             let length = path.length_m;
             let at_listener = match path.is_focus {
@@ -139,12 +158,19 @@ impl EarlyPart {
     fn caught(&self, path: usize, arrivals: &[Arrival]) -> Bands {
         let mut energy = [0.0; BAND_COUNT];
         for (outcome, arrival) in self.outcomes.iter().zip(arrivals) {
-            if *outcome == Ok(path) {
+            if *outcome == Some(Ok(path)) {
                 (0..BAND_COUNT).for_each(|band| energy[band] += arrival.energy[band]);
             }
         }
         energy
     }
+}
+
+/// Whether the source or the listener's centre is in a solid, where no path begins or ends.
+fn is_in_a_solid(scene: &Scene) -> bool {
+    let ends = [scene.source.position, scene.listener.position];
+    ends.into_iter()
+        .any(|end| scene.surface_distance(end).distance < 0.0)
 }
 
 /// Directions in which paths over planes are looked for, besides those of the waves that arrived: a

@@ -72,22 +72,26 @@ impl Response {
     ) -> Result<Response, Error> {
         settings.validate()?;
         let began = Instant::now();
+        let order = settings.order_in(scene);
         let seconds = match settings.seconds {
             Some(seconds) => seconds,
             None => duration::needed(tracer, scene, &settings.trace)?,
         };
         let mut sum = Sum::new(scene, settings)?;
-        let how = ArrivalSettings::new(seconds).with_early_order(settings.order);
+        let how = ArrivalSettings::new(seconds).with_early_order(order);
         let counts = tracer.arrivals(scene, &settings.trace, &how, &mut |arrival| {
             sum.take(arrival)
         })?;
-        let arrivals = std::mem::take(&mut sum.early);
+        let mut arrivals = std::mem::take(&mut sum.early);
+        // They come by chunks of iterations.
+        arrivals.sort_by_key(|arrival| arrival.wave);
         let starts = start_directions(tracer, &settings.trace, &arrivals)?;
-        let early = EarlyPart::find(scene, &starts, settings.order, &arrivals)?;
+        let early = EarlyPart::find(scene, &starts, settings.trace.waves, order, &arrivals)?;
         early
             .left_over(&arrivals)
             .for_each(|arrival| sum.add(arrival));
-        let paths = early.heard(scene, sum.speed, &sum.air, sum.level, &arrivals);
+        let mut paths = early.heard(scene, sum.speed, &sum.air, sum.level, &arrivals);
+        paths.retain(|path| path.delay_s <= seconds);
         let taps: Vec<Tap> = paths.iter().map(HeardPath::tap).collect();
         let direct_s = paths
             .iter()

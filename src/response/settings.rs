@@ -1,6 +1,8 @@
 //! How responses are traced.
 
+use crate::acoustics::{AcousticsError, MAX_SECONDS};
 use crate::error::Error;
+use crate::scene::{Node, Scene, Surface};
 use crate::trace::{ArrivalSettings, Profile, Settings, TraceError};
 
 /// How a [`Response`](super::Response) is traced.
@@ -12,10 +14,11 @@ pub struct ResponseSettings {
     /// How long the waves are followed; `None` until the energy of every band has fallen by 60 dB,
     /// as a few waves foretell it.
     pub seconds: Option<f64>,
-    /// Reflections of an exact path at the most, 0 to [`MAX_ORDER`]: 6 by default. Where walls
-    /// absorb half of the sound, a decay of 35 dB is some dozen echoes of up to so many reflections,
-    /// and each is met by few waves.
-    pub order: u32,
+    /// Reflections of an exact path at the most, 0 to [`MAX_ORDER`]. `None` takes 6 where all surfaces
+    /// are flat, else 3. Where walls absorb half of the sound, a decay of 35 dB is some dozen echoes of
+    /// up to six reflections, and each is met by few waves. At curved surfaces each wave's path is
+    /// solved for, which takes long near a focus.
+    pub order: Option<u32>,
     /// Length of a time bin of the echogram in seconds: 1 ms by default, less than the time that
     /// sound takes through a listener of common size.
     pub bin_s: f64,
@@ -27,13 +30,17 @@ pub struct ResponseSettings {
 /// and waves find fewer and fewer of them.
 pub const MAX_ORDER: u32 = 16;
 
+/// The usual orders: see [`ResponseSettings::order`].
+const ORDER_AT_PLANES: u32 = 6;
+const ORDER_AT_CURVES: u32 = 3;
+
 impl Default for ResponseSettings {
-    /// 65,536 waves of the profile `hybrid`, exact paths of up to six reflections.
+    /// 65,536 waves of the profile `hybrid`, exact paths of the usual order.
     fn default() -> ResponseSettings {
         ResponseSettings {
             trace: Settings::default(),
             seconds: None,
-            order: 6,
+            order: None,
             bin_s: 1e-3,
             batches: 16,
         }
@@ -55,15 +62,32 @@ impl ResponseSettings {
 
     /// The same with exact paths of up to so many reflections.
     pub fn with_order(mut self, order: u32) -> ResponseSettings {
-        self.order = order;
+        self.order = Some(order);
         self
+    }
+
+    /// The order of exact paths in this scene.
+    pub(super) fn order_in(&self, scene: &Scene) -> u32 {
+        let is_flat = |surface: &Surface| {
+            let node = &surface.shape.node;
+            matches!(
+                node,
+                Node::Plane(_) | Node::HalfSpace(_) | Node::Cuboid(_) | Node::Room(_)
+            )
+        };
+        self.order
+            .unwrap_or(match scene.surfaces.iter().all(is_flat) {
+                true => ORDER_AT_PLANES,
+                false => ORDER_AT_CURVES,
+            })
     }
 
     /// Checks every number against its range, before anything is traced.
     ///
     /// # Errors
     /// [`Error::Trace`] with the name, the range and the value;
-    /// [`TraceError::NoArrivals`] for the profile `thesis`.
+    /// [`TraceError::NoArrivals`] for the profile `thesis`; [`Error::Acoustics`] for more than
+    /// [`MAX_SECONDS`].
     pub fn validate(&self) -> Result<(), Error> {
         self.trace.validate()?;
         let profile = self.trace.profile();
@@ -73,12 +97,15 @@ impl ResponseSettings {
         }
         if let Some(seconds) = self.seconds {
             ArrivalSettings::new(seconds).validate()?;
+            if seconds > MAX_SECONDS {
+                return Err(AcousticsError::BadLength { seconds }.into());
+            }
         }
-        if self.order > MAX_ORDER {
+        if let Some(order) = self.order.filter(|order| *order > MAX_ORDER) {
             return Err(TraceError::BadSetting {
                 what: "order of exact paths",
                 must: format!("0 to {MAX_ORDER}"),
-                value: self.order.to_string(),
+                value: order.to_string(),
             }
             .into());
         }

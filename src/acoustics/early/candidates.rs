@@ -44,7 +44,15 @@ impl Candidates {
         }
     }
 
-    /// Adds a wave that passed by the listener after these reflections.
+    /// The same, of so many waves altogether: some may have been left out, as they are known to pass
+    /// by nowhere.
+    pub fn among(mut self, waves: usize) -> Candidates {
+        self.waves = waves;
+        self
+    }
+
+    /// Adds a wave that passed by the listener after these reflections. One whose index is not below
+    /// [`Candidates::waves`] names its path, but does not count among those that found it.
     pub fn add(&mut self, wave: u32, vertices: &[Vertex]) {
         let (first, count) = (self.vertices.len(), vertices.len());
         self.vertices.extend_from_slice(vertices);

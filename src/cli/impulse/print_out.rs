@@ -7,7 +7,7 @@ use crate::acoustics::{BandFigures, Figures};
 use crate::bands::{BAND_COUNT, BANDS_HZ, Bands};
 use crate::report::{Column, Row, Table};
 use crate::response::{HeardPath, Response, ResponseSettings};
-use crate::scene::Scene;
+use crate::scene::{Scene, WALL_NAMES};
 use serde::Serialize;
 use std::f64::consts::PI;
 
@@ -17,7 +17,8 @@ const PATHS_IN_TEXT: usize = 8;
 /// A level of 0 dB: the direct sound 10 m away in the open, in 1/m².
 const STRENGTH_0_DB: f64 = 1.0 / (4.0 * PI * 100.0);
 
-/// More of the energy than this, if it came after the record's end, is told.
+/// More of the energy than this, if it comes after the response's end, is told: a tenth of what
+/// figures allow.
 const TOLD_CUT_OFF: f64 = 0.001;
 
 /// What is printed as JSON.
@@ -27,6 +28,8 @@ pub struct Report<'a> {
     renderer: &'a str,
     profile: String,
     waves: u32,
+    seed: u32,
+    directions: String,
     iterations: u32,
     seconds: f64,
     milliseconds: f64,
@@ -83,6 +86,8 @@ struct DirectReport {
 struct PathReport<'a> {
     order: usize,
     surfaces: &'a [u32],
+    /// Of rooms, the walls: left, right, floor, ceiling, front, back.
+    walls: Vec<Option<&'static str>>,
     delay_s: f64,
     /// Of the mean of the bands' energies.
     g_db: f64,
@@ -105,6 +110,8 @@ pub fn report<'a>(
         renderer,
         profile: settings.trace.profile().to_string(),
         waves: settings.trace.waves,
+        seed: settings.trace.seed,
+        directions: settings.trace.directions.to_string(),
         iterations: responses().map(|r| r.counts.iterations).max().unwrap_or(0),
         seconds: responses().map(|r| r.seconds).fold(0.0, f64::max),
         milliseconds: responses().map(|r| r.milliseconds).sum(),
@@ -163,6 +170,12 @@ fn of_path(path: &HeardPath) -> PathReport<'_> {
     PathReport {
         order: path.path.surfaces.len(),
         surfaces: &path.path.surfaces,
+        walls: path
+            .path
+            .walls
+            .iter()
+            .map(|wall| wall.map(|wall| WALL_NAMES[usize::from(wall)]))
+            .collect(),
         delay_s: path.delay_s,
         g_db: strength_db(mean(&path.energy)).unwrap_or(f64::NEG_INFINITY),
         g_db_bands: path
@@ -223,7 +236,7 @@ pub fn text(
             errors: response.figures.errors[band],
         });
         print::line(&Table::of(rows).terminal())?;
-        print_paths(response)?;
+        print_paths(scene, response)?;
         print::line(&format!("  {:.0} ms", response.milliseconds))?;
     }
     Ok(())
@@ -264,21 +277,20 @@ impl Row for BandRow {
     }
 }
 
-fn print_paths(response: &Response) -> anyhow::Result<()> {
+fn print_paths(scene: &Scene, response: &Response) -> anyhow::Result<()> {
     let shown = response.paths.iter().take(PATHS_IN_TEXT);
     for path in shown {
-        let over: Vec<String> = path.path.surfaces.iter().map(u32::to_string).collect();
-        let over = match over.is_empty() {
+        let over = match path.is_direct() {
             true => "direct".to_owned(),
-            false => format!("over {}", over.join(", ")),
+            false => format!("over {}", mirrors(scene, path).join(", ")),
         };
         let strength = strength_db(mean(&path.energy));
         print::line(&format!(
             "  {:9.3} ms  G {:>6} dB  azimuth {:+7.1}°, elevation {:+6.1}°  {over}",
             path.delay_s * 1e3,
             strength.map_or("−∞".to_owned(), |db| format!("{db:.2}")),
-            path.azimuth.to_degrees(),
-            path.elevation.to_degrees(),
+            tenths(path.azimuth.to_degrees()),
+            tenths(path.elevation.to_degrees()),
         ))?;
     }
     match response.paths.len().saturating_sub(PATHS_IN_TEXT) {
@@ -287,10 +299,30 @@ fn print_paths(response: &Response) -> anyhow::Result<()> {
     }
 }
 
-/// Tells what the record does not hold.
-pub fn warn(common: &Common, heard: &[(Pair, Response)]) {
+/// Rounded, and 0 without a sign.
+fn tenths(value: f64) -> f64 {
+    (10.0 * value).round() / 10.0 + 0.0
+}
+
+/// What a path is mirrored at: surfaces by their names or numbers, and walls of rooms.
+fn mirrors(scene: &Scene, path: &HeardPath) -> Vec<String> {
+    let surfaces = path.path.surfaces.iter().zip(&path.path.walls);
+    let name = |(number, wall): (&u32, &Option<u8>)| {
+        let surface = scene.surfaces.get(*number as usize - 1);
+        let name = surface.and_then(|surface| surface.name.clone());
+        let name = name.unwrap_or_else(|| number.to_string());
+        match wall {
+            Some(wall) => format!("{name}/{}", WALL_NAMES[usize::from(*wall)]),
+            None => name,
+        }
+    };
+    surfaces.map(name).collect()
+}
+
+/// Tells what the response does not hold.
+pub fn warn(common: &Common, scene: &Scene, heard: &[(Pair, Response)]) {
     for (pair, response) in heard {
-        let of = format!("{} to {}", pair.source, pair.listener);
+        let of = format!("source {}, listener {}", pair.source, pair.listener);
         let counts = &response.counts;
         if counts.arrivals == 0 && response.paths.is_empty() {
             common.note(&format!("note: {of}: nothing arrives"));
@@ -304,21 +336,37 @@ pub fn warn(common: &Common, heard: &[(Pair, Response)]) {
         if counts.cut_off > 0 {
             let count = counts.cut_off;
             common.note(&format!(
-                "warning: {of}: {count} waves were cut off after {} iterations, before the record's end",
+                "warning: {of}: {count} waves were given up after {} iterations, before the response's end: its late part is too weak",
                 counts.iterations
             ));
         }
-        let beyond = response
-            .figures
-            .cut_off
-            .iter()
-            .flatten()
-            .fold(0.0, |most, share| f64::max(most, *share));
-        if beyond > TOLD_CUT_OFF {
-            common.note(&format!(
-                "note: {of}: about {:.1} % of the energy comes after the record's end (--seconds)",
-                100.0 * beyond
-            ));
+        if let Some(text) = too_short(scene, response) {
+            common.note(&format!("note: {of}: {text}"));
         }
     }
+}
+
+/// Which bands have not decayed when the response ends, and what helps.
+fn too_short(scene: &Scene, response: &Response) -> Option<String> {
+    if response.counts.arrivals == 0 {
+        return None;
+    }
+    let is_short = |share: &Option<f64>| share.is_none_or(|share| share > TOLD_CUT_OFF);
+    let bands = BANDS_HZ.iter().zip(&response.figures.cut_off);
+    let short: Vec<String> = bands
+        .filter(|(_, share)| is_short(share))
+        .map(|(hz, _)| hz.to_string())
+        .collect();
+    if short.is_empty() {
+        return None;
+    }
+    let help = match scene.has_materials() || scene.air.is_some() {
+        true => "more --seconds tell more",
+        false => "nothing absorbs here, see materials and air",
+    };
+    Some(format!(
+        "sound goes on after {:.2} s at {} Hz, so figures are missing (—) or off there: {help}",
+        response.seconds,
+        short.join(", ")
+    ))
 }
