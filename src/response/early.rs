@@ -41,13 +41,23 @@ impl HeardPath {
     }
 }
 
+/// What stands for an early arrival.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Outcome {
+    /// The exact path of this index.
+    Path(usize),
+    /// Itself: it stays a statistic.
+    Itself,
+    /// Another path: see [`stands_for_itself`].
+    Another,
+}
+
 /// The paths of the waves that arrived early.
 pub(super) struct EarlyPart {
     paths: Vec<SpecularPath>,
     missed: Missed,
-    /// For each early arrival the path that it belongs to, or why there is none; `None` where the
-    /// wave passes by the listener in `f64`.
-    outcomes: Vec<Option<Result<usize, NoPath>>>,
+    /// For each early arrival.
+    outcomes: Vec<Outcome>,
 }
 
 impl EarlyPart {
@@ -92,7 +102,13 @@ impl EarlyPart {
                     .abs()
                     .total_cmp(&(b - arrival.length_m).abs())
             });
-            let outcome = nearest.map(|(at, _)| found.outcomes[first + at]);
+            let outcome = match nearest.map(|(at, _)| (first + at, found.outcomes[first + at])) {
+                Some((_, Ok(path))) => Outcome::Path(path),
+                Some((index, Err(why))) if stands_for_itself(&paths, &candidates, index, why) => {
+                    Outcome::Itself
+                }
+                _ => Outcome::Another,
+            };
             outcomes.push(outcome);
         }
         Ok(EarlyPart {
@@ -107,7 +123,7 @@ impl EarlyPart {
         EarlyPart {
             paths: Vec::new(),
             missed: Missed::default(),
-            outcomes: vec![Some(Err(NoPath::NotFromTheAir)); arrivals],
+            outcomes: vec![Outcome::Itself; arrivals],
         }
     }
 
@@ -120,7 +136,7 @@ impl EarlyPart {
     /// listener is partly in sight and its centre is not. They stay statistics.
     pub fn left_over<'a>(&'a self, arrivals: &'a [Arrival]) -> impl Iterator<Item = &'a Arrival> {
         let outcomes = self.outcomes.iter().zip(arrivals);
-        let left = outcomes.filter(|(outcome, _)| matches!(outcome, Some(Err(_))));
+        let left = outcomes.filter(|(outcome, _)| **outcome == Outcome::Itself);
         left.map(|(_, arrival)| arrival)
     }
 
@@ -158,12 +174,26 @@ impl EarlyPart {
     fn caught(&self, path: usize, arrivals: &[Arrival]) -> Bands {
         let mut energy = [0.0; BAND_COUNT];
         for (outcome, arrival) in self.outcomes.iter().zip(arrivals) {
-            if *outcome == Some(Ok(path)) {
+            if *outcome == Outcome::Path(path) {
                 (0..BAND_COUNT).for_each(|band| energy[band] += arrival.energy[band]);
             }
         }
         energy
     }
+}
+
+/// Whether an arrival without a path is kept: where something hides the listener's centre, and at
+/// curved or sampled surfaces. Beyond the edge of a plane it is not: next to the edge between two
+/// walls a wave that passes by the centre meets them in the other order, and the path of that order
+/// has all of the energy. What passes by the listener in `f64` has no candidate, and is not kept.
+fn stands_for_itself(
+    paths: &EarlyPaths,
+    candidates: &Candidates,
+    index: usize,
+    why: NoPath,
+) -> bool {
+    let vertices = candidates.get(index).map_or(&[][..], |c| c.vertices);
+    matches!(why, NoPath::NotExact | NoPath::Blocked) || !paths.are_flat(vertices)
 }
 
 /// Whether the source or the listener's centre is in a solid, where no path begins or ends.
