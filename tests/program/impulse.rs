@@ -206,7 +206,7 @@ fn what_cannot_be_is_refused() {
     );
     refuse(
         &["impulse", "shoebox", "--seconds", "0"],
-        "--seconds must be 0.001 to 1000",
+        "--seconds must be 0.001 to 60",
     );
     refuse(&["impulse", "shoebox", "-o", "ir.mp3"], "must end in .wav");
     refuse(
