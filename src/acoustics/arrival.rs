@@ -14,7 +14,7 @@ pub struct Arrival {
     pub wave: u32,
     /// Whether the wave was mirrored alone, and no oftener than the exact paths go: then such a
     /// path stands for it.
-    pub order_is_early: bool,
+    pub is_early: bool,
     /// Metres flown from the source to the middle of the chord through the sphere. The middle is
     /// the place next to the sphere's centre, so that for mirrored waves this is the length of
     /// the path to the centre, but for b² / 2 l (b: how far the wave passes the centre, l: metres

@@ -1,7 +1,7 @@
 //! Energy against time, by band, in bins.
 
 use super::{AcousticsError, Arrival};
-use crate::bands::{BAND_COUNT, BANDS_HZ, Bands};
+use crate::bands::{self, BAND_COUNT, BANDS_HZ, Bands};
 use glam::DVec3;
 use std::ops::RangeInclusive;
 
@@ -111,7 +111,7 @@ impl Echogram {
         assert!(batch < self.batches, "batch {batch} of {}", self.batches);
         let place = (seconds.max(0.0) - self.first_s) / self.bin_s;
         if seconds.is_nan() || place >= MAX_BINS as f64 {
-            add_to(&mut self.beyond, energy);
+            bands::add(&mut self.beyond, energy);
             return;
         }
         let bin = place as usize;
@@ -120,18 +120,16 @@ impl Echogram {
             self.energies
                 .resize((bin + 1) * self.batches, [0.0; BAND_COUNT]);
         }
-        add_to(&mut self.energies[bin * self.batches + batch], energy);
+        bands::add(&mut self.energies[bin * self.batches + batch], energy);
         for (flow, energy) in self.flows[bin].iter_mut().zip(energy) {
             *flow += direction * *energy;
         }
     }
 
     /// Adds a wave's crossing: its batch is its number modulo the batches, its time its length
-    /// divided by the speed of sound. The air takes exp(−`air_per_m` × length) of its energy (ISO
-    /// 9613-1 gives that in decibels: m = α ln 10 / 10).
+    /// divided by the speed of sound. The air leaves exp(−`air_per_m` × length) of its energy.
     pub fn add_arrival(&mut self, arrival: &Arrival, speed_m_per_s: f64, air_per_m: &Bands) {
-        let left = |band: usize| (-air_per_m[band] * arrival.length_m).exp();
-        let energy = std::array::from_fn(|band| arrival.energy[band] * left(band));
+        let energy = bands::through_air(&arrival.energy, air_per_m, arrival.length_m);
         let seconds = arrival.length_m / speed_m_per_s;
         let batch = arrival.wave as usize % self.batches;
         self.add(batch, seconds, &energy, arrival.direction);
@@ -161,7 +159,7 @@ impl Echogram {
     pub fn energy(&self, bin: usize) -> Bands {
         let mut sum = [0.0; BAND_COUNT];
         for energy in self.in_bin(bin) {
-            add_to(&mut sum, energy);
+            bands::add(&mut sum, energy);
         }
         sum
     }
@@ -182,7 +180,7 @@ impl Echogram {
     pub fn total(&self) -> Bands {
         let mut sum = [0.0; BAND_COUNT];
         for energy in &self.energies {
-            add_to(&mut sum, energy);
+            bands::add(&mut sum, energy);
         }
         sum
     }
@@ -214,12 +212,6 @@ impl Echogram {
     }
 }
 
-fn add_to(sum: &mut Bands, energy: &Bands) {
-    for (sum, energy) in sum.iter_mut().zip(energy) {
-        *sum += energy;
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -229,7 +221,7 @@ mod tests {
     fn arrival(wave: u32, length_m: f64) -> Arrival {
         Arrival {
             wave,
-            order_is_early: false,
+            is_early: false,
             length_m,
             direction: DVec3::X,
             energy: std::array::from_fn(|band| (band + 1) as f64),

@@ -15,6 +15,17 @@ use std::f64::consts::PI;
 /// *G* is 0 dB for the energy of the direct sound at so many metres, in the open.
 const STRENGTH_DISTANCE_M: f64 = 10.0;
 
+/// The strength *G* of an energy density in 1/m² for a source of power 1, in decibels against the same
+/// source 10 m away in the open (ISO 3382-1, A.2.1); `None` for silence.
+pub fn strength_db(energy: f64) -> Option<f64> {
+    let reference = 1.0 / (4.0 * PI * STRENGTH_DISTANCE_M.powi(2));
+    (energy > 0.0).then(|| decibels(energy / reference))
+}
+
+fn decibels(ratio: f64) -> f64 {
+    10.0 * ratio.log10()
+}
+
 /// A time of decay with a larger error, as a share of itself, is none: its decay is too noisy. It
 /// is twice the least difference in reverberation that is noticed (5 %, ISO 3382-1, annex A).
 const WORST_TIME_ERROR: f64 = 0.1;
@@ -160,13 +171,11 @@ fn lists(pieces: &[pieces::Piece], bin_s: f64) -> ([List; BAND_COUNT], [Option<f
 }
 
 fn list(decay: &Decay) -> List {
-    let decibels = |ratio: f64| 10.0 * ratio.log10();
     let clarity_db = |seconds: f64| {
         let (early, late) = decay.parted_at(seconds)?;
         Some(decibels(early / late))
     };
     let total = decay.total();
-    let reference = 1.0 / (4.0 * PI * STRENGTH_DISTANCE_M.powi(2));
     [
         decay.time_s(0.0, -10.0),
         decay.time_s(-5.0, -25.0),
@@ -175,7 +184,7 @@ fn list(decay: &Decay) -> List {
         clarity_db(0.08),
         total.map(|total| 1.0 - decay.from(0.05) / total),
         decay.centre_s(),
-        total.map(|total| decibels(total / reference)),
+        total.and_then(strength_db),
     ]
 }
 

@@ -43,7 +43,7 @@ mod tests;
 pub use arrival::{Arrival, Tap};
 pub use echogram::{BATCHES, BINS_S, Echogram, EchogramRow};
 pub use error::AcousticsError;
-pub use figures::{BandFigures, Figures};
+pub use figures::{BandFigures, Figures, strength_db};
 pub use impulse_response::{
     Format, ImpulseResponse, ImpulseSettings, ListenerAxes, MAX_SECONDS, RATES_HZ,
 };

@@ -1,8 +1,8 @@
 //! The energy and its decay against time, as one picture: the energy of each bin, the exact paths,
 //! the decay curve of each band, and the direct sound.
 
-use super::plot::{Panel, Sheet, Stroke, draw_legend, draw_line};
-use crate::bands::{BAND_COUNT, BANDS_HZ, Bands};
+use super::plot::{Panel, Sheet, Stroke, builder, draw_legend, draw_line};
+use crate::bands::{self, BAND_COUNT, BANDS_HZ, Bands};
 use crate::report::PlotError;
 use crate::response::Response;
 use plotters::coord::types::RangedCoordf64;
@@ -148,13 +148,7 @@ fn empty<'a, 'b>(
     range: Range<f64>,
     name: &str,
 ) -> Result<Chart<'a, 'b>, PlotError> {
-    let mut chart = ChartBuilder::on(panel)
-        .margin(12)
-        .margin_right(24)
-        .caption(caption, ("sans-serif", 16))
-        .x_label_area_size(42)
-        .y_label_area_size(66)
-        .build_cartesian_2d(0.0..seconds, range)?;
+    let mut chart = builder(panel, caption).build_cartesian_2d(0.0..seconds, range)?;
     chart
         .configure_mesh()
         .x_desc("time after the source's impulse, s")
@@ -196,16 +190,13 @@ impl Curves {
         let echogram = &response.echogram;
         let middle_s = |bin: usize| echogram.first_s() + (bin as f64 + 0.5) * echogram.bin_s();
         let bins = (0..echogram.bins()).map(|bin| (middle_s(bin), echogram.energy(bin)));
-        let paths: Vec<(f64, Bands)> = response
-            .paths
-            .iter()
-            .map(|path| (path.delay_s, path.energy))
-            .collect();
-        let mut pieces: Vec<(f64, Bands)> = bins.clone().chain(paths.iter().copied()).collect();
+        let paths = response.paths.iter();
+        let paths = paths.map(|path| (path.delay_s, path.energy));
+        let mut pieces: Vec<(f64, Bands)> = bins.clone().chain(paths.clone()).collect();
         pieces.sort_by(|a, b| a.0.total_cmp(&b.0));
         Curves {
             energy: in_db(bins),
-            paths: in_db(paths.into_iter()),
+            paths: in_db(paths),
             decay: std::array::from_fn(|band| decay(&pieces, band)),
         }
     }
@@ -213,7 +204,7 @@ impl Curves {
 
 /// The mean of the bands in decibels, where there is any.
 fn in_db(pieces: impl Iterator<Item = (f64, Bands)>) -> Vec<(f64, f64)> {
-    let mean = pieces.map(|(x, bands)| (x, bands.iter().sum::<f64>() / BAND_COUNT as f64));
+    let mean = pieces.map(|(x, bands)| (x, bands::mean(&bands)));
     let heard = mean.filter(|(_, energy)| *energy > 0.0);
     heard
         .map(|(x, energy)| (x, 10.0 * energy.log10()))

@@ -147,6 +147,21 @@ pub(super) struct Stroke {
     pub dash: Option<(i32, i32)>,
 }
 
+/// The margins, caption and room for labels that charts have.
+pub(super) fn builder<'a, 'b>(
+    panel: &'a Panel<'b>,
+    caption: &str,
+) -> ChartBuilder<'a, 'b, SVGBackend<'b>> {
+    let mut builder = ChartBuilder::on(panel);
+    builder
+        .margin(12)
+        .margin_right(24)
+        .caption(caption, ("sans-serif", 16))
+        .x_label_area_size(42)
+        .y_label_area_size(66);
+    builder
+}
+
 /// An empty chart with its axes; where zero occurs a grey band lies between it and the rest.
 pub(super) fn chart<'a, 'b>(
     panel: &'a Panel<'b>,
@@ -154,13 +169,8 @@ pub(super) fn chart<'a, 'b>(
     [x, y]: [LogAxis; 2],
     [x_name, y_name]: [&str; 2],
 ) -> Result<Chart<'a, 'b>, PlotError> {
-    let mut chart = ChartBuilder::on(panel)
-        .margin(12)
-        .margin_right(24)
-        .caption(caption, ("sans-serif", 16))
-        .x_label_area_size(42)
-        .y_label_area_size(66)
-        .build_cartesian_2d(x.range().log_scale(), y.range().log_scale())?;
+    let mut chart =
+        builder(panel, caption).build_cartesian_2d(x.range().log_scale(), y.range().log_scale())?;
     if y.has_zero {
         let band = [(x.start(), y.zero()), (x.high, y.low)];
         chart.draw_series([Rectangle::new(band, BLACK.mix(0.06).filled())])?;

@@ -1,7 +1,8 @@
 //! How long a response is, where no one says it.
 
+use super::Medium;
 use crate::acoustics::MAX_SECONDS;
-use crate::bands::{BAND_COUNT, Bands};
+use crate::bands::{self, BAND_COUNT, Bands};
 use crate::error::Error;
 use crate::scene::Scene;
 use crate::trace::{ArrivalSettings, Settings, Tracer};
@@ -28,7 +29,7 @@ pub(super) fn needed(
     scene: &Scene,
     settings: &Settings,
 ) -> Result<f64, Error> {
-    let (speed, air) = (scene.speed_of_sound(), scene.air_attenuation());
+    let medium = Medium::of(scene);
     let mut bins: Vec<Bands> = Vec::new();
     let few = settings.clone().with_waves(settings.waves.min(WAVES));
     tracer.arrivals(
@@ -36,30 +37,29 @@ pub(super) fn needed(
         &few,
         &ArrivalSettings::new(LONGEST_S),
         &mut |arrival| {
-            let bin = (arrival.length_m / speed / BIN_S) as usize;
+            let bin = (arrival.length_m / medium.speed / BIN_S) as usize;
             if bin >= bins.len() {
                 bins.resize(bin + 1, [0.0; BAND_COUNT]);
             }
-            for band in 0..BAND_COUNT {
-                bins[bin][band] += arrival.energy[band] * (-air[band] * arrival.length_m).exp();
-            }
+            let energy = bands::through_air(&arrival.energy, &medium.air, arrival.length_m);
+            bands::add(&mut bins[bin], &energy);
         },
     )?;
-    let apart = scene.source.position.distance(scene.listener.position);
-    let direct_s = f64::from(apart) / speed;
     // Few waves may miss a small or distant listener.
-    Ok(end(&bins).max(direct_s + SHORTEST_S).min(MAX_SECONDS))
+    Ok(end(&bins)
+        .max(medium.direct_s + SHORTEST_S)
+        .min(MAX_SECONDS))
 }
 
 /// The end of the last bin before which some band has more than [`LEFT`] to come.
 fn end(bins: &[Bands]) -> f64 {
     let mut all = [0.0; BAND_COUNT];
     for bin in bins {
-        (0..BAND_COUNT).for_each(|band| all[band] += bin[band]);
+        bands::add(&mut all, bin);
     }
     let mut to_come = [0.0; BAND_COUNT];
     for (index, bin) in bins.iter().enumerate().rev() {
-        (0..BAND_COUNT).for_each(|band| to_come[band] += bin[band]);
+        bands::add(&mut to_come, bin);
         if (0..BAND_COUNT).any(|band| to_come[band] > LEFT * all[band]) {
             return ((index + 1) as f64 * BIN_S).clamp(SHORTEST_S, LONGEST_S);
         }

@@ -1,8 +1,9 @@
 //! The early part: which arrivals are exact paths, and what is heard along each.
 
+use super::Medium;
 use crate::acoustics::early::{Candidates, EarlyPaths, Ends, Missed, NoPath, SpecularPath};
 use crate::acoustics::{Arrival, Tap};
-use crate::bands::{BAND_COUNT, Bands};
+use crate::bands::{self, BAND_COUNT, Bands};
 use crate::error::Error;
 use crate::scene::{Listener, Scene};
 use crate::sphere::lattice;
@@ -54,10 +55,11 @@ enum Outcome {
 
 /// The paths of the waves that arrived early.
 pub(super) struct EarlyPart {
+    arrivals: Vec<Arrival>,
+    /// One for each of the arrivals.
+    outcomes: Vec<Outcome>,
     paths: Vec<SpecularPath>,
     missed: Missed,
-    /// For each early arrival.
-    outcomes: Vec<Outcome>,
 }
 
 impl EarlyPart {
@@ -68,11 +70,8 @@ impl EarlyPart {
         starts: &[(u32, Vec3)],
         waves: u32,
         order: u32,
-        arrivals: &[Arrival],
+        arrivals: Vec<Arrival>,
     ) -> Result<EarlyPart, Error> {
-        if is_in_a_solid(scene) {
-            return Ok(EarlyPart::none(arrivals.len()));
-        }
         let paths = EarlyPaths::new(scene)?;
         let ends = Ends::of(scene);
         let directions: Vec<Vec3> = starts.iter().map(|(_, direction)| *direction).collect();
@@ -81,50 +80,25 @@ impl EarlyPart {
         let lengths = candidate_lengths(&ends, &candidates);
         add_flat(&paths, &ends, order, &mut candidates);
         let found = paths.find(&ends, &candidates);
-        let mut outcomes = Vec::with_capacity(arrivals.len());
-        let mut first = 0;
-        let mut wave = 0;
-        for arrival in arrivals {
-            while starts[wave].0 != arrival.wave {
-                wave += 1;
+        let outcome = |arrival: &Arrival| {
+            let wave = starts.partition_point(|(wave, _)| *wave < arrival.wave);
+            match nearest(&lengths, wave as u32, arrival.length_m) {
+                None => Outcome::Another,
+                Some(index) => match found.outcomes[index] {
+                    Ok(path) => Outcome::Path(path),
+                    Err(why) if stands_for_itself(&paths, &candidates, index, why) => {
+                        Outcome::Itself
+                    }
+                    Err(_) => Outcome::Another,
+                },
             }
-            while lengths
-                .get(first)
-                .is_some_and(|(of, _)| (*of as usize) < wave)
-            {
-                first += 1;
-            }
-            let own = lengths[first..]
-                .iter()
-                .take_while(|(of, _)| *of as usize == wave);
-            let nearest = own.enumerate().min_by(|(_, (_, a)), (_, (_, b))| {
-                (a - arrival.length_m)
-                    .abs()
-                    .total_cmp(&(b - arrival.length_m).abs())
-            });
-            let outcome = match nearest.map(|(at, _)| (first + at, found.outcomes[first + at])) {
-                Some((_, Ok(path))) => Outcome::Path(path),
-                Some((index, Err(why))) if stands_for_itself(&paths, &candidates, index, why) => {
-                    Outcome::Itself
-                }
-                _ => Outcome::Another,
-            };
-            outcomes.push(outcome);
-        }
+        };
         Ok(EarlyPart {
+            outcomes: arrivals.iter().map(outcome).collect(),
+            arrivals,
             paths: found.paths,
             missed: found.missed,
-            outcomes,
         })
-    }
-
-    /// No path: every arrival stays a statistic.
-    fn none(arrivals: usize) -> EarlyPart {
-        EarlyPart {
-            paths: Vec::new(),
-            missed: Missed::default(),
-            outcomes: vec![Outcome::Itself; arrivals],
-        }
     }
 
     /// How much of the early part the waves have missed.
@@ -134,35 +108,24 @@ impl EarlyPart {
 
     /// The arrivals that no exact path stands for: their surfaces are known by samples alone, or the
     /// listener is partly in sight and its centre is not. They stay statistics.
-    pub fn left_over<'a>(&'a self, arrivals: &'a [Arrival]) -> impl Iterator<Item = &'a Arrival> {
-        let outcomes = self.outcomes.iter().zip(arrivals);
-        let left = outcomes.filter(|(outcome, _)| **outcome == Outcome::Itself);
-        left.map(|(_, arrival)| arrival)
+    pub fn left_over(&self) -> impl Iterator<Item = &Arrival> {
+        self.arrivals_of(Outcome::Itself)
     }
 
     /// What is heard along each path. At a focus the energy is that of the waves that found it.
-    pub fn heard(
-        &self,
-        scene: &Scene,
-        speed: f64,
-        air: &Bands,
-        level: f64,
-        arrivals: &[Arrival],
-    ) -> Vec<HeardPath> {
+    pub fn heard(&self, scene: &Scene, medium: &Medium) -> Vec<HeardPath> {
         let paths = self.paths.iter().enumerate();
         let heard = |(index, path): (usize, &SpecularPath)| {
-            let length = path.length_m;
             let at_listener = match path.is_focus {
-                true => self.caught(index, arrivals),
+                true => self.energy_of_waves(index),
                 false => reflectance(scene, path).map(|share| share * path.spreading),
             };
-            let energy =
-                std::array::from_fn(|band| at_listener[band] * level * (-air[band] * length).exp());
+            let emitted = at_listener.map(|energy| energy * medium.level);
             let (azimuth, elevation) = comes_from(&scene.listener, -path.arrival_direction);
             HeardPath {
                 path: path.clone(),
-                delay_s: length / speed,
-                energy,
+                delay_s: path.length_m / medium.speed,
+                energy: bands::through_air(&emitted, &medium.air, path.length_m),
                 azimuth,
                 elevation,
             }
@@ -170,22 +133,35 @@ impl EarlyPart {
         paths.map(heard).collect()
     }
 
-    /// What the waves of a path brought.
-    fn caught(&self, path: usize, arrivals: &[Arrival]) -> Bands {
+    fn energy_of_waves(&self, path: usize) -> Bands {
         let mut energy = [0.0; BAND_COUNT];
-        for (outcome, arrival) in self.outcomes.iter().zip(arrivals) {
-            if *outcome == Outcome::Path(path) {
-                (0..BAND_COUNT).for_each(|band| energy[band] += arrival.energy[band]);
-            }
+        for arrival in self.arrivals_of(Outcome::Path(path)) {
+            bands::add(&mut energy, &arrival.energy);
         }
         energy
     }
+
+    fn arrivals_of(&self, outcome: Outcome) -> impl Iterator<Item = &Arrival> {
+        let all = self.arrivals.iter().zip(&self.outcomes);
+        all.filter(move |(_, of)| **of == outcome)
+            .map(|(arrival, _)| arrival)
+    }
 }
 
-/// Whether an arrival without a path is kept: where something hides the listener's centre, and at
-/// curved or sampled surfaces. Beyond the edge of a plane it is not: next to the edge between two
-/// walls a wave that passes by the centre meets them in the other order, and the path of that order
-/// has all of the energy. What passes by the listener in `f64` has no candidate, and is not kept.
+/// The candidate of a wave (its index among those that were followed) whose length is nearest to
+/// `length_m`; `lengths` are in the order of the waves.
+fn nearest(lengths: &[(u32, f64)], wave: u32, length_m: f64) -> Option<usize> {
+    let first = lengths.partition_point(|(of, _)| *of < wave);
+    let end = lengths.partition_point(|(of, _)| *of <= wave);
+    let off = |index: &usize| (lengths[*index].1 - length_m).abs();
+    (first..end).min_by(|a, b| off(a).total_cmp(&off(b)))
+}
+
+/// Whether an arrival without a path is kept: where something hides the listener's centre, or it is
+/// in a solid, and at curved or sampled surfaces. Beyond the edge of a plane it is not: next to the
+/// edge between two walls a wave that passes by the centre meets them in the other order, and the
+/// path of that order has all of the energy. An arrival without a candidate, which passes by the
+/// listener in `f64`, is not kept either.
 fn stands_for_itself(
     paths: &EarlyPaths,
     candidates: &Candidates,
@@ -193,14 +169,8 @@ fn stands_for_itself(
     why: NoPath,
 ) -> bool {
     let vertices = candidates.get(index).map_or(&[][..], |c| c.vertices);
-    matches!(why, NoPath::NotExact | NoPath::Blocked) || !paths.are_flat(vertices)
-}
-
-/// Whether the source or the listener's centre is in a solid, where no path begins or ends.
-fn is_in_a_solid(scene: &Scene) -> bool {
-    let ends = [scene.source.position, scene.listener.position];
-    ends.into_iter()
-        .any(|end| scene.surface_distance(end).distance < 0.0)
+    let is_kept = matches!(why, NoPath::NotExact | NoPath::Blocked | NoPath::EndInSolid);
+    is_kept || !paths.are_flat(vertices)
 }
 
 /// Directions in which paths over planes are looked for, besides those of the waves that arrived: a

@@ -1,10 +1,12 @@
 //! What a listener hears of a source: exact early paths, an echogram of all else, figures.
 //!
 //! Waves are traced through the scene on the GPU, and every crossing of the listener's sphere is
-//! an [`Arrival`]. Those that were mirrored a few times alone name the paths that are then found
-//! exactly, from point to point ([`EarlyPaths`](crate::acoustics::early::EarlyPaths)); each is a [`Tap`]. All other arrivals are added up
-//! in an [`Echogram`]. The [`Figures`] of ISO 3382-1 come from both, and so does the sampled
-//! [`ImpulseResponse`](crate::acoustics::ImpulseResponse). The model, its sources and what it leaves out: `docs/acoustics.md`.
+//! an [`Arrival`]. Arrivals that were mirrored a few times and never scattered give the sequences of
+//! surfaces for which exact paths are found, from point to point
+//! ([`EarlyPaths`](crate::acoustics::early::EarlyPaths)); each is a [`Tap`]. All other arrivals are
+//! added up in an [`Echogram`]. The [`Figures`] of ISO 3382-1 come from both, and so does the sampled
+//! [`ImpulseResponse`](crate::acoustics::ImpulseResponse). The model, its sources and what it leaves
+//! out: `docs/acoustics.md`.
 
 mod duration;
 mod early;
@@ -15,7 +17,7 @@ pub use settings::{MAX_ORDER, ResponseSettings};
 
 use crate::acoustics::early::Missed;
 use crate::acoustics::{Arrival, Echogram, Figures, Tap};
-use crate::bands::{BAND_COUNT, Bands};
+use crate::bands::{self, Bands};
 use crate::error::Error;
 use crate::scene::Scene;
 use crate::trace::{ArrivalCounts, ArrivalSettings, Settings, Tracer};
@@ -77,31 +79,30 @@ impl Response {
             Some(seconds) => seconds,
             None => duration::needed(tracer, scene, &settings.trace)?,
         };
-        let mut sum = Sum::new(scene, settings)?;
+        let medium = Medium::of(scene);
+        // Bins begin with what may arrive first, so that 50 and 80 ms after it lie between bins.
+        let first_s = medium.direct_s;
+        let mut echogram = Echogram::with_edge_at(first_s, settings.bin_s, settings.batches)?;
+        let mut early = Vec::new();
         let how = ArrivalSettings::new(seconds).with_early_order(order);
-        let counts = tracer.arrivals(scene, &settings.trace, &how, &mut |arrival| {
-            sum.take(arrival)
-        })?;
-        let mut arrivals = std::mem::take(&mut sum.early);
+        let mut take = |arrival: Arrival| match arrival.is_early {
+            true => early.push(arrival),
+            false => medium.add(&mut echogram, &arrival),
+        };
+        let counts = tracer.arrivals(scene, &settings.trace, &how, &mut take)?;
         // They come by chunks of iterations.
-        arrivals.sort_by_key(|arrival| arrival.wave);
-        let starts = start_directions(tracer, &settings.trace, &arrivals)?;
-        let early = EarlyPart::find(scene, &starts, settings.trace.waves, order, &arrivals)?;
-        early
-            .left_over(&arrivals)
-            .for_each(|arrival| sum.add(arrival));
-        let mut paths = early.heard(scene, sum.speed, &sum.air, sum.level, &arrivals);
+        early.sort_by_key(|arrival| arrival.wave);
+        let starts = start_directions(tracer, &settings.trace, &early)?;
+        let part = EarlyPart::find(scene, &starts, settings.trace.waves, order, early)?;
+        part.left_over()
+            .for_each(|arrival| medium.add(&mut echogram, arrival));
+        let mut paths = part.heard(scene, &medium);
         paths.retain(|path| path.delay_s <= seconds);
-        let taps: Vec<Tap> = paths.iter().map(HeardPath::tap).collect();
-        let direct_s = paths
-            .iter()
-            .find(|path| path.is_direct())
-            .map(|path| path.delay_s);
-        let figures = Figures::new(&taps, &sum.echogram, direct_s, seconds);
+        let figures = Figures::new(&taps(&paths), &echogram, direct_s(&paths), seconds);
         Ok(Response {
             paths,
-            missed: early.missed(),
-            echogram: sum.echogram,
+            missed: part.missed(),
+            echogram,
             figures,
             seconds,
             counts,
@@ -111,75 +112,78 @@ impl Response {
 
     /// The direct sound; `None` where something is in its way.
     pub fn direct(&self) -> Option<&HeardPath> {
-        self.paths.iter().find(|path| path.is_direct())
+        direct(&self.paths)
     }
 
     /// The exact paths as taps of an impulse response.
     pub fn taps(&self) -> Vec<Tap> {
-        self.paths.iter().map(HeardPath::tap).collect()
+        taps(&self.paths)
     }
 
     /// The energy density of all that arrives, by band, in 1/m².
     pub fn energy(&self) -> Bands {
         let mut energy = self.echogram.total();
         for path in &self.paths {
-            (0..BAND_COUNT).for_each(|band| energy[band] += path.energy[band]);
+            bands::add(&mut energy, &path.energy);
         }
         energy
     }
 }
 
-/// Adds up arrivals as they come; the early ones are kept.
-struct Sum {
-    echogram: Echogram,
-    early: Vec<Arrival>,
+fn direct(paths: &[HeardPath]) -> Option<&HeardPath> {
+    paths.iter().find(|path| path.is_direct())
+}
+
+fn direct_s(paths: &[HeardPath]) -> Option<f64> {
+    direct(paths).map(|path| path.delay_s)
+}
+
+fn taps(paths: &[HeardPath]) -> Vec<Tap> {
+    paths.iter().map(HeardPath::tap).collect()
+}
+
+/// What lies between a source and what it brings to a listener, besides the surfaces.
+struct Medium {
+    /// Metres a second.
     speed: f64,
+    /// Attenuation of energy by band, in 1/m.
     air: Bands,
     /// The source's level as a factor of energy.
     level: f64,
+    /// When the direct sound arrives if nothing is in its way, in seconds.
+    direct_s: f64,
 }
 
-impl Sum {
-    fn new(scene: &Scene, settings: &ResponseSettings) -> Result<Sum, Error> {
+impl Medium {
+    fn of(scene: &Scene) -> Medium {
         let speed = scene.speed_of_sound();
-        // Bins begin with what may arrive first, so that 50 and 80 ms after it lie between bins.
         let apart = scene.source.position.as_dvec3() - scene.listener.position.as_dvec3();
-        let first_s = apart.length() / speed;
-        Ok(Sum {
-            echogram: Echogram::with_edge_at(first_s, settings.bin_s, settings.batches)?,
-            early: Vec::new(),
+        Medium {
             speed,
             air: scene.air_attenuation(),
             level: 10_f64.powf(f64::from(scene.source.level_db) / 10.0),
-        })
-    }
-
-    fn take(&mut self, arrival: Arrival) {
-        if arrival.order_is_early {
-            self.early.push(arrival);
-        } else {
-            self.add(&arrival);
+            direct_s: apart.length() / speed,
         }
     }
 
-    fn add(&mut self, arrival: &Arrival) {
+    fn add(&self, echogram: &mut Echogram, arrival: &Arrival) {
         let mut arrival = *arrival;
         arrival.energy = arrival.energy.map(|energy| energy * self.level);
-        self.echogram.add_arrival(&arrival, self.speed, &self.air);
+        echogram.add_arrival(&arrival, self.speed, &self.air);
     }
 }
 
-/// The start directions of the waves that arrived early, in their order.
+/// The waves that arrived early, in order, each once, with its start direction.
 fn start_directions(
     tracer: &mut Tracer,
     settings: &Settings,
     early: &[Arrival],
 ) -> Result<Vec<(u32, Vec3)>, Error> {
-    let mut waves: Vec<u32> = early.iter().map(|arrival| arrival.wave).collect();
-    waves.dedup();
-    if waves.is_empty() {
+    if early.is_empty() {
         return Ok(Vec::new());
     }
+    let mut waves: Vec<u32> = early.iter().map(|arrival| arrival.wave).collect();
+    waves.dedup();
     let all = tracer.start_directions(settings)?;
     let start = |wave: u32| (wave, all[wave as usize]);
     Ok(waves.into_iter().map(start).collect())

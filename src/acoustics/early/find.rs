@@ -26,6 +26,17 @@ pub struct Found {
     pub missed: Missed,
 }
 
+impl Found {
+    /// No path at all, for one reason.
+    pub(super) fn none(candidates: &Candidates, why: NoPath) -> Found {
+        Found {
+            paths: Vec::new(),
+            outcomes: vec![Err(why); candidates.len()],
+            missed: Missed::default(),
+        }
+    }
+}
+
 /// Times that a path which left the sheet of a candidate may go on at the neighbouring one.
 const MOST_CROSSINGS: usize = 6;
 

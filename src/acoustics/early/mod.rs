@@ -114,6 +114,8 @@ pub enum NoPath {
     NotFromTheAir,
     /// Something is in the way.
     Blocked,
+    /// The source or the listener's centre is in a solid.
+    EndInSolid,
 }
 
 impl Ends {
@@ -169,10 +171,15 @@ impl EarlyPaths {
             .all(|sheet| sheet.is_ok_and(|sheet| sheet.is_flat()))
     }
 
-    /// The paths of all candidates, and the direct sound where nothing is in its way.
+    /// The paths of all candidates, and the direct sound where nothing is in its way; none from or to
+    /// a place in a solid.
     ///
     /// On the threads of rayon's pool; the result does not depend on their number.
     pub fn find(&self, ends: &Ends, candidates: &Candidates) -> Found {
+        let in_solid = |end| self.exact.surface_distance(end) < -self.exact.rounding();
+        if in_solid(ends.source) || in_solid(ends.listener) {
+            return Found::none(candidates, NoPath::EndInSolid);
+        }
         find::find(&self.exact, &self.surfaces, ends, candidates)
     }
 }

@@ -55,8 +55,8 @@ const NO_TAIL: Tail = Tail {
 };
 
 impl<'a> Decay<'a> {
-    /// The decay of a band; `None` if there is no energy, or if its tail cannot be told since the
-    /// record's second half does not decay by 10 dB.
+    /// The decay of a band; `None` if there is no energy, or if its tail cannot be told: the second half
+    /// of the record has not 5 dB less energy than the first, so that its decay is not 10 dB.
     pub(super) fn new(pieces: &'a [Piece], band: usize, bin_s: f64) -> Option<Decay<'a>> {
         let mut remaining = vec![0.0; pieces.len() + 1];
         for (index, piece) in pieces.iter().enumerate().rev() {

@@ -50,7 +50,7 @@ impl Room {
                     let reflectance = self.reflectance(&line);
                     take(Arrival {
                         wave,
-                        order_is_early: false,
+                        is_early: false,
                         length_m: middle_m,
                         direction: line.folded_direction(),
                         energy: reflectance.map(|reflectance| reflectance * chord_m * share),

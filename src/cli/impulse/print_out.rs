@@ -3,19 +3,15 @@
 use super::super::options::Common;
 use super::super::print;
 use super::pairs::Pair;
-use crate::acoustics::{BandFigures, Figures};
-use crate::bands::{BAND_COUNT, BANDS_HZ, Bands};
+use crate::acoustics::{BandFigures, Figures, strength_db};
+use crate::bands::{self, BAND_COUNT, BANDS_HZ, Bands};
 use crate::report::{Column, Row, Table};
 use crate::response::{HeardPath, Response, ResponseSettings};
 use crate::scene::{Scene, WALL_NAMES};
 use serde::Serialize;
-use std::f64::consts::PI;
 
 /// Paths that the text names; the JSON has all.
 const PATHS_IN_TEXT: usize = 8;
-
-/// A level of 0 dB: the direct sound 10 m away in the open, in 1/m².
-const STRENGTH_0_DB: f64 = 1.0 / (4.0 * PI * 100.0);
 
 /// More of the energy than this, if it comes after the response's end, is told: a tenth of what
 /// figures allow.
@@ -44,16 +40,10 @@ struct PairReport<'a> {
     iterations: u32,
     milliseconds: f64,
     bands_hz: Bands,
-    edt_s: Vec<Option<f64>>,
-    t20_s: Vec<Option<f64>>,
-    t30_s: Vec<Option<f64>>,
-    c50_db: Vec<Option<f64>>,
-    c80_db: Vec<Option<f64>>,
-    d50: Vec<Option<f64>>,
-    ts_s: Vec<Option<f64>>,
-    g_db: Vec<Option<f64>>,
-    error: ErrorReport,
-    /// The share of the energy after the record's end.
+    #[serde(flatten)]
+    figures: FigureReport,
+    error: FigureReport,
+    /// The share of the energy after the response's end.
     cut_off: [Option<f64>; BAND_COUNT],
     /// The share of the early energy on paths that no wave found.
     missed_early_share: Option<f64>,
@@ -61,9 +51,9 @@ struct PairReport<'a> {
     paths: Vec<PathReport<'a>>,
 }
 
-/// One standard deviation.
+/// Figures by band, or their errors: one standard deviation.
 #[derive(Serialize)]
-struct ErrorReport {
+struct FigureReport {
     edt_s: Vec<Option<f64>>,
     t20_s: Vec<Option<f64>>,
     t30_s: Vec<Option<f64>>,
@@ -77,7 +67,7 @@ struct ErrorReport {
 #[derive(Serialize)]
 struct DirectReport {
     delay_s: f64,
-    g_db: f64,
+    g_db: Option<f64>,
     azimuth_deg: f64,
     elevation_deg: f64,
 }
@@ -90,7 +80,7 @@ struct PathReport<'a> {
     walls: Vec<Option<&'static str>>,
     delay_s: f64,
     /// Of the mean of the bands' energies.
-    g_db: f64,
+    g_db: Option<f64>,
     g_db_bands: Vec<Option<f64>>,
     azimuth_deg: f64,
     elevation_deg: f64,
@@ -136,29 +126,13 @@ fn of_pair<'a>(pair: &'a Pair, response: &'a Response) -> PairReport<'a> {
         iterations: response.counts.iterations,
         milliseconds: response.milliseconds,
         bands_hz: BANDS_HZ,
-        edt_s: by_band(bands, |f| f.edt_s),
-        t20_s: by_band(bands, |f| f.t20_s),
-        t30_s: by_band(bands, |f| f.t30_s),
-        c50_db: by_band(bands, |f| f.c50_db),
-        c80_db: by_band(bands, |f| f.c80_db),
-        d50: by_band(bands, |f| f.d50),
-        ts_s: by_band(bands, |f| f.ts_s),
-        g_db: by_band(bands, |f| f.g_db),
-        error: ErrorReport {
-            edt_s: by_band(errors, |f| f.edt_s),
-            t20_s: by_band(errors, |f| f.t20_s),
-            t30_s: by_band(errors, |f| f.t30_s),
-            c50_db: by_band(errors, |f| f.c50_db),
-            c80_db: by_band(errors, |f| f.c80_db),
-            d50: by_band(errors, |f| f.d50),
-            ts_s: by_band(errors, |f| f.ts_s),
-            g_db: by_band(errors, |f| f.g_db),
-        },
+        figures: FigureReport::of(bands),
+        error: FigureReport::of(errors),
         cut_off: *cut_off,
         missed_early_share: response.missed.energy_share(),
         direct: response.direct().map(|path| DirectReport {
             delay_s: path.delay_s,
-            g_db: strength_db(mean(&path.energy)).unwrap_or(f64::NEG_INFINITY),
+            g_db: mean_strength_db(path),
             azimuth_deg: path.azimuth.to_degrees(),
             elevation_deg: path.elevation.to_degrees(),
         }),
@@ -170,14 +144,9 @@ fn of_path(path: &HeardPath) -> PathReport<'_> {
     PathReport {
         order: path.path.surfaces.len(),
         surfaces: &path.path.surfaces,
-        walls: path
-            .path
-            .walls
-            .iter()
-            .map(|wall| wall.map(|wall| WALL_NAMES[usize::from(wall)]))
-            .collect(),
+        walls: wall_names(path).collect(),
         delay_s: path.delay_s,
-        g_db: strength_db(mean(&path.energy)).unwrap_or(f64::NEG_INFINITY),
+        g_db: mean_strength_db(path),
         g_db_bands: path
             .energy
             .iter()
@@ -189,20 +158,31 @@ fn of_path(path: &HeardPath) -> PathReport<'_> {
     }
 }
 
-fn by_band(
-    of: &[BandFigures; BAND_COUNT],
-    figure: impl Fn(&BandFigures) -> Option<f64>,
-) -> Vec<Option<f64>> {
-    of.iter().map(figure).collect()
+impl FigureReport {
+    fn of(bands: &[BandFigures; BAND_COUNT]) -> FigureReport {
+        let by_band = |figure: fn(&BandFigures) -> Option<f64>| bands.iter().map(figure).collect();
+        FigureReport {
+            edt_s: by_band(|band| band.edt_s),
+            t20_s: by_band(|band| band.t20_s),
+            t30_s: by_band(|band| band.t30_s),
+            c50_db: by_band(|band| band.c50_db),
+            c80_db: by_band(|band| band.c80_db),
+            d50: by_band(|band| band.d50),
+            ts_s: by_band(|band| band.ts_s),
+            g_db: by_band(|band| band.g_db),
+        }
+    }
 }
 
-fn mean(bands: &Bands) -> f64 {
-    bands.iter().sum::<f64>() / BAND_COUNT as f64
+/// *G* of the mean of a path's bands, in decibels; `None` for silence.
+fn mean_strength_db(path: &HeardPath) -> Option<f64> {
+    strength_db(bands::mean(&path.energy))
 }
 
-/// *G* of an energy density in 1/m², in decibels; `None` for silence.
-fn strength_db(energy: f64) -> Option<f64> {
-    (energy > 0.0).then(|| 10.0 * (energy / STRENGTH_0_DB).log10())
+/// The names of the walls that a path is mirrored at; `None` for other surfaces.
+fn wall_names(path: &HeardPath) -> impl Iterator<Item = Option<&'static str>> {
+    let walls = path.path.walls.iter();
+    walls.map(|wall| wall.map(|wall| WALL_NAMES[usize::from(wall)]))
 }
 
 /// One band of one pair, as a row of a table.
@@ -284,7 +264,7 @@ fn print_paths(scene: &Scene, response: &Response) -> anyhow::Result<()> {
             true => "direct".to_owned(),
             false => format!("over {}", mirrors(scene, path).join(", ")),
         };
-        let strength = strength_db(mean(&path.energy));
+        let strength = mean_strength_db(path);
         print::line(&format!(
             "  {:9.3} ms  G {:>6} dB  azimuth {:+7.1}°, elevation {:+6.1}°  {over}",
             path.delay_s * 1e3,
@@ -306,13 +286,13 @@ fn tenths(value: f64) -> f64 {
 
 /// What a path is mirrored at: surfaces by their names or numbers, and walls of rooms.
 fn mirrors(scene: &Scene, path: &HeardPath) -> Vec<String> {
-    let surfaces = path.path.surfaces.iter().zip(&path.path.walls);
-    let name = |(number, wall): (&u32, &Option<u8>)| {
+    let surfaces = path.path.surfaces.iter().zip(wall_names(path));
+    let name = |(number, wall): (&u32, Option<&str>)| {
         let surface = scene.surfaces.get(*number as usize - 1);
         let name = surface.and_then(|surface| surface.name.clone());
         let name = name.unwrap_or_else(|| number.to_string());
         match wall {
-            Some(wall) => format!("{name}/{}", WALL_NAMES[usize::from(*wall)]),
+            Some(wall) => format!("{name}/{wall}"),
             None => name,
         }
     };

@@ -21,36 +21,42 @@ pub(super) struct MaterialFile {
     scattering: Shares<true>,
 }
 
-/// The materials of single walls of a room.
+/// What a file says of single walls of a room.
 #[derive(Deserialize)]
-#[serde(rename = "Walls", deny_unknown_fields)]
-pub(super) struct WallsFile {
+#[serde(rename = "Walls", deny_unknown_fields, bound = "T: Deserialize<'de>")]
+pub(super) struct Walls<T> {
     #[serde(default)]
-    left: Option<Name>,
+    left: Option<T>,
     #[serde(default)]
-    right: Option<Name>,
+    right: Option<T>,
     #[serde(default)]
-    floor: Option<Name>,
+    floor: Option<T>,
     #[serde(default)]
-    ceiling: Option<Name>,
+    ceiling: Option<T>,
     #[serde(default)]
-    front: Option<Name>,
+    front: Option<T>,
     #[serde(default)]
-    back: Option<Name>,
+    back: Option<T>,
 }
 
-impl WallsFile {
+impl<T> Walls<T> {
     /// In the order of [`WALL_NAMES`](crate::scene::WALL_NAMES).
-    pub fn names(self) -> [Option<String>; WALL_COUNT] {
-        let walls = [
+    pub fn into_array(self) -> [Option<T>; WALL_COUNT] {
+        [
             self.left,
             self.right,
             self.floor,
             self.ceiling,
             self.front,
             self.back,
-        ];
-        walls.map(|name| name.map(|name| name.0))
+        ]
+    }
+}
+
+impl Walls<Name> {
+    /// The names of their materials.
+    pub fn names(self) -> [Option<String>; WALL_COUNT] {
+        self.into_array().map(|name| name.map(|name| name.0))
     }
 }
 

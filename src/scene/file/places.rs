@@ -1,6 +1,7 @@
 //! Where something stands in the text of a scene file that can be read, and is refused for what else
 //! the file says.
 
+use super::material::Walls;
 use super::{malformed, options};
 use crate::scene::SceneError;
 use crate::scene::notation::Attached;
@@ -85,24 +86,7 @@ struct SurfaceValues<'a> {
     #[serde(borrow, default)]
     material: Option<&'a RawValue>,
     #[serde(borrow, default)]
-    walls: Option<WallValues<'a>>,
-}
-
-#[derive(Deserialize)]
-#[serde(rename = "Walls")]
-struct WallValues<'a> {
-    #[serde(borrow, default)]
-    left: Option<&'a RawValue>,
-    #[serde(borrow, default)]
-    right: Option<&'a RawValue>,
-    #[serde(borrow, default)]
-    floor: Option<&'a RawValue>,
-    #[serde(borrow, default)]
-    ceiling: Option<&'a RawValue>,
-    #[serde(borrow, default)]
-    front: Option<&'a RawValue>,
-    #[serde(borrow, default)]
-    back: Option<&'a RawValue>,
+    walls: Option<Walls<&'a RawValue>>,
 }
 
 /// A file's scene, whose end is refused.
@@ -143,19 +127,5 @@ impl Place {
                 }
             }
         }
-    }
-}
-
-impl<'a> WallValues<'a> {
-    /// In the order of [`WALL_NAMES`](crate::scene::WALL_NAMES).
-    fn into_array(self) -> [Option<&'a RawValue>; crate::scene::WALL_COUNT] {
-        [
-            self.left,
-            self.right,
-            self.floor,
-            self.ceiling,
-            self.front,
-            self.back,
-        ]
     }
 }

@@ -1,6 +1,6 @@
 //! One surface of a scene file.
 
-use super::material::WallsFile;
+use super::material::Walls;
 use crate::scene::notation::{Angle, Attached, Metres, Name, ReadNumbers, Reader, Vector};
 use crate::scene::shape::ShapeFile;
 use crate::scene::{SceneError, Surface};
@@ -23,7 +23,7 @@ pub(super) struct SurfaceFile {
     #[serde(default)]
     material: Option<Name>,
     #[serde(default)]
-    walls: Option<WallsFile>,
+    walls: Option<Walls<Name>>,
 }
 
 impl SurfaceFile {
@@ -46,7 +46,7 @@ impl SurfaceFile {
             angles: if turning { angles } else { Vec3::ZERO },
             drivers: reader.into_drivers(),
             material: self.material.map(|name| name.0),
-            walls: self.walls.map(WallsFile::names).unwrap_or_default(),
+            walls: self.walls.map(Walls::names).unwrap_or_default(),
         })
     }
 }

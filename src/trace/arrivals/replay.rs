@@ -209,7 +209,7 @@ impl Block {
         let order = self.iterations + iteration;
         Some(Arrival {
             wave: self.first + wave,
-            order_is_early: so_far.is_mirrored && order <= with.early_order,
+            is_early: so_far.is_mirrored && order <= with.early_order,
             length_m,
             direction: direction(record),
             energy,

@@ -129,12 +129,13 @@ impl Trial {
 
     /// Whether the fields can be used, once that is known: for whoever has other things to do.
     pub fn poll(&mut self) -> Option<Result<(), Error>> {
+        let longest = self.longest();
         let ended = match self.child.try_wait() {
             Ok(Some(status)) => self.judge(status),
-            Ok(None) if self.began.elapsed() < self.longest() => return None,
+            Ok(None) if self.began.elapsed() < longest => return None,
             // Not remembered: on a machine that does much else a good field takes long too.
             Ok(None) => {
-                let how = format!("took longer than {} s", self.longest().as_secs());
+                let how = format!("took longer than {} s", longest.as_secs());
                 return Some(Err(self.dies(how).into()));
             }
             Err(error) => Err(TraceError::NoFieldTrial {

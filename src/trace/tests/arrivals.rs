@@ -294,7 +294,7 @@ fn records_and_chunks_change_nothing() {
             assert_eq!(other.len(), expected.len());
             assert_eq!(other_counts.flown, counts.flown);
             for (a, b) in other.iter().zip(&expected) {
-                assert_eq!((a.wave, a.order_is_early), (b.wave, b.order_is_early));
+                assert_eq!((a.wave, a.is_early), (b.wave, b.is_early));
                 assert!((a.length_m - b.length_m).abs() < 1e-4, "{a:?} {b:?}");
                 assert!(a.direction.distance(b.direction) < 1e-9);
                 // Of a chord 2^-17 of four radii are rounded away.

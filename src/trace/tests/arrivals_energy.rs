@@ -165,7 +165,7 @@ fn what_takes_all_silences() {
     assert!(!all.is_empty());
     for arrival in &all {
         // The middle of the chord is on the sphere about the way from source to listener.
-        assert!(arrival.order_is_early && arrival.length_m <= apart);
+        assert!(arrival.is_early && arrival.length_m <= apart);
     }
     // 1 / 4π r², a mean over the sphere: 1 + r²/5d² of that at its centre (the Laplacian of 1/r² is
     // 2/r⁴). Fewer than 1 in 200 waves are heard: 5 standard errors are 5 · √(200 / 20,000).
@@ -237,7 +237,7 @@ fn scattering_takes_its_share() {
     for left in counts.energy_under_way {
         assert!((left / 0.75f64.powi(2) - 1.0).abs() < 0.055, "{left}");
     }
-    let early = all.iter().filter(|arrival| arrival.order_is_early).count();
+    let early = all.iter().filter(|arrival| arrival.is_early).count();
     assert!(early > 0 && early < all.len());
     let (all, _) = arrivals(
         &mut tracer(),
@@ -248,7 +248,7 @@ fn scattering_takes_its_share() {
     // All that was reflected was scattered. The direct way is 9.76 m long; of ways by the floor or
     // the ceiling the shortest into the sphere is 11.4 m − 1.2 m.
     let apart = 10.0;
-    assert!(all.iter().all(|a| a.order_is_early == (a.length_m < apart)));
+    assert!(all.iter().all(|a| a.is_early == (a.length_m < apart)));
 }
 
 /// Protects Lambert's law, against the integral over a floor that scatters all: each piece of it
@@ -270,7 +270,7 @@ fn a_floor_scatters_by_lamberts_law() {
     let (all, counts) = arrivals(&mut tracer(), &scene, &settings, &how);
     assert_eq!(counts.waves, 1_600_000);
     assert!(all.iter().any(|arrival| arrival.wave > 262_144));
-    let scattered = all.iter().filter(|arrival| !arrival.order_is_early);
+    let scattered = all.iter().filter(|arrival| !arrival.is_early);
     let (mut sum, mut crossings) = (0.0, 0.0f64);
     for arrival in scattered {
         sum += arrival.energy[0];
