@@ -37,6 +37,7 @@
 //! | [`acoustics`] | exact specular paths, echograms, the figures of ISO 3382-1, impulse responses |
 //! | [`response`] | all of these of a scene, traced |
 //! | [`audio`] | sounds, panning laws, mixer, WAV files; live sound (feature `audio`) |
+//! | [`auralisation`] | what a listener hears of a source, as sound |
 //! | [`offline`] | a moving scene to sound, without a sound card |
 //! | [`gpu`] | contexts with no window, and the renderers that there are |
 //! | [`mod@reference`] | exact waves on the CPU, to check against |
@@ -73,6 +74,7 @@
 
 pub mod acoustics;
 pub mod audio;
+pub mod auralisation;
 pub mod bands;
 #[cfg(feature = "cli")]
 pub mod cli;

@@ -134,8 +134,13 @@ impl ImpulseResponse {
     }
 }
 
+/// The gain of a band's filter for taps at a frequency in hertz: see [`ImpulseResponse`].
+pub(crate) fn tap_filter_gain(band: usize, frequency_hz: f64) -> f64 {
+    Crossing::Amplitude.gain(band, frequency_hz)
+}
+
 /// The amplitude of an energy in 1/m².
-fn amplitude(energy: f64) -> f64 {
+pub(crate) fn amplitude(energy: f64) -> f64 {
     (4.0 * PI * energy.max(0.0)).sqrt()
 }
 

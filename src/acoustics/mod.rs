@@ -47,3 +47,4 @@ pub use figures::{BandFigures, Figures, strength_db};
 pub use impulse_response::{
     Format, ImpulseResponse, ImpulseSettings, ListenerAxes, MAX_SECONDS, RATES_HZ,
 };
+pub(crate) use impulse_response::{amplitude, tap_filter_gain};

@@ -87,6 +87,9 @@ pub struct ProfilesOption {
     pub profiles: Vec<Profile>,
 }
 
+/// Segments of each wave unless more are asked for.
+const USUAL_ITERATIONS: u32 = 8;
+
 /// How to trace.
 #[derive(Args, Debug)]
 #[command(next_help_heading = "How to trace")]
@@ -97,13 +100,9 @@ pub struct TraceOptions {
     /// Number of sound waves, 1 to 16777216 [default: 65536]
     #[arg(long, allow_negative_numbers = true, value_name = "N", value_parser = count::<u32>)]
     pub waves: Option<u32>,
-    /// Segments of each wave, 1 to 4095
-    #[arg(
-        long,
-        allow_negative_numbers = true,
-        default_value_t = 8,
-        value_name = "N", value_parser = count::<u32>)]
-    pub iterations: u32,
+    /// Segments of each wave, 1 to 4095 [default: 8]
+    #[arg(long, allow_negative_numbers = true, value_name = "N", value_parser = count::<u32>)]
+    pub iterations: Option<u32>,
     /// Chooses the start directions
     #[arg(
         long,
@@ -134,7 +133,7 @@ impl TraceOptions {
     /// The settings that were typed, checked.
     pub fn settings(&self) -> anyhow::Result<Settings> {
         let mut settings = Settings::new(self.algorithm()?)
-            .with_iterations(self.iterations)
+            .with_iterations(self.iterations.unwrap_or(USUAL_ITERATIONS))
             .with_seed(self.seed)
             .with_directions(self.directions)
             .with_sum_on_gpu(self.sum_on_gpu);

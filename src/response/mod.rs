@@ -72,13 +72,9 @@ impl Response {
         scene: &Scene,
         settings: &ResponseSettings,
     ) -> Result<Response, Error> {
-        settings.validate()?;
         let began = Instant::now();
+        let seconds = settings.seconds_needed(tracer, scene)?;
         let order = settings.order_in(scene);
-        let seconds = match settings.seconds {
-            Some(seconds) => seconds,
-            None => duration::needed(tracer, scene, &settings.trace)?,
-        };
         let medium = Medium::of(scene);
         // Bins begin with what may arrive first, so that 50 and 80 ms after it lie between bins.
         let first_s = medium.direct_s;

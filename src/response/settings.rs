@@ -1,9 +1,10 @@
 //! How responses are traced.
 
+use super::duration;
 use crate::acoustics::{AcousticsError, MAX_SECONDS};
 use crate::error::Error;
 use crate::scene::{Node, Scene, Surface};
-use crate::trace::{ArrivalSettings, Profile, Settings, TraceError};
+use crate::trace::{ArrivalSettings, Profile, Settings, TraceError, Tracer};
 
 /// How a [`Response`](super::Response) is traced.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,6 +65,19 @@ impl ResponseSettings {
     pub fn with_order(mut self, order: u32) -> ResponseSettings {
         self.order = Some(order);
         self
+    }
+
+    /// How long a response in this scene is: `seconds`, or until the energy of every band has fallen by
+    /// 60 dB as a few waves foretell it.
+    ///
+    /// # Errors
+    /// As [`Response::trace`](super::Response::trace).
+    pub fn seconds_needed(&self, tracer: &mut Tracer, scene: &Scene) -> Result<f64, Error> {
+        self.validate()?;
+        match self.seconds {
+            Some(seconds) => Ok(seconds),
+            None => duration::needed(tracer, scene, &self.trace),
+        }
     }
 
     /// The order of exact paths in this scene.

@@ -62,6 +62,12 @@ impl Material {
         *self == Material::MIRROR
     }
 
+    /// Whether all octave bands are treated alike: a reflection then keeps the timbre.
+    pub fn is_grey(&self) -> bool {
+        let is_even = |bands: &Bands| bands.iter().all(|value| *value == bands[0]);
+        is_even(&self.absorption) && is_even(&self.scattering)
+    }
+
     /// A built-in material by its name; see [`BUILTIN_MATERIALS`].
     pub fn builtin(name: &str) -> Option<&'static Material> {
         let known = BUILTIN_MATERIALS.iter().find(|known| known.name == name);

@@ -76,8 +76,18 @@ impl Scene {
     /// Whether some surface absorbs or scatters: else a reflection keeps all of the energy, and
     /// mirrors it.
     pub fn has_materials(&self) -> bool {
-        let mut names = self.surfaces.iter().flat_map(|s| s.material_names());
-        names.any(|name| self.material_named(name).is_some_and(|m| !m.is_mirror()))
+        self.used_materials().any(|material| !material.is_mirror())
+    }
+
+    /// Whether a material or the air changes the timbre: else one octave band is as another.
+    pub fn has_bands(&self) -> bool {
+        self.air.is_some() || self.used_materials().any(|material| !material.is_grey())
+    }
+
+    /// The materials of surfaces and walls, one that is named twice twice.
+    fn used_materials(&self) -> impl Iterator<Item = &Material> {
+        let names = self.surfaces.iter().flat_map(|s| s.material_names());
+        names.filter_map(|name| self.material_named(name))
     }
 
     /// Speed of sound in metres a second: that of the scene's air, else 343.
@@ -128,12 +138,14 @@ mod tests {
         let own = Material::absorbing(0.9);
         scene.materials.insert("brick".into(), own);
         assert_eq!(scene.material(0, Some(3)), Some(&own));
-        assert!(scene.has_materials());
+        assert!(scene.has_materials() && scene.has_bands());
         scene.surfaces.remove(0);
-        assert!(!scene.has_materials());
+        assert!(!scene.has_materials() && !scene.has_bands());
         scene.surfaces[0].material = Some("mirror".into());
         scene.materials.insert("mirror".into(), Material::MIRROR);
         assert!(!scene.has_materials());
+        scene.materials.insert("mirror".into(), own);
+        assert!(scene.has_materials() && !scene.has_bands());
     }
 
     /// Protects pairs: each source and each listener by its number, and everything else as it was.

@@ -1,4 +1,6 @@
-//! WAV files, byte by byte.
+//! WAV files, byte by byte, and what is in them.
+
+use std::path::Path;
 
 /// A WAV header for `data_bytes` of samples.
 pub fn wav_header(tag: u16, rate: u32, bits: u16, data_bytes: u32) -> Vec<u8> {
@@ -22,4 +24,22 @@ pub fn float_wav(samples: &[f32]) -> Vec<u8> {
     let mut file = wav_header(3, 44_100, 32, 4 * samples.len() as u32);
     file.extend(samples.iter().flat_map(|sample| sample.to_le_bytes()));
     file
+}
+
+/// Left and right of a file that the program wrote: 48 kHz, floats.
+pub fn read_stereo(path: &Path) -> [Vec<f32>; 2] {
+    let reader = hound::WavReader::open(path).unwrap();
+    let spec = reader.spec();
+    assert_eq!((spec.channels, spec.sample_rate), (2, 48_000));
+    assert_eq!(spec.sample_format, hound::SampleFormat::Float);
+    assert_eq!(spec.bits_per_sample, 32);
+    let samples: Vec<f32> = reader.into_samples().map(Result::unwrap).collect();
+    let channel = |first| samples.iter().copied().skip(first).step_by(2).collect();
+    [channel(0), channel(1)]
+}
+
+/// The root of the mean square.
+pub fn rms(samples: &[f32]) -> f64 {
+    let squares = samples.iter().map(|&s| f64::from(s).powi(2));
+    (squares.sum::<f64>() / samples.len() as f64).sqrt()
 }

@@ -1,9 +1,9 @@
 //! The program as a person types it.
 
 use crate::common::cli::{argument, command, echomarch, json, stderr, stdout, succeed};
+use crate::common::wav::{read_stereo, rms};
 use crate::common::{builtin, thesis, tracer};
 use echomarch::audio::{SAMPLE_RATE, SINE_AMPLITUDE};
-use std::path::Path;
 use std::process::Stdio;
 
 const SUBCOMMANDS: [&str; 4] = ["figures", "trace", "render", "info"];
@@ -231,23 +231,6 @@ fn csv_rows(text: &str) -> Vec<Vec<String>> {
         rows.push(row);
     }
     rows
-}
-
-/// Left and right samples of a WAV of the kind that `render` writes.
-fn read_stereo(path: &Path) -> [Vec<f32>; 2] {
-    let reader = hound::WavReader::open(path).unwrap();
-    let spec = reader.spec();
-    assert_eq!((spec.channels, spec.sample_rate), (2, 48_000));
-    assert_eq!(spec.sample_format, hound::SampleFormat::Float);
-    assert_eq!(spec.bits_per_sample, 32);
-    let samples: Vec<f32> = reader.into_samples().map(Result::unwrap).collect();
-    let channel = |first| samples.iter().copied().skip(first).step_by(2).collect();
-    [channel(0), channel(1)]
-}
-
-fn rms(samples: &[f32]) -> f64 {
-    let squares = samples.iter().map(|&s| f64::from(s).powi(2));
-    (squares.sum::<f64>() / samples.len() as f64).sqrt()
 }
 
 /// Protects `render` from scene to sound: a source that passes from left to right is heard to,

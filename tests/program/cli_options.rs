@@ -191,11 +191,12 @@ fn render_plays_speech_by_the_law_of_the_profile() {
         let short = ["--seconds", "0.2", "--waves", "1024", "-o", argument(&wav)];
         json(&[&["render", "corner"], &short[..], more].concat())
     };
-    let report = render(&[]);
+    let report = render(&["--listen", "balance"]);
     assert_eq!(
         (&report["sound"], &report["law"]),
         (&"speech:0".into(), &"constant-power".into())
     );
+    assert_eq!(render(&[])["sound"], "speech:0");
     assert_eq!(render(&["--profile", "thesis"])["law"], "linear");
     assert_eq!(render(&["--law", "linear"])["law"], "linear");
 }

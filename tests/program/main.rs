@@ -18,4 +18,5 @@ mod interrupted;
 mod localise;
 mod localise_form;
 mod localise_score;
+mod render_full;
 mod untrusted;

@@ -1,6 +1,7 @@
 //! A listener's own axes.
 
 use crate::acoustics::AcousticsError;
+use crate::scene::Listener;
 use glam::DVec3;
 
 /// Shorter vectors, and a forward and an up that are nearer to one line (sine of the angle), say
@@ -39,6 +40,14 @@ impl ListenerAxes {
             right,
             up: right.cross(ahead),
         })
+    }
+
+    /// The axes of a scene's listener, as it stands.
+    ///
+    /// # Errors
+    /// [`AcousticsError::BadAxes`] for one that is not finite.
+    pub fn of(listener: &Listener) -> Result<ListenerAxes, AcousticsError> {
+        ListenerAxes::new(listener.forward().as_dvec3(), listener.up().as_dvec3())
     }
 
     /// Where the listener looks.

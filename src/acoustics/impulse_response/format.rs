@@ -5,7 +5,7 @@ use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 /// The most channels that a format has.
-pub(super) const MOST_CHANNELS: usize = 4;
+pub(crate) const MOST_CHANNELS: usize = 4;
 
 /// The mean of the square of one component of a unit vector over all directions: what a
 /// first-order channel (SN3D) has of a diffuse field's energy.
@@ -44,7 +44,7 @@ impl Format {
     }
 
     /// The gains of sound from a direction (a unit vector towards where it comes from).
-    pub(super) fn gains(self, axes: &ListenerAxes, from: DVec3) -> [f64; MOST_CHANNELS] {
+    pub(crate) fn gains(self, axes: &ListenerAxes, from: DVec3) -> [f64; MOST_CHANNELS] {
         match self {
             Format::Mono => [1.0, 0.0, 0.0, 0.0],
             Format::Stereo => {

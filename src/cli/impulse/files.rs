@@ -35,9 +35,7 @@ fn write_wav(
     pair: &Pair,
     response: &Response,
 ) -> anyhow::Result<()> {
-    let listener = &pair.scene.listener;
-    let axes = ListenerAxes::new(listener.forward().as_dvec3(), listener.up().as_dvec3());
-    let axes = axes.map_err(Error::from)?;
+    let axes = ListenerAxes::of(&pair.scene.listener).map_err(Error::from)?;
     let mut settings = ImpulseSettings::new(response.seconds);
     settings.rate_hz = arguments.rate;
     settings.format = arguments.format.into();

@@ -18,8 +18,7 @@ pub fn chosen(
     source: Option<&str>,
     listener: Option<&str>,
 ) -> Result<Vec<Pair>, BadInput> {
-    let sources = labels(scene.sources().map(|source| source.name.as_deref()));
-    let listeners = labels(scene.listeners().map(|listener| listener.name.as_deref()));
+    let (sources, listeners) = (source_labels(scene), listener_labels(scene));
     let from = choose("source", &sources, source)?;
     let to = choose("listener", &listeners, listener)?;
     let both = from
@@ -31,6 +30,21 @@ pub fn chosen(
         scene: scene.heard_by(from, to),
     };
     Ok(both.map(pair).collect())
+}
+
+/// What the sources are called.
+pub fn source_labels(scene: &Scene) -> Vec<String> {
+    labels(scene.sources().map(|source| source.name.as_deref()))
+}
+
+fn listener_labels(scene: &Scene) -> Vec<String> {
+    labels(scene.listeners().map(|listener| listener.name.as_deref()))
+}
+
+/// The index of the listener that was chosen by name or number; the first without a choice.
+pub fn listener(scene: &Scene, wanted: Option<&str>) -> Result<usize, BadInput> {
+    let chosen = choose("listener", &listener_labels(scene), wanted)?;
+    Ok(chosen[0])
 }
 
 /// Says that files hold one pair.

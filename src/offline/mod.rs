@@ -1,7 +1,13 @@
-//! A scene to sound without a sound card: frame after frame, traced and mixed.
+//! A scene to sound without a sound card: frame after frame, traced and played.
 //!
-//! Each frame is traced with the scene as it stands at the frame's start; its panning
-//! is what the gains glide to by the end of the frame's block of samples.
+//! [`render`] is the thesis' way: a frame's panning is what the gains of one sound glide to by the end
+//! of the frame's block of samples. [`render_full`] plays each source as it is heard: delays, loudness,
+//! echoes, reverberation ([`auralisation`](crate::auralisation)). Each frame is traced with the scene as
+//! it stands at the frame's start.
+
+mod full;
+
+pub use full::{FullBlock, FullSettings, HeardSource, render_full};
 
 use crate::audio::{FrameBlocks, Mixer, SAMPLE_RATE, Sound};
 use crate::error::Error;
@@ -30,6 +36,22 @@ impl Timing {
         // it is far below one sample.
         const ROUNDING: f64 = 1e-6;
         (self.seconds * self.fps - ROUNDING).ceil().max(0.0) as u64
+    }
+
+    /// Samples of each channel.
+    fn samples(&self) -> u64 {
+        (self.seconds * f64::from(SAMPLE_RATE)).round() as u64
+    }
+
+    fn check(&self) -> Result<(), Error> {
+        if self.seconds.is_finite() && self.seconds >= 0.0 {
+            return Ok(());
+        }
+        Err(Error::from(TraceError::BadSetting {
+            what: "length in seconds",
+            must: "finite and not negative".to_owned(),
+            value: self.seconds.to_string(),
+        }))
     }
 }
 
@@ -63,16 +85,9 @@ pub fn render<E: From<Error>>(
     timing: Timing,
     mut take: impl FnMut(Block) -> Result<(), E>,
 ) -> Result<(), E> {
-    if !(timing.seconds.is_finite() && timing.seconds >= 0.0) {
-        let error = TraceError::BadSetting {
-            what: "length in seconds",
-            must: "finite and not negative".to_owned(),
-            value: timing.seconds.to_string(),
-        };
-        return Err(Error::from(error).into());
-    }
+    timing.check()?;
     let blocks = FrameBlocks::new(timing.fps, SAMPLE_RATE).map_err(Error::from)?;
-    let end = (timing.seconds * f64::from(SAMPLE_RATE)).round() as u64;
+    let end = timing.samples();
     let mut mono = vec![0.0; blocks.longest()];
     let mut stereo = vec![0.0; 2 * blocks.longest()];
     for index in 0..timing.frames() {

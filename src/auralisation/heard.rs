@@ -1,0 +1,153 @@
+//! What is heard of a source at one moment, made ready to be played.
+
+use super::convolution::Kernel;
+use super::delay_line::REACH;
+use super::{CHANNELS, MOST_ECHOES, Spec};
+use crate::acoustics::{
+    AcousticsError, Format, ImpulseResponse, ImpulseSettings, ListenerAxes, Tap, amplitude,
+};
+use crate::bands::{self, BAND_COUNT};
+use crate::response::{HeardPath, Response};
+use crate::rng::hash;
+
+/// One of the strongest paths.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Echo {
+    /// The same from moment to moment for a path over the same surfaces.
+    pub key: u64,
+    /// Samples from the source to the ear.
+    pub delay: f64,
+    gains: [f32; CHANNELS],
+    bands: [f32; BAND_COUNT],
+    /// The root of the mean energy of the bands.
+    mean: f32,
+}
+
+impl Echo {
+    pub fn new(tap: &Tap, key: u64, axes: &ListenerAxes, spec: Spec) -> Echo {
+        let gains = Format::Stereo.gains(axes, -tap.direction);
+        Echo {
+            key,
+            delay: tap.seconds * f64::from(spec.rate_hz),
+            gains: std::array::from_fn(|channel| gains[channel] as f32),
+            bands: tap.energy.map(|energy| amplitude(energy) as f32),
+            mean: amplitude(bands::mean(&tap.energy)) as f32,
+        }
+    }
+
+    /// By band and channel; one band stands for all.
+    pub fn amplitudes<const BANDS: usize>(&self) -> [[f32; BANDS]; CHANNELS] {
+        self.gains.map(|gain| match BANDS {
+            BAND_COUNT => std::array::from_fn(|band| gain * self.bands[band]),
+            _ => [gain * self.mean; BANDS],
+        })
+    }
+}
+
+/// What a listener hears of a source from some moment on, made ready off the thread that plays it:
+/// the strongest paths as single echoes, all else as a kernel to convolve with.
+#[derive(Debug)]
+pub struct Heard {
+    pub(super) echoes: Vec<Echo>,
+    pub(super) late: Option<Kernel>,
+}
+
+impl Heard {
+    /// What a response has, for a listener with these axes. The late part is noise by `seed`: with the
+    /// same seed it changes no more than the echogram does.
+    ///
+    /// # Errors
+    /// [`AcousticsError::BadLength`] for a response of no length, or of more than
+    /// [`MAX_SECONDS`](crate::acoustics::MAX_SECONDS).
+    pub fn new(
+        response: &Response,
+        axes: &ListenerAxes,
+        spec: Spec,
+        seed: u64,
+    ) -> Result<Heard, AcousticsError> {
+        let mut heard = Heard::of_paths(&response.paths, axes, spec);
+        let rest: Vec<Tap> = faint(&response.paths, spec).map(HeardPath::tap).collect();
+        let settings = ImpulseSettings {
+            rate_hz: spec.rate_hz,
+            seconds: response.seconds.min(spec.longest_s),
+            format: Format::Stereo,
+            seed,
+        };
+        let late = ImpulseResponse::new(&rest, &response.echogram, axes, &settings)?;
+        heard.late = Heard::of_late(late.channels(), spec).late;
+        Ok(heard)
+    }
+
+    /// The paths alone: what is late stays as it is.
+    pub fn of_paths(paths: &[HeardPath], axes: &ListenerAxes, spec: Spec) -> Heard {
+        let mut echoes: Vec<Echo> = Vec::new();
+        for path in strongest(paths, spec) {
+            let mut key = key(path);
+            // Another path over the same surfaces.
+            while echoes.iter().any(|echo| echo.key == key) {
+                key = hash(key);
+            }
+            echoes.push(Echo::new(&path.tap(), key, axes, spec));
+        }
+        Heard { echoes, late: None }
+    }
+
+    /// A late part alone.
+    pub(super) fn of_late(channels: &[Vec<f32>], spec: Spec) -> Heard {
+        Heard {
+            echoes: Vec::new(),
+            late: Some(kernel(channels, spec)),
+        }
+    }
+
+    /// Nothing: all falls silent.
+    pub fn silence() -> Heard {
+        Heard {
+            echoes: Vec::new(),
+            late: Some(Kernel::default()),
+        }
+    }
+
+    /// Single echoes.
+    pub fn echo_count(&self) -> usize {
+        self.echoes.len()
+    }
+}
+
+/// As late as the echoes are.
+fn kernel(channels: &[Vec<f32>], spec: Spec) -> Kernel {
+    let delayed = |samples: &Vec<f32>| {
+        let mut delayed = vec![0.0; spec.filter_delay() + REACH];
+        delayed.extend_from_slice(samples);
+        delayed
+    };
+    Kernel::new(&channels.iter().map(delayed).collect::<Vec<_>>())
+}
+
+/// The paths in the order of their energy, those that can be single echoes first.
+fn by_energy(paths: &[HeardPath], spec: Spec) -> (Vec<&HeardPath>, Vec<&HeardPath>) {
+    let (mut near, far): (Vec<_>, Vec<_>) = paths
+        .iter()
+        .partition(|path| path.delay_s <= spec.longest_s);
+    near.sort_by(|a, b| bands::mean(&b.energy).total_cmp(&bands::mean(&a.energy)));
+    (near, far)
+}
+
+fn strongest(paths: &[HeardPath], spec: Spec) -> impl Iterator<Item = &HeardPath> {
+    let (near, _) = by_energy(paths, spec);
+    near.into_iter().take(MOST_ECHOES)
+}
+
+fn faint(paths: &[HeardPath], spec: Spec) -> impl Iterator<Item = &HeardPath> {
+    let (near, far) = by_energy(paths, spec);
+    near.into_iter().skip(MOST_ECHOES).chain(far)
+}
+
+/// A number for the surfaces and walls that a path is mirrored at.
+fn key(path: &HeardPath) -> u64 {
+    let mirrors = path.path.surfaces.iter().zip(&path.path.walls);
+    mirrors.fold(0, |key, (surface, wall)| {
+        let wall = wall.map_or(0, |wall| u64::from(wall) + 1);
+        hash(key ^ hash(u64::from(*surface) << 8 | wall))
+    })
+}

@@ -1,0 +1,291 @@
+//! What a listener hears of a source, as sound: delays, loudness, echoes, reverberation.
+//!
+//! A [`Response`](crate::response::Response) says what arrives. [`Heard`] is made of it, on any thread:
+//! the strongest exact paths as single echoes, all else as a kernel. An [`Auralisation`] plays a
+//! source's own sound through it into two channels, on a thread that must not wait: it allocates
+//! nothing and locks nothing.
+//!
+//! # Method
+//! - **Echoes**, the direct sound among them, are read from a delay line, between samples, each with
+//!   an amplitude for each band and channel (panned with constant power). When source, listener or
+//!   surfaces move, delays and amplitudes run linearly to their next values: nothing clicks, and a
+//!   source that moves is heard with its Doppler shift. An echo whose delay would run faster than a
+//!   fifth of time, or that is another path, fades instead.
+//! - **The late part** is convolved in blocks. The next kernel is faded to; both are made of the same
+//!   noise, so that a fade between two that are alike is not heard.
+//! - **Bands**: where materials or the air change the timbre, the sound is parted into octave bands
+//!   once for all echoes, by filters without phase. Elsewhere there is one band, and no filter.
+//!
+//! The amplitude is that of [`ImpulseResponse`](crate::acoustics::ImpulseResponse): the direct sound of
+//! a source at 1 m is the sound itself. All comes [`Auralisation::latency`] samples late.
+//!
+//! ```
+//! use echomarch::auralisation::{Auralisation, Heard, Spec};
+//! use echomarch::acoustics::ListenerAxes;
+//! use echomarch::gpu::{Context, ContextOptions};
+//! use echomarch::response::{Response, ResponseSettings};
+//! use echomarch::{Scene, Tracer};
+//!
+//! let scene = Scene::builtin("open-field")?;
+//! let mut tracer = Tracer::new(&Context::headless(&ContextOptions::default())?)?;
+//! let settings = ResponseSettings::default().with_seconds(0.1);
+//! let response = Response::trace(&mut tracer, &scene, &settings)?;
+//!
+//! let spec = Spec::of(&scene, 48_000);
+//! let axes = ListenerAxes::of(&scene.listener)?;
+//! let mut heard = Heard::new(&response, &axes, spec, 1)?;
+//! let mut ears = Auralisation::new(spec);
+//! ears.glide_echoes(&heard, 0);
+//! ears.glide_late(&mut heard, 0);
+//! let mut stereo = [0.0; 2 * 4800];
+//! ears.add(&[0.5; 4800], &mut stereo);
+//! assert!(stereo.iter().any(|sample| *sample != 0.0));
+//! # Ok::<(), echomarch::Error>(())
+//! ```
+
+mod convolution;
+mod delay_line;
+mod echoes;
+mod heard;
+mod octaves;
+#[cfg(test)]
+mod tests;
+
+pub use heard::Heard;
+
+use crate::bands::BAND_COUNT;
+use crate::scene::Scene;
+use convolution::{BLOCK, Kernel, Signal};
+use delay_line::REACH;
+use echoes::Echoes;
+
+/// Left and right.
+const CHANNELS: usize = 2;
+
+/// Single echoes of a source: the strongest paths. All others are in the late part, where they do not
+/// glide. A room has 63 paths of up to three reflections.
+pub const MOST_ECHOES: usize = 64;
+
+/// What is heard of a source ends so many seconds after it has sounded, unless another bound is
+/// given: as long as a large hall's reverberation time.
+const USUAL_LONGEST_S: f64 = 3.0;
+
+/// What an [`Auralisation`] and what it plays are made for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Spec {
+    /// Samples a second.
+    pub rate_hz: u32,
+    /// Whether the octave bands are apart: needed where materials or the air change the timbre.
+    pub has_bands: bool,
+    /// Seconds of a response that are heard: memory and work grow with it.
+    pub longest_s: f64,
+}
+
+impl Spec {
+    /// What a scene needs, at so many samples a second.
+    pub fn of(scene: &Scene, rate_hz: u32) -> Spec {
+        Spec {
+            rate_hz,
+            has_bands: scene.has_bands(),
+            longest_s: USUAL_LONGEST_S,
+        }
+    }
+
+    /// The same for responses of up to so many seconds.
+    pub fn with_longest(mut self, seconds: f64) -> Spec {
+        self.longest_s = seconds;
+        self
+    }
+
+    /// Samples that the filters of the bands delay all.
+    fn filter_delay(self) -> usize {
+        if self.has_bands { octaves::DELAY } else { 0 }
+    }
+
+    /// Samples of the longest response.
+    fn longest(self) -> usize {
+        (self.longest_s * f64::from(self.rate_hz)).ceil() as usize
+    }
+}
+
+/// Plays the sound of one source as it is heard.
+#[derive(Debug)]
+pub struct Auralisation {
+    spec: Spec,
+    signal: Signal,
+    echoes: Bank,
+    late: Kernel,
+    /// What is faded to.
+    next: Option<Fade>,
+    /// What was faded from: to be freed on another thread.
+    retired: Kernel,
+    /// The block that is being filled, and how far.
+    input: [f32; BLOCK],
+    filled: usize,
+    /// What is heard while it is filled.
+    output: [[f32; BLOCK]; CHANNELS],
+}
+
+/// The echoes, with one band or with all.
+#[derive(Debug)]
+enum Bank {
+    Grey(Echoes<1>),
+    Bands {
+        filters: Kernel,
+        bands: Box<[[f32; BLOCK]; BAND_COUNT]>,
+        echoes: Echoes<BAND_COUNT>,
+    },
+}
+
+#[derive(Debug)]
+struct Fade {
+    to: Kernel,
+    /// In samples.
+    done: u32,
+    length: u32,
+}
+
+impl Fade {
+    /// Of what is faded to, at a sample of the next block.
+    fn share(&self, index: usize) -> f32 {
+        let done = self.done + index as u32 + 1;
+        done.min(self.length) as f32 / self.length as f32
+    }
+}
+
+impl Auralisation {
+    /// Silence so far.
+    pub fn new(spec: Spec) -> Auralisation {
+        let longest = spec.longest();
+        let partitions = (longest + spec.filter_delay() + REACH).div_ceil(BLOCK);
+        let echoes = match spec.has_bands {
+            false => Bank::Grey(Echoes::new(longest)),
+            true => Bank::Bands {
+                filters: octaves::filters(spec.rate_hz),
+                bands: Box::new([[0.0; BLOCK]; BAND_COUNT]),
+                echoes: Echoes::new(longest),
+            },
+        };
+        Auralisation {
+            spec,
+            signal: Signal::new(partitions.max(octaves::PARTITIONS)),
+            echoes,
+            late: Kernel::default(),
+            next: None,
+            retired: Kernel::default(),
+            input: [0.0; BLOCK],
+            filled: 0,
+            output: [[0.0; BLOCK]; CHANNELS],
+        }
+    }
+
+    /// What it is made for.
+    pub fn spec(&self) -> Spec {
+        self.spec
+    }
+
+    /// Samples that all is late: a block that has to be full, and the reach of the filters.
+    pub fn latency(&self) -> usize {
+        BLOCK + REACH + self.spec.filter_delay()
+    }
+
+    /// Glides to the single echoes of `heard` within so many samples, from the next block on; 0 takes
+    /// them at once. Allocates nothing.
+    pub fn glide_echoes(&mut self, heard: &Heard, samples: u32) {
+        match &mut self.echoes {
+            Bank::Grey(echoes) => echoes.glide_to(&heard.echoes, samples),
+            Bank::Bands { echoes, .. } => echoes.glide_to(&heard.echoes, samples),
+        }
+    }
+
+    /// Takes the late part of `heard`, if it has one, and fades to it within so many samples, from the
+    /// next block on; what is not needed any more is put in its place. False while a fade is under way:
+    /// then nothing changes. Allocates nothing, frees nothing.
+    pub fn glide_late(&mut self, heard: &mut Heard, samples: u32) -> bool {
+        if self.next.is_some() {
+            return false;
+        }
+        let Some(kernel) = &mut heard.late else {
+            return true;
+        };
+        if samples == 0 {
+            std::mem::swap(&mut self.late, kernel);
+            return true;
+        }
+        let to = std::mem::replace(kernel, std::mem::take(&mut self.retired));
+        self.next = Some(Fade {
+            to,
+            done: 0,
+            length: samples,
+        });
+        true
+    }
+
+    /// Adds what is heard of the next samples of the source's sound to the interleaved samples of both
+    /// channels. Allocates nothing.
+    ///
+    /// # Panics
+    /// If `stereo` is not twice as long as `mono`.
+    pub fn add(&mut self, mono: &[f32], stereo: &mut [f32]) {
+        assert_eq!(
+            stereo.len(),
+            CHANNELS * mono.len(),
+            "the stereo slice must be twice as long as the mono one"
+        );
+        let (pairs, _) = stereo.as_chunks_mut::<CHANNELS>();
+        for (sample, pair) in mono.iter().zip(pairs) {
+            for (out, channel) in pair.iter_mut().zip(&self.output) {
+                *out += channel[self.filled];
+            }
+            self.input[self.filled] = *sample;
+            self.filled += 1;
+            if self.filled == BLOCK {
+                self.render();
+                self.filled = 0;
+            }
+        }
+    }
+
+    /// What is heard of the block that is full, without the echoes.
+    fn render_late(&mut self) {
+        for (channel, out) in self.output.iter_mut().enumerate() {
+            self.signal.convolve(&self.late, channel, out);
+        }
+        let Some(mut fade) = self.next.take() else {
+            return;
+        };
+        let mut other = [0.0; BLOCK];
+        for (channel, out) in self.output.iter_mut().enumerate() {
+            self.signal.convolve(&fade.to, channel, &mut other);
+            for (index, (out, other)) in out.iter_mut().zip(&other).enumerate() {
+                *out += (other - *out) * fade.share(index);
+            }
+        }
+        fade.done += BLOCK as u32;
+        if fade.done < fade.length {
+            self.next = Some(fade);
+            return;
+        }
+        self.retired = std::mem::replace(&mut self.late, fade.to);
+    }
+
+    /// What is heard of the block that is full.
+    fn render(&mut self) {
+        self.signal.push(&self.input);
+        self.render_late();
+        match &mut self.echoes {
+            Bank::Grey(echoes) => echoes.render(&[&self.input], &mut self.output),
+            Bank::Bands {
+                filters,
+                bands,
+                echoes,
+            } => {
+                for (band, samples) in bands.iter_mut().enumerate() {
+                    self.signal.convolve(filters, band, samples);
+                }
+                echoes.render(&bands.each_ref().map(|band| &band[..]), &mut self.output);
+            }
+        }
+    }
+}

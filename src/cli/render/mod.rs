@@ -1,0 +1,218 @@
+//! `echomarch render`: a WAV of what the listener hears.
+
+mod balance;
+mod full;
+mod sounds;
+
+use super::exit::BadInput;
+use super::numbers::real;
+use super::options::{Common, LawOption, TraceOptions, check_ending, check_range};
+use super::print;
+use super::scene::SceneArguments;
+use crate::audio::SoundSpec;
+use crate::error::Error;
+use crate::offline::Timing;
+use crate::output::check_file;
+use crate::scene::Scene;
+use crate::trace::Profile;
+use clap::{Args, ValueEnum};
+use sounds::SourceSound;
+use std::path::PathBuf;
+
+const EXAMPLES: &str = "\
+Examples:
+  echomarch render open-field -o pass.wav
+  echomarch render hall.ron -o hall.wav --sound flute=flute.wav --sound voice=voice.wav
+  echomarch render corner -o corner.wav --sound noise --seconds 3 --gain 12
+  echomarch render my.ron -o walk.wav --sound voice.wav --law linear";
+
+/// Seconds of sound of a scene in which nothing moves.
+const STANDING_SECONDS: f64 = 5.0;
+
+/// About what a WAV of this kind holds.
+const LONGEST_SECONDS: f64 = 3.0 * 3600.0;
+
+/// Arguments of `render`.
+#[derive(Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub struct Arguments {
+    #[command(flatten)]
+    scene: SceneArguments,
+    /// The WAV to write: 48 kHz, 32-bit float, stereo
+    #[arg(short, long, value_name = "FILE.wav")]
+    output: PathBuf,
+    /// What is heard: full (loudness, delays, echoes, reverberation), or balance (left against right
+    /// alone, as in the thesis) [default: full; balance with --profile thesis, and with options that
+    /// full has not: --law, --iterations]
+    #[arg(long, value_name = "WHAT")]
+    listen: Option<Listen>,
+    /// What the sources play: sine:HERTZ, noise, noise:SEED, speech, speech:SEED, or a WAV file
+    /// (looped); NAME=SOUND for one source; repeatable [default: speech, each source another voice]
+    #[arg(long = "sound", value_name = "SOUND")]
+    sounds: Vec<SourceSound>,
+    /// Length [default: the scene's longest path, or 5]
+    #[arg(long, allow_negative_numbers = true, value_name = "SECONDS", value_parser = real::<f64>)]
+    seconds: Option<f64>,
+    /// Frames traced a second
+    #[arg(
+        long,
+        allow_negative_numbers = true,
+        default_value_t = 30.0,
+        value_name = "N", value_parser = real::<f64>)]
+    fps: f64,
+    #[command(flatten)]
+    full: full::FullOptions,
+    #[command(flatten)]
+    law: LawOption,
+    #[command(flatten)]
+    options: TraceOptions,
+}
+
+/// What is listened to.
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
+enum Listen {
+    Full,
+    Balance,
+}
+
+/// Runs the subcommand.
+pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
+    let listen = arguments.listen()?;
+    check_ending(&arguments.output, "wav")?;
+    let scene = common.scene_with_values(&arguments.scene)?;
+    let job = Job {
+        arguments,
+        common,
+        timing: timing(arguments, scene.duration())?,
+        sounds: sounds::of_sources(&scene, &arguments.sounds)?,
+        scene,
+    };
+    match listen {
+        Listen::Balance => balance::run(job),
+        Listen::Full => full::run(job),
+    }
+}
+
+/// What is to be rendered.
+struct Job<'a> {
+    arguments: &'a Arguments,
+    common: &'a Common,
+    scene: Scene,
+    timing: Timing,
+    /// One for each source.
+    sounds: Vec<SoundSpec>,
+}
+
+impl Arguments {
+    /// What is listened to; the thesis hears a balance and nothing else.
+    fn listen(&self) -> Result<Listen, BadInput> {
+        let thesis = (self.options.profile == Profile::Thesis).then_some("--profile thesis");
+        let of_balance = thesis.or_else(|| self.balance_option());
+        match (self.listen, of_balance, self.full.given()) {
+            (Some(Listen::Full), Some(option), _) => Err(BadInput(format!(
+                "{option} needs --listen balance: all that is heard has its own iterations and levels"
+            ))),
+            (Some(Listen::Balance), _, Some(option)) | (None, Some(_), Some(option)) => {
+                Err(BadInput(format!(
+                    "{option} needs --listen full: a balance has no loudness and no echoes"
+                )))
+            }
+            (Some(listen), ..) => Ok(listen),
+            (None, Some(_), None) => Ok(Listen::Balance),
+            (None, None, _) => Ok(Listen::Full),
+        }
+    }
+
+    /// An option that was typed and that a balance alone has.
+    fn balance_option(&self) -> Option<&'static str> {
+        let options = &self.options;
+        let typed = [
+            (self.law.law.is_some(), "--law"),
+            (options.iterations.is_some(), "--iterations"),
+            (
+                options.iterations_per_pass.is_some(),
+                "--iterations-per-pass",
+            ),
+            (options.sum_on_gpu, "--sum-on-gpu"),
+        ];
+        let found = typed.into_iter().find(|(is_typed, _)| *is_typed);
+        found.map(|(_, name)| name)
+    }
+}
+
+impl Job<'_> {
+    /// Checks what could go wrong later, before anything is traced.
+    fn check(&self) -> anyhow::Result<()> {
+        check_file(&self.arguments.output)?;
+        check_on_the_way(&self.scene, self.timing)?;
+        Ok(())
+    }
+
+    fn warn(&self) {
+        self.common.warn_checked(&self.scene);
+        warn_on_the_way(&self.scene, self.timing, self.common);
+    }
+
+    fn bar(&self) -> indicatif::ProgressBar {
+        print::progress(self.common.quiet, self.timing.frames(), "frames")
+    }
+}
+
+/// Refuses what becomes impossible while things move, before anything is traced.
+fn check_on_the_way(scene: &Scene, timing: Timing) -> Result<(), Error> {
+    if scene.duration() == 0.0 {
+        return Ok(());
+    }
+    for index in 0..timing.frames() {
+        let time = index as f64 / timing.fps;
+        scene
+            .at(time)
+            .validate()
+            .map_err(|refused| refused.at(time))?;
+    }
+    Ok(())
+}
+
+/// What becomes odd while things move: each kind once, with when.
+fn warn_on_the_way(scene: &Scene, timing: Timing, common: &Common) {
+    let mut told: Vec<_> = scene
+        .warnings()
+        .iter()
+        .map(std::mem::discriminant)
+        .collect();
+    if scene.duration() == 0.0 {
+        return;
+    }
+    for index in 0..timing.frames() {
+        let time = index as f64 / timing.fps;
+        for warning in scene.at(time).warnings() {
+            let kind = std::mem::discriminant(&warning);
+            if !told.contains(&kind) {
+                told.push(kind);
+                common.note(&format!(
+                    "warning: {}, at {time:.2} s: {warning}",
+                    scene.name
+                ));
+            }
+        }
+    }
+}
+
+fn timing(arguments: &Arguments, duration: f64) -> anyhow::Result<Timing> {
+    let standing = if duration > 0.0 {
+        duration
+    } else {
+        STANDING_SECONDS
+    };
+    if arguments.seconds.is_none() && standing > LONGEST_SECONDS {
+        let text = format!("the scene's path lasts {standing} s: give --seconds");
+        return Err(BadInput(text).into());
+    }
+    let seconds = arguments.seconds.unwrap_or(standing);
+    check_range("--seconds", seconds, 0.001, LONGEST_SECONDS)?;
+    check_range("--fps", arguments.fps, 1.0, 1000.0)?;
+    Ok(Timing {
+        seconds,
+        fps: arguments.fps,
+    })
+}

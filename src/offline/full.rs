@@ -1,0 +1,273 @@
+//! A moving scene in full: each source with its loudness, delays, echoes and reverberation.
+
+use super::Timing;
+use crate::acoustics::{ListenerAxes, strength_db};
+use crate::audio::{FrameBlocks, SAMPLE_RATE, Sound};
+use crate::auralisation::{Auralisation, Heard, Spec};
+use crate::bands;
+use crate::error::Error;
+use crate::response::{Response, ResponseSettings};
+use crate::scene::Scene;
+use crate::trace::Tracer;
+
+/// Seconds between two late parts: reverberation follows what moves more slowly than echoes do, and
+/// its kernel costs as much as several frames.
+const LATE_S: f64 = 0.25;
+
+/// A fade between two late parts ends so many samples before the next begins: blocks of the
+/// convolution do not end where frames do.
+const FADE_MARGIN: u32 = 2048;
+
+/// The length of the responses is found at so many moments of a path, from its start to its end.
+const MOMENTS: u32 = 3;
+
+/// How a scene is heard in full.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct FullSettings {
+    /// How each response is traced. Without `seconds` they are as long as the longest that is needed
+    /// at the start, in the middle and at the end of the scene's path.
+    pub response: ResponseSettings,
+    /// Which listener, from 0 in the order of [`Scene::listeners`].
+    pub listener: usize,
+    /// Chooses the noise of the late parts.
+    pub seed: u64,
+    /// The longest response, in seconds.
+    pub longest_s: f64,
+}
+
+impl FullSettings {
+    /// The first listener; responses of up to 3 seconds.
+    pub fn new(response: ResponseSettings) -> FullSettings {
+        FullSettings {
+            response,
+            listener: 0,
+            seed: 0,
+            longest_s: 3.0,
+        }
+    }
+
+    /// The same with responses of so many seconds.
+    pub fn with_tail(mut self, seconds: f64) -> FullSettings {
+        self.response.seconds = Some(seconds);
+        self
+    }
+
+    /// How long the responses are, in seconds.
+    ///
+    /// # Errors
+    /// As [`Response::trace`].
+    pub fn tail_s(&self, tracer: &mut Tracer, scene: &Scene) -> Result<f64, Error> {
+        if let Some(seconds) = self.response.seconds {
+            return Ok(seconds);
+        }
+        let moments = if scene.duration() > 0.0 { MOMENTS } else { 1 };
+        let mut longest: f64 = 0.0;
+        for moment in 0..moments {
+            let time = scene.duration() * f64::from(moment) / f64::from(MOMENTS - 1);
+            let now = scene.at(time);
+            for source in 0..scene.sources().count() {
+                let pair = now.heard_by(source, self.listener);
+                longest = longest.max(self.response.seconds_needed(tracer, &pair)?);
+            }
+        }
+        Ok(longest.min(self.longest_s))
+    }
+}
+
+/// What is heard of one source in one frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct HeardSource {
+    /// The strength *G* of all that arrives, the mean of the bands, in decibels; `None` if nothing does.
+    pub level_db: Option<f64>,
+    /// Exact paths.
+    pub paths: usize,
+    /// Whether the direct sound is one of them.
+    pub is_direct: bool,
+}
+
+/// One frame's share of the sound.
+#[derive(Debug)]
+#[non_exhaustive]
+pub struct FullBlock<'a> {
+    /// Number of the frame, from 0.
+    pub index: u64,
+    /// When it starts, in seconds.
+    pub time: f64,
+    /// What is heard of each source, in the scene's order.
+    pub sources: &'a [HeardSource],
+    /// Left and right samples in turns, at [`SAMPLE_RATE`].
+    pub samples: &'a [f32],
+}
+
+/// One source: its sound, and what is heard of it.
+struct Playing<'a> {
+    sound: &'a mut Sound,
+    ears: Auralisation,
+    /// The scene that was heard last, with this source as its first.
+    scene: Option<Scene>,
+    response: Option<Response>,
+    /// A late part that waits for the fade before it.
+    late: Option<Heard>,
+    heard: HeardSource,
+}
+
+/// Traces and plays `timing.seconds` of a moving scene, one of `sounds` for each source, and hands each
+/// frame's block to `take`. Single echoes are those of each frame, the late part is traced anew every
+/// quarter of a second. Where nothing moves, nothing is traced again.
+///
+/// # Errors
+/// [`Error::Trace`] for settings out of range, [`Error::Audio`] for a frame rate that makes no sense,
+/// those of [`Response::trace`], and whatever `take` returns.
+///
+/// # Panics
+/// If there are not as many sounds as sources, or no such listener.
+pub fn render_full<E: From<Error>>(
+    tracer: &mut Tracer,
+    scene: &Scene,
+    settings: &FullSettings,
+    sounds: &mut [Sound],
+    timing: Timing,
+    mut take: impl FnMut(FullBlock) -> Result<(), E>,
+) -> Result<(), E> {
+    timing.check()?;
+    let blocks = FrameBlocks::new(timing.fps, SAMPLE_RATE).map_err(Error::from)?;
+    let end = timing.samples();
+    let seconds = settings.tail_s(tracer, scene)?;
+    let settings = settings.clone().with_tail(seconds);
+    let spec = Spec::of(scene, SAMPLE_RATE).with_longest(seconds);
+    assert_eq!(
+        sounds.len(),
+        scene.sources().count(),
+        "a sound for each source"
+    );
+    let mut sources: Vec<Playing> = sounds
+        .iter_mut()
+        .map(|sound| Playing::new(sound, spec))
+        .collect();
+    let mut stereo = vec![0.0; 2 * blocks.longest()];
+    let mut mono = vec![0.0; blocks.longest()];
+    let mut heard = Vec::with_capacity(sources.len());
+    for index in 0..timing.frames() {
+        let time = index as f64 / timing.fps;
+        let range = blocks.samples(index);
+        let length = range.end.min(end).saturating_sub(range.start) as usize;
+        let late_is_due = index == 0 || is_due(time, time - 1.0 / timing.fps);
+        let now = scene.at(time);
+        let (mono, stereo) = (&mut mono[..length], &mut stereo[..2 * length]);
+        stereo.fill(0.0);
+        heard.clear();
+        for (number, source) in sources.iter_mut().enumerate() {
+            let pair = now.heard_by(number, settings.listener);
+            source
+                .listen(tracer, pair, &settings, late_is_due, length as u32)
+                .map_err(|error| error.at(time))?;
+            source.sound.fill(mono);
+            source.ears.add(mono, stereo);
+            heard.push(source.heard);
+        }
+        take(FullBlock {
+            index,
+            time,
+            sources: &heard,
+            samples: stereo,
+        })?;
+    }
+    Ok(())
+}
+
+/// Whether a quarter of a second has begun since the frame before.
+fn is_due(time: f64, before: f64) -> bool {
+    (time / LATE_S).floor() > (before / LATE_S).floor()
+}
+
+impl<'a> Playing<'a> {
+    fn new(sound: &'a mut Sound, spec: Spec) -> Playing<'a> {
+        Playing {
+            sound,
+            ears: Auralisation::new(spec),
+            scene: None,
+            response: None,
+            late: None,
+            heard: HeardSource {
+                level_db: None,
+                paths: 0,
+                is_direct: false,
+            },
+        }
+    }
+
+    /// Glides to what is heard in `pair` within so many samples.
+    fn listen(
+        &mut self,
+        tracer: &mut Tracer,
+        pair: Scene,
+        settings: &FullSettings,
+        late_is_due: bool,
+        samples: u32,
+    ) -> Result<(), Error> {
+        let is_first = self.scene.is_none();
+        let moves = self.scene.as_ref() != Some(&pair);
+        if moves {
+            let response = Response::trace(tracer, &pair, &settings.response)?;
+            self.heard = heard_of(&response);
+            let axes = ListenerAxes::of(&pair.listener)?;
+            let echoes = Heard::of_paths(&response.paths, &axes, self.ears.spec());
+            self.ears
+                .glide_echoes(&echoes, if is_first { 0 } else { samples });
+            self.response = Some(response);
+            self.scene = Some(pair);
+        }
+        if late_is_due {
+            self.make_late(settings)?;
+        }
+        if is_first {
+            self.begin();
+        } else {
+            self.fade_late();
+        }
+        Ok(())
+    }
+
+    /// Makes the late part of what was traced since the last one.
+    fn make_late(&mut self, settings: &FullSettings) -> Result<(), Error> {
+        let (Some(response), Some(scene)) = (self.response.take(), &self.scene) else {
+            return Ok(());
+        };
+        let axes = ListenerAxes::of(&scene.listener)?;
+        let heard = Heard::new(&response, &axes, self.ears.spec(), settings.seed)?;
+        self.late = Some(heard);
+        Ok(())
+    }
+
+    /// Takes the first late part at once, and is ahead by what all is late.
+    fn begin(&mut self) {
+        if let Some(late) = &mut self.late {
+            self.ears.glide_late(late, 0);
+        }
+        self.late = None;
+        let ahead = self.ears.latency();
+        let mut mono = vec![0.0; ahead];
+        self.sound.fill(&mut mono);
+        self.ears.add(&mono, &mut vec![0.0; 2 * ahead]);
+    }
+
+    fn fade_late(&mut self) {
+        let samples = (LATE_S * f64::from(SAMPLE_RATE)) as u32 - FADE_MARGIN;
+        let Some(late) = &mut self.late else {
+            return;
+        };
+        if self.ears.glide_late(late, samples) {
+            self.late = None;
+        }
+    }
+}
+
+fn heard_of(response: &Response) -> HeardSource {
+    HeardSource {
+        level_db: strength_db(bands::mean(&response.energy())),
+        paths: response.paths.len(),
+        is_direct: response.direct().is_some(),
+    }
+}
