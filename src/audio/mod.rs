@@ -56,6 +56,7 @@ mod sound;
 mod source;
 mod spec;
 mod speech;
+mod stereo;
 mod wav_read;
 mod wav_write;
 
@@ -70,6 +71,7 @@ pub use sound::Sound;
 pub use source::SoundSource;
 pub use spec::SoundSpec;
 pub use speech::SPEECH_PEAK;
+pub use stereo::{StereoSignal, StereoSource};
 pub use wav_write::WavWriter;
 #[cfg(feature = "experiment")]
 pub(crate) use wav_write::wav_to_io;

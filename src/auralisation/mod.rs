@@ -47,11 +47,19 @@ mod convolution;
 mod delay_line;
 mod echoes;
 mod heard;
+#[cfg(feature = "audio")]
+mod limiter;
+mod listen;
 mod octaves;
+#[cfg(feature = "audio")]
+mod player;
 #[cfg(test)]
 mod tests;
 
 pub use heard::Heard;
+pub use listen::Listen;
+#[cfg(feature = "audio")]
+pub use player::{Player, PlayerRemote};
 
 use crate::bands::BAND_COUNT;
 use crate::scene::Scene;

@@ -6,6 +6,7 @@ use super::options::{Common, LawOption, TraceOptions, check_ending, check_range}
 use super::print;
 use super::scene::SceneArguments;
 use crate::audio::{SAMPLE_RATE, Sound};
+use crate::auralisation::Listen;
 use crate::demo::{DemoError, DemoOptions, OPENING_SCENE, Report, run as run_demo};
 use crate::error::Error;
 use crate::gpu::Api;
@@ -50,6 +51,10 @@ struct SoundOptions {
     /// Loudness, 0 to 1
     #[arg(long, allow_negative_numbers = true, default_value_t = 0.5, value_parser = real::<f32>)]
     volume: f32,
+    /// What is heard: full (loudness, delays, echoes, reverberation), or balance (left against right
+    /// alone, as in the thesis) [default: full; balance with --profile thesis and with --law]
+    #[arg(long, value_name = "WHAT")]
+    listen: Option<Listen>,
     #[command(flatten)]
     law: LawOption,
     /// Sound device by its name or its id, as --list-devices has them
@@ -187,6 +192,7 @@ fn options(arguments: &Arguments, common: &Common) -> anyhow::Result<DemoOptions
         height: window.height,
         sound: sound.sound.clone(),
         volume: sound.volume,
+        listen: sound.listen.or(sound.law.law.map(|_| Listen::Balance)),
         law: sound.law.law,
         device: sound.device.clone(),
         buffer: sound.buffer,

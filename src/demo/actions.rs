@@ -4,6 +4,8 @@ use super::app::App;
 use super::keys::Action;
 use super::save::{free_file, save};
 use crate::audio::PanningLaw;
+use crate::auralisation::Listen;
+use crate::trace::Profile;
 use std::path::{Path, PathBuf};
 
 impl App {
@@ -51,13 +53,22 @@ impl App {
             Action::FreeMouse if !self.mouse_looks => self.choices.help = false,
             Action::FreeMouse => self.look_by_mouse(false),
             Action::Quit => self.quit(),
-            Action::Sound(_) | Action::Law | Action::Mute | Action::Volume(_) | Action::Record => {
-                self.act_on_sound(action)
+            Action::Material(surface, name) => {
+                self.world.set_material(surface, name);
             }
+            Action::Sound(_)
+            | Action::Listen
+            | Action::Law
+            | Action::Mute
+            | Action::Volume(_)
+            | Action::Record => self.act_on_sound(action),
         }
     }
 
     fn act_on_sound(&mut self, action: Action) {
+        if action == Action::Listen {
+            return self.listen_otherwise();
+        }
         let chosen = &mut self.choices;
         match action {
             Action::Sound(name) => match self.speaker.set_sound(&name) {
@@ -85,6 +96,21 @@ impl App {
             }
             _ => {}
         }
+    }
+
+    /// Hears the balance in place of all that is heard, or back.
+    fn listen_otherwise(&mut self) {
+        let chosen = &mut self.choices;
+        chosen.chosen_listen = Some(match chosen.listen() {
+            Listen::Full => Listen::Balance,
+            Listen::Balance => Listen::Full,
+        });
+        let now = (chosen.listen(), chosen.settings.profile());
+        self.say(match now {
+            (_, Profile::Thesis) => "the thesis has a balance alone: 2 and 3 have more",
+            (Listen::Full, _) => "all is heard: loudness, echoes, reverberation",
+            (Listen::Balance, _) => "the balance alone is heard",
+        });
     }
 
     fn pick_up(&mut self) {

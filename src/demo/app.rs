@@ -2,10 +2,12 @@
 
 use super::adapt::{Control, SCALES, step_of};
 use super::display::Connection;
+use super::ears::{Ears, EarsStatus};
 use super::files::Files;
 use super::follower::{Before, Coming, Follower};
 use super::keys::{PressedKeys, action};
 use super::latency::Latency;
+use super::listening::InFull;
 use super::mouse::Mouse;
 use super::overlay::Plan;
 use super::paths::Paths;
@@ -86,6 +88,11 @@ pub(super) struct App {
     pub latency: Latency,
     pub recorder: Recorder,
     pub speaker: Speaker,
+    /// Who hears all, once that was wanted.
+    pub ears: Option<Ears>,
+    /// What the speaker plays in full, if it does.
+    pub in_full: Option<InFull>,
+    pub ears_status: EarsStatus,
     pub sound: SoundStatus,
     pub message: Option<(String, Instant)>,
     pub picture_wanted: Option<PathBuf>,
@@ -142,6 +149,9 @@ impl App {
             recorder: Recorder::default(),
             sound: speaker.status(),
             speaker,
+            ears: None,
+            in_full: None,
+            ears_status: EarsStatus::default(),
             message: None,
             picture_wanted: None,
             saved: Vec::new(),

@@ -282,6 +282,7 @@ impl App {
             latency: self.latency.parts(),
             sound: &self.sound,
             levels: self.speaker.levels(),
+            ears: self.in_full.is_some().then_some(&self.ears_status),
             gl_errors: self.gl_errors(),
             message: self
                 .message
@@ -321,6 +322,7 @@ impl App {
     fn hear(&mut self) {
         self.speaker.set_law(self.choices.law());
         self.speaker.set_volume(self.choices.loudness());
+        self.listen();
         self.sound = self.speaker.status();
         self.latency
             .sound(self.sound.gains_to_buffer, self.sound.buffer_to_device);

@@ -28,6 +28,10 @@ pub enum Action {
     Set(String, f32),
     /// That sound.
     Sound(String),
+    /// The balance in place of all that is heard, or back.
+    Listen,
+    /// That material for a surface, by its number from 0; none to reflect all.
+    Material(usize, Option<String>),
     /// Another panning law.
     Law,
     /// Sound off, or on.
@@ -75,7 +79,8 @@ pub const HELP: [(&str, &[(&str, &str)]); 3] = [
             ("T", "number of waves follows frame time"),
             ("N  B", "next scene, the one before"),
             ("Drop a file", "that scene, or that sound"),
-            ("L", "panning law"),
+            ("V", "hear all, or the balance alone"),
+            ("L", "panning law of the balance"),
             ("M  −  +", "mute, softer, louder"),
         ],
     ),
@@ -119,6 +124,7 @@ pub fn action(key: KeyCode, control: bool) -> Option<Action> {
         KeyCode::Backspace | KeyCode::Home => Action::StartOver,
         KeyCode::KeyN => Action::NextScene(1),
         KeyCode::KeyB => Action::NextScene(-1),
+        KeyCode::KeyV => Action::Listen,
         KeyCode::KeyL => Action::Law,
         KeyCode::KeyM => Action::Mute,
         KeyCode::Minus | KeyCode::NumpadSubtract => Action::Volume(-1),

@@ -23,20 +23,23 @@
 //! | `save` | scene files and `trace` calls |
 //! | `reload`, `follower` | a scene file that changes while one walks in it |
 //! | `sound` | the speakers |
+//! | `ears`, `listening` | what is heard in full, on a thread of its own; and how it gets to the speakers |
 //!
-//! Threads: everything that draws and traces is on the thread that calls [`run`], which
-//! must be the process' first.
+//! Threads: everything that is seen is drawn and traced on the thread that calls [`run`], which must be
+//! the process' first. What is heard in full is traced on a thread and a context of its own.
 
 mod actions;
 mod adapt;
 mod app;
 mod display;
+mod ears;
 mod error;
 mod files;
 mod follower;
 mod frame;
 mod keys;
 mod latency;
+mod listening;
 mod mouse;
 mod options;
 mod overlay;

@@ -1,6 +1,7 @@
 //! What the window is started with.
 
 use crate::audio::PanningLaw;
+use crate::auralisation::Listen;
 use crate::trace::Settings;
 use std::path::PathBuf;
 
@@ -35,6 +36,8 @@ pub struct DemoOptions {
     pub sound: String,
     /// Loudness, 0 to 1.
     pub volume: f32,
+    /// What is listened to; none for what the profile is listened to by ([`Listen::for_profile`]).
+    pub listen: Option<Listen>,
     /// From pan to gains; none for the law of the profile
     /// ([`PanningLaw::for_profile`]).
     pub law: Option<PanningLaw>,
@@ -80,6 +83,7 @@ impl Default for DemoOptions {
             height: 540,
             sound: "speech".into(),
             volume: 0.5,
+            listen: None,
             law: None,
             device: None,
             buffer: 1024,

@@ -4,10 +4,11 @@
 //! and says so.
 
 use super::DemoOptions;
+use super::ears::Ears;
 use crate::audio::PanningLaw;
 #[cfg(feature = "audio")]
-#[cfg(feature = "audio")]
 use crate::audio::live::{Live, LiveOptions, LiveStatus};
+use crate::scene::Scene;
 use crate::trace::Panning;
 use serde::Serialize;
 use std::path::Path;
@@ -105,6 +106,26 @@ impl Speaker {
         // Without sound it is a name and nothing else.
         let _ = sound;
         Ok(())
+    }
+
+    /// Plays the sources of a scene as the ears hear them, in place of one sound and its pan.
+    pub fn play_in_full(&mut self, ears: &Ears, scene: &Scene, sound: &str) {
+        #[cfg(feature = "audio")]
+        if let Some(live) = &self.live
+            && let Ok(spec) = sound.parse()
+        {
+            live.set_stereo(Some(ears.source(scene, &spec)));
+        }
+        // Without sound there is nothing to play.
+        let _ = (ears, scene, sound);
+    }
+
+    /// Plays one sound and its pan.
+    pub fn play_balance(&mut self) {
+        #[cfg(feature = "audio")]
+        if let Some(live) = &self.live {
+            live.set_stereo(None);
+        }
     }
 
     /// Level of either channel, 0 to 1: as it is played, or as the gains would have it.

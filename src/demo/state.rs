@@ -4,6 +4,7 @@ use super::DemoOptions;
 use super::values::{ValueSlider, value_sliders};
 use super::walk::{MoveInput, Walker, carried};
 use crate::audio::PanningLaw;
+use crate::auralisation::Listen;
 use crate::scene::{Scene, SceneError};
 use crate::trace::{MAX_ITERATIONS, MAX_WAVES, Profile, Settings};
 use glam::Vec3;
@@ -28,6 +29,8 @@ pub struct Choices {
     pub volume: f32,
     /// Whether the loudness counts as 0.
     pub muted: bool,
+    /// What is listened to, if it was chosen.
+    pub chosen_listen: Option<Listen>,
     /// From pan to gains, if it was chosen.
     pub chosen_law: Option<PanningLaw>,
     /// Whether the help is open.
@@ -50,6 +53,7 @@ impl Choices {
             sound: options.sound.clone(),
             volume: options.volume,
             muted: false,
+            chosen_listen: options.listen,
             chosen_law: options.law,
             help: options.help,
             panels: true,
@@ -95,6 +99,17 @@ impl Choices {
     pub fn law(&self) -> PanningLaw {
         let usual = PanningLaw::for_profile(self.settings.profile());
         self.chosen_law.unwrap_or(usual)
+    }
+
+    /// What is listened to: as chosen, or else as the algorithm is listened to by, which for the thesis
+    /// is all that there is.
+    pub fn listen(&self) -> Listen {
+        let profile = self.settings.profile();
+        let usual = Listen::for_profile(profile);
+        match profile {
+            Profile::Thesis => usual,
+            _ => self.chosen_listen.unwrap_or(usual),
+        }
     }
 
     /// The loudness that is heard.
@@ -188,6 +203,14 @@ impl World {
             self.values.push((name.to_owned(), value));
         }
         Ok(())
+    }
+
+    /// Gives a surface (from 0) a material, and its walls with it.
+    pub fn set_material(&mut self, surface: usize, name: Option<String>) {
+        if let Some(surface) = self.base.surfaces.get_mut(surface) {
+            surface.material = name;
+            surface.walls = Default::default();
+        }
     }
 
     /// A named value as it stands, in the unit of its file.

@@ -1,12 +1,14 @@
 //! Commands to the supervising thread.
 
-use crate::audio::SoundSource;
+use crate::audio::{SoundSource, StereoSource};
 
 /// A command to the supervising thread.
 #[derive(Debug)]
 pub(super) enum Command {
     /// Fade to another sound.
     Sound(SoundSource),
+    /// Fade to a caller's own channels; none for the sound and its pan.
+    Stereo(Option<StereoSource>),
     /// Play on another device.
     Device(Option<String>),
     /// A recording waits in the state.

@@ -28,6 +28,7 @@ mod link;
 mod meter;
 #[doc(hidden)]
 pub mod probe;
+mod program;
 mod recording;
 mod renderer;
 mod shared;
@@ -47,7 +48,7 @@ use self::command::Command;
 use self::recording::Recording;
 use self::shared::Shared;
 use self::supervisor::{Common, State, Supervisor, lock};
-use super::{PanningLaw, SoundSource};
+use super::{PanningLaw, SoundSource, StereoSource};
 use crate::trace::Panning;
 
 /// What live output starts with.
@@ -174,6 +175,12 @@ impl Live {
     /// If it cannot be loaded, the old one plays on and [`status`](Self::status) says why.
     pub fn set_sound(&self, sound: SoundSource) {
         self.send(Command::Sound(sound));
+    }
+
+    /// Cross-fades to a sound of two channels, or back to the one sound and its pan (`None`), within
+    /// 20 ms. The volume counts for both.
+    pub fn set_stereo(&self, source: Option<StereoSource>) {
+        self.send(Command::Stereo(source));
     }
 
     /// Plays on the device of this name or id, or on the system's default. The sound fades out and

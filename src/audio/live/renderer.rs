@@ -13,6 +13,7 @@ use rtrb::{Consumer, Producer, RingBuffer};
 
 use super::glide::Glide;
 use super::meter::Meter;
+use super::program::{Program, Programs};
 use super::shared::Shared;
 use crate::audio::{Gains, Mixer, PanningLaw, Sound};
 use crate::trace::Panning;
@@ -31,6 +32,8 @@ const MESSAGES: usize = 8;
 pub(super) enum Message {
     /// Another sound, made for this rate in hertz.
     Sound { sound: Sound, rate_hz: u32 },
+    /// What is played from now on.
+    Program(Program),
     /// Where to write what is heard.
     Tap(Tap),
 }
@@ -64,10 +67,18 @@ pub struct Renderer {
     next: Option<(Sound, u64)>,
     glide: Glide,
     mixer: Mixer,
+    programs: Programs,
+    /// The volume of a program of two channels.
+    volume: Glide,
+    /// What the last sample had of it.
+    last_volume: f32,
     meter: Meter,
     tap: Option<Tap>,
     mono: [f32; BLOCK],
     other: [f32; BLOCK],
+    volumes: [f32; BLOCK],
+    /// Two stereo blocks, for programs.
+    scratch: [[f32; 2 * BLOCK]; 2],
 }
 
 /// The other end of a [`Renderer`]: what it plays, from any thread.
@@ -103,10 +114,15 @@ impl Renderer {
             next: None,
             glide: Glide::new(fade_length(rate_hz)),
             mixer: silent_mixer(),
+            programs: Programs::default(),
+            volume: Glide::new(fade_length(rate_hz)),
+            last_volume: 0.0,
             meter: Meter::new(rate_hz),
             tap: None,
             mono: [0.0; BLOCK],
             other: [0.0; BLOCK],
+            volumes: [0.0; BLOCK],
+            scratch: [[0.0; 2 * BLOCK]; 2],
         };
         let remote = Remote {
             shared,
@@ -152,7 +168,10 @@ impl Renderer {
                     self.sound = Some(sound);
                     self.position = 0;
                 }
-                Message::Sound { .. } => {}
+                Message::Program(program) if program.fits(self.rate_hz) => {
+                    self.programs.set(program);
+                }
+                Message::Sound { .. } | Message::Program(_) => {}
                 Message::Tap(tap) => self.tap = Some(tap),
             }
         }
@@ -167,7 +186,14 @@ impl Renderer {
             self.position = 0;
         }
         self.glide = Glide::new(fade_length(self.rate_hz));
+        self.volume = Glide::new(fade_length(self.rate_hz));
+        self.last_volume = 0.0;
         self.mixer = silent_mixer();
+    }
+
+    /// Goes on with another program at once. Frees what it had: not for the callback.
+    pub(super) fn set_program(&mut self, program: Program) {
+        self.programs.set(program);
     }
 
     /// Overwrites `out` with the next samples, interleaved (left, right, …).
@@ -179,6 +205,7 @@ impl Renderer {
             self.take_messages();
             self.fill_mono(count);
             self.mix(stereo);
+            self.play(stereo);
             self.meter.take(stereo, &self.shared);
             self.record(stereo);
         }
@@ -200,13 +227,17 @@ impl Renderer {
 
     fn take_messages(&mut self) {
         // A fade is finished before the next begins.
-        while self.next.is_none() && self.outbox.slots() >= MESSAGES {
+        while self.next.is_none() && !self.programs.is_fading() && self.outbox.slots() >= MESSAGES {
             match self.inbox.pop() {
                 Ok(Message::Sound { sound, rate_hz }) if rate_hz == self.rate_hz => {
                     self.next = Some((sound, 0));
                 }
                 // Made for a device that is gone: the next opening brought its own.
                 Ok(stale @ Message::Sound { .. }) => self.hand_out(stale),
+                Ok(Message::Program(program)) if program.fits(self.rate_hz) => {
+                    self.programs.fade_to(program);
+                }
+                Ok(stale @ Message::Program(_)) => self.hand_out(stale),
                 Ok(Message::Tap(tap)) => {
                     if let Some(before) = self.tap.replace(tap) {
                         self.hand_out(Message::Tap(before));
@@ -270,6 +301,35 @@ impl Renderer {
         }
         if self.glide.is_silent() && self.shared.is_muted.load(Relaxed) {
             self.shared.has_faded.store(true, Relaxed);
+        }
+    }
+
+    /// Plays what stands in place of the one sound, if something does.
+    fn play(&mut self, stereo: &mut [f32]) {
+        let count = stereo.len() / 2;
+        self.fill_volumes(count);
+        let length = fade_length(self.rate_hz);
+        let volumes = &self.volumes[..count];
+        if let Some(ended) = self
+            .programs
+            .play(stereo, volumes, &mut self.scratch, length)
+        {
+            self.hand_out(Message::Program(ended));
+        }
+    }
+
+    /// The volume of each of the next samples.
+    fn fill_volumes(&mut self, count: usize) {
+        self.volume.aim(self.shared.volume_target());
+        let mut done = 0;
+        while done < count {
+            let (step, gains) = self.volume.advance(count - done);
+            let (start, change) = (self.last_volume, gains.left - self.last_volume);
+            for (index, volume) in self.volumes[done..done + step].iter_mut().enumerate() {
+                *volume = start + change * (index + 1) as f32 / step as f32;
+            }
+            self.last_volume = gains.left;
+            done += step;
         }
     }
 

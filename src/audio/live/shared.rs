@@ -141,6 +141,18 @@ impl Shared {
         }
     }
 
+    /// The factor on both channels of a sound of two channels.
+    pub(super) fn volume_target(&self) -> Gains {
+        if self.is_muted.load(Relaxed) {
+            return Gains::SILENT;
+        }
+        let volume = f32::from_bits(self.volume.load(Relaxed));
+        Gains {
+            left: volume,
+            right: volume,
+        }
+    }
+
     pub(super) fn set_levels(&self, levels: [f32; 2]) {
         for (cell, level) in self.levels.iter().zip(levels) {
             cell.store(level.to_bits(), Relaxed);

@@ -11,11 +11,12 @@ use super::LiveError;
 use super::command::Command;
 use super::device::{self, Found};
 use super::link::{Link, Slot};
+use super::program::Program;
 use super::recording::Recording;
 use super::renderer::{Message, Remote, Renderer, Tap};
 use super::shared::Shared;
 use super::timeout::{ANSWER_LIMIT, drop_elsewhere, within};
-use crate::audio::{SAMPLE_RATE, Sound, SoundSource};
+use crate::audio::{SAMPLE_RATE, Sound, SoundSource, StereoSource};
 
 /// How often the thread looks after the stream.
 const TICK: Duration = Duration::from_millis(20);
@@ -92,12 +93,16 @@ pub(super) struct Supervisor {
     renderer: u64,
     rate_hz: u32,
     source: SoundSource,
+    /// What is played in place of the sound, if anything is.
+    stereo: Option<StereoSource>,
     device: Option<String>,
     buffer_frames: u32,
     stream: Option<OpenStream>,
     generation: u64,
     /// The sound that was loaded last, until there is a stream and room for it.
     waiting: Option<Sound>,
+    /// The same for what is played in its place.
+    program: Option<Program>,
     /// The same for a recording.
     tap: Option<Tap>,
     next_try: Instant,
@@ -134,11 +139,13 @@ impl Supervisor {
             renderer: 0,
             rate_hz: SAMPLE_RATE,
             source,
+            stereo: None,
             device,
             buffer_frames: buffer_frames.max(1),
             stream: None,
             generation: 0,
             waiting: None,
+            program: None,
             tap: None,
             next_try: Instant::now(),
             delay: RETRY.0,
@@ -168,6 +175,10 @@ impl Supervisor {
     fn handle(&mut self, command: Command) {
         match command {
             Command::Sound(source) => self.change_sound(source),
+            Command::Stereo(source) => {
+                self.stereo = source;
+                self.program = Some(self.make_program());
+            }
             Command::Device(device) => {
                 self.device = device;
                 self.fade_out();
@@ -195,6 +206,18 @@ impl Supervisor {
                 state.notice = None;
             }
             Err(error) => self.note(error.to_string()),
+        }
+    }
+
+    /// What is played, made for the rate of now.
+    fn make_program(&self) -> Program {
+        let rate_hz = self.rate_hz;
+        match &self.stereo {
+            None => Program::Balance,
+            Some(source) => Program::Stereo {
+                signal: source.signal(rate_hz),
+                rate_hz,
+            },
         }
     }
 
@@ -234,6 +257,11 @@ impl Supervisor {
                 self.remote.send(Message::Sound { sound, rate_hz })
         {
             self.waiting = Some(sound);
+        }
+        if let Some(program) = self.program.take()
+            && let Err(Message::Program(program)) = self.remote.send(Message::Program(program))
+        {
+            self.program = Some(program);
         }
     }
 
@@ -391,8 +419,12 @@ impl Supervisor {
             }
             self.rate_hz = rate_hz;
             self.tell_rate(rate_hz);
+            self.program = Some(self.make_program());
         }
         renderer.begin(self.waiting.take());
+        if let Some(program) = self.program.take() {
+            renderer.set_program(program);
+        }
         self.slot.store(Some(renderer));
     }
 
@@ -427,6 +459,7 @@ impl Supervisor {
         self.remote = remote;
         self.renderer += 1;
         renderer.number = self.renderer;
+        renderer.set_program(self.make_program());
         self.end_recording();
         Box::new(renderer)
     }

@@ -10,12 +10,13 @@ use super::options::{Common, LawOption, TraceOptions, check_ending, check_range}
 use super::print;
 use super::scene::SceneArguments;
 use crate::audio::SoundSpec;
+use crate::auralisation::Listen;
 use crate::error::Error;
 use crate::offline::Timing;
 use crate::output::check_file;
 use crate::scene::Scene;
 use crate::trace::Profile;
-use clap::{Args, ValueEnum};
+use clap::Args;
 use sounds::SourceSound;
 use std::path::PathBuf;
 
@@ -66,13 +67,6 @@ pub struct Arguments {
     law: LawOption,
     #[command(flatten)]
     options: TraceOptions,
-}
-
-/// What is listened to.
-#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
-enum Listen {
-    Full,
-    Balance,
 }
 
 /// Runs the subcommand.

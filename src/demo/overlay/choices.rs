@@ -5,8 +5,9 @@ use super::super::keys::Action;
 use super::super::sound::SOUNDS;
 use super::super::state::{Choices, World};
 use super::super::values::ValueSlider;
-use super::{HudState, style};
+use super::{HudState, materials, style};
 use crate::audio::PanningLaw;
+use crate::auralisation::Listen;
 use crate::scene::BUILTIN_NAMES;
 use crate::trace::{Algorithm, Profile};
 use egui::{Button, ComboBox, RichText, Slider, SliderClamping, Ui, Vec2};
@@ -18,6 +19,10 @@ pub fn draw(ui: &mut Ui, hud: &HudState, chosen: &mut Choices, actions: &mut Vec
     waves(ui, chosen, actions);
     ui.separator();
     sound(ui, hud, chosen, actions);
+    if hud.ears.is_some() {
+        ui.separator();
+        materials::draw(ui, hud, actions);
+    }
     ui.separator();
     frame(ui, hud, chosen);
 }
@@ -185,6 +190,29 @@ fn sound(ui: &mut Ui, hud: &HudState, chosen: &mut Choices, actions: &mut Vec<Ac
         ui.label("volume");
         ui.checkbox(&mut chosen.muted, "mute");
     });
+    listening(ui, chosen, actions);
+    let colour = if hud.sound.is_heard {
+        style::FAINT
+    } else {
+        style::BRIGHT
+    };
+    style::note(ui, &hud.sound.text, colour, 2);
+}
+
+/// Full or balance; and the law of a balance.
+fn listening(ui: &mut Ui, chosen: &mut Choices, actions: &mut Vec<Action>) {
+    let now = chosen.listen();
+    ui.horizontal(|ui| {
+        for (listen, name) in [(Listen::Full, "full"), (Listen::Balance, "balance")] {
+            let label = ui.selectable_label(now == listen, name);
+            if label.on_hover_text("V").clicked() && now != listen {
+                actions.push(Action::Listen);
+            }
+        }
+    });
+    if now == Listen::Full {
+        return no_option(ui, "each arrival is panned with constant power");
+    }
     ui.horizontal(|ui| {
         for (law, name) in [
             (PanningLaw::Linear, "linear"),
@@ -195,12 +223,6 @@ fn sound(ui: &mut Ui, hud: &HudState, chosen: &mut Choices, actions: &mut Vec<Ac
             }
         }
     });
-    let colour = if hud.sound.is_heard {
-        style::FAINT
-    } else {
-        style::BRIGHT
-    };
-    style::note(ui, &hud.sound.text, colour, 2);
 }
 
 fn frame(ui: &mut Ui, hud: &HudState, chosen: &mut Choices) {

@@ -1,7 +1,9 @@
 //! The panels over the picture: plan, meters, times, choices, help.
 
 mod choices;
+mod full;
 mod help;
+mod materials;
 mod meters;
 mod plan;
 mod style;
@@ -12,6 +14,7 @@ mod times;
 pub use plan::Plan;
 pub use style::set_style;
 
+use super::ears::EarsStatus;
 use super::keys::{Action, HINT};
 use super::latency::Parts;
 use super::report::FrameTimes;
@@ -111,6 +114,8 @@ pub struct HudState<'a> {
     pub sound: &'a SoundStatus,
     /// Level of the left and the right channel, 0 to 1.
     pub levels: [f32; 2],
+    /// What is heard in full, if it is.
+    pub ears: Option<&'a EarsStatus>,
     /// Frames after which GL reported an error; none where GL is not asked.
     pub gl_errors: Option<u64>,
     /// The last thing that was done or went wrong.
@@ -153,6 +158,7 @@ fn left(ui: &Ui, hud: &HudState, room: Room, chosen: &Choices, plan: &mut Plan) 
             ui.add_space(3.0);
             meters::draw(ui, hud);
             ui.separator();
+            full::draw(ui, hud);
             meters::heard(ui, hud);
         });
     });

@@ -1,6 +1,7 @@
 //! The panels by themselves, without a window.
 
 use super::super::DemoOptions;
+use super::super::ears::SourceHeard;
 use super::*;
 use crate::trace::{Counts, Milliseconds, Panning};
 use egui::{Context, Id, RawInput, Rect};
@@ -79,6 +80,14 @@ fn laid_out(
         text: moment.sound.to_owned(),
         ..SoundStatus::default()
     };
+    let ears = match moment.heard {
+        None => EarsStatus::default(),
+        Some(_) => EarsStatus {
+            sources: vec![SourceHeard::default(); 3],
+            curve: vec![-20.0; 120],
+            ..EarsStatus::default()
+        },
+    };
     let hud = HudState {
         world: &world,
         files: &[],
@@ -93,6 +102,7 @@ fn laid_out(
         window: size,
         latency: Parts::default(),
         sound: &sound,
+        ears: Some(&ears),
         levels: [0.0, moment.milliseconds.min(1.0) as f32],
         gl_errors: moment.heard,
         message: says[0],

@@ -1,0 +1,46 @@
+//! What is listened to.
+
+use crate::trace::Profile;
+use std::fmt;
+use std::str::FromStr;
+
+/// What is listened to. Names, for `FromStr` and `Display`: `full`, `balance`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Listen {
+    /// Loudness, delays, echoes, reverberation.
+    Full,
+    /// Left against right alone, as in the thesis: one pan, at one loudness.
+    Balance,
+}
+
+impl Listen {
+    /// What an algorithm is listened to by, unless something else is asked for: waves of the thesis
+    /// end at the listener and have a balance alone.
+    pub fn for_profile(profile: Profile) -> Listen {
+        match profile {
+            Profile::Thesis => Listen::Balance,
+            _ => Listen::Full,
+        }
+    }
+}
+
+impl FromStr for Listen {
+    type Err = String;
+
+    fn from_str(name: &str) -> Result<Listen, String> {
+        match name {
+            "full" => Ok(Listen::Full),
+            "balance" => Ok(Listen::Balance),
+            _ => Err("it must be full or balance".to_owned()),
+        }
+    }
+}
+
+impl fmt::Display for Listen {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Listen::Full => "full",
+            Listen::Balance => "balance",
+        })
+    }
+}

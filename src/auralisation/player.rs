@@ -1,0 +1,176 @@
+//! Several sources, played as they are heard on the thread that must not wait.
+
+use super::limiter::Limiter;
+use super::{Auralisation, Heard, Spec};
+use crate::audio::{Sound, StereoSignal};
+use rtrb::{Consumer, Producer, RingBuffer};
+use std::fmt;
+
+/// Frames that are played at once.
+const BLOCK: usize = 256;
+
+/// Updates that may be under way.
+const UPDATES: usize = 32;
+
+/// Seconds in which one late part fades to the next.
+const LATE_FADE_S: f64 = 0.2;
+
+/// What is heard of a source from now on.
+struct Update {
+    source: usize,
+    heard: Box<Heard>,
+    /// Samples in which echoes glide there.
+    glide: u32,
+}
+
+/// Plays sources, and adds them up; too loud a sum is limited. Make it with [`Player::new`] and give it
+/// to live output as its two channels.
+pub struct Player {
+    spec: Spec,
+    sources: Vec<Playing>,
+    gain: f32,
+    limiter: Limiter,
+    inbox: Consumer<Update>,
+    outbox: Producer<Box<Heard>>,
+    mono: [f32; BLOCK],
+}
+
+/// The other end of a [`Player`]: says what it plays, from any thread.
+pub struct PlayerRemote {
+    spec: Spec,
+    sources: usize,
+    inbox: Producer<Update>,
+    outbox: Consumer<Box<Heard>>,
+}
+
+struct Playing {
+    sound: Sound,
+    ears: Auralisation,
+    /// A late part that waits until the fade before it is over.
+    late: Option<Box<Heard>>,
+}
+
+impl Player {
+    /// Plays these sounds, one a source, made for the rate of `spec`; `gain` is an amplitude.
+    pub fn new(sounds: Vec<Sound>, spec: Spec, gain: f32) -> (Player, PlayerRemote) {
+        let (to_inbox, inbox) = RingBuffer::new(UPDATES);
+        // Room for all that can be inside: what is under way, and a late part for each source.
+        let (outbox, from_outbox) = RingBuffer::new(UPDATES + sounds.len());
+        let remote = PlayerRemote {
+            spec,
+            sources: sounds.len(),
+            inbox: to_inbox,
+            outbox: from_outbox,
+        };
+        let playing = |sound| Playing {
+            sound,
+            ears: Auralisation::new(spec),
+            late: None,
+        };
+        let player = Player {
+            spec,
+            sources: sounds.into_iter().map(playing).collect(),
+            gain,
+            limiter: Limiter::new(spec.rate_hz),
+            inbox,
+            outbox,
+            mono: [0.0; BLOCK],
+        };
+        (player, remote)
+    }
+
+    fn take_updates(&mut self) {
+        while let Ok(update) = self.inbox.pop() {
+            let Some(source) = self.sources.get_mut(update.source) else {
+                hand_out(&mut self.outbox, update.heard);
+                continue;
+            };
+            source.ears.glide_echoes(&update.heard, update.glide);
+            if update.heard.late.is_none() {
+                hand_out(&mut self.outbox, update.heard);
+            } else if let Some(before) = source.late.replace(update.heard) {
+                hand_out(&mut self.outbox, before);
+            }
+        }
+        let fade = (LATE_FADE_S * f64::from(self.spec.rate_hz)) as u32;
+        for source in &mut self.sources {
+            if let Some(mut heard) = source.late.take() {
+                match source.ears.glide_late(&mut heard, fade) {
+                    true => hand_out(&mut self.outbox, heard),
+                    false => source.late = Some(heard),
+                }
+            }
+        }
+    }
+
+    fn play(&mut self, stereo: &mut [f32]) {
+        let mono = &mut self.mono[..stereo.len() / 2];
+        for source in &mut self.sources {
+            source.sound.fill(mono);
+            for sample in &mut *mono {
+                *sample *= self.gain;
+            }
+            source.ears.add(mono, stereo);
+        }
+    }
+}
+
+/// To be freed by the remote.
+fn hand_out(outbox: &mut Producer<Box<Heard>>, heard: Box<Heard>) {
+    // There is always room: see `Player::new`.
+    let _ = outbox.push(heard);
+}
+
+impl StereoSignal for Player {
+    fn add(&mut self, stereo: &mut [f32]) {
+        self.take_updates();
+        for block in stereo.chunks_mut(2 * BLOCK) {
+            self.play(block);
+            self.limiter.apply(block);
+        }
+    }
+}
+
+impl PlayerRemote {
+    /// What is heard has to be made for this.
+    pub fn spec(&self) -> Spec {
+        self.spec
+    }
+
+    /// How many sources are played.
+    pub fn source_count(&self) -> usize {
+        self.sources
+    }
+
+    /// Glides within some seconds to what is heard of a source (from 0), and frees what was heard
+    /// before. False, and nothing changes, if too much is under way: the player stands still.
+    pub fn hear(&mut self, source: usize, heard: Heard, seconds: f64) -> bool {
+        self.collect();
+        let update = Update {
+            source,
+            heard: Box::new(heard),
+            glide: (seconds * f64::from(self.spec.rate_hz)) as u32,
+        };
+        self.inbox.push(update).is_ok()
+    }
+
+    fn collect(&mut self) {
+        while self.outbox.pop().is_ok() {}
+    }
+}
+
+impl fmt::Debug for Player {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Player")
+            .field("sources", &self.sources.len())
+            .finish_non_exhaustive()
+    }
+}
+
+impl fmt::Debug for PlayerRemote {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("PlayerRemote")
+            .field("sources", &self.sources)
+            .finish_non_exhaustive()
+    }
+}

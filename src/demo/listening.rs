@@ -1,0 +1,47 @@
+//! From the ears to the speakers: what is played in full, and when it has to be made anew.
+
+use super::app::App;
+use super::ears::Ears;
+use crate::auralisation::Listen;
+use crate::gpu::ContextOptions;
+
+/// What the speaker plays in full: of something else it needs another player.
+#[derive(Clone, Debug, PartialEq)]
+pub struct InFull {
+    sound: String,
+    sources: usize,
+    has_bands: bool,
+}
+
+impl App {
+    /// Lets the speaker play what is listened to.
+    pub fn listen(&mut self) {
+        if self.choices.listen() == Listen::Balance {
+            if self.in_full.take().is_some() {
+                self.speaker.play_balance();
+            }
+            return;
+        }
+        let ears = self
+            .ears
+            .get_or_insert_with(|| Ears::start(ContextOptions::default()));
+        self.ears_status = ears.status();
+        if let Some(reason) = self.ears_status.error.take() {
+            self.choices.chosen_listen = Some(Listen::Balance);
+            self.ears = None;
+            self.tell(format!("the balance alone is heard: {reason}"));
+            return;
+        }
+        let scene = &self.world.now;
+        ears.hear(scene, &self.choices.settings);
+        let wanted = InFull {
+            sound: self.choices.sound.clone(),
+            sources: scene.sources().count(),
+            has_bands: scene.has_bands(),
+        };
+        if self.in_full.as_ref() != Some(&wanted) {
+            self.speaker.play_in_full(ears, scene, &wanted.sound);
+            self.in_full = Some(wanted);
+        }
+    }
+}
