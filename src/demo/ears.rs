@@ -16,6 +16,7 @@ use crate::gpu::{Context, ContextOptions};
 use crate::response::{Response, ResponseSettings};
 use crate::scene::Scene;
 use crate::trace::{Profile, Settings, Tracer};
+use serde::Serialize;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
@@ -64,7 +65,7 @@ const GAIN_DB: f32 = 12.0;
 const CURVE_POINTS: usize = 120;
 
 /// What is heard of one source.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct SourceHeard {
     /// The strength *G*, the mean of the bands, in decibels; none if nothing arrives.
     pub level_db: Option<f64>,

@@ -56,10 +56,11 @@ mod view;
 mod walk;
 mod window;
 
+pub use ears::SourceHeard;
 pub use error::DemoError;
 pub use latency::Parts as Latency;
 pub use options::{DemoOptions, OPENING_SCENE};
-pub use report::{FrameTimes, Memory, PanAt, Report, Reread, Standing};
+pub use report::{FrameTimes, InFullReport, Memory, PanAt, Report, Reread, Standing};
 pub use sound::SoundStatus;
 pub use walk::{BODY, MoveInput, Walker};
 

@@ -1,5 +1,6 @@
 //! The report of a run of the window, in numbers: for `--json`, for tests, for people.
 
+use super::ears::{EarsStatus, SourceHeard};
 use super::latency::Parts;
 use super::sound::SoundStatus;
 use crate::stats::{median, quantiles};
@@ -82,6 +83,8 @@ pub struct FrameLine<'a> {
     pub listener: [f32; 3],
     /// Whether sound is to be heard.
     pub sound: bool,
+    /// What is heard of each source in full; none where the balance is.
+    pub sources: Option<&'a [SourceHeard]>,
 }
 
 /// The scene's files have changed.
@@ -154,6 +157,10 @@ pub struct Report {
     pub memory_mib: Memory,
     /// The sound.
     pub sound: SoundStatus,
+    /// What was listened to at the end: full, or balance.
+    pub listen: String,
+    /// What was heard in full; none where the balance was.
+    pub in_full: Option<InFullReport>,
     /// From a key to the ear, in milliseconds.
     pub latency_ms: Parts,
     /// The waves of the last frame.
@@ -180,6 +187,30 @@ pub struct Report {
     pub reread: Vec<Reread>,
     /// What was heard.
     pub pans: Vec<PanAt>,
+}
+
+/// What was heard in full.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct InFullReport {
+    /// Of each source, at the end.
+    pub sources: Vec<SourceHeard>,
+    /// How often all sources were traced.
+    pub looks: u64,
+    /// Milliseconds that the last time took: to trace, and to make the late parts.
+    pub trace_ms: f64,
+    pub late_ms: f64,
+}
+
+impl InFullReport {
+    /// As it stands.
+    pub(super) fn of(status: &EarsStatus) -> InFullReport {
+        InFullReport {
+            sources: status.sources.clone(),
+            looks: status.looks,
+            trace_ms: status.trace_ms,
+            late_ms: status.late_ms,
+        }
+    }
 }
 
 /// Takes it all down while the window is open.

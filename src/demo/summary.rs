@@ -1,7 +1,7 @@
 //! The records of a frame, and of the run at its end.
 
 use super::app::App;
-use super::report::{FrameLine, Report, Standing};
+use super::report::{FrameLine, InFullReport, Report, Standing};
 use super::save::trace_call;
 use super::state::World;
 use crate::scene::{Listener, Scene, Surface};
@@ -29,6 +29,7 @@ impl App {
             paths_heard: self.paths.heard(),
             listener: self.world.now.listener.position.to_array(),
             sound: self.sound.is_heard,
+            sources: self.in_full.as_ref().map(|_| &self.ears_status.sources[..]),
         };
         if let Ok(line) = serde_json::to_string(&line) {
             log(&line);
@@ -48,6 +49,11 @@ impl App {
             window: self.window,
             picture: self.drawn.size,
             sound: self.speaker.status(),
+            listen: self.choices.listen().to_string(),
+            in_full: self
+                .in_full
+                .as_ref()
+                .map(|_| InFullReport::of(&self.ears_status)),
             latency_ms: self.latency.parts(),
             counts: self.heard.as_ref().map(|f| f.counts).unwrap_or_default(),
             listener: Standing {

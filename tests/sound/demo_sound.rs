@@ -1,6 +1,7 @@
 //! The window's sound: what `echomarch demo` plays through a real sound server, beside what
 //! its report says that it traced.
 
+use crate::common::cli::argument;
 use crate::common::window::{Demo, Display};
 use crate::sound_server::levels::{Comparison, Heard, error_db, gains};
 use crate::sound_server::{SINK, Server, wait_for};
@@ -166,6 +167,72 @@ fn what_is_heard_is_recorded() {
         .iter()
         .filter(|n| n.to_string_lossy().contains("part"));
     assert_eq!(parts.count(), 0, "{names:?}");
+}
+
+/// A source stands in the open, goes behind a wall, and stays there; a ceiling mirrors it.
+const BEHIND: &str = r#"Scene(
+    surfaces: [
+        Surface(shape: Box(size: (6, 3, 0.4)), position: (0, 0, -3)),
+        Surface(shape: Plane, position: (0, 6, 0), rotation: (180, 0, 0)),
+    ],
+    source: Source(position: (0.5, 0, -6), path: [
+        (time: 0, position: (9, 0, -6)),
+        (time: 10, position: (9, 0, -6)),
+        (time: 12, position: (0.5, 0, -6)),
+        (time: 25, position: (0.5, 0, -6)),
+    ]),
+    listener: Listener(position: (0, 0, 0), radius: 0.3),
+)"#;
+
+/// Protects all that is heard in the window: a source goes behind a wall. Its level falls, its echo stays, it comes from
+/// the right and then from the middle, and the sound server plays no click.
+#[test]
+fn a_source_that_goes_behind_a_wall_is_heard_by_its_echo() {
+    let display = Display::new();
+    let server = Server::start();
+    let recorder = server.record(SINK, 48_000, 2);
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("behind.ron");
+    std::fs::write(&scene, BEHIND).unwrap();
+    let program = server.command(env!("CARGO_BIN_EXE_echomarch"));
+    let sound = ["--sound", "sine:440", "--volume", "1"];
+    let demo = display.start(program, &[&[argument(&scene)], &sound[..]].concat());
+    // The path starts over a second after its end.
+    let stands = |frame: &Value, is_direct: bool, from: f64, to: f64| {
+        let now = frame["seconds"].as_f64().unwrap() % 26.0;
+        let source = &frame["sources"][0]["is_direct"];
+        frame["sound"] == true && *source == is_direct && from < now && now < to
+    };
+    demo.wait_until("sound", |frame| stands(frame, true, 3.0, 8.0));
+    let in_sight = level(&recorder.samples());
+    demo.wait_until("the wall", |frame| stands(frame, false, 15.0, 24.0));
+    let samples = recorder.stop();
+    let behind = level(&samples);
+    let (report, _, _) = demo.quit();
+    // From 10.8 m and 14.7 m in sight, from the right, to 13.4 m by the ceiling alone.
+    assert!(in_sight[1] > 1.5 * in_sight[0], "{in_sight:?}");
+    assert!((behind[0] / behind[1] - 1.0).abs() < 0.2, "{behind:?}");
+    let fall = behind[1] / in_sight[1];
+    assert!((0.2..0.9).contains(&fall), "{in_sight:?} {behind:?}");
+    let in_full = &report["in_full"];
+    assert!(in_full["looks"].as_u64() > Some(3), "{in_full}");
+    assert!(
+        in_full["sources"][0]["paths"].as_u64() >= Some(1),
+        "{in_full}"
+    );
+}
+
+/// Level of either channel over the last fifth of a second.
+fn level(samples: &[f32]) -> [f64; 2] {
+    let last = &samples[samples.len().saturating_sub(2 * 9600)..];
+    [0, 1].map(|channel| {
+        let squares = last
+            .iter()
+            .skip(channel)
+            .step_by(2)
+            .map(|s| f64::from(*s).powi(2));
+        (squares.sum::<f64>() / 9600.0).sqrt()
+    })
 }
 
 /// Bytes of sound in a folder.

@@ -1,11 +1,16 @@
 //! The callback of live output, driven without a device: nothing allocated, no clicks, levels and
 //! channels right.
 
+use crate::common::tracer;
 use crate::measures::{largest_step, rms};
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
+use echomarch::Scene;
+use echomarch::acoustics::ListenerAxes;
 use echomarch::audio::live::probe::{self, Recorder};
 use echomarch::audio::live::{LiveError, Remote, Renderer};
 use echomarch::audio::{AudioError, PanningLaw, SAMPLE_RATE, SINE_AMPLITUDE, Sound};
+use echomarch::auralisation::{Heard, Player, Spec};
+use echomarch::response::{Response, ResponseSettings};
 use tempfile::TempDir;
 
 /// Aborts the test when anything is allocated or freed within `assert_no_alloc`.
@@ -104,6 +109,47 @@ fn a_stream_with_a_clip_and_a_recording_allocates_nothing() {
         assert!(remote.collect() >= 2);
     }
     assert!(remote.levels() != [0.0, 0.0]);
+}
+
+/// Protects the callback while several sources are heard in full: what is told of them, late parts that fade, and the
+/// change from the balance and back allocate nothing; loud sound stays within full scale, nothing clicks, and what is
+/// not needed any more is handed back.
+#[test]
+fn the_callback_plays_sources_in_full_and_allocates_nothing() {
+    let scene = Scene::builtin("shoebox").unwrap();
+    let settings = ResponseSettings::default().with_seconds(0.2).with_order(2);
+    let mut tracer = tracer();
+    let near = Response::trace(&mut tracer, &scene, &settings).unwrap();
+    let mut further = scene.clone();
+    further.source.position.x += 0.1;
+    let far = Response::trace(&mut tracer, &further, &settings).unwrap();
+    let spec = Spec::of(&scene, SAMPLE_RATE).with_longest(0.2);
+    let axes = ListenerAxes::of(&scene.listener).unwrap();
+    let (mut renderer, mut remote) = renderer("sine:440");
+    let sounds = vec![sound("sine:300"), sound("sine:500")];
+    let (player, mut told) = Player::new(sounds, spec, 0.2);
+    assert_eq!(told.source_count(), 2);
+    assert!(remote.set_stereo(Some(Box::new(player)), SAMPLE_RATE));
+    let mut played = Vec::new();
+    for round in 0..120 {
+        if round % 10 < 8 {
+            let response = [&near, &far][round / 10 % 2];
+            let heard = Heard::new(response, &axes, spec, 1).unwrap();
+            assert!(told.hear(round % 2, heard, 0.02));
+        }
+        if round == 100 {
+            assert!(remote.set_stereo(None, SAMPLE_RATE));
+        }
+        played.extend(render(&mut renderer, 1470));
+        remote.collect();
+    }
+    assert!(played.iter().all(|sample| sample.abs() <= 1.0));
+    let left = channel(&played, 0);
+    let loud = |from: usize| left[from..].iter().take(9600).any(|s| s.abs() > 0.05);
+    assert!(loud(48_000) && loud(160_000));
+    // A sine of 500 Hz at full scale takes steps of 0.065; all that is heard is within full scale.
+    let step = largest_step(&left);
+    assert!(step < 0.1, "a step of {step}");
 }
 
 #[test]

@@ -15,7 +15,7 @@ use super::glide::Glide;
 use super::meter::Meter;
 use super::program::{Program, Programs};
 use super::shared::Shared;
-use crate::audio::{Gains, Mixer, PanningLaw, Sound};
+use crate::audio::{Gains, Mixer, PanningLaw, Sound, StereoSignal};
 use crate::trace::Panning;
 
 /// Frames that are mixed at once.
@@ -372,6 +372,16 @@ impl Remote {
     /// another rate than the renderer's is not played.
     pub fn set_sound(&mut self, sound: Sound, rate_hz: u32) -> bool {
         self.send(Message::Sound { sound, rate_hz }).is_ok()
+    }
+
+    /// Fades to channels made at `rate_hz`, in place of the one sound and its pan, or back to these
+    /// (`None`); false, if too much is under way already.
+    pub fn set_stereo(&mut self, signal: Option<Box<dyn StereoSignal>>, rate_hz: u32) -> bool {
+        let program = match signal {
+            None => Program::Balance,
+            Some(signal) => Program::Stereo { signal, rate_hz },
+        };
+        self.send(Message::Program(program)).is_ok()
     }
 
     /// Hands the message back if there is no room for it.
