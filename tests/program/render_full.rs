@@ -12,15 +12,15 @@ const RATE: usize = 48_000;
 const WALK: &str = r#"Scene(
     surfaces: [
         Surface(shape: Box(size: (4, 3, 0.4)), position: (0, 0, -3)),
-        Surface(shape: Plane(normal: (0, -1, 0), offset: -6), material: "ceiling"),
+        Surface(shape: Plane, position: (0, 6, 0), rotation: (180, 0, 0), material: "ceiling"),
     ],
     materials: {
         "ceiling": Material(absorption: [0.1, 0.1, 0.1, 0.1, 0.3, 0.5, 0.7, 0.8]),
     },
-    source: Source(position: (-8, 0, -6), path: Path([
+    source: Source(position: (-8, 0, -6), path: [
         (time: 0, position: (-8, 0, -6)),
         (time: 4, position: (8, 0, -6)),
-    ])),
+    ]),
     listener: Listener(position: (0, 0, 0), radius: 0.3),
 )"#;
 
@@ -88,7 +88,7 @@ fn a_source_behind_a_wall_is_heard_by_its_echo() {
 #[test]
 fn distance_makes_soft_and_late() {
     let folder = tempfile::tempdir().unwrap();
-    let text = r#"Scene(surfaces: [],
+    let text = r#"Scene(surfaces: [Surface(shape: Sphere(radius: 0.1), position: (0, -500, 0))],
         source: Source(position: (0, 0, -2)), listener: Listener(position: (0, 0, 0), radius: 0.2))"#;
     let file = scene(folder.path(), text);
     let render = |name: &str, more: &[&str]| {
@@ -137,7 +137,7 @@ fn distance_makes_soft_and_late() {
 #[test]
 fn each_source_plays_its_own() {
     let folder = tempfile::tempdir().unwrap();
-    let text = r#"Scene(surfaces: [], sources: [
+    let text = r#"Scene(surfaces: [Surface(shape: Sphere(radius: 0.1), position: (0, -500, 0))], sources: [
             Source(name: "flute", position: (-3, 0, 0)), Source(name: "drum", position: (3, 0, 0)),
         ], listener: Listener(position: (0, 0, 0), radius: 0.2))"#;
     let file = scene(folder.path(), text);
