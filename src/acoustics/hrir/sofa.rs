@@ -6,7 +6,8 @@
 //! Where a file holds several distances, the farthest counts in each direction.
 //!
 //! # Files of strangers
-//! No more than [`LARGEST_FILE`] bytes are read, and no variable before its shape has been checked.
+//! No more than [`LARGEST_FILE`] bytes are read, and no variable before its shape and the sizes of its
+//! pieces have been checked.
 //! The HDF5 reader is safe Rust. Should it panic at a damaged file, that is caught and told as damage.
 
 mod error;

@@ -1,6 +1,7 @@
 //! Variables and attributes of an HDF5 file, each limited before it is read.
 
-use super::{SofaProblem, bad_shape};
+use super::{SofaProblem, bad_shape, bad_value};
+use crate::acoustics::hrir::MAX_VALUES;
 use hdf5_pure::{Dataset, File};
 
 /// Characters of a file's text or of the reader's words that are shown.
@@ -72,7 +73,7 @@ impl Variables {
         count: usize,
     ) -> Result<Vec<f32>, SofaProblem> {
         let dataset = self.dataset(variable)?;
-        check_width(&dataset, variable)?;
+        self.check_storage(&dataset, variable)?;
         let samples = dataset
             .read_f32()
             .map_err(|error| damaged(variable, &error))?;
@@ -87,7 +88,7 @@ impl Variables {
         most: usize,
     ) -> Result<Vec<f64>, SofaProblem> {
         let dataset = self.dataset(variable)?;
-        check_width(&dataset, variable)?;
+        self.check_storage(&dataset, variable)?;
         let shape = self.shape(variable)?;
         let count = shape
             .iter()
@@ -129,6 +130,39 @@ impl Variables {
         }
     }
 
+    /// Refuses values that are no numbers, and pieces of a variable (chunks) that are larger than
+    /// all that a set may have or than the file: the reader takes as much memory as they say.
+    fn check_storage(&self, dataset: &Dataset, variable: &'static str) -> Result<(), SofaProblem> {
+        let failed = |error: hdf5_pure::Error| damaged(variable, &error);
+        let width = dataset.element_size().map_err(failed)?;
+        if width > WIDEST {
+            return Err(bad_value(
+                variable,
+                format!("its values have {width} bytes, which are no numbers"),
+            ));
+        }
+        let Some(chunk) = dataset.chunk_shape().map_err(failed)? else {
+            return Ok(());
+        };
+        let too_large = |what: &str| SofaProblem::Damaged {
+            what: variable.into(),
+            reason: format!("it is stored in pieces that are larger than {what}"),
+        };
+        let mut values = chunk.iter().copied();
+        let values = values.try_fold(1_u64, |product, size| product.checked_mul(size));
+        if values.is_none_or(|values| values > MAX_VALUES) {
+            return Err(too_large("any set"));
+        }
+        let chunks = dataset.chunks().map_err(failed)?;
+        if chunks
+            .iter()
+            .any(|chunk| chunk.storage_size > self.0.file_size())
+        {
+            return Err(too_large("the file"));
+        }
+        Ok(())
+    }
+
     fn dataset(&self, variable: &'static str) -> Result<Dataset, SofaProblem> {
         self.0.dataset(variable).map_err(|error| {
             // The reader's word for a name that is not there.
@@ -140,19 +174,6 @@ impl Variables {
             }
         })
     }
-}
-
-fn check_width(dataset: &Dataset, variable: &'static str) -> Result<(), SofaProblem> {
-    let size = dataset
-        .element_size()
-        .map_err(|error| damaged(variable, &error))?;
-    if size <= WIDEST {
-        return Ok(());
-    }
-    Err(SofaProblem::BadValue {
-        variable,
-        reason: format!("its values have {size} bytes, which are no numbers"),
-    })
 }
 
 fn expect_count(variable: &'static str, found: usize, count: usize) -> Result<(), SofaProblem> {
