@@ -102,14 +102,15 @@ fn expected(from: &[DVec3], band: usize) -> [f64; 3] {
 
 /// Protects the late part's levels at both ears and their coherence: from all around, and from one
 /// side. An octave of 1 kHz has in a second some 700 independent values: its energy is within 4 %,
-/// and four times that are allowed; from one side more, for three directions stand for it.
+/// and four times that are allowed; from one side 1.6 dB are, for three directions
+/// stand for it, and those differ in the head's shadow.
 #[test]
 fn noise_goes_through_the_head() {
     let around: Vec<DVec3> = lattice(200).collect();
     // Not right at the side: what bends around a sphere meets behind it, in a spot that is smaller
     // than the distance between the noise's directions.
     let side = vec![DVec3::new(0.6, 0.7, 0.4)];
-    for (from, limit, is_diffuse) in [(around, 0.16, true), (side, 0.25, false)] {
+    for (from, limit, is_diffuse) in [(around, 0.16, true), (side, 0.45, false)] {
         let made = heard(&[], &steady(&from), 6);
         for band in [4, 5, 6, 7] {
             let ears: Vec<Vec<f64>> = made
