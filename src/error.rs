@@ -5,6 +5,8 @@ pub use crate::input::InputError;
 pub use crate::output::OutputError;
 
 use crate::acoustics::AcousticsError;
+#[cfg(feature = "sofa")]
+use crate::acoustics::hrir::SofaError;
 use crate::audio::AudioError;
 use crate::gpu::GpuError;
 use crate::scene::SceneError;
@@ -29,6 +31,10 @@ pub enum Error {
     /// Echograms or impulse responses that cannot be made.
     #[error(transparent)]
     Acoustics(#[from] AcousticsError),
+    /// A SOFA file that no head-related impulse responses are read from.
+    #[cfg(feature = "sofa")]
+    #[error(transparent)]
+    Sofa(#[from] SofaError),
     /// A picture that cannot be made or kept.
     #[cfg(feature = "picture")]
     #[error(transparent)]
@@ -55,6 +61,8 @@ impl Error {
             Error::Gpu(error) => error.is_bad_input(),
             Error::Audio(error) => error.is_bad_input(),
             Error::Acoustics(_) => true,
+            #[cfg(feature = "sofa")]
+            Error::Sofa(_) => true,
             #[cfg(feature = "picture")]
             Error::Picture(error) => error.is_bad_input(),
         }

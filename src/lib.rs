@@ -34,7 +34,7 @@
 //! | --- | --- |
 //! | [`scene`] | surfaces, source, listener, paths; RON files; distances |
 //! | [`trace`] | settings, the [`Tracer`], one [`Frame`], [`Panning`] |
-//! | [`acoustics`] | exact specular paths, echograms, the figures of ISO 3382-1, impulse responses |
+//! | [`acoustics`] | exact specular paths, echograms, the figures of ISO 3382-1, impulse responses, head-related ones |
 //! | [`response`] | all of these of a scene, traced |
 //! | [`audio`] | sounds, panning laws, mixer, WAV files; live sound (feature `audio`) |
 //! | [`auralisation`] | what a listener hears of a source, as sound |
@@ -58,6 +58,7 @@
 //! | `audio` | yes | live output through a sound card, in [`audio`] |
 //! | `picture` | with `experiment`, `demo` | pictures and plans of scenes as PNG |
 //! | `experiment` | with `cli` | the experiments and their reports |
+//! | `sofa` | with `cli` | head-related impulse responses from SOFA files |
 //! | `demo` | yes | the window, as a module; needs no crate of the command line |
 //! | `cli` | yes | the program `echomarch`; its subcommand `demo` with the feature `demo` |
 //!

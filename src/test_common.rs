@@ -4,6 +4,9 @@
 mod random;
 #[path = "../tests/common/shared.rs"]
 mod shared;
+#[cfg(feature = "sofa")]
+#[path = "../tests/common/sofa.rs"]
+pub mod sofa;
 
 pub use random::Random;
 pub use shared::*;

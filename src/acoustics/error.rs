@@ -54,4 +54,7 @@ pub enum AcousticsError {
         /// What is above it, world axes.
         up: glam::DVec3,
     },
+    /// A set of head-related impulse responses that cannot be taken to the response's rate.
+    #[error(transparent)]
+    Hrir(#[from] super::hrir::HrirError),
 }

@@ -1,6 +1,7 @@
 //! Impulse responses that can be heard: taps, and noise shaped by an echogram.
 
 mod axes;
+mod binaural;
 mod format;
 mod late;
 mod spectrum;
@@ -13,6 +14,7 @@ pub use format::Format;
 
 use super::{AcousticsError, Echogram, Tap};
 use crate::bands::BAND_COUNT;
+pub(crate) use format::Encoding;
 use spectrum::{Crossing, Spectra};
 use std::f64::consts::PI;
 use std::ops::RangeInclusive;
@@ -27,7 +29,7 @@ pub const MAX_SECONDS: f64 = 60.0;
 const DEFAULT_RATE_HZ: u32 = 48_000;
 
 /// How an impulse response is made.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ImpulseSettings {
     /// Samples a second, in [`RATES_HZ`].
     pub rate_hz: u32,
@@ -64,6 +66,11 @@ impl ImpulseSettings {
 ///   energy of each bin. Then it is filtered to its octave; the filters' powers add up to 1. A
 ///   filter spreads the energy of a bin in time, by some 20 ms at 63 Hz and less than 1 ms from
 ///   2 kHz on, to both sides: no filter is sharp in time and in frequency.
+/// - **Binaural**: each tap is convolved with the HRIRs of its direction, at its time between
+///   samples. The noise comes from 32 directions around the listener, independent in each, through
+///   their HRIRs. Of a bin and band whose mean direction has the length m (0 diffuse, 1 one wave)
+///   the share 1 − m comes from all of them evenly, the share m from those three about the mean
+///   direction.
 /// - Below 63 Hz the energy is that of 63 Hz, above 8 kHz that of 8 kHz.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ImpulseResponse {
@@ -78,19 +85,16 @@ impl ImpulseResponse {
     ///
     /// # Errors
     /// [`AcousticsError::BadRate`] and [`AcousticsError::BadLength`] if the settings are out of
-    /// range.
+    /// range, [`AcousticsError::Hrir`] if a set of head-related impulse responses cannot be resampled.
     pub fn new(
         taps: &[Tap],
         echogram: &Echogram,
         axes: &ListenerAxes,
         settings: &ImpulseSettings,
     ) -> Result<ImpulseResponse, AcousticsError> {
-        let &ImpulseSettings {
-            rate_hz,
-            seconds,
-            format,
-            seed,
-        } = settings;
+        let ImpulseSettings {
+            rate_hz, seconds, ..
+        } = *settings;
         if !RATES_HZ.contains(&rate_hz) {
             return Err(AcousticsError::BadRate { rate_hz });
         }
@@ -98,16 +102,27 @@ impl ImpulseResponse {
             return Err(AcousticsError::BadLength { seconds });
         }
         let samples = (seconds * f64::from(rate_hz)).ceil() as usize;
-        let sound = late::Sound {
-            format,
+        let sound = Sound {
             axes: *axes,
             rate_hz: rate_hz.into(),
-            seed,
+            seed: settings.seed,
+        };
+        let encoded = |encoding| channels(taps, echogram, encoding, &sound, samples);
+        let channels = match &settings.format {
+            Format::Mono => encoded(Encoding::Mono),
+            Format::Stereo => encoded(Encoding::Stereo),
+            Format::AmbiX => encoded(Encoding::AmbiX),
+            Format::Binaural(hrirs) if hrirs.rate_hz() == rate_hz => {
+                binaural::channels(taps, echogram, hrirs, &sound, samples)
+            }
+            Format::Binaural(hrirs) => {
+                binaural::channels(taps, echogram, &hrirs.at_rate(rate_hz)?, &sound, samples)
+            }
         };
         Ok(ImpulseResponse {
             rate_hz,
-            format,
-            channels: channels(taps, echogram, &sound, samples),
+            format: settings.format.clone(),
+            channels,
         })
     }
 
@@ -117,8 +132,8 @@ impl ImpulseResponse {
     }
 
     /// What the channels are.
-    pub fn format(&self) -> Format {
-        self.format
+    pub fn format(&self) -> &Format {
+        &self.format
     }
 
     /// The samples of each channel.
@@ -144,31 +159,45 @@ pub(crate) fn amplitude(energy: f64) -> f64 {
     (4.0 * PI * energy.max(0.0)).sqrt()
 }
 
+/// What a response is made for.
+struct Sound {
+    axes: ListenerAxes,
+    rate_hz: f64,
+    seed: u64,
+}
+
 fn channels(
     taps: &[Tap],
     echogram: &Echogram,
-    sound: &late::Sound,
+    encoding: Encoding,
+    sound: &Sound,
     samples: usize,
 ) -> Vec<Vec<f32>> {
-    let count = sound.format.channels();
+    let count = encoding.channels();
     let mut spectra = Spectra::new(count, samples, sound.rate_hz);
     let mut unfiltered = vec![spectra.silence(); count];
     for band in 0..BAND_COUNT {
         if !taps.is_empty() {
-            add_taps(&mut unfiltered, taps, band, sound);
+            add_taps(&mut unfiltered, taps, band, encoding, sound);
             spectra.add(&mut unfiltered, Crossing::Amplitude, band);
         }
         if echogram.bins() > 0 {
-            late::add(&mut unfiltered, samples, echogram, band, sound);
+            late::add(&mut unfiltered, samples, echogram, band, encoding, sound);
             spectra.add(&mut unfiltered, Crossing::Power, band);
         }
     }
     spectra.into_channels(samples)
 }
 
-fn add_taps(unfiltered: &mut [Vec<f64>], taps: &[Tap], band: usize, sound: &late::Sound) {
+fn add_taps(
+    unfiltered: &mut [Vec<f64>],
+    taps: &[Tap],
+    band: usize,
+    encoding: Encoding,
+    sound: &Sound,
+) {
     for tap in taps {
-        let gains = sound.format.gains(&sound.axes, -tap.direction);
+        let gains = encoding.gains(&sound.axes, -tap.direction);
         for (samples, gain) in unfiltered.iter_mut().zip(gains) {
             let place = tap.seconds * sound.rate_hz;
             taps::add(samples, place, gain * amplitude(tap.energy[band]));

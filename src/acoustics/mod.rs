@@ -3,7 +3,8 @@
 //!
 //! ```text
 //!  crossings of the listener ─▶ Echogram ─┬─▶ Figures (ISO 3382-1), with their errors
-//!  exact paths ───────────────▶ Tap … ────┴─▶ ImpulseResponse: mono, stereo, AmbiX
+//!  exact paths ───────────────▶ Tap … ────┴─▶ ImpulseResponse: mono, stereo, AmbiX, binaural
+//!  SOFA files ────────────────▶ HrirSet ────────────────────────────────────────────┘
 //! ```
 //!
 //! # Units
@@ -36,6 +37,7 @@ pub mod early;
 mod echogram;
 mod error;
 mod figures;
+pub mod hrir;
 mod impulse_response;
 #[cfg(test)]
 mod tests;
@@ -44,7 +46,7 @@ pub use arrival::{Arrival, Tap};
 pub use echogram::{BATCHES, BINS_S, Echogram, EchogramRow};
 pub use error::AcousticsError;
 pub use figures::{BandFigures, Figures, strength_db};
+pub(crate) use impulse_response::{Encoding, amplitude, tap_filter_gain};
 pub use impulse_response::{
     Format, ImpulseResponse, ImpulseSettings, ListenerAxes, MAX_SECONDS, RATES_HZ,
 };
-pub(crate) use impulse_response::{amplitude, tap_filter_gain};

@@ -49,7 +49,7 @@ mod mixer;
 mod noise;
 mod panning_law;
 mod rate;
-mod resample;
+pub(crate) mod resample;
 mod signal;
 mod sine;
 mod sound;

@@ -8,7 +8,7 @@ use rubato::{Fft, FixedSync, Resampler};
 const LEAST_BLOCK: u32 = 1024;
 
 /// Resamples a mono clip, delay taken out, to `samples.len() · to_hz / from_hz` samples, rounded.
-pub(super) fn to_rate(samples: Vec<f32>, from_hz: u32, to_hz: u32) -> Result<Vec<f32>, String> {
+pub(crate) fn to_rate(samples: Vec<f32>, from_hz: u32, to_hz: u32) -> Result<Vec<f32>, String> {
     if from_hz == to_hz {
         return Ok(samples);
     }

@@ -4,7 +4,8 @@ use super::convolution::Kernel;
 use super::delay_line::REACH;
 use super::{CHANNELS, MOST_ECHOES, Spec};
 use crate::acoustics::{
-    AcousticsError, Format, ImpulseResponse, ImpulseSettings, ListenerAxes, Tap, amplitude,
+    AcousticsError, Encoding, Format, ImpulseResponse, ImpulseSettings, ListenerAxes, Tap,
+    amplitude,
 };
 use crate::bands::{self, BAND_COUNT};
 use crate::response::{HeardPath, Response};
@@ -25,7 +26,7 @@ pub(super) struct Echo {
 
 impl Echo {
     pub fn new(tap: &Tap, key: u64, axes: &ListenerAxes, spec: Spec) -> Echo {
-        let gains = Format::Stereo.gains(axes, -tap.direction);
+        let gains = Encoding::Stereo.gains(axes, -tap.direction);
         Echo {
             key,
             delay: tap.seconds * f64::from(spec.rate_hz),

@@ -9,20 +9,24 @@ use super::numbers::{count, real};
 use super::options::{Common, check_ending, check_range};
 use super::print;
 use super::scene::SceneAtTime;
-use crate::acoustics::{Format, MAX_SECONDS, RATES_HZ};
+use crate::acoustics::hrir::HrirSet;
+use crate::acoustics::{AcousticsError, Format, MAX_SECONDS, RATES_HZ};
 use crate::audio::SAMPLE_RATE;
+use crate::error::Error;
 use crate::output::check_file;
 use crate::response::{MAX_ORDER, Response, ResponseSettings};
 use crate::trace::{Algorithm, Directions, Profile, Settings};
 use clap::{Args, ValueEnum};
 use pairs::Pair;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 const EXAMPLES: &str = "\
 Examples:
   echomarch impulse hall.ron                         figures of the room, and its early paths
   echomarch impulse hall.ron -o ir.wav --waves 262144
   echomarch impulse hall.ron -o ir.wav --format ambisonic --seconds 3
+  echomarch impulse hall.ron -o ir.wav --format binaural --sofa head.sofa
   echomarch impulse hall.ron --source flute --listener stalls --plot decay.svg
   echomarch impulse hall.ron --echogram echogram.csv --json > hall.json";
 
@@ -39,9 +43,14 @@ pub struct Arguments {
     /// impulse, and amplitude 1 is the direct sound at 1 m
     #[arg(short, long, value_name = "FILE.wav")]
     output: Option<PathBuf>,
-    /// Channels of the WAV file: mono, stereo, or ambisonic (first order: ACN, SN3D)
+    /// Channels of the WAV file: mono, stereo, ambisonic (first order: ACN, SN3D), or binaural (two
+    /// ears, by --sofa)
     #[arg(long, default_value = "mono", value_name = "NAME", requires = "output")]
     format: FormatOption,
+    /// Head-related impulse responses for --format binaural: a SOFA file of the convention
+    /// SimpleFreeFieldHRIR
+    #[arg(long, value_name = "FILE.sofa", requires = "output")]
+    sofa: Option<PathBuf>,
     /// Samples a second of the WAV file
     #[arg(long, allow_negative_numbers = true, default_value_t = SAMPLE_RATE, value_name = "HZ",
         requires = "output", value_parser = count::<u32>)]
@@ -81,21 +90,12 @@ pub struct Arguments {
 }
 
 /// The channels of the WAV file.
-#[derive(Clone, Copy, Debug, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
 enum FormatOption {
     Mono,
     Stereo,
     Ambisonic,
-}
-
-impl From<FormatOption> for Format {
-    fn from(option: FormatOption) -> Format {
-        match option {
-            FormatOption::Mono => Format::Mono,
-            FormatOption::Stereo => Format::Stereo,
-            FormatOption::Ambisonic => Format::AmbiX,
-        }
-    }
+    Binaural,
 }
 
 /// Runs the subcommand.
@@ -112,12 +112,13 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
         return Err(BadInput(pairs::too_many(&scene, pairs.len())).into());
     }
     arguments.files().try_for_each(|file| check_file(file))?;
+    let format = arguments.format()?;
     let mut tracer = common.tracer()?;
     let bar = print::progress(common.quiet, pairs.len() as u64, "pairs");
     let mut heard: Vec<(Pair, Response)> = Vec::new();
     for pair in pairs {
         let response = Response::trace(&mut tracer, &pair.scene, &settings)?;
-        files::write(arguments, &pair, &response)?;
+        files::write(arguments, &format, &pair, &response)?;
         heard.push((pair, response));
         bar.inc(1);
     }
@@ -142,6 +143,25 @@ impl Arguments {
         settings.seconds = self.seconds;
         settings.validate()?;
         Ok(settings)
+    }
+
+    /// The format of the WAV file, with the SOFA file's responses at its rate.
+    fn format(&self) -> anyhow::Result<Format> {
+        Ok(match self.format {
+            FormatOption::Mono => Format::Mono,
+            FormatOption::Stereo => Format::Stereo,
+            FormatOption::Ambisonic => Format::AmbiX,
+            FormatOption::Binaural => Format::Binaural(Arc::new(self.hrirs()?)),
+        })
+    }
+
+    fn hrirs(&self) -> anyhow::Result<HrirSet> {
+        let Some(file) = &self.sofa else {
+            return Err(BadInput("--format binaural needs --sofa FILE.sofa".into()).into());
+        };
+        let hrirs = HrirSet::read_sofa(file).map_err(Error::from)?;
+        let at_rate = hrirs.at_rate(self.rate).map_err(AcousticsError::from);
+        Ok(at_rate.map_err(Error::from)?)
     }
 
     fn check(&self) -> anyhow::Result<()> {

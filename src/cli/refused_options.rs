@@ -40,6 +40,12 @@ const IGNORED: &[Ignored] = &[
         because: "the text goes to the file of --output",
     },
     Ignored {
+        command: &["impulse"],
+        options: &["sofa"],
+        when: |given| !has_value(given, "format", "binaural"),
+        because: "it is for --format binaural",
+    },
+    Ignored {
         command: &["slice"],
         options: &["waves"],
         when: |given| !is_given(given, "heard_paths"),
@@ -137,6 +143,12 @@ fn set_twice(given: &ArgMatches) -> Option<&str> {
     let names: Vec<&str> = sets.map(|(name, _)| name.as_str()).collect();
     let is_again = |at: &usize| names[..*at].contains(&names[*at]);
     (0..names.len()).find(is_again).map(|at| names[at])
+}
+
+/// Whether an option has this value, by what was typed or without.
+fn has_value(given: &ArgMatches, id: &str, value: &str) -> bool {
+    let mut raw = given.get_raw(id).into_iter().flatten();
+    raw.any(|typed| typed == value)
 }
 
 /// Whether an option was typed: not, if the subcommand has none of that name.

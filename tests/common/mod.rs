@@ -8,6 +8,8 @@ pub mod drop;
 pub mod flights;
 mod random;
 mod shared;
+#[cfg(feature = "sofa")]
+pub mod sofa;
 pub mod wav;
 #[cfg(all(feature = "cli", feature = "demo"))]
 pub mod window;

@@ -20,6 +20,11 @@ mod answers;
 mod field_text;
 mod height_image;
 mod scene;
+#[cfg(feature = "sofa")]
+mod sofa;
+#[cfg(feature = "sofa")]
+#[path = "../common/sofa.rs"]
+mod sofa_file;
 mod wav;
 
 use mutate::Mutator;
@@ -95,6 +100,13 @@ fn scenes() {
 #[test]
 fn wavs() {
     fuzz(&wav::target());
+}
+
+/// Protects from untrusted SOFA files.
+#[cfg(feature = "sofa")]
+#[test]
+fn sofa_files() {
+    fuzz(&sofa::target());
 }
 
 /// Protects from untrusted height images.

@@ -14,6 +14,7 @@ mod demo_scenes;
 mod demo_window;
 mod gpu_report;
 mod impulse;
+mod impulse_binaural;
 mod interrupted;
 mod localise;
 mod localise_form;

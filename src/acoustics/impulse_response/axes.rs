@@ -65,8 +65,8 @@ impl ListenerAxes {
         self.up
     }
 
-    /// A vector of the world in the axes of AmbiX: x ahead, y to the left, z up.
-    pub(super) fn ambix(&self, world: DVec3) -> DVec3 {
+    /// A vector of the world in listener axes, those of AmbiX and SOFA: x ahead, y to the left, z up.
+    pub fn to_listener(&self, world: DVec3) -> DVec3 {
         DVec3::new(
             world.dot(self.forward),
             -world.dot(self.right),
@@ -86,7 +86,7 @@ mod tests {
         let axes = axes.expect("good axes");
         assert!(axes.right().distance(DVec3::X) < 1e-15);
         assert!(axes.up().distance(DVec3::Y) < 1e-15);
-        let seen = axes.ambix(DVec3::new(1.0, 2.0, 3.0));
+        let seen = axes.to_listener(DVec3::new(1.0, 2.0, 3.0));
         assert!(seen.distance(DVec3::new(-3.0, -1.0, 2.0)) < 1e-15);
     }
 

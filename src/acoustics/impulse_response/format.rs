@@ -1,10 +1,12 @@
 //! How many channels there are, and what share of sound from a direction each has.
 
 use super::ListenerAxes;
+use crate::acoustics::hrir::HrirSet;
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+use std::sync::Arc;
 
-/// The most channels that a format has.
+/// The most channels that an encoding has.
 pub(crate) const MOST_CHANNELS: usize = 4;
 
 /// The mean of the square of one component of a unit vector over all directions: what a
@@ -12,7 +14,7 @@ pub(crate) const MOST_CHANNELS: usize = 4;
 const DIFFUSE_SHARE: f64 = 1.0 / 3.0;
 
 /// The channels of an impulse response.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub enum Format {
     /// One channel, the same for all directions.
     #[default]
@@ -23,6 +25,17 @@ pub enum Format {
     /// First-order ambisonics in the convention AmbiX (C. Nachbar et al., *AmbiX – A Suggested
     /// Ambisonics Format*, 2011): channels W, Y, Z, X (ACN), of a wave from (x, y, z) with gains
     /// 1, y, z, x (SN3D); x is ahead of the listener, y to the left, z up.
+    AmbiX,
+    /// Left and right ear, for headphones: each arrival through the head-related impulse responses of
+    /// its direction. A set at another rate is resampled.
+    Binaural(Arc<HrirSet>),
+}
+
+/// How a direction is told by gains alone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Encoding {
+    Mono,
+    Stereo,
     AmbiX,
 }
 
@@ -35,25 +48,36 @@ pub(super) struct Noise {
 
 impl Format {
     /// How many channels there are.
-    pub fn channels(self) -> usize {
+    pub fn channels(&self) -> usize {
         match self {
             Format::Mono => 1,
-            Format::Stereo => 2,
+            Format::Stereo | Format::Binaural(_) => 2,
             Format::AmbiX => 4,
+        }
+    }
+}
+
+impl Encoding {
+    /// How many channels there are.
+    pub(super) fn channels(self) -> usize {
+        match self {
+            Encoding::Mono => 1,
+            Encoding::Stereo => 2,
+            Encoding::AmbiX => 4,
         }
     }
 
     /// The gains of sound from a direction (a unit vector towards where it comes from).
     pub(crate) fn gains(self, axes: &ListenerAxes, from: DVec3) -> [f64; MOST_CHANNELS] {
         match self {
-            Format::Mono => [1.0, 0.0, 0.0, 0.0],
-            Format::Stereo => {
+            Encoding::Mono => [1.0, 0.0, 0.0, 0.0],
+            Encoding::Stereo => {
                 let side = from.dot(axes.right()).clamp(-1.0, 1.0);
                 let (right, left) = ((1.0 + side) * FRAC_PI_4).sin_cos();
                 [left, right, 0.0, 0.0]
             }
-            Format::AmbiX => {
-                let DVec3 { x, y, z } = axes.ambix(from);
+            Encoding::AmbiX => {
+                let DVec3 { x, y, z } = axes.to_listener(from);
                 [1.0, y, z, x]
             }
         }
@@ -68,11 +92,11 @@ impl Format {
     pub(super) fn noise(self, axes: &ListenerAxes, mean: DVec3) -> Noise {
         let none = [0.0; MOST_CHANNELS];
         match self {
-            Format::Mono => Noise {
+            Encoding::Mono => Noise {
                 common: none,
                 own: self.gains(axes, mean),
             },
-            Format::Stereo => {
+            Encoding::Stereo => {
                 let side = mean.dot(axes.right()).clamp(-1.0, 1.0);
                 let sine = (side * FRAC_PI_2).sin();
                 let own = [(1.0 - sine) / 2.0, (1.0 + sine) / 2.0, 0.0, 0.0];
@@ -81,7 +105,7 @@ impl Format {
                     own: own.map(f64::sqrt),
                 }
             }
-            Format::AmbiX => {
+            Encoding::AmbiX => {
                 let directed = mean.length().min(1.0);
                 let gains = self.gains(axes, mean.try_normalize().unwrap_or(DVec3::ZERO));
                 let diffuse = (1.0 - directed).sqrt();

@@ -1,20 +1,20 @@
 //! The late part: Gaussian noise, shaped by the echogram.
 
-use super::format::{Format, MOST_CHANNELS, Noise};
-use super::{ListenerAxes, amplitude};
+use super::format::{Encoding, MOST_CHANNELS, Noise};
+use super::{Sound, amplitude};
 use crate::acoustics::Echogram;
 use crate::rng::{hash, unit_interval};
 use std::f64::consts::TAU;
 
 /// Gaussian numbers with mean 0 and variance 1, by a seed and a stream.
-struct Gauss {
+pub(super) struct Gauss {
     key: u64,
     index: u64,
     spare: Option<f64>,
 }
 
 impl Gauss {
-    fn new(seed: u64, stream: u64) -> Gauss {
+    pub(super) fn new(seed: u64, stream: u64) -> Gauss {
         Gauss {
             key: hash(hash(seed) ^ stream),
             index: 0,
@@ -23,7 +23,7 @@ impl Gauss {
     }
 
     /// The next one (G. E. P. Box and M. E. Muller, Annals of Mathematical Statistics 29, 1958).
-    fn next(&mut self) -> f64 {
+    pub(super) fn next(&mut self) -> f64 {
         if let Some(spare) = self.spare.take() {
             return spare;
         }
@@ -72,6 +72,7 @@ pub(super) fn add(
     samples: usize,
     echogram: &Echogram,
     band: usize,
+    encoding: Encoding,
     sound: &Sound,
 ) {
     let mut noises = Noises::new(sound.seed, band);
@@ -81,7 +82,7 @@ pub(super) fn add(
             continue;
         }
         let mean = -echogram.flow(bin)[band] / energy;
-        let noise = sound.format.noise(&sound.axes, mean);
+        let noise = encoding.noise(&sound.axes, mean);
         for (sample, share) in samples_of(echogram, bin, sound.rate_hz) {
             if sample < samples {
                 noises.add(channels, sample, amplitude(energy * share), &noise);
@@ -90,17 +91,13 @@ pub(super) fn add(
     }
 }
 
-/// What the noise is made for.
-pub(super) struct Sound {
-    pub(super) format: Format,
-    pub(super) axes: ListenerAxes,
-    pub(super) rate_hz: f64,
-    pub(super) seed: u64,
-}
-
 /// The samples that a bin covers, and the share of the bin in each. A sample covers half its
 /// distance to the next on both sides; what is before the first is its own.
-fn samples_of(echogram: &Echogram, bin: usize, rate_hz: f64) -> impl Iterator<Item = (usize, f64)> {
+pub(super) fn samples_of(
+    echogram: &Echogram,
+    bin: usize,
+    rate_hz: f64,
+) -> impl Iterator<Item = (usize, f64)> {
     let edge = |bin: usize| {
         let edge_s = echogram.first_s() + bin as f64 * echogram.bin_s();
         (edge_s * rate_hz + 0.5).max(0.0)

@@ -102,6 +102,21 @@ impl Spectra {
         }
     }
 
+    /// Adds the one channel of `other` to each of these, through a filter that is as long as the
+    /// transform takes it ([`silence`](Self::silence)), and leaves silence in its place.
+    pub(super) fn add_filtered(&mut self, other: &mut Spectra, mut filters: Vec<Vec<f64>>) {
+        for (filter, sums) in filters.iter_mut().zip(&mut self.sums) {
+            let done = self.forward.process(filter, &mut self.spectrum);
+            debug_assert!(done.is_ok(), "the buffers are as long as the plan's");
+            for ((sum, gain), value) in sums.iter_mut().zip(&self.spectrum).zip(&other.sums[0]) {
+                *sum += value * gain;
+            }
+        }
+        for sum in &mut other.sums {
+            sum.fill(Complex::default());
+        }
+    }
+
     /// The first `samples` of each channel.
     pub(super) fn into_channels(mut self, samples: usize) -> Vec<Vec<f32>> {
         let scale = 1.0 / self.length as f64;

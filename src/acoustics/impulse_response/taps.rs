@@ -6,18 +6,26 @@ use std::f64::consts::PI;
 /// the sampling rate: 21.6 kHz at 48 kHz.
 const REACH: i64 = 32;
 
-/// Adds an impulse of this amplitude at a time in samples, not only at a whole one: a sinc
-/// function under the window of Blackman (R. B. Blackman and J. W. Tukey, 1958).
+/// An impulse at a time in samples, not only at a whole one: a sinc function under the window of
+/// Blackman (R. B. Blackman and J. W. Tukey, 1958). Its samples, and where the first of them stands.
+pub(super) fn impulse(place: f64) -> (i64, impl Iterator<Item = f64>) {
+    let nearest = place.round() as i64;
+    let samples =
+        (-REACH..=REACH).map(move |offset| windowed_sinc((nearest + offset) as f64 - place));
+    (nearest - REACH, samples)
+}
+
+/// Adds an impulse of this amplitude at a time in samples.
 ///
 /// What lies before the first or behind the last sample is lost.
 pub(super) fn add(samples: &mut [f64], place: f64, amplitude: f64) {
-    let nearest = place.round() as i64;
-    for index in nearest - REACH..=nearest + REACH {
+    let (first, impulse) = impulse(place);
+    for (index, value) in (first..).zip(impulse) {
         let sample = usize::try_from(index)
             .ok()
             .and_then(|index| samples.get_mut(index));
         if let Some(sample) = sample {
-            *sample += amplitude * windowed_sinc(index as f64 - place);
+            *sample += amplitude * value;
         }
     }
 }

@@ -1,5 +1,7 @@
 //! Impulse responses against the taps and echograms that they are made of.
 
+mod binaural;
+
 use super::*;
 use crate::bands::{BANDS_HZ, Bands};
 use glam::DVec3;

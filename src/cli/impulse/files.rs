@@ -2,7 +2,9 @@
 
 use super::Arguments;
 use super::pairs::Pair;
-use crate::acoustics::{Echogram, EchogramRow, ImpulseResponse, ImpulseSettings, ListenerAxes};
+use crate::acoustics::{
+    Echogram, EchogramRow, Format, ImpulseResponse, ImpulseSettings, ListenerAxes,
+};
 use crate::audio::WavWriter;
 use crate::error::Error;
 use crate::experiment::decay_plot;
@@ -13,9 +15,14 @@ use std::io::{self, Write};
 use std::path::Path;
 
 /// Writes what was asked for.
-pub fn write(arguments: &Arguments, pair: &Pair, response: &Response) -> anyhow::Result<()> {
+pub fn write(
+    arguments: &Arguments,
+    format: &Format,
+    pair: &Pair,
+    response: &Response,
+) -> anyhow::Result<()> {
     if let Some(file) = &arguments.output {
-        write_wav(arguments, file, pair, response)?;
+        write_wav(arguments, file, format, pair, response)?;
     }
     if let Some(file) = &arguments.echogram {
         write_whole(file, |out| write_echogram(&response.echogram, out))?;
@@ -32,13 +39,14 @@ pub fn write(arguments: &Arguments, pair: &Pair, response: &Response) -> anyhow:
 fn write_wav(
     arguments: &Arguments,
     file: &Path,
+    format: &Format,
     pair: &Pair,
     response: &Response,
 ) -> anyhow::Result<()> {
     let axes = ListenerAxes::of(&pair.scene.listener).map_err(Error::from)?;
     let mut settings = ImpulseSettings::new(response.seconds);
     settings.rate_hz = arguments.rate;
-    settings.format = arguments.format.into();
+    settings.format = format.clone();
     settings.seed = arguments.seed.into();
     let impulse = ImpulseResponse::new(&response.taps(), &response.echogram, &axes, &settings);
     let impulse = impulse.map_err(Error::from)?;

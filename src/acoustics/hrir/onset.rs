@@ -1,0 +1,232 @@
+//! When a head-related impulse response begins, and responses moved to begin together.
+//!
+//! The onset is the delay at which a response is most like its own minimum-phase version (J. Nam,
+//! J. S. Abel and J. O. Smith, *A Method for Estimating Interaural Time Difference for Binaural
+//! Synthesis*, AES 125, 2008): the maximum of their cross-correlation, between samples. Unlike a
+//! threshold it does not jump from one peak to another where the head casts a shadow.
+
+use realfft::num_complex::Complex;
+use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+/// Magnitudes are taken as no smaller than this share of the largest, −100 dB: a logarithm needs
+/// some limit, and no measurement has so much dynamic.
+const FLOOR: f64 = 1e-5;
+
+/// The spectrum's length over the response's, so that the cepstrum does not wrap around much.
+const PADDING: usize = 4;
+
+/// Places a sample at which the cross-correlation is looked at; between them it is a parabola.
+const OVERSAMPLING: usize = 8;
+
+type Forward = Arc<dyn RealToComplex<f64>>;
+type Inverse = Arc<dyn ComplexToReal<f64>>;
+
+/// Finds onsets of responses of one length.
+pub(super) struct OnsetFinder {
+    length: usize,
+    forward: Forward,
+    inverse: Inverse,
+    fine: Inverse,
+}
+
+impl OnsetFinder {
+    /// For responses of so many samples.
+    pub(super) fn new(samples: usize) -> OnsetFinder {
+        let length = (PADDING * samples).next_power_of_two();
+        let mut planner = RealFftPlanner::new();
+        OnsetFinder {
+            length,
+            forward: planner.plan_fft_forward(length),
+            inverse: planner.plan_fft_inverse(length),
+            fine: planner.plan_fft_inverse(OVERSAMPLING * length),
+        }
+    }
+
+    /// The onset in samples, which may lie a little before the first; `None` for silence.
+    pub(super) fn find(&self, samples: &[f32]) -> Option<f64> {
+        let spectrum = self.spectrum(samples.iter().map(|sample| f64::from(*sample)));
+        let largest = spectrum
+            .iter()
+            .map(|value| value.norm())
+            .fold(0.0, f64::max);
+        if largest <= 0.0 {
+            return None;
+        }
+        let minimum_phase = self.minimum_phase(&spectrum, FLOOR * largest);
+        let mut cross = self.fine.make_input_vec();
+        for ((cross, a), b) in cross.iter_mut().zip(&spectrum).zip(&minimum_phase) {
+            *cross = a * b.conj();
+        }
+        // The highest frequency is in the middle of the longer spectrum, where it must be halved.
+        cross[self.length / 2] *= 0.5;
+        let mut correlation = self.fine.make_output_vec();
+        transform_back(&self.fine, &mut cross, &mut correlation);
+        Some(peak(&correlation) / OVERSAMPLING as f64)
+    }
+
+    fn spectrum(&self, samples: impl Iterator<Item = f64>) -> Vec<Complex<f64>> {
+        let mut padded = self.forward.make_input_vec();
+        for (padded, sample) in padded.iter_mut().zip(samples) {
+            *padded = sample;
+        }
+        let mut spectrum = self.forward.make_output_vec();
+        let done = self.forward.process(&mut padded, &mut spectrum);
+        debug_assert!(done.is_ok(), "the buffers are as long as the plan's");
+        spectrum
+    }
+
+    /// The spectrum with these magnitudes and the least delay: its cepstrum is 0 before time 0
+    /// (A. V. Oppenheim and R. W. Schafer, *Discrete-Time Signal Processing*, chapter 13).
+    fn minimum_phase(&self, spectrum: &[Complex<f64>], floor: f64) -> Vec<Complex<f64>> {
+        let log = |value: &Complex<f64>| Complex::new(value.norm().max(floor).ln(), 0.0);
+        let mut logarithm: Vec<Complex<f64>> = spectrum.iter().map(log).collect();
+        let mut cepstrum = self.inverse.make_output_vec();
+        transform_back(&self.inverse, &mut logarithm, &mut cepstrum);
+        let (scale, half) = (1.0 / self.length as f64, self.length / 2);
+        let folded = cepstrum.iter().enumerate().map(|(index, value)| {
+            let share = match index {
+                0 => 1.0,
+                index if index < half => 2.0,
+                index if index == half => 1.0,
+                _ => 0.0,
+            };
+            share * scale * value
+        });
+        let mut spectrum = self.spectrum(folded);
+        for value in &mut spectrum {
+            *value = value.exp();
+        }
+        spectrum
+    }
+}
+
+/// Moves a response so that `onset` (in samples) comes to stand at `place`, in a response of
+/// `samples`: exactly, for what is below half the sampling rate.
+pub(super) struct Mover {
+    samples: usize,
+    length: usize,
+    forward: Forward,
+    inverse: Inverse,
+}
+
+impl Mover {
+    /// For moved responses of so many samples.
+    pub(super) fn new(samples: usize) -> Mover {
+        // Twice as long: the ends of a move between samples fade as 1/t, and wrap around.
+        let length = (2 * samples).next_power_of_two();
+        let mut planner = RealFftPlanner::new();
+        Mover {
+            samples,
+            length,
+            forward: planner.plan_fft_forward(length),
+            inverse: planner.plan_fft_inverse(length),
+        }
+    }
+
+    /// The response, `by` samples later.
+    pub(super) fn later(&self, response: &[f32], by: f64) -> Vec<f32> {
+        let mut padded = self.forward.make_input_vec();
+        for (padded, sample) in padded.iter_mut().zip(response) {
+            *padded = f64::from(*sample);
+        }
+        let mut spectrum = self.forward.make_output_vec();
+        let done = self.forward.process(&mut padded, &mut spectrum);
+        debug_assert!(done.is_ok(), "the buffers are as long as the plan's");
+        let scale = 1.0 / self.length as f64;
+        for (index, value) in spectrum.iter_mut().enumerate() {
+            let turn = -TAU * by * index as f64 / self.length as f64;
+            *value *= Complex::from_polar(scale, turn);
+        }
+        let mut moved = self.inverse.make_output_vec();
+        transform_back(&self.inverse, &mut spectrum, &mut moved);
+        let kept = moved.iter().take(self.samples);
+        kept.map(|sample| *sample as f32).collect()
+    }
+}
+
+/// The inverse transform; a real signal's spectrum is real at both ends.
+fn transform_back(plan: &Inverse, spectrum: &mut [Complex<f64>], out: &mut [f64]) {
+    for end in [0, spectrum.len() - 1] {
+        spectrum[end].im = 0.0;
+    }
+    let done = plan.process(spectrum, out);
+    debug_assert!(done.is_ok(), "the spectrum is that of a real signal");
+}
+
+/// Where a periodic function is greatest, between its samples by a parabola; in the second half of
+/// the period it counts as before 0.
+fn peak(values: &[f64]) -> f64 {
+    let count = values.len();
+    let greatest = (0..count).max_by(|a, b| values[*a].total_cmp(&values[*b]));
+    let at = greatest.unwrap_or(0);
+    let (before, here, after) = (
+        values[(at + count - 1) % count],
+        values[at],
+        values[(at + 1) % count],
+    );
+    let bend = before - 2.0 * here + after;
+    let offset = if bend < 0.0 {
+        0.5 * (before - after) / bend
+    } else {
+        0.0
+    };
+    let place = at as f64 + offset;
+    if at > count / 2 {
+        place - count as f64
+    } else {
+        place
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A minimum-phase response, `delay` samples late: two poles and a zero.
+    fn late(delay: usize) -> Vec<f32> {
+        let mut samples = vec![0.0_f32; 256];
+        samples[delay] = 1.0;
+        samples[delay + 1] = -0.4;
+        for index in delay + 1..256 {
+            let before = samples[index - 1];
+            let earlier = index.checked_sub(2).map_or(0.0, |at| samples[at]);
+            samples[index] += 1.1 * before - 0.5 * earlier;
+        }
+        samples
+    }
+
+    /// Protects the onset: that of a delayed minimum-phase response is its delay, between samples
+    /// too, and whatever its level.
+    #[test]
+    fn the_onset_is_the_delay() {
+        let finder = OnsetFinder::new(256);
+        for delay in [0, 1, 17, 90] {
+            let found = finder.find(&late(delay)).expect("not silent");
+            assert!((found - delay as f64).abs() < 0.02, "{delay}: {found}");
+        }
+        let mover = Mover::new(256);
+        let moved: Vec<f32> = mover
+            .later(&late(20), 3.37)
+            .iter()
+            .map(|sample| sample * 1e-4)
+            .collect();
+        let found = finder.find(&moved).expect("not silent");
+        assert!((found - 23.37).abs() < 0.05, "{found}");
+        assert_eq!(finder.find(&[0.0; 256]), None);
+    }
+
+    /// Protects moves: there and back is where it was, whole samples are exact.
+    #[test]
+    fn a_move_can_be_undone() {
+        let mover = Mover::new(400);
+        let response = late(60);
+        let moved = mover.later(&mover.later(&response, 7.0), -7.0);
+        for (index, sample) in response.iter().enumerate() {
+            assert!((sample - moved[index]).abs() < 1e-6);
+        }
+        let later = mover.later(&response, 5.0);
+        assert!((later[65] - 1.0).abs() < 1e-6 && later[60].abs() < 1e-6);
+    }
+}

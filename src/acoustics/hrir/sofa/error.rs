@@ -1,0 +1,83 @@
+//! What can be wrong with a SOFA file.
+
+use crate::acoustics::hrir::HrirError;
+use crate::input::InputError;
+use std::path::PathBuf;
+
+/// A SOFA file that no head-related impulse responses are read from.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot take head-related impulse responses from {}: {problem}", path.display())]
+pub struct SofaError {
+    /// The file that was asked for.
+    pub path: PathBuf,
+    /// What is wrong with it.
+    #[source]
+    pub problem: SofaProblem,
+}
+
+/// What is wrong with a SOFA file.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SofaProblem {
+    /// The file is missing, too large, or may not be read.
+    #[error("{source}")]
+    Unreadable {
+        /// What the operating system said, or why it is not read.
+        source: InputError,
+    },
+    /// The file is not HDF5, in which SOFA files are written.
+    #[error("it is no SOFA file ({reason})")]
+    NotHdf5 {
+        /// What the HDF5 reader says.
+        reason: String,
+    },
+    /// A part of the file cannot be read: it breaks off, contradicts itself, or is stored in a way
+    /// that is not read here.
+    #[error("{what} cannot be read ({reason}): get the file again")]
+    Damaged {
+        /// The variable or the part.
+        what: String,
+        /// What the HDF5 reader says.
+        reason: String,
+    },
+    /// An attribute of the file is not that of the convention SimpleFreeFieldHRIR with FIR filters.
+    #[error("its {attribute} is {found}, where {expected:?} alone is read")]
+    WrongConvention {
+        /// The attribute's name.
+        attribute: &'static str,
+        /// What the file says, quoted, or that it says nothing.
+        found: String,
+        /// What it should say.
+        expected: &'static str,
+    },
+    /// A variable is missing.
+    #[error("it has no variable {variable}")]
+    Missing {
+        /// The variable's name.
+        variable: &'static str,
+    },
+    /// A variable of another shape.
+    #[error("{variable} has the shape {found}, not {expected}")]
+    BadShape {
+        /// The variable's name.
+        variable: &'static str,
+        /// Its dimensions.
+        found: String,
+        /// What they should be.
+        expected: &'static str,
+    },
+    /// A variable whose numbers or units make no sense.
+    #[error("{variable} cannot be used: {reason}")]
+    BadValue {
+        /// The variable's name.
+        variable: &'static str,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// All of it is read, but makes no set.
+    #[error("{source}")]
+    Set {
+        /// What is wrong with the measurements.
+        source: HrirError,
+    },
+}

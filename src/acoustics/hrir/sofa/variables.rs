@@ -1,0 +1,203 @@
+//! Variables and attributes of an HDF5 file, each limited before it is read.
+
+use super::{SofaProblem, bad_shape, bad_value};
+use crate::acoustics::hrir::MAX_VALUES;
+use hdf5_pure::{Dataset, File};
+
+/// Characters of a file's text or of the reader's words that are shown.
+const SHOWN: usize = 120;
+
+/// Bytes of one number at the most: `f64`. Wider ones are no numbers that are read here.
+const WIDEST: u64 = 8;
+
+/// An open file.
+pub(super) struct Variables(File);
+
+impl Variables {
+    pub(super) fn open(bytes: Vec<u8>) -> Result<Variables, SofaProblem> {
+        let file = File::from_bytes(bytes);
+        let reason = |error: hdf5_pure::Error| short(&error.to_string());
+        file.map(Variables).map_err(|error| SofaProblem::NotHdf5 {
+            reason: reason(error),
+        })
+    }
+
+    /// Refuses a file whose attribute says anything else.
+    pub(super) fn expect_global(
+        &self,
+        attribute: &'static str,
+        expected: &'static str,
+    ) -> Result<(), SofaProblem> {
+        let attributes = self.0.root().attrs();
+        let attributes = attributes.map_err(|error| damaged("its attributes", &error))?;
+        let found = attributes.get(attribute).and_then(|value| value.as_str());
+        if found.map(trimmed) == Some(expected) {
+            return Ok(());
+        }
+        Err(SofaProblem::WrongConvention {
+            attribute,
+            found: match found {
+                Some(found) => format!("{:?}", short(found)),
+                None => "missing".into(),
+            },
+            expected,
+        })
+    }
+
+    /// The text of a variable's attribute; `None` if there is none.
+    pub(super) fn attribute(
+        &self,
+        variable: &'static str,
+        attribute: &str,
+    ) -> Result<Option<String>, SofaProblem> {
+        let attributes = self.dataset(variable)?.attrs();
+        let attributes = attributes.map_err(|error| damaged(variable, &error))?;
+        let found = attributes.get(attribute).and_then(|value| value.as_str());
+        Ok(found.map(|found| short(trimmed(found))))
+    }
+
+    /// Whether there is such a variable.
+    pub(super) fn has(&self, variable: &str) -> bool {
+        self.0.dataset(variable).is_ok()
+    }
+
+    pub(super) fn shape(&self, variable: &'static str) -> Result<Vec<u64>, SofaProblem> {
+        let shape = self.dataset(variable)?.shape();
+        shape.map_err(|error| damaged(variable, &error))
+    }
+
+    /// All numbers of a variable that has `count` of them.
+    pub(super) fn samples(
+        &self,
+        variable: &'static str,
+        count: usize,
+    ) -> Result<Vec<f32>, SofaProblem> {
+        let dataset = self.dataset(variable)?;
+        self.check_storage(&dataset, variable)?;
+        let samples = dataset
+            .read_f32()
+            .map_err(|error| damaged(variable, &error))?;
+        expect_count(variable, samples.len(), count)?;
+        Ok(samples)
+    }
+
+    /// All numbers of a variable with at most so many.
+    pub(super) fn numbers(
+        &self,
+        variable: &'static str,
+        most: usize,
+    ) -> Result<Vec<f64>, SofaProblem> {
+        let dataset = self.dataset(variable)?;
+        self.check_storage(&dataset, variable)?;
+        let shape = self.shape(variable)?;
+        let count = shape
+            .iter()
+            .try_fold(1_u64, |product, size| product.checked_mul(*size));
+        let count = count.filter(|count| *count <= most as u64);
+        let Some(count) = count else {
+            return Err(bad_shape(variable, &shape, "so few numbers as it should"));
+        };
+        let numbers = dataset
+            .read_f64()
+            .map_err(|error| damaged(variable, &error))?;
+        expect_count(variable, numbers.len(), count as usize)?;
+        Ok(numbers)
+    }
+
+    /// The numbers of a variable with one row for all `count` measurements, or one for each; and
+    /// how many a row has.
+    pub(super) fn rows(
+        &self,
+        variable: &'static str,
+        count: usize,
+    ) -> Result<(Vec<f64>, usize), SofaProblem> {
+        /// Numbers of a row at the most: coordinates, or ears.
+        const MOST_COLUMNS: u64 = 3;
+        let shape = self.shape(variable)?;
+        match shape[..] {
+            [rows, columns]
+                if (rows == 1 || rows == count as u64) && (1..=MOST_COLUMNS).contains(&columns) =>
+            {
+                let columns = columns as usize;
+                let numbers = self.numbers(variable, rows as usize * columns)?;
+                Ok((numbers, columns))
+            }
+            _ => Err(bad_shape(
+                variable,
+                &shape,
+                "one row for all measurements, or one for each",
+            )),
+        }
+    }
+
+    /// Refuses values that are no numbers, and pieces of a variable (chunks) that are larger than
+    /// all that a set may have or than the file: the reader takes as much memory as they say.
+    fn check_storage(&self, dataset: &Dataset, variable: &'static str) -> Result<(), SofaProblem> {
+        let failed = |error: hdf5_pure::Error| damaged(variable, &error);
+        let width = dataset.element_size().map_err(failed)?;
+        if width > WIDEST {
+            return Err(bad_value(
+                variable,
+                format!("its values have {width} bytes, which are no numbers"),
+            ));
+        }
+        let Some(chunk) = dataset.chunk_shape().map_err(failed)? else {
+            return Ok(());
+        };
+        let too_large = |what: &str| SofaProblem::Damaged {
+            what: variable.into(),
+            reason: format!("it is stored in pieces that are larger than {what}"),
+        };
+        let mut values = chunk.iter().copied();
+        let values = values.try_fold(1_u64, |product, size| product.checked_mul(size));
+        if values.is_none_or(|values| values > MAX_VALUES) {
+            return Err(too_large("any set"));
+        }
+        let chunks = dataset.chunks().map_err(failed)?;
+        if chunks
+            .iter()
+            .any(|chunk| chunk.storage_size > self.0.file_size())
+        {
+            return Err(too_large("the file"));
+        }
+        Ok(())
+    }
+
+    fn dataset(&self, variable: &'static str) -> Result<Dataset, SofaProblem> {
+        self.0.dataset(variable).map_err(|error| {
+            // The reader's word for a name that is not there.
+            match self.0.root().datasets() {
+                Ok(names) if !names.iter().any(|name| name == variable) => {
+                    SofaProblem::Missing { variable }
+                }
+                _ => damaged(variable, &error),
+            }
+        })
+    }
+}
+
+fn expect_count(variable: &'static str, found: usize, count: usize) -> Result<(), SofaProblem> {
+    if found == count {
+        return Ok(());
+    }
+    Err(SofaProblem::Damaged {
+        what: variable.into(),
+        reason: format!("{found} numbers where its shape says {count}"),
+    })
+}
+
+fn damaged(what: &str, error: &hdf5_pure::Error) -> SofaProblem {
+    SofaProblem::Damaged {
+        what: what.into(),
+        reason: short(&error.to_string()),
+    }
+}
+
+/// A text without what some writers pad it with.
+fn trimmed(text: &str) -> &str {
+    text.trim_end_matches('\0').trim()
+}
+
+fn short(text: &str) -> String {
+    text.chars().take(SHOWN).collect()
+}

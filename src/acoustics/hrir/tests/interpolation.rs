@@ -1,0 +1,200 @@
+//! Between measured directions, and at other rates.
+
+use super::rigid_sphere::{RATE_HZ, SAMPLES, fade, grid, set, transfer};
+use crate::acoustics::hrir::{Hrir, HrirError, HrirPair, HrirSet, MeasuredHrir};
+use crate::sphere::lattice;
+use glam::DVec3;
+use realfft::num_complex::Complex;
+use std::f64::consts::TAU;
+
+/// The transfer function of a response at the frequencies of [`transfer`]: from the set's time 0 on.
+fn spectrum(hrir: &Hrir, rate_hz: f64) -> Vec<Complex<f64>> {
+    let value = |bin: usize| {
+        let turns = TAU * bin as f64 * f64::from(RATE_HZ) / SAMPLES as f64;
+        let samples = hrir.samples.iter().enumerate();
+        let term = |(index, sample): (usize, &f32)| {
+            let seconds = index as f64 / rate_hz + hrir.delay_s;
+            Complex::from_polar(f64::from(*sample), -turns * seconds)
+        };
+        samples.map(term).sum::<Complex<f64>>()
+    };
+    (0..=SAMPLES / 2).map(value).collect()
+}
+
+fn ears(pair: &HrirPair) -> [&Hrir; 2] {
+    [&pair.left, &pair.right]
+}
+
+/// The delay of time 0 of a set against the head's centre, in seconds: of the phase at low
+/// frequencies from a measured direction.
+fn offset_s(set: &HrirSet) -> f64 {
+    const BIN: usize = 4;
+    let from = set.directions()[0];
+    let found = spectrum(&set.pair(from).left, set.rate_hz().into())[BIN];
+    let phase = (found * transfer(from, 0)[BIN].conj()).arg();
+    -phase / (TAU * BIN as f64 * f64::from(RATE_HZ) / SAMPLES as f64)
+}
+
+/// The error of a set against the sphere, all directions and both ears, as a share of the amplitude
+/// (rms) in a band of frequencies.
+fn error(set: &HrirSet, band_hz: std::ops::Range<f64>) -> f64 {
+    let offset = offset_s(set);
+    let (mut off, mut all) = (0.0, 0.0);
+    for from in lattice(60) {
+        let pair = set.pair(from);
+        for (ear, hrir) in ears(&pair).into_iter().enumerate() {
+            let exact = transfer(from, ear);
+            for (bin, found) in spectrum(hrir, set.rate_hz().into()).iter().enumerate() {
+                let hertz = bin as f64 * f64::from(RATE_HZ) / SAMPLES as f64;
+                if band_hz.contains(&hertz) {
+                    let found = found * Complex::from_polar(1.0, TAU * hertz * offset);
+                    off += (found - exact[bin]).norm_sqr();
+                    all += exact[bin].norm_sqr();
+                }
+            }
+        }
+    }
+    f64::sqrt(off / all)
+}
+
+/// Protects the interpolation, with the figures of `docs/acoustics.md`: against an exact head, over
+/// directions between measured ones.
+#[test]
+fn interpolated_responses_are_near_the_truth() {
+    for (step, limits) in [(10, [0.009, 0.03, 0.06]), (15, [0.02, 0.06, 0.11])] {
+        let set = set(grid(step));
+        let bands = [0.0..1.5e3, 1.5e3..4e3, 4e3..8e3];
+        for (band, limit) in bands.into_iter().zip(limits) {
+            let found = error(&set, band.clone());
+            assert!(found < limit, "{step}° {band:?}: {found}");
+        }
+        // Time 0 is when sound passes the head's centre.
+        assert!(offset_s(&set).abs() < 15e-6, "{}", offset_s(&set));
+    }
+}
+
+/// Protects measured directions: they come out as they went in.
+#[test]
+fn measured_directions_are_exact() {
+    let set = set(lattice(40));
+    let offset = offset_s(&set);
+    for from in lattice(40) {
+        for (ear, hrir) in ears(&set.pair(from)).into_iter().enumerate() {
+            let exact = transfer(from, ear);
+            for (bin, found) in spectrum(hrir, RATE_HZ.into()).iter().enumerate() {
+                let turn = TAU * bin as f64 * f64::from(RATE_HZ) / SAMPLES as f64 * offset;
+                let exact = exact[bin] * fade(bin, exact.len());
+                let off = (found * Complex::from_polar(1.0, turn) - exact).norm();
+                // The offset is that of one frequency: 0.1 µs are 1 % at 16 kHz.
+                assert!(off < 0.02, "{from} {ear} {bin}: {off}");
+            }
+        }
+    }
+}
+
+/// Protects other rates: levels and delays stay.
+#[test]
+fn another_rate_changes_nothing_below_half_of_it() {
+    let set = set(grid(30));
+    for rate_hz in [44_100, 96_000] {
+        let resampled = set.at_rate(rate_hz).expect("a good rate");
+        assert_eq!(resampled.rate_hz(), rate_hz);
+        for from in lattice(12) {
+            let (before, after) = (set.pair(from), resampled.pair(from));
+            let both = ears(&before).into_iter().zip(ears(&after));
+            for (before, after) in both {
+                let (before, after) = (
+                    spectrum(before, RATE_HZ.into()),
+                    spectrum(after, rate_hz.into()),
+                );
+                for bin in 0..=SAMPLES * 18 / 48 {
+                    let off = (before[bin] - after[bin]).norm();
+                    assert!(off < 0.01 * before[bin].norm().max(0.1), "{bin}: {off}");
+                }
+            }
+        }
+    }
+    assert_eq!(set.at_rate(100), Err(HrirError::BadRate { rate_hz: 100 }));
+}
+
+/// Protects filling a pair again, and directions that are none.
+#[test]
+fn a_pair_can_be_filled_again() {
+    let set = set(lattice(20));
+    let mut pair = HrirPair::default();
+    for from in lattice(7) {
+        set.pair_into(from * 3.0, &mut pair);
+        assert!(pair == set.pair(from * 3.0));
+    }
+    assert!(set.pair(DVec3::ZERO) == set.pair(DVec3::X));
+}
+
+/// Protects the delays that stand beside responses, and an ear that hears nothing.
+#[test]
+fn delays_and_silent_ears_are_kept() {
+    let click = |level: f32| {
+        let mut samples = vec![0.0; 32];
+        samples[8] = level;
+        samples
+    };
+    let one = |from: DVec3, ears: [Vec<f32>; 2]| MeasuredHrir {
+        from,
+        ears,
+        delays_s: [1e-3, 1.25e-3],
+    };
+    let all = vec![
+        one(DVec3::Y, [click(1.0), click(0.0)]),
+        one(DVec3::NEG_Y, [click(0.5), click(0.5)]),
+    ];
+    let set = HrirSet::new(48_000, all).expect("good measurements");
+    let pair = set.pair(DVec3::NEG_Y);
+    assert!((pair.right.delay_s - pair.left.delay_s - 0.25e-3).abs() < 1e-12);
+    let pair = set.pair(DVec3::Y);
+    assert!(pair.right.samples.iter().all(|sample| *sample == 0.0));
+    assert!((pair.left.samples.iter().sum::<f32>() - 1.0).abs() < 1e-3);
+    assert!(pair.right.delay_s.is_finite());
+}
+
+/// Protects the refusal of measurements that make no set.
+#[test]
+fn bad_measurements_are_refused() {
+    let good = |from: DVec3| MeasuredHrir {
+        from,
+        ears: [vec![1.0; 4], vec![1.0; 4]],
+        delays_s: [0.0; 2],
+    };
+    let refused = |change: &dyn Fn(&mut MeasuredHrir)| {
+        let mut all = vec![good(DVec3::X), good(DVec3::Y)];
+        change(&mut all[1]);
+        HrirSet::new(48_000, all).expect_err("bad measurements")
+    };
+    assert_eq!(
+        refused(&|m| m.ears[1].push(0.0)),
+        HrirError::UnevenLength {
+            index: 1,
+            samples: 5,
+            expected: 4
+        }
+    );
+    let is_direction = |error| matches!(error, HrirError::BadDirection { index: 1, .. });
+    assert!(is_direction(refused(&|m| m.from = DVec3::ZERO)));
+    assert!(is_direction(refused(&|m| m.from.x = f64::NAN)));
+    let is_sample = |error| matches!(error, HrirError::BadSample { index: 1, .. });
+    assert!(is_sample(refused(&|m| m.ears[0][2] = f32::INFINITY)));
+    assert!(is_sample(refused(&|m| m.ears[0][2] = -2e6)));
+    let is_delay = |error| matches!(error, HrirError::BadDelay { index: 1, .. });
+    assert!(is_delay(refused(&|m| m.delays_s[0] = f64::NAN)));
+    assert!(is_delay(refused(&|m| m.delays_s[1] = -0.2)));
+    assert_eq!(
+        HrirSet::new(48_000, Vec::new()),
+        Err(HrirError::BadCount { count: 0 })
+    );
+    let rate_hz = 1_000_000;
+    assert_eq!(
+        HrirSet::new(rate_hz, vec![good(DVec3::X)]),
+        Err(HrirError::BadRate { rate_hz })
+    );
+    let mut silent = good(DVec3::X);
+    silent.ears = [vec![0.0; 4], vec![0.0; 4]];
+    assert_eq!(HrirSet::new(48_000, vec![silent]), Err(HrirError::Silent));
+}

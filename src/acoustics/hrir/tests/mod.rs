@@ -1,0 +1,4 @@
+//! Sets of responses against a head that is known exactly.
+
+mod interpolation;
+pub(crate) mod rigid_sphere;

@@ -1,0 +1,48 @@
+//! SOFA files: small ones of several kinds, and such as are spoilt.
+
+use super::Target;
+use super::scratch::with_file;
+use super::sofa_file::{SofaFile, Variable};
+use echomarch::acoustics::hrir::HrirSet;
+use glam::DVec3;
+
+/// What the driver runs.
+pub fn target() -> Target {
+    let ears = || [vec![0.0, 1.0, 0.5, 0.25], vec![0.0, 0.0, 0.5, 0.25]];
+    let three = SofaFile::new(
+        44_100.0,
+        &[
+            ([0.0, 0.0], ears()),
+            ([90.0, 0.0], ears()),
+            ([0.0, 90.0], ears()),
+        ],
+    );
+    let cartesian = Variable::new(&[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0], &[3, 3]);
+    Target {
+        name: "sofa",
+        corpus: vec![
+            SofaFile::simple().bytes(),
+            three.bytes(),
+            three
+                .with("SourcePosition", cartesian.with("Type", "cartesian"))
+                .without("Data.Delay")
+                .bytes(),
+        ],
+        tokens: &["OHDR", "TREE", "HEAP", "SNOD", "FRHP", "Data.IR", "SOFA"],
+        one,
+    }
+}
+
+/// Reads a set and asks it for a direction.
+pub fn one(data: &[u8]) {
+    with_file("head.sofa", data, |path| match HrirSet::read_sofa(path) {
+        Err(error) => drop(error.to_string()),
+        Ok(set) => {
+            let pair = set.pair(DVec3::new(0.3, -0.8, 0.1));
+            for ear in [pair.left, pair.right] {
+                assert!(ear.delay_s.is_finite());
+                assert!(ear.samples.iter().all(|sample| sample.is_finite()));
+            }
+        }
+    });
+}
