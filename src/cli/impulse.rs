@@ -1,7 +1,7 @@
 //! `echomarch impulse`: impulse responses and room acoustic figures.
 
 mod files;
-mod pairs;
+pub(super) mod pairs;
 mod print_out;
 
 use super::exit::BadInput;
