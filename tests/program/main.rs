@@ -15,6 +15,7 @@ mod demo_window;
 mod gpu_report;
 mod impulse;
 mod interrupted;
+mod levels;
 mod localise;
 mod localise_form;
 mod localise_score;
