@@ -30,6 +30,8 @@ pub struct Echogram {
     batches: usize,
     /// Bin by bin, in each bin batch by batch.
     energies: Vec<Bands>,
+    /// The sum of the squares of what was added, bin by bin; all batches.
+    squares: Vec<Bands>,
     /// Energy × direction of flight by bin and band; all batches.
     flows: Vec<[DVec3; BAND_COUNT]>,
     beyond: Bands,
@@ -78,6 +80,7 @@ impl Echogram {
             first_s: 0.0,
             batches,
             energies: Vec::new(),
+            squares: Vec::new(),
             flows: Vec::new(),
             beyond: [0.0; BAND_COUNT],
         })
@@ -117,10 +120,15 @@ impl Echogram {
         let bin = place as usize;
         if bin >= self.flows.len() {
             self.flows.resize(bin + 1, [DVec3::ZERO; BAND_COUNT]);
+            self.squares.resize(bin + 1, [0.0; BAND_COUNT]);
             self.energies
                 .resize((bin + 1) * self.batches, [0.0; BAND_COUNT]);
         }
         bands::add(&mut self.energies[bin * self.batches + batch], energy);
+        bands::add(
+            &mut self.squares[bin],
+            &energy.map(|energy| energy * energy),
+        );
         for (flow, energy) in self.flows[bin].iter_mut().zip(energy) {
             *flow += direction * *energy;
         }
@@ -183,6 +191,21 @@ impl Echogram {
             bands::add(&mut sum, energy);
         }
         sum
+    }
+
+    /// How many arrivals of one energy would be as noisy as those of a band in bins that begin at
+    /// `from_s` seconds or later: (Σ e)² / Σ e² (L. Kish, *Survey Sampling*, 1965, section 11.7). 0
+    /// where there are none.
+    pub fn effective_arrivals(&self, band: usize, from_s: f64) -> f64 {
+        let first = ((from_s - self.first_s) / self.bin_s).ceil().max(0.0) as usize;
+        let later = first.min(self.bins())..self.bins();
+        let sum: f64 = later.clone().map(|bin| self.energy(bin)[band]).sum();
+        let squares: f64 = self.squares[later].iter().map(|bands| bands[band]).sum();
+        if squares > 0.0 {
+            sum * sum / squares
+        } else {
+            0.0
+        }
     }
 
     /// The energy in 1/m² of what came too late for the bins.
@@ -280,6 +303,21 @@ mod tests {
             echogram.add(0, seconds, &one, DVec3::Y);
         }
         assert_eq!((echogram.bins(), echogram.beyond()[0]), (0, 3.0));
+    }
+
+    /// Protects the count of arrivals that stand behind a decay: equal ones count each, one strong
+    /// among weak ones counts alone.
+    #[test]
+    fn strong_arrivals_count_for_few() {
+        let mut echogram = Echogram::new(1e-3, 4).expect("a good bin");
+        for wave in 0..8 {
+            echogram.add_arrival(&arrival(wave, 100.0 + f64::from(wave)), 1000.0, &AIRLESS);
+        }
+        assert!((echogram.effective_arrivals(3, 0.0) - 8.0).abs() < 1e-12);
+        assert!((echogram.effective_arrivals(3, 0.104) - 4.0).abs() < 1e-12);
+        assert_eq!(echogram.effective_arrivals(3, 0.2), 0.0);
+        echogram.add(0, 0.105, &[1e6; BAND_COUNT], DVec3::X);
+        assert!((echogram.effective_arrivals(3, 0.0) - 1.0).abs() < 1e-3);
     }
 
     /// Protects the refusal of bins and batches that make no echogram.

@@ -73,6 +73,7 @@ fn options(arguments: &Arguments, common: &Common) -> anyhow::Result<AccuracyOpt
         seeds: arguments.seeds,
         stated_error: arguments.error,
         targets: ROOMS.iter().all(|room| names.contains(room)),
+        responses: ROOMS.iter().all(|room| names.contains(room)),
         ..options
     })
 }

@@ -1,5 +1,7 @@
 //! `echomarch trace`: one frame.
 
+mod levels;
+
 use super::exit::BadInput;
 use super::numbers::{count, real};
 use super::options::{Common, LawOption, TraceOptions, check_ending, check_range};
@@ -7,6 +9,7 @@ use super::print;
 use super::scene::SceneAtTime;
 use crate::audio::PanningLaw;
 use crate::output::{OutputError, check_file, write_whole};
+use crate::response::ResponseSettings;
 use crate::scene::{BUILTIN_NAMES, Scene};
 use crate::trace::{Budget, Frame, Milliseconds, Reload, Reloading, Settings, Tracer, Wave};
 use clap::Args;
@@ -21,6 +24,7 @@ Examples:
   echomarch trace corner --profile thesis --min-distance 0.001 --json
   echomarch trace corner --repeat 9 --json > times.json
   echomarch trace my.ron --dump-waves waves.csv
+  echomarch trace hall.ron --levels
   echomarch trace my.ron --watch";
 
 /// Time between two looks at the files of a scene that is watched.
@@ -47,6 +51,10 @@ pub struct Arguments {
         value_name = "N",
         conflicts_with = "watch", value_parser = count::<u32>)]
     repeat: u32,
+    /// Tell for each source and listener how loud, how late and from where it is heard, as `impulse`
+    /// does with these waves: some hundred times the time of a frame
+    #[arg(long, conflicts_with = "watch")]
+    levels: bool,
     /// Trace again whenever the scene file, or a file that it names, changes, until Ctrl-C
     #[arg(long, conflicts_with = "time")]
     watch: bool,
@@ -74,6 +82,8 @@ struct Report<'a> {
     gains: [f32; 2],
     timed_frames: u32,
     milliseconds: Milliseconds,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    levels: Option<Vec<levels::Heard>>,
 }
 
 /// Runs the subcommand.
@@ -82,6 +92,10 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     check_range("--repeat", f64::from(arguments.repeat), 0.0, 1000.0)?;
     if let Some(path) = &arguments.dump_waves {
         check_ending(path, "csv")?;
+    }
+    if arguments.levels {
+        let how = ResponseSettings::default().with_trace(settings.clone());
+        how.validate()?;
     }
     if arguments.watch {
         return watch(arguments, common, &settings);
@@ -162,6 +176,10 @@ fn trace(
             step_limits(scene, settings)
         ));
     }
+    let levels = match arguments.levels {
+        true => Some(levels::heard(tracer, scene, settings)?),
+        false => None,
+    };
     let renderer = tracer.context().renderer();
     let law = arguments.law.of(settings.profile());
     let mut report = report(
@@ -172,10 +190,12 @@ fn trace(
         [renderer, tracer.clock_name()],
     );
     report.timed_frames = arguments.repeat.max(1);
+    report.levels = levels;
     if common.json {
         return print::json(&report);
     }
-    print_text(&report)
+    print_text(&report)?;
+    report.levels.iter().flatten().try_for_each(levels::print)
 }
 
 /// The median times of so many frames.
@@ -236,6 +256,7 @@ fn report<'a>(
         gains: [gains.left, gains.right],
         timed_frames: 1,
         milliseconds: frame.milliseconds,
+        levels: None,
     }
 }
 

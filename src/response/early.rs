@@ -5,7 +5,7 @@ use crate::acoustics::early::{Candidates, EarlyPaths, Ends, Missed, NoPath, Spec
 use crate::acoustics::{Arrival, Tap};
 use crate::bands::{self, BAND_COUNT, Bands};
 use crate::error::Error;
-use crate::scene::{Listener, Scene};
+use crate::scene::{Listener, Node, Scene};
 use crate::sphere::lattice;
 use glam::{DVec3, Vec3};
 
@@ -49,6 +49,8 @@ enum Outcome {
     Path(usize),
     /// Itself: it stays a statistic.
     Itself,
+    /// Itself as well, since its path was not looked for.
+    LeftOut,
     /// Another path: see [`stands_for_itself`].
     Another,
 }
@@ -78,7 +80,9 @@ impl EarlyPart {
         let candidates = paths.candidates(&ends, &directions, order, ends.radius_m);
         let mut candidates = candidates.among(waves as usize);
         let lengths = candidate_lengths(&ends, &candidates);
-        add_flat(&paths, &ends, order, &mut candidates);
+        if flat_search_pays(scene) {
+            add_flat(&paths, &ends, order, &mut candidates);
+        }
         let found = paths.find(&ends, &candidates);
         let outcome = |arrival: &Arrival| {
             let wave = starts.partition_point(|(wave, _)| *wave < arrival.wave);
@@ -86,6 +90,7 @@ impl EarlyPart {
                 None => Outcome::Another,
                 Some(index) => match found.outcomes[index] {
                     Ok(path) => Outcome::Path(path),
+                    Err(NoPath::LeftOut) => Outcome::LeftOut,
                     Err(why) if stands_for_itself(&paths, &candidates, index, why) => {
                         Outcome::Itself
                     }
@@ -107,9 +112,15 @@ impl EarlyPart {
     }
 
     /// The arrivals that no exact path stands for: their surfaces are known by samples alone, or the
-    /// listener is partly in sight and its centre is not. They stay statistics.
+    /// listener is partly in sight and its centre is not, or their path was not looked for. They stay
+    /// statistics.
     pub fn left_over(&self) -> impl Iterator<Item = &Arrival> {
-        self.arrivals_of(Outcome::Itself)
+        self.arrivals_of(Outcome::Itself).chain(self.left_out())
+    }
+
+    /// Of these, those whose path was not looked for.
+    pub fn left_out(&self) -> impl Iterator<Item = &Arrival> {
+        self.arrivals_of(Outcome::LeftOut)
     }
 
     /// What is heard along each path. At a focus the energy is that of the waves that found it.
@@ -176,6 +187,14 @@ fn stands_for_itself(
 /// Directions in which paths over planes are looked for, besides those of the waves that arrived: a
 /// wave names such a path wherever it goes by, so few find what many would miss.
 const FLAT_SEARCH: u64 = 1 << 14;
+
+/// Whether paths over planes are looked for in all directions: where something is flat, and all else
+/// is met in closed form. To march a field in `f64` takes a thousand times as long.
+fn flat_search_pays(scene: &Scene) -> bool {
+    let nodes = || scene.surfaces.iter().map(|surface| &surface.shape);
+    nodes().all(|shape| shape.is_basic())
+        && nodes().any(|shape| !matches!(shape.node, Node::Sphere(_) | Node::Cylinder(_)))
+}
 
 /// Adds the sequences of planes that an even lattice of directions meets.
 fn add_flat(paths: &EarlyPaths, ends: &Ends, order: u32, candidates: &mut Candidates) {

@@ -10,9 +10,12 @@
 
 mod duration;
 mod early;
+mod late;
+mod level;
 mod settings;
 
 pub use early::HeardPath;
+pub use level::Level;
 pub use settings::{MAX_ORDER, ResponseSettings};
 
 use crate::acoustics::early::Missed;
@@ -48,6 +51,11 @@ pub struct Response {
     pub paths: Vec<HeardPath>,
     /// How much of the early part the waves have missed.
     pub missed: Missed,
+    /// Arrivals of few reflections at curved surfaces whose paths were not looked for, as there are too
+    /// many: they are in the echogram.
+    pub left_out: u64,
+    /// The share of all energy that they have, 0 … 1, of the mean of the bands.
+    pub left_out_share: f64,
     /// All that is in no exact path: energy densities in 1/m² for a source of power 1, by time and
     /// band, with the source's level and the air's loss in them.
     pub echogram: Echogram,
@@ -55,7 +63,11 @@ pub struct Response {
     pub figures: Figures,
     /// How long after the source's impulse the record ends, in seconds.
     pub seconds: f64,
-    /// What became of the waves.
+    /// Until when the waves were followed, if more than one in a thousand was given up before the record's
+    /// end, in seconds: the figures hold until then.
+    pub followed_s: Option<f64>,
+    /// What became of the waves; where late ones are counted in a larger sphere than the listener, of
+    /// these.
     pub counts: ArrivalCounts,
     /// Milliseconds that all of it took, without compiling.
     pub milliseconds: f64,
@@ -79,13 +91,10 @@ impl Response {
         // Bins begin with what may arrive first, so that 50 and 80 ms after it lie between bins.
         let first_s = medium.direct_s;
         let mut echogram = Echogram::with_edge_at(first_s, settings.bin_s, settings.batches)?;
-        let mut early = Vec::new();
         let how = ArrivalSettings::new(seconds).with_early_order(order);
-        let mut take = |arrival: Arrival| match arrival.is_early {
-            true => early.push(arrival),
-            false => medium.add(&mut echogram, &arrival),
-        };
-        let counts = tracer.arrivals(scene, &settings.trace, &how, &mut take)?;
+        let (counts, mut early) = late::arrivals(tracer, scene, settings, &how, &mut |arrival| {
+            medium.add(&mut echogram, &arrival);
+        })?;
         // They come by chunks of iterations.
         early.sort_by_key(|arrival| arrival.wave);
         let starts = start_directions(tracer, &settings.trace, &early)?;
@@ -94,13 +103,23 @@ impl Response {
             .for_each(|arrival| medium.add(&mut echogram, arrival));
         let mut paths = part.heard(scene, &medium);
         paths.retain(|path| path.delay_s <= seconds);
-        let figures = Figures::new(&taps(&paths), &echogram, direct_s(&paths), seconds);
+        // Where waves were given up the decay is that of those which are left.
+        let followed_s = Some(counts.followed_m / medium.speed).filter(|until| *until < seconds);
+        let ends_s = followed_s.unwrap_or(seconds);
+        let figures = Figures::new(&taps(&paths), &echogram, direct_s(&paths), ends_s);
+        let figures = match late::radius_m(scene) > scene.listener.radius {
+            true => figures.with_common_error(late::COMMON_ERROR),
+            false => figures,
+        };
         Ok(Response {
-            paths,
             missed: part.missed(),
+            left_out: part.left_out().count() as u64,
+            left_out_share: left_out_share(&part, &medium, &paths, &echogram),
+            paths,
             echogram,
             figures,
             seconds,
+            followed_s,
             counts,
             milliseconds: began.elapsed().as_secs_f64() * 1e3,
         })
@@ -134,6 +153,25 @@ fn direct_s(paths: &[HeardPath]) -> Option<f64> {
     direct(paths).map(|path| path.delay_s)
 }
 
+/// The share that arrivals whose paths were not looked for have of all energy.
+fn left_out_share(
+    part: &EarlyPart,
+    medium: &Medium,
+    paths: &[HeardPath],
+    echogram: &Echogram,
+) -> f64 {
+    let mut all = echogram.total();
+    for path in paths {
+        bands::add(&mut all, &path.energy);
+    }
+    let left_out: f64 = part.left_out().map(|a| bands::mean(&medium.heard(a))).sum();
+    if left_out > 0.0 {
+        left_out / bands::mean(&all)
+    } else {
+        0.0
+    }
+}
+
 fn taps(paths: &[HeardPath]) -> Vec<Tap> {
     paths.iter().map(HeardPath::tap).collect()
 }
@@ -160,6 +198,12 @@ impl Medium {
             level: 10_f64.powf(f64::from(scene.source.level_db) / 10.0),
             direct_s: apart.length() / speed,
         }
+    }
+
+    /// The energy of an arrival, with the source's level and the air's loss.
+    fn heard(&self, arrival: &Arrival) -> Bands {
+        let emitted = arrival.energy.map(|energy| energy * self.level);
+        bands::through_air(&emitted, &self.air, arrival.length_m)
     }
 
     fn add(&self, echogram: &mut Echogram, arrival: &Arrival) {

@@ -16,6 +16,7 @@ mod gpu_report;
 mod impulse;
 mod impulse_binaural;
 mod interrupted;
+mod levels;
 mod localise;
 mod localise_form;
 mod localise_score;

@@ -5,6 +5,7 @@ mod common;
 
 mod accuracy;
 mod asynchronous_frames;
+mod curved_responses;
 mod gpu_contexts;
 mod heard_paths;
 mod options;

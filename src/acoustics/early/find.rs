@@ -3,6 +3,7 @@
 use super::candidates::Candidates;
 use super::check::Checked;
 use super::fermat::Chain;
+use super::jobs::{Job, Jobs};
 use super::missed::Missed;
 use super::paths::{Draft, SpecularPath, is_focus, merged};
 use super::sheet::Sheet;
@@ -40,24 +41,8 @@ impl Found {
 /// Times that a path which left the sheet of a candidate may go on at the neighbouring one.
 const MOST_CROSSINGS: usize = 6;
 
-/// A sequence of surfaces to find a path for, and from where.
-struct Job<'a> {
-    vertices: &'a [Vertex],
-    found_by: u32,
-}
-
 /// Surfaces, and walls of rooms.
 type Sequence = (Vec<u32>, Vec<Option<u8>>);
-
-/// What a vertex lies on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-enum Mirror {
-    NotExact,
-    /// A plane, by its sheet's id. A sequence of planes has one path, whatever the wave.
-    Flat(u64),
-    /// What is solved for from the wave's own vertices.
-    Curved,
-}
 
 pub(super) fn find(
     exact: &ExactScene,
@@ -65,7 +50,7 @@ pub(super) fn find(
     ends: &Ends,
     candidates: &Candidates,
 ) -> Found {
-    let (jobs, job_of) = jobs(surfaces, candidates);
+    let Jobs { jobs, job_of, .. } = Jobs::new(surfaces, candidates);
     let solve = |job: &Job| Solver { surfaces, ends }.solve(job);
     let solved: Vec<Result<Draft, NoPath>> = jobs.par_iter().map(solve).collect();
     let (drafts, draft_of) = distinct(solved);
@@ -98,47 +83,6 @@ pub(super) fn find(
         missed: Missed::of(paths.iter().map(|path| path.found_by)),
         paths,
     }
-}
-
-/// The direct sound, one job for each sequence of planes, and one for each other candidate; and
-/// for each candidate the index of its job.
-fn jobs<'a>(
-    surfaces: &Surfaces,
-    candidates: &'a Candidates,
-) -> (Vec<Job<'a>>, Vec<Result<usize, NoPath>>) {
-    let mirror = |vertex: &Vertex| match surfaces.sheet(vertex) {
-        Err(_) => Mirror::NotExact,
-        Ok(sheet) if sheet.is_flat() => Mirror::Flat(sheet.id),
-        Ok(_) => Mirror::Curved,
-    };
-    let all = candidates.vertices();
-    let mirrors: Vec<Mirror> = all.par_iter().map(mirror).collect();
-    let mut flat: HashMap<&[Mirror], usize> = HashMap::from([(&[][..], 0)]);
-    let mut jobs = vec![Job {
-        vertices: &[],
-        found_by: 0,
-    }];
-    let mut job_of = Vec::with_capacity(candidates.len());
-    for range in candidates.ranges() {
-        let sequence = &mirrors[range.clone()];
-        if sequence.contains(&Mirror::NotExact) {
-            job_of.push(Err(NoPath::NotExact));
-            continue;
-        }
-        let job = match sequence.contains(&Mirror::Curved) {
-            true => jobs.len(),
-            false => *flat.entry(sequence).or_insert(jobs.len()),
-        };
-        if job == jobs.len() {
-            jobs.push(Job {
-                vertices: &all[range],
-                found_by: 0,
-            });
-        }
-        jobs[job].found_by += 1;
-        job_of.push(Ok(job));
-    }
-    (jobs, job_of)
 }
 
 /// Drafts that differ, with the counts of those that do not; and for each job the index of its

@@ -17,6 +17,8 @@
 //! edges; if each reflection comes from the air; and if nothing is in the way (users' fields by
 //! their samples). What arithmetic cannot decide has a rule in `check.rs`.
 //!
+//! Near a focus every wave passes by the listener: how many are solved for has limits, see `jobs.rs`.
+//!
 //! What becomes of a wave that arrived is its [outcome](Found::outcomes): one that found a path is
 //! replaced by it; one whose surfaces are not exact stays what it is; all others passed through
 //! the listener's sphere, but no path leads to its centre.
@@ -44,6 +46,7 @@ mod differences;
 mod fermat;
 mod find;
 mod images;
+mod jobs;
 mod leaves;
 mod linear;
 mod missed;
@@ -116,6 +119,8 @@ pub enum NoPath {
     Blocked,
     /// The source or the listener's centre is in a solid.
     EndInSolid,
+    /// It was not looked for: there are too many at curved surfaces. Its waves stay statistics.
+    LeftOut,
 }
 
 impl Ends {

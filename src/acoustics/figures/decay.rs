@@ -49,6 +49,15 @@ struct Tail {
     time_s: f64,
 }
 
+/// A line through a part of the curve.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Line {
+    /// Seconds for a decay by 60 dB.
+    pub(super) time_s: f64,
+    /// When the part ends: seconds after the direct sound.
+    pub(super) ends_s: f64,
+}
+
 const NO_TAIL: Tail = Tail {
     energy: 0.0,
     time_s: 0.0,
@@ -79,7 +88,8 @@ impl<'a> Decay<'a> {
         Some(decay)
     }
 
-    fn length_s(&self) -> f64 {
+    /// Seconds from the direct sound to the record's end.
+    pub(super) fn length_s(&self) -> f64 {
         self.pieces.last().map_or(0.0, |piece| piece.ends_s)
     }
 
@@ -164,9 +174,9 @@ impl<'a> Decay<'a> {
         Some((self.pieces.iter().map(moments).sum::<f64>() + tail) / total)
     }
 
-    /// Seconds for a decay by 60 dB, from the line of least squares through the curve in decibels
-    /// between two levels (both negative or 0, the upper one first).
-    pub(super) fn time_s(&self, upper_db: f64, lower_db: f64) -> Option<f64> {
+    /// The line of least squares through the curve in decibels between two levels (both negative or 0,
+    /// the upper one first).
+    pub(super) fn line(&self, upper_db: f64, lower_db: f64) -> Option<Line> {
         let ends_db = 10.0 * self.tail_share().log10();
         if ends_db > lower_db - MARGIN_DB {
             return None;
@@ -179,7 +189,10 @@ impl<'a> Decay<'a> {
         let middle_s = (begins_s + ends_s) / 2.0;
         let moment = self.level_moment(begins_s, ends_s, middle_s);
         let slope_db_per_s = moment / (length_s.powi(3) / 12.0);
-        (slope_db_per_s < 0.0).then(|| -60.0 / slope_db_per_s)
+        (slope_db_per_s < 0.0).then(|| Line {
+            time_s: -60.0 / slope_db_per_s,
+            ends_s,
+        })
     }
 
     /// When the curve is first at a level, or below it.

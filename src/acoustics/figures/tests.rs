@@ -51,7 +51,7 @@ fn a_pure_decay_has_its_figures() {
     let echogram = exponential(time_s, 0.02, ends_s);
     let figures = Figures::new(&[], &echogram, Some(0.02), ends_s);
     let band = figures.bands[3];
-    for decay_s in [band.edt_s, band.t20_s, band.t30_s] {
+    for decay_s in [band.t20_s, band.t30_s] {
         assert_near(decay_s, SIXTY_DB * time_s, 1e-4);
     }
     assert_near(band.c50_db, 10.0 * (0.5_f64.exp() - 1.0).log10(), 1e-4);
@@ -73,10 +73,39 @@ fn a_record_that_is_too_short_tells_less() {
     };
     let (at_44, at_34, at_19, at_9) = (until(44.0), until(34.0), until(19.0), until(9.0));
     assert!(at_44.t30_s.is_none() && at_44.t20_s.is_some());
-    assert!(at_34.t20_s.is_none() && at_34.edt_s.is_some());
+    assert!(at_34.t20_s.is_none());
+    // Six times the decay by 10 dB is longer than a record of less than 60 dB.
+    let (at_61, at_59) = (until(61.0), until(59.0));
+    assert_near(at_61.edt_s, SIXTY_DB * time_s, 1e-4);
+    assert!(at_59.edt_s.is_none() && at_59.t30_s.is_some());
     assert!(at_34.g_db.is_some() && at_19.g_db.is_none());
     // The whole record decays by less than 10 dB: its tail cannot be told.
     assert_eq!(at_9, BandFigures::default());
+}
+
+/// Protects decay times from being told by exact paths alone, or by a few waves: a row of taps falls by
+/// 60 dB, and behind it are no waves, few, or many that fall on.
+#[test]
+fn decay_times_need_waves_behind_the_decay() {
+    let falls = |seconds: f64| 10_f64.powf(-6.0 * seconds);
+    let taps: Vec<Tap> = (0..200)
+        .map(|i| f64::from(i) * 5e-3)
+        .map(|seconds| tap(seconds, falls(seconds)))
+        .collect();
+    let told = |waves: usize| {
+        let mut echogram = Echogram::new(BIN_S, 16).expect("a good bin");
+        for wave in 0..waves {
+            let seconds = 1.2 * (wave as f64 + 0.5) / waves as f64;
+            let energy = 20.0 * falls(seconds) / waves as f64;
+            echogram.add(wave % 16, seconds, &[energy; BAND_COUNT], DVec3::X);
+        }
+        Figures::new(&taps, &echogram, Some(0.0), 1.2).bands[0]
+    };
+    for few in [told(0), told(10), told(1000)] {
+        assert_eq!((few.edt_s, few.t20_s, few.t30_s), (None, None, None));
+    }
+    let many = told(20_000);
+    assert!(many.edt_s.is_some() && many.t30_s.is_some(), "{many:?}");
 }
 
 /// Protects a room that absorbs nothing from having figures.

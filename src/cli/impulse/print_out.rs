@@ -47,6 +47,10 @@ struct PairReport<'a> {
     cut_off: [Option<f64>; BAND_COUNT],
     /// The share of the early energy on paths that no wave found.
     missed_early_share: Option<f64>,
+    /// The share of all energy that came by few reflections, by paths that were not looked for.
+    left_out_share: f64,
+    /// Until when the figures hold: seconds, `null` for the whole response.
+    followed_s: Option<f64>,
     direct: Option<DirectReport>,
     paths: Vec<PathReport<'a>>,
 }
@@ -130,6 +134,8 @@ fn of_pair<'a>(pair: &'a Pair, response: &'a Response) -> PairReport<'a> {
         error: FigureReport::of(errors),
         cut_off: *cut_off,
         missed_early_share: response.missed.energy_share(),
+        left_out_share: response.left_out_share,
+        followed_s: response.followed_s,
         direct: response.direct().map(|path| DirectReport {
             delay_s: path.delay_s,
             g_db: mean_strength_db(path),
@@ -316,8 +322,20 @@ pub fn warn(common: &Common, scene: &Scene, heard: &[(Pair, Response)]) {
         if counts.cut_off > 0 {
             let count = counts.cut_off;
             common.note(&format!(
-                "warning: {of}: {count} waves were given up after {} iterations, before the response's end: its late part is too weak",
-                counts.iterations
+                "warning: {of}: {count} waves were given up after {} iterations: {}",
+                counts.iterations,
+                match response.followed_s {
+                    Some(seconds) => format!(
+                        "after {seconds:.2} s the response is too weak, and figures are told from what is before"
+                    ),
+                    None => "they are too few to be heard".to_owned(),
+                }
+            ));
+        }
+        if response.left_out > 0 {
+            common.note(&format!(
+                "note: {of}: {:.1} % of the energy came over curved surfaces by paths that were not looked for, as they are too many: it is in the late part",
+                100.0 * response.left_out_share
             ));
         }
         if let Some(text) = too_short(scene, response) {

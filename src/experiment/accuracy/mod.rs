@@ -33,6 +33,7 @@ mod plan;
 mod plot;
 mod recommend;
 mod report;
+mod responses;
 mod surface_counts;
 mod sweep;
 mod targets;
@@ -43,7 +44,7 @@ pub use plan::{DEFAULT_SCENES, Plan, ROOMS};
 pub use recommend::{ITERATIONS as COMPARED_ITERATIONS, pareto_front};
 pub use report::{
     AccuracyReport, CaseReport, Chaos, ChaosStep, Limit, PanningError, Quantiles, Recommendation,
-    Row, SceneReport, Slope, SlopePoint, Speed, Target, WaveErrors,
+    ResponseRow, Row, SceneReport, Slope, SlopePoint, Speed, Target, WaveErrors,
 };
 pub use surface_counts::SurfaceCounts;
 pub use sweep::{Case, ITERATIONS, MIN_DISTANCES, full, quick, short};
@@ -67,6 +68,8 @@ pub struct AccuracyOptions {
     pub stated_error: f64,
     /// Whether to measure the project's own targets too.
     pub targets: bool,
+    /// Whether to measure impulse responses too.
+    pub responses: bool,
 }
 
 impl AccuracyOptions {
@@ -78,6 +81,7 @@ impl AccuracyOptions {
             seeds: 16,
             stated_error: 0.02,
             targets: false,
+            responses: false,
         }
     }
 
@@ -125,7 +129,9 @@ pub fn run(
     let steps = options.plans.iter().map(|plan| options.steps(plan));
     let mut progress = Progress {
         done: 0,
-        total: steps.sum::<u64>() + u64::from(options.targets),
+        total: steps.sum::<u64>()
+            + u64::from(options.targets)
+            + u64::from(options.responses) * responses::STEPS,
         report: progress,
     };
     let mut scenes = Vec::new();
@@ -137,6 +143,10 @@ pub fn run(
         targets = targets::measure(tracer, &scenes)?;
         progress.step();
     }
+    let mut responses = Vec::new();
+    if options.responses {
+        responses = responses::measure(tracer, &mut || progress.step())?;
+    }
     Ok(AccuracyReport {
         renderer: tracer.context().renderer().to_owned(),
         clock: tracer.clock_name().to_owned(),
@@ -146,6 +156,7 @@ pub fn run(
         stated_error: options.stated_error,
         scenes,
         targets,
+        responses,
     })
 }
 

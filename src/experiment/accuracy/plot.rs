@@ -3,6 +3,7 @@
 
 use super::recommend::{ITERATIONS, comparable, pareto_front};
 use super::report::{AccuracyReport, Row, SceneReport};
+use super::responses;
 use crate::experiment::plot::{
     HYBRID, LogAxis, MARCH, Panel, Point, Sheet, Stroke, THESIS, chart, draw_legend, draw_line,
 };
@@ -42,7 +43,8 @@ pub(super) fn plot_svg(report: &AccuracyReport) -> Result<String, PlotError> {
         "Speed against error, {ITERATIONS} iterations, {} (larger dots: more waves)",
         report.renderer
     );
-    SHEET.svg(&title, report.scenes.len().max(1), |rows| {
+    let more = usize::from(!report.responses.is_empty());
+    SHEET.svg(&title, (report.scenes.len() + more).max(1), |rows| {
         for (row, scene) in rows.iter().zip(&report.scenes) {
             let (left, rest) = row.split_horizontally(PLOT_WIDTH);
             let (right, legend) = rest.split_horizontally(PLOT_WIDTH);
@@ -51,6 +53,11 @@ pub(super) fn plot_svg(report: &AccuracyReport) -> Result<String, PlotError> {
             let what = "median end-point error, metres";
             plot(&right, scene, what, |row| row.waves.end.median)?;
             draw_legend(&legend, &entries())?;
+        }
+        if more > 0 {
+            let (left, rest) = rows[report.scenes.len()].split_horizontally(PLOT_WIDTH);
+            let (right, legend) = rest.split_horizontally(PLOT_WIDTH);
+            responses::plot([&left, &right, &legend], report)?;
         }
         Ok(())
     })

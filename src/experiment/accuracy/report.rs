@@ -23,6 +23,30 @@ pub struct AccuracyReport {
     pub scenes: Vec<SceneReport>,
     /// The project's own targets; empty when their scenes were not asked for.
     pub targets: Vec<Target>,
+    /// Impulse responses; empty when they were not asked for.
+    pub responses: Vec<ResponseRow>,
+}
+
+/// An impulse response against image sources: of each figure the largest error over the bands, `None`
+/// where no band has it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ResponseRow {
+    /// Name of the profile.
+    pub profile: String,
+    /// Number of waves.
+    pub waves: u32,
+    /// Median time of a response.
+    pub milliseconds: f64,
+    /// Of the reverberation time, as a share.
+    pub t30_error: Option<f64>,
+    /// Of the early decay time, as a share.
+    pub edt_error: Option<f64>,
+    /// Of clarity, in decibels.
+    pub c80_error_db: Option<f64>,
+    /// Of strength, in decibels.
+    pub g_error_db: Option<f64>,
+    /// Bands that have a reverberation time.
+    pub t30_bands: usize,
 }
 
 /// One scene.

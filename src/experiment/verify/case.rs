@@ -1,7 +1,8 @@
 //! One hard case.
 
+use crate::error::Error;
 use crate::scene::Scene;
-use crate::trace::Settings;
+use crate::trace::{Settings, Tracer};
 use glam::{DVec3, Vec3};
 
 /// A hard case: what is traced, and what is asked of it.
@@ -25,6 +26,24 @@ pub enum Check {
     /// Input that must be refused with a typed error, each with what is wrong with it. A profile
     /// is given what has its settings.
     Refused(Vec<(&'static str, Scene, Settings)>),
+    /// Energies of arrivals.
+    Energies(EnergyCheck),
+}
+
+/// Energies of arrivals, against what is known of them.
+#[derive(Clone, Copy, Debug)]
+pub struct EnergyCheck {
+    /// How far off is right, in words.
+    pub(super) bound: &'static str,
+    /// Traces and judges them.
+    pub(super) judge: fn(&mut Tracer, &Settings) -> Result<Verdict, Error>,
+}
+
+/// What came of it.
+#[derive(Clone, Debug)]
+pub(super) struct Verdict {
+    pub passed: bool,
+    pub note: String,
 }
 
 /// Waves, and how far from their exact end points they may be.

@@ -1,6 +1,6 @@
 //! Runs hard cases by every profile.
 
-use super::case::{Bound, Case, Check, WaveCheck};
+use super::case::{Bound, Case, Check, EnergyCheck, WaveCheck};
 use super::judge::Judge;
 use super::report::{CaseReport, ProfileResult, VerifyReport};
 use crate::error::Error;
@@ -38,6 +38,13 @@ pub fn run(
 pub fn run_case(tracer: &mut Tracer, case: &Case) -> Result<CaseReport, Error> {
     let results = match &case.check {
         Check::Refused(inputs) => Profile::ALL.map(|p| refusals(tracer, p, inputs)).into(),
+        Check::Energies(check) => {
+            let mut results = Vec::new();
+            for profile in Profile::ALL {
+                results.push(energies(tracer, profile, check)?);
+            }
+            results
+        }
         Check::Waves(waves) => {
             let truth = waves.truth.as_deref().unwrap_or(&waves.scene);
             let judge = Judge::new(truth, waves.iterations)?;
@@ -142,9 +149,31 @@ fn refusals(
     }
 }
 
+fn energies(
+    tracer: &mut Tracer,
+    profile: Profile,
+    check: &EnergyCheck,
+) -> Result<ProfileResult, Error> {
+    let (passed, note) = match profile {
+        Profile::Thesis => (false, "carries no energy".to_owned()),
+        _ => {
+            let verdict = (check.judge)(tracer, &Settings::new(profile))?;
+            (verdict.passed, verdict.note)
+        }
+    };
+    Ok(ProfileResult {
+        profile: profile.to_string(),
+        passed,
+        note,
+        ..ProfileResult::default()
+    })
+}
+
 fn in_words(check: &Check) -> String {
-    let Check::Waves(waves) = check else {
-        return "a typed error".to_owned();
+    let waves = match check {
+        Check::Refused(_) => return "a typed error".to_owned(),
+        Check::Energies(check) => return check.bound.to_owned(),
+        Check::Waves(waves) => waves,
     };
     match &waves.bound {
         Bound::Spread { exceptions: 0.0 } => "spread".to_owned(),

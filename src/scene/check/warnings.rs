@@ -8,7 +8,7 @@ use std::fmt;
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Warning {
-    /// The source is in a solid: no wave gets out.
+    /// The source is in a solid: nothing of it is heard.
     SourceInsideSurface {
         /// Which source, as a sentence calls it: `the source`, `source 2 (flute)`.
         source: String,
@@ -17,7 +17,7 @@ pub enum Warning {
         /// How deep, in metres.
         depth: f32,
     },
-    /// The source is within the listener's sphere: every wave arrives at once.
+    /// The source is within the listener's sphere: each wave of a frame ends where it starts.
     SourceInsideListener {
         /// Which source, as a sentence calls it.
         source: String,
@@ -58,7 +58,7 @@ impl fmt::Display for Warning {
             } => {
                 write!(
                     f,
-                    "{source} is {depth} m inside {surface}: no wave gets out"
+                    "{source} is {depth} m inside {surface}: nothing of it is heard"
                 )
             }
             Warning::SourceInsideListener {
@@ -68,7 +68,7 @@ impl fmt::Display for Warning {
                 radius,
             } => write!(
                 f,
-                "{source} is {distance} m from {listener}'s centre, inside its sphere of {radius} m: every wave arrives at once"
+                "{source} is {distance} m from {listener}'s centre, inside its sphere of {radius} m: a frame's waves end where they start, so it has no balance of left and right"
             ),
             Warning::ListenerInsideSurface {
                 listener,
@@ -77,7 +77,7 @@ impl fmt::Display for Warning {
             } => {
                 write!(
                     f,
-                    "{listener}'s centre is {depth} m inside {surface}: few waves can reach it"
+                    "{listener}'s centre is {depth} m inside {surface}: few waves reach it, and no exact path"
                 )
             }
             Warning::OneSided {

@@ -216,6 +216,12 @@ impl Block {
         })
     }
 
+    /// Metres that each wave had flown which was cut off.
+    pub fn cut_off_m(&self) -> impl Iterator<Item = f64> + '_ {
+        let travelling = |wave: &&WaveSoFar| wave.fate == Fate::Travelling;
+        self.waves.iter().filter(travelling).map(|wave| wave.length)
+    }
+
     /// Adds what became of the waves.
     pub fn count(&self, counts: &mut ArrivalCounts) {
         counts.waves += self.waves.len() as u64;

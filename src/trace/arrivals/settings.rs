@@ -92,6 +92,9 @@ pub struct ArrivalCounts {
     pub flown: u64,
     /// Waves that were cut off after [`ArrivalSettings::iterations`].
     pub cut_off: u64,
+    /// Metres from the source within which all waves were followed but one in a thousand at the most;
+    /// ∞ where no more than these were cut off.
+    pub followed_m: f64,
     /// Iterations that were traced; waves of a later block may have needed more than those before.
     pub iterations: u32,
     /// Energy of waves that were followed no more, by bands, as a share of what the source gives

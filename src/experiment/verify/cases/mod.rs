@@ -6,6 +6,7 @@ mod chaos;
 mod copies;
 mod corners;
 mod distortion;
+mod energies;
 mod fields;
 mod incidence;
 mod input;
@@ -36,6 +37,7 @@ pub fn all() -> Vec<Case> {
         fields::cases,
         users::cases,
         copies::cases,
+        energies::cases,
         input::cases,
     ]
     .iter()

@@ -1,0 +1,180 @@
+//! Which paths are solved for: not one for each wave.
+//!
+//! A sequence of planes has one path. One of curved surfaces may have many, and each is found from a
+//! wave that passes close by; but near a focus every wave passes by, again and again, and to solve for
+//! all of them takes minutes. So of the waves of one sequence [`SOLVED_OF_A_SEQUENCE`] are solved for
+//! at the most, spread evenly over them, and each other one takes what was found from that which was
+//! mirrored nearest to it. A path that fewer than one in so many waves of its sequence lead to may be
+//! missed. Altogether [`SOLVED_AT_CURVES`] are solved for, of the sequences with the fewest reflections
+//! first, then of those with the most waves; the waves of all other sequences stay statistics.
+
+use super::NoPath;
+use super::candidates::Candidates;
+use super::surfaces::{Surfaces, Vertex};
+use rayon::prelude::*;
+use std::cmp::Reverse;
+use std::collections::HashMap;
+use std::ops::Range;
+
+/// Of one sequence of surfaces with a curved one so many waves are solved for at the most.
+const SOLVED_OF_A_SEQUENCE: usize = 512;
+
+/// Waves at curved surfaces that are solved for at the most: some seconds on one core, a fraction of a
+/// millisecond each.
+const SOLVED_AT_CURVES: usize = 1 << 15;
+
+/// A sequence of surfaces to find a path for, and from where.
+pub(super) struct Job<'a> {
+    pub vertices: &'a [Vertex],
+    /// How many waves it stands for.
+    pub found_by: u32,
+}
+
+/// What is to be solved for.
+pub(super) struct Jobs<'a> {
+    pub jobs: Vec<Job<'a>>,
+    /// For each candidate the index of its job.
+    pub job_of: Vec<Result<usize, NoPath>>,
+    candidates: &'a Candidates,
+}
+
+/// What a vertex lies on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+enum Mirror {
+    NotExact,
+    /// A plane, by its sheet's id. A sequence of planes has one path, whatever the wave.
+    Flat(u64),
+    /// What is solved for from the wave's own vertices, by the surface's number.
+    Curved(u32),
+}
+
+impl<'a> Jobs<'a> {
+    /// The direct sound, one job for each sequence of planes, and some for each sequence with a curved
+    /// surface.
+    pub fn new(surfaces: &Surfaces, candidates: &'a Candidates) -> Jobs<'a> {
+        let mirror = |vertex: &Vertex| match surfaces.sheet(vertex) {
+            Err(_) => Mirror::NotExact,
+            Ok(sheet) if sheet.is_flat() => Mirror::Flat(sheet.id),
+            Ok(_) => Mirror::Curved(vertex.surface),
+        };
+        let all = candidates.vertices();
+        let mirrors: Vec<Mirror> = all.par_iter().map(mirror).collect();
+        let ranges: Vec<Range<usize>> = candidates.ranges().collect();
+        let mut jobs = Jobs {
+            jobs: vec![Job {
+                vertices: &[],
+                found_by: 0,
+            }],
+            job_of: vec![Err(NoPath::NotExact); candidates.len()],
+            candidates,
+        };
+        let mut flat: HashMap<&[Mirror], usize> = HashMap::from([(&[][..], 0)]);
+        let mut curved: HashMap<&[Mirror], Vec<usize>> = HashMap::new();
+        for (index, range) in ranges.iter().enumerate() {
+            let sequence = &mirrors[range.clone()];
+            if sequence.contains(&Mirror::NotExact) {
+                continue;
+            }
+            if sequence.iter().any(|m| matches!(m, Mirror::Curved(_))) {
+                curved.entry(sequence).or_default().push(index);
+                continue;
+            }
+            let known = flat.entry(sequence).or_insert(jobs.jobs.len());
+            if *known == jobs.jobs.len() {
+                jobs.add(&all[range.clone()]);
+            }
+            jobs.take(index, *known);
+        }
+        jobs.add_curved(curved.into_values().collect(), all, &ranges);
+        jobs
+    }
+
+    fn add(&mut self, vertices: &'a [Vertex]) -> usize {
+        let found_by = 0;
+        self.jobs.push(Job { vertices, found_by });
+        self.jobs.len() - 1
+    }
+
+    /// Makes a job that of a candidate.
+    fn take(&mut self, candidate: usize, job: usize) {
+        let waves = self.candidates.waves();
+        let found = self.candidates.get(candidate);
+        let counts = found.is_some_and(|found| (found.wave as usize) < waves);
+        self.jobs[job].found_by += u32::from(counts);
+        self.job_of[candidate] = Ok(job);
+    }
+
+    /// Adds the jobs of sequences with curved surfaces, each given as its candidates.
+    fn add_curved(
+        &mut self,
+        mut sequences: Vec<Vec<usize>>,
+        all: &'a [Vertex],
+        ranges: &[Range<usize>],
+    ) {
+        let of = |candidate: usize| &all[ranges[candidate].clone()];
+        sequences.sort_by_key(|one| (of(one[0]).len(), Reverse(one.len()), one[0]));
+        let mut left = SOLVED_AT_CURVES;
+        for sequence in sequences {
+            let count = sequence.len().min(SOLVED_OF_A_SEQUENCE);
+            if count > left {
+                for candidate in sequence {
+                    self.job_of[candidate] = Err(NoPath::LeftOut);
+                }
+                continue;
+            }
+            left -= count;
+            let solved = (0..count).map(|number| sequence[number * sequence.len() / count]);
+            let solved: Vec<&[Vertex]> = solved.map(of).collect();
+            let first = self.jobs.len();
+            for vertices in &solved {
+                self.add(vertices);
+            }
+            let nearest = |candidate: &usize| first + nearest(&solved, of(*candidate));
+            let taken: Vec<usize> = sequence.par_iter().map(nearest).collect();
+            for (candidate, job) in sequence.into_iter().zip(taken) {
+                self.take(candidate, job);
+            }
+        }
+    }
+}
+
+/// The index of the wave that was mirrored nearest to these vertices, by the squares of the
+/// distances; the first of several.
+fn nearest(waves: &[&[Vertex]], vertices: &[Vertex]) -> usize {
+    let apart = |wave: &[Vertex]| -> f64 {
+        let pairs = wave.iter().zip(vertices);
+        pairs.map(|(a, b)| a.point.distance_squared(b.point)).sum()
+    };
+    let all = waves.iter().map(|wave| apart(wave)).enumerate();
+    let best = all.min_by(|a, b| a.1.total_cmp(&b.1));
+    best.map_or(0, |(index, _)| index)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::acoustics::early::tests::{directions, scene};
+    use crate::acoustics::early::{EarlyPaths, Ends};
+    use crate::scene::shape::Ellipsoid;
+    use crate::{Shape, Surface};
+    use glam::Vec3;
+
+    /// Protects the time that a focus takes: of waves that all arrive, after each of three reflections,
+    /// so many are solved for as the limits say, and each stands for one or others.
+    #[test]
+    fn a_focus_has_few_jobs() {
+        let radii = Vec3::new(10.0, 6.0, 6.0);
+        let gallery = Shape::from(Ellipsoid { radii }).complement();
+        let scene = scene(vec![Surface::new(gallery)], Vec3::X * -8.0, Vec3::X * 8.0);
+        let early = EarlyPaths::new(&scene).expect("a valid scene");
+        let waves = directions(2000);
+        let candidates = early.candidates(&Ends::of(&scene), &waves, 3, 0.3);
+        assert!(candidates.len() > 3 * SOLVED_OF_A_SEQUENCE);
+        let jobs = Jobs::new(&early.surfaces, &candidates);
+        let sequences = 3;
+        assert!(jobs.jobs.len() <= 2 + sequences * SOLVED_OF_A_SEQUENCE);
+        let stands_for: u32 = jobs.jobs.iter().map(|job| job.found_by).sum();
+        assert_eq!(stands_for as usize, candidates.len());
+        assert!(jobs.job_of.iter().all(Result::is_ok));
+    }
+}

@@ -1,0 +1,63 @@
+//! How loud, how late and from where each source is heard.
+
+use super::super::impulse::pairs::chosen;
+use super::super::print;
+use crate::response::{Response, ResponseSettings};
+use crate::scene::Scene;
+use crate::trace::{Settings, Tracer};
+use serde::Serialize;
+
+/// What a listener hears of a source.
+#[derive(Serialize)]
+pub struct Heard {
+    source: String,
+    listener: String,
+    heard: bool,
+    /// These are `null` where nothing arrives.
+    g_db: Option<f64>,
+    delay_s: Option<f64>,
+    azimuth_deg: Option<f64>,
+    elevation_deg: Option<f64>,
+}
+
+/// Traces every pair of a source and a listener, as `impulse` does.
+pub fn heard(
+    tracer: &mut Tracer,
+    scene: &Scene,
+    settings: &Settings,
+) -> anyhow::Result<Vec<Heard>> {
+    let how = ResponseSettings::default().with_trace(settings.clone());
+    let mut all = Vec::new();
+    for pair in chosen(scene, None, None)? {
+        let response = Response::trace(tracer, &pair.scene, &how)?;
+        let level = response.level(&pair.scene.listener);
+        all.push(Heard {
+            source: pair.source,
+            listener: pair.listener,
+            heard: level.is_some(),
+            g_db: level.map(|level| level.g_db),
+            delay_s: level.map(|level| level.delay_s),
+            azimuth_deg: level.map(|level| level.azimuth.to_degrees()),
+            elevation_deg: level.map(|level| level.elevation.to_degrees()),
+        });
+    }
+    Ok(all)
+}
+
+/// One line a pair.
+pub fn print(heard: &Heard) -> anyhow::Result<()> {
+    let of = format!("  source {}, listener {}", heard.source, heard.listener);
+    let numbers = (
+        heard.g_db,
+        heard.delay_s,
+        heard.azimuth_deg,
+        heard.elevation_deg,
+    );
+    let (Some(g_db), Some(delay_s), Some(azimuth), Some(elevation)) = numbers else {
+        return print::line(&format!("{of}: not heard"));
+    };
+    print::line(&format!(
+        "{of}: G {g_db:.2} dB, first after {:.3} ms, from azimuth {azimuth:+.1}°, elevation {elevation:+.1}°",
+        delay_s * 1e3
+    ))
+}

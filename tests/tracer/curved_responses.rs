@@ -1,0 +1,122 @@
+//! Responses at curved mirrors against closed forms and brute force, from the scene to the levels.
+
+use echomarch::glam::{DVec3, Vec3};
+use echomarch::response::{HeardPath, Response, ResponseSettings};
+use echomarch::scene::Material;
+use echomarch::scene::shape::{Cylinder, Sphere};
+use echomarch::{Listener, Scene, Settings, Shape, Source, Surface};
+use std::f64::consts::PI;
+
+use crate::common::tracer;
+
+/// What levels may be off, in decibels.
+const DECIBELS: f64 = 0.05;
+
+fn response(scene: &Scene, waves: u32) -> Response {
+    let settings = ResponseSettings::default()
+        .with_trace(Settings::default().with_waves(waves))
+        .with_seconds(0.25);
+    Response::trace(&mut tracer(), scene, &settings).unwrap()
+}
+
+fn path<'a>(response: &'a Response, surfaces: &[u32], length_m: f64) -> &'a HeardPath {
+    let is_it = |path: &&HeardPath| {
+        path.path.surfaces == surfaces && (path.path.length_m - length_m).abs() < 1e-4
+    };
+    let found = response.paths.iter().find(is_it);
+    found.unwrap_or_else(|| panic!("{surfaces:?}, {length_m} m: {:?}", response.paths))
+}
+
+#[track_caller]
+fn assert_level(energy: f64, expected: f64) {
+    let off_db = 10.0 * (energy / expected).log10();
+    assert!(off_db.abs() < DECIBELS, "{off_db} dB");
+}
+
+/// Protects the gain of the parabolic mirrors. The rim of a dish is as high above its vertex as its
+/// focus, so it catches one half of all waves; all of these pass through the listener's centre at the
+/// other focus, where a chord of two radii in the sphere's volume is a density of 3 / (2π r²).
+#[test]
+fn parabolic_mirrors_gather_one_half_of_all_waves() {
+    let scene = Scene::builtin("parabolic-mirrors").unwrap();
+    let response = response(&scene, 1 << 18);
+    // Over the axis: 2 m back to the vertex, 30 m to the other one, 2 m to the focus.
+    let focus = path(&response, &[2, 3], 34.0);
+    assert!(focus.path.is_focus);
+    let radius = f64::from(scene.listener.radius);
+    let caught = 0.5 * 3.0 / (2.0 * PI * radius * radius);
+    for (band, energy) in focus.energy.iter().enumerate() {
+        let absorption = Material::builtin("concrete").unwrap().absorption[band];
+        assert_level(*energy, caught * (1.0 - absorption).powi(2));
+    }
+}
+
+/// Protects the gain of a hollow ball: on its axis a front that starts d metres before the wall has,
+/// e metres behind it, the radius d + e − 2 d e / R.
+#[test]
+fn a_hollow_ball_gathers_as_its_curvature_says() {
+    let radius = 5.0;
+    let ball = Shape::from(Sphere { radius: 5.0 }).complement();
+    let mut scene = Scene::new(
+        "ball",
+        vec![Surface::new(ball).with_material("half")],
+        Source::at(Vec3::X * 1.0),
+        Listener::at(Vec3::X * 3.0, 0.2),
+    );
+    scene
+        .materials
+        .insert("half".to_owned(), Material::absorbing(0.5));
+    let response = response(&scene, 1 << 16);
+    for (before, behind) in [(4.0, 2.0), (6.0, 8.0)] {
+        let front: f64 = before + behind - 2.0 * before * behind / radius;
+        let found = path(&response, &[1], before + behind);
+        assert_level(found.energy[4], 0.5 / (4.0 * PI * front.powi(2)));
+    }
+}
+
+/// The first place where a line meets the cylinder of this radius about y, and its mirrored direction.
+fn mirrored(from: DVec3, towards: DVec3, radius: f64) -> (DVec3, DVec3) {
+    let flat = |v: DVec3| DVec3::new(v.x, 0.0, v.z);
+    let (o, d) = (flat(from), flat(towards));
+    let (a, b, c) = (d.dot(d), o.dot(d), o.dot(o) - radius * radius);
+    let t = (-b - (b * b - a * c).sqrt()) / a;
+    let point = from + towards * t;
+    let normal = flat(point).normalize();
+    (point, towards - 2.0 * towards.dot(normal) * normal)
+}
+
+/// Protects the level of an echo off a pillar against a bundle of rays about it, and its delay against a
+/// search over the pillar.
+#[test]
+fn a_pillar_answers_as_a_bundle_of_rays_does() {
+    const RADIUS: f64 = 0.75;
+    const SPREAD: f64 = 1e-6;
+    let (source, listener) = (DVec3::new(3.0, 0.25, 1.0), DVec3::new(-1.0, -1.5, 4.0));
+    let scene = Scene::new(
+        "pillar",
+        vec![Surface::new(Cylinder { radius: 0.75 })],
+        Source::at(source.as_vec3()),
+        Listener::at(listener.as_vec3(), 0.3),
+    );
+    // Seen from above it is the shortest way by the circle, and heights go along evenly.
+    let flat = |angle: f64| {
+        let at = DVec3::new(angle.cos(), 0.0, angle.sin()) * RADIUS;
+        let from = |end: DVec3| at.distance(DVec3::new(end.x, 0.0, end.z));
+        (from(source) + from(listener)).hypot(source.y - listener.y)
+    };
+    let shortest = (0..2_000_000).map(|i| flat(f64::from(i) * PI / 1e6));
+    let length_m = shortest.fold(f64::INFINITY, f64::min);
+    let response = response(&scene, 1 << 18);
+    let echo = path(&response, &[1], length_m);
+    assert!((echo.path.length_m - length_m).abs() < 1e-9);
+    let departure = echo.path.departure;
+    let (aside, up) = departure.any_orthonormal_pair();
+    let end = |turn: DVec3| {
+        let (point, direction) = mirrored(source, (departure + turn).normalize(), RADIUS);
+        let normal = echo.path.arrival_direction;
+        point + direction * ((listener - point).dot(normal) / direction.dot(normal))
+    };
+    let moved = |turn: DVec3| (end(turn * SPREAD) - end(-turn * SPREAD)) / (2.0 * SPREAD);
+    let area = moved(aside).cross(moved(up)).length();
+    assert_level(echo.energy[0], 1.0 / (4.0 * PI * area));
+}
