@@ -26,7 +26,10 @@ fn doors_open_and_close_what_is_heard() {
     let [between, beyond] = &open[..] else {
         panic!("{open:?}");
     };
-    assert_eq!((&between["source"], &between["listener"]), (&"talker".into(), &"between".into()));
+    assert_eq!(
+        (&between["source"], &between["listener"]),
+        (&"talker".into(), &"between".into())
+    );
     let g_db = |level: &Value| level["g_db"].as_f64().unwrap();
     assert!(g_db(between) > g_db(beyond) + 3.0);
     // The listeners look along −x, to the talker.
@@ -52,7 +55,10 @@ fn levels_are_told_where_they_are_asked_for() {
     assert!(text.contains("source 1, listener 1: G "), "{text}");
     let without: Value = json(&["trace", "corner", "--waves", "4096"]);
     assert!(without.get("levels").is_none());
-    refuse(&["trace", "corner", "--levels", "--profile", "thesis"], "thesis");
+    refuse(
+        &["trace", "corner", "--levels", "--profile", "thesis"],
+        "thesis",
+    );
 }
 
 /// Protects the hall: every pair is heard, the louder source louder, and the seats under the balcony
