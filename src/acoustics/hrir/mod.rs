@@ -11,10 +11,10 @@
 //! vector there.
 //!
 //! # Method
-//! - The **onset** of each response is found ([`onset`]) and taken out: all responses of a set begin
+//! - The **onset** of each response is found (`onset.rs`) and taken out: all responses of a set begin
 //!   at the same sample, and each has a delay. Responses that are mixed without that cancel each
 //!   other at high frequencies.
-//! - **Between directions** the three that surround it are mixed ([`facets`]): their samples, and
+//! - **Between directions** the three that surround it are mixed (`facets.rs`): their samples, and
 //!   their delays, by the same weights.
 //! - **Delays count from the head's centre**: their mean over all directions and both ears is taken
 //!   as the moment in which sound would pass there without the head. So what a file has before its
