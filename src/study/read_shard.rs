@@ -114,6 +114,11 @@ impl Rows {
         self.ready.pop_front().ok_or_else(changed)
     }
 
+    /// The file that they are of.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
     fn read(&mut self) -> io::Result<()> {
         let mut file = File::open(&self.path)?;
         file.seek(SeekFrom::Start(self.offset))?;
@@ -135,12 +140,5 @@ impl Rows {
             }
         }
         Ok(())
-    }
-}
-
-impl Rows {
-    /// The file that they are of.
-    pub fn path(&self) -> &Path {
-        &self.path
     }
 }

@@ -188,7 +188,10 @@ fn damaged_and_strange_shards_are_refused() {
     let join = ["study", &file, "-o", &to, "--join"];
     std::fs::write(&second, &bytes[..bytes.len() / 2]).unwrap();
     refuse(&join, "00002-of-00002.shard: it is cut off");
-    refuse(&["study", &file, "-o", &to], "remove it to compute it anew");
+    refuse(
+        &["study", &file, "-o", &to, "-q"],
+        "remove it to compute it anew",
+    );
     let mut changed = bytes.clone();
     changed[bytes.len() / 2] ^= 1;
     std::fs::write(&second, changed).unwrap();
@@ -214,8 +217,8 @@ fn a_grid_of_listeners_is_a_map() {
         scenes: [Scene(of: "hall.ron")],
         listeners: Grid(from: (-14, 0, -9), to: (14, 0, 9), counts: (6, 1, 4)),
         listener_radius: 0.5,
-        settings: All(waves: [1024]),
-        keep: Keep(response: Response(figures: [g, c80], bands_hz: [1000], seconds: 0.2, echogram_ms: 50)),
+        settings: All(waves: [4096]),
+        keep: Keep(response: Response(figures: [g, c80], bands_hz: [1000], seconds: 1, order: 0, echogram_ms: 50)),
     )"#;
     let file = study(folder.path(), text);
     let out = folder.path().join("out");
@@ -283,7 +286,7 @@ fn what_cannot_be_is_refused() {
     refuse(&with(&["--join"]), "there is no folder");
     refuse(&with(&["--jobs", "0"]), "--jobs must be 1 to 1024");
     refuse(
-        &with(&["--shard", "1/2", "--require-renderer", "Voodoo"]),
+        &with(&["-q", "--shard", "1/2", "--require-renderer", "Voodoo"]),
         "\"Voodoo\" is demanded",
     );
     let output = command().args(with(&["--shard", "3/2"])).output().unwrap();
