@@ -230,6 +230,9 @@ fn any_number_of_shards_joins_to_the_same_bytes() {
     assert_eq!(csv.lines().count(), 61);
 }
 
+/// A change of a folder of shards, and what is told of it.
+type Change<'a> = (&'a dyn Fn(&Path), &'a [&'a str]);
+
 /// What is said of four shards after a change.
 fn refused(study: &Study, change: &dyn Fn(&Path)) -> String {
     let folder = shards(study, 4);
@@ -253,7 +256,7 @@ fn shards_that_do_not_belong_are_named() {
         let header = Header::parse(&header).unwrap();
         std::fs::write(second(folder), made_up(&header)).unwrap();
     };
-    let cases: [(&dyn Fn(&Path), &[&str]); 7] = [
+    let cases: [Change; 7] = [
         (
             &|folder| std::fs::remove_file(second(folder)).unwrap(),
             &["1 of 4 shards are missing: 2"],
