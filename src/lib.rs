@@ -44,6 +44,7 @@
 //! | `picture` | what the listener sees, and the plan with paths (feature `picture`) |
 //! | `experiment` | the thesis' experiments, run for real, and what accuracy costs (feature `experiment`) |
 //! | `report` | what experiments found, for people and for programs (feature `experiment`) |
+//! | `study` | sweeps and maps in shards that are computed anywhere and joined (feature `experiment`) |
 //! | `demo` | the window: walk through a scene and hear it (feature `demo`) |
 //! | [`error`] | what can go wrong |
 //!
@@ -57,8 +58,9 @@
 //! | --- | --- | --- |
 //! | `audio` | yes | live output through a sound card, in [`audio`] |
 //! | `picture` | with `experiment`, `demo` | pictures and plans of scenes as PNG |
-//! | `experiment` | with `cli` | the experiments and their reports |
+//! | `experiment` | with `cli` | the experiments, studies and their reports |
 //! | `sofa` | with `cli` | head-related impulse responses from SOFA files |
+//! | `parquet` | yes | the tables of studies as Parquet files too |
 //! | `demo` | yes | the window, as a module; needs no crate of the command line |
 //! | `cli` | yes | the program `echomarch`; its subcommand `demo` with the feature `demo` |
 //!
@@ -100,6 +102,8 @@ pub mod scene;
 mod sphere;
 #[cfg(any(feature = "experiment", feature = "demo"))]
 mod stats;
+#[cfg(feature = "experiment")]
+pub mod study;
 mod text;
 pub mod trace;
 

@@ -3,6 +3,7 @@
 use super::print;
 use crate::error::Error;
 use crate::output::OutputError;
+use crate::study::StudyError;
 use crate::text;
 use clap::error::ErrorKind;
 use std::process::ExitCode;
@@ -49,6 +50,9 @@ fn code(error: &anyhow::Error) -> u8 {
             .downcast_ref::<Error>()
             .is_some_and(Error::is_bad_input)
             || cause.is::<BadInput>()
+            || cause
+                .downcast_ref::<StudyError>()
+                .is_some_and(StudyError::is_bad_input)
             // A place to write to is input as well: it was typed.
             || cause
                 .downcast_ref::<OutputError>()

@@ -43,6 +43,7 @@ mod report;
 mod scene;
 mod shader;
 mod slice;
+mod study;
 mod trace;
 mod verify;
 mod view;
@@ -64,6 +65,7 @@ Examples:
   echomarch slice corner --paths 200 -o plan.png
   echomarch shader corner                    the shader that is generated from a scene
   echomarch verify                           the hard cases, pass or fail
+  echomarch study map.ron -o out             a sweep or a map of many points, here or on a cluster
   echomarch localise form -o form            where is the source? a form for people
   echomarch info                             the renderers there are
 
@@ -108,6 +110,8 @@ enum Command {
     Verify(verify::Arguments),
     /// The localisation experiment, by a computed observer and with people
     Localise(localise::Arguments),
+    /// Sweeps and maps: many points, in shards that are broken off, taken up, and joined
+    Study(study::Arguments),
     /// Try users' fields for another process of this program
     #[command(hide = true)]
     FieldTrial,
@@ -148,6 +152,7 @@ pub fn run() -> ExitCode {
         Command::Cost(arguments) => cost::run(arguments, &cli.common),
         Command::Verify(arguments) => verify::run(arguments, &cli.common),
         Command::Localise(arguments) => localise::run(arguments, &cli.common),
+        Command::Study(arguments) => study::run(arguments, &cli.common),
         Command::Info(arguments) => info::run(arguments, &cli.common),
         Command::FieldTrial => Ok(()),
     };

@@ -61,7 +61,8 @@ fn draw_listener(canvas: &mut PixmapMut, plan: &Plan, scene: &Scene) {
     fill(canvas, dot, &paint(BLUE, 1.0));
 }
 
-fn draw_source(canvas: &mut PixmapMut, plan: &Plan, position: Vec3) {
+/// Draws a source.
+pub(super) fn draw_source(canvas: &mut PixmapMut, plan: &Plan, position: Vec3) {
     let unit = plan.stroke();
     let centre = plan.pixel(position);
     let dot = PathBuilder::from_circle(centre.x, centre.y, 7.0 * unit);

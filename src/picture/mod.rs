@@ -15,6 +15,8 @@
 //! iteration.
 
 mod error;
+#[cfg(feature = "experiment")]
+mod map;
 mod marks;
 mod plan;
 mod png;
@@ -26,6 +28,8 @@ mod wave_paths;
 
 pub use error::PictureError;
 pub use image::RgbaImage;
+#[cfg(feature = "experiment")]
+pub(crate) use map::{MapOptions, map};
 pub use plan::Bounds;
 pub use png::save_png;
 pub use shader::{Kind, shader_text};

@@ -67,7 +67,8 @@ fn label(metres: f32) -> String {
     }
 }
 
-fn write(canvas: &mut PixmapMut, text: &str, left: f32, top: f32, dot: f32) {
+/// Writes in dots of so many pixels, from the upper left.
+pub(super) fn write(canvas: &mut PixmapMut, text: &str, left: f32, top: f32, dot: f32) {
     for (place, letter) in text.chars().enumerate() {
         for (row, bits) in dots(letter).into_iter().enumerate() {
             for column in (0..5).filter(|column| bits >> (4 - column) & 1 == 1) {
@@ -78,7 +79,7 @@ fn write(canvas: &mut PixmapMut, text: &str, left: f32, top: f32, dot: f32) {
     }
 }
 
-/// A letter's seven rows of five dots; the letters that [`label`] needs.
+/// A letter's seven rows of five dots; those that lengths and colour bars are labelled with.
 fn dots(letter: char) -> [u8; 7] {
     match letter {
         '0' => [
@@ -90,16 +91,49 @@ fn dots(letter: char) -> [u8; 7] {
         '2' => [
             0b01110, 0b10001, 0b00001, 0b00110, 0b01000, 0b10000, 0b11111,
         ],
+        '3' => [
+            0b11111, 0b00010, 0b00100, 0b00010, 0b00001, 0b10001, 0b01110,
+        ],
+        '4' => [
+            0b00010, 0b00110, 0b01010, 0b10010, 0b11111, 0b00010, 0b00010,
+        ],
         '5' => [
             0b11111, 0b10000, 0b11110, 0b00001, 0b00001, 0b10001, 0b01110,
         ],
+        '6' => [
+            0b00110, 0b01000, 0b10000, 0b11110, 0b10001, 0b10001, 0b01110,
+        ],
+        '7' => [
+            0b11111, 0b00001, 0b00010, 0b00100, 0b01000, 0b01000, 0b01000,
+        ],
+        '8' => [
+            0b01110, 0b10001, 0b10001, 0b01110, 0b10001, 0b10001, 0b01110,
+        ],
+        '9' => [
+            0b01110, 0b10001, 0b10001, 0b01111, 0b00001, 0b00010, 0b01100,
+        ],
+        '-' => [0, 0, 0, 0b11111, 0, 0, 0],
+        '.' => [0, 0, 0, 0, 0, 0b01100, 0b01100],
+        'B' => [
+            0b11110, 0b10001, 0b10001, 0b11110, 0b10001, 0b10001, 0b11110,
+        ],
         'c' => [0, 0, 0b01110, 0b10001, 0b10000, 0b10001, 0b01110],
+        'd' => [
+            0b00001, 0b00001, 0b01101, 0b10011, 0b10001, 0b10001, 0b01111,
+        ],
+        's' => [0, 0, 0b01110, 0b10000, 0b01110, 0b00001, 0b11110],
         'm' => [0, 0, 0b11010, 0b10101, 0b10101, 0b10101, 0b10101],
         _ => [0; 7],
     }
 }
 
-fn rectangle(canvas: &mut PixmapMut, [x, y, w, h]: [f32; 4], colour: [u8; 3], opacity: f32) {
+/// Fills a rectangle: left, top, width, height.
+pub(super) fn rectangle(
+    canvas: &mut PixmapMut,
+    [x, y, w, h]: [f32; 4],
+    colour: [u8; 3],
+    opacity: f32,
+) {
     if let Some(rect) = Rect::from_xywh(x, y, w, h) {
         let path = PathBuilder::from_rect(rect);
         fill(canvas, Some(path), &paint(colour, opacity));

@@ -83,7 +83,13 @@ pub fn slice(
     Ok(picture)
 }
 
-fn cut(context: &Context, scene: &Scene, height: f32, plan: &Plan) -> Result<RgbaImage, Error> {
+/// The scene cut at a height, without marks.
+pub(super) fn cut(
+    context: &Context,
+    scene: &Scene,
+    height: f32,
+    plan: &Plan,
+) -> Result<RgbaImage, Error> {
     shader::check_size(context, plan.width, plan.height)?;
     let shader = shader::program(context, scene, shader::Kind::Slice.source())?;
     let program = &shader.program;

@@ -31,6 +31,8 @@ pub use distance::Nearest;
 pub use error::SceneError;
 #[cfg(feature = "demo")]
 pub(crate) use file::BasedScene;
+#[cfg(feature = "experiment")]
+pub(crate) use file::bases_of;
 pub use material::{BUILTIN_MATERIALS, BuiltinMaterial, Material, WALL_COUNT, WALL_NAMES};
 pub use motion::{Driver, Motion};
 pub use named_values::{NamedValue, Quantity};
@@ -189,6 +191,18 @@ impl Scene {
             _ => None,
         };
         self.field_nodes().filter_map(file).collect()
+    }
+
+    /// The contents of these files, in the order of [`Scene::files`]: texts, and the heights of
+    /// images as little-endian `f32` behind their width and height.
+    #[cfg(feature = "experiment")]
+    pub(crate) fn file_contents(&self) -> Vec<Vec<u8>> {
+        let content = |node: &Node| match node {
+            Node::User(User { field }) => Some(field.text.clone().into_bytes()),
+            Node::HeightField(HeightField { image, .. }) => Some(image.to_bytes()),
+            _ => None,
+        };
+        self.field_nodes().filter_map(content).collect()
     }
 
     fn field_nodes(&self) -> impl Iterator<Item = &Node> {

@@ -21,4 +21,5 @@ mod localise;
 mod localise_form;
 mod localise_score;
 mod render_full;
+mod study;
 mod untrusted;

@@ -208,6 +208,21 @@ fn run_scene(
     })
 }
 
+/// The panning of the very waves that a frame of `scene` starts with these settings, followed
+/// exactly in `f64`.
+///
+/// # Errors
+/// Those of [`Tracer::frame`].
+pub(crate) fn exact_pan(
+    tracer: &mut Tracer,
+    scene: &Scene,
+    settings: &Settings,
+) -> Result<f64, Error> {
+    // No limit of many waves is asked for.
+    let mut truth = Truth::new(scene, 0)?;
+    truth.pan_of_twins(tracer, settings, settings.iterations)
+}
+
 /// Indices of the cases, those of one number of waves together: another number takes other
 /// textures, and making those would be timed.
 fn by_waves(cases: &[Case]) -> Vec<Vec<usize>> {

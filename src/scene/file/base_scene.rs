@@ -205,7 +205,7 @@ fn once_each<'a, T: Placed>(
 }
 
 /// The files that a scene file is based on, as far as they can be read.
-pub(in crate::scene) fn bases_of(path: &Path) -> Vec<PathBuf> {
+pub(crate) fn bases_of(path: &Path) -> Vec<PathBuf> {
     let mut bases = Vec::new();
     let mut path = path.to_owned();
     while bases.len() <= MOST_BASES {

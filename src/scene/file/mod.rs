@@ -32,7 +32,7 @@ use std::iter::once;
 use std::path;
 use surface::SurfaceFile;
 
-pub(super) use base_scene::bases_of;
+pub(crate) use base_scene::bases_of;
 #[cfg(feature = "demo")]
 pub(crate) use write::BasedScene;
 

@@ -1,0 +1,225 @@
+//! A map: the plan of a scene, coloured by a number at each place of a lattice, with a colour bar.
+
+use super::marks::{self, fill, paint};
+use super::plan::{Bounds, Plan};
+use super::scale_bar::{self, rectangle, write};
+use super::slice::cut;
+use super::{PictureError, shader};
+use crate::error::Error;
+use crate::gpu::Context;
+use crate::scene::Scene;
+use glam::{Vec2, Vec3};
+use image::{Rgba, RgbaImage};
+use tiny_skia::{BlendMode, PathBuilder, PixmapMut, Rect};
+
+/// Width of the colour bar's part of the picture, as a share of the plan's width.
+const BAR_SHARE: f32 = 0.2;
+
+/// Marks on the colour bar, both ends among them.
+const TICKS: u32 = 5;
+
+/// The colour of a place without a number.
+const NOTHING: [u8; 3] = [225, 225, 225];
+
+/// Numbers at the places of a lattice.
+pub(crate) struct MapOptions<'a> {
+    /// Width of the plan in pixels; the colour bar stands beside it.
+    pub width: u32,
+    /// World y of the cut in metres.
+    pub height: f32,
+    /// The first place of the lattice and the last; y is not looked at.
+    pub ends: [Vec3; 2],
+    /// Places along x and along z, 2 or more each.
+    pub counts: [u32; 2],
+    /// The numbers, x first; none where there is none.
+    pub values: &'a [Option<f64>],
+    /// What stands behind a number on the colour bar: `dB`, `s`, or nothing.
+    pub unit: &'a str,
+    /// The colour of a share from 0 to 1 of the way from the least number to the greatest.
+    pub colour: fn(f64) -> [u8; 3],
+}
+
+/// Draws a map: places are coloured rectangles, solid is dark, the source is marked. The listener is
+/// not: it was everywhere.
+pub(crate) fn map(
+    context: &Context,
+    scene: &Scene,
+    options: &MapOptions,
+) -> Result<RgbaImage, Error> {
+    shader::check_size(context, options.width, 1)?;
+    let [from, to] = options.ends;
+    let mut shown = scene.clone();
+    // The plan holds the lattice and the source, wherever the scene's own listener is.
+    shown.listener.position = from.lerp(to, 0.5);
+    let lattice = Bounds {
+        min: Vec2::new(from.x.min(to.x), from.z.min(to.z)),
+        max: Vec2::new(from.x.max(to.x), from.z.max(to.z)),
+    };
+    let mut bounds = Bounds::of(&shown, options.height);
+    bounds.min = bounds.min.min(lattice.min);
+    bounds.max = bounds.max.max(lattice.max);
+    let plan = Plan::new(bounds, options.width)?;
+    let mut picture = cut(context, scene, options.height, &plan)?;
+    let places = places(scene, options);
+    let ends = ends_of(places.iter().map(|place| place.value));
+    if let Some(mut canvas) = PixmapMut::from_bytes(&mut picture, plan.width, plan.height) {
+        draw_places(&mut canvas, &plan, options, &places, ends);
+        marks::draw_source(&mut canvas, &plan, scene.source.position);
+        scale_bar::draw(&mut canvas, &plan);
+    }
+    with_colour_bar(&picture, &plan, options, ends)
+}
+
+/// A place that is drawn.
+struct Place {
+    column: u32,
+    row: u32,
+    value: Option<f64>,
+}
+
+/// The places whose middle is in the open: within solids nobody listens.
+fn places(scene: &Scene, options: &MapOptions) -> Vec<Place> {
+    let [columns, rows] = options.counts;
+    let [from, to] = options.ends;
+    let place = |(at, value): (usize, &Option<f64>)| {
+        let (column, row) = (at as u32 % columns, at as u32 / columns);
+        let share = Vec2::new(
+            column as f32 / (columns - 1) as f32,
+            row as f32 / (rows - 1) as f32,
+        );
+        let x = from.x + share.x * (to.x - from.x);
+        let z = from.z + share.y * (to.z - from.z);
+        let clear = scene.surface_distance(Vec3::new(x, options.height, z));
+        (clear.distance > 0.0).then_some(Place {
+            column,
+            row,
+            value: *value,
+        })
+    };
+    options
+        .values
+        .iter()
+        .enumerate()
+        .filter_map(place)
+        .collect()
+}
+
+/// The least number and the greatest; none without numbers.
+fn ends_of(values: impl Iterator<Item = Option<f64>> + Clone) -> Option<(f64, f64)> {
+    let numbers = values.flatten();
+    let least = numbers.clone().reduce(f64::min)?;
+    Some((least, numbers.reduce(f64::max)?))
+}
+
+/// Colours every place: multiplied, so that solids stay dark and lines are seen.
+fn draw_places(
+    canvas: &mut PixmapMut,
+    plan: &Plan,
+    options: &MapOptions,
+    places: &[Place],
+    ends: Option<(f64, f64)>,
+) {
+    let [columns, rows] = options.counts;
+    let [from, to] = options.ends.map(|end| plan.pixel(end));
+    let step = (to - from) / Vec2::new((columns - 1) as f32, (rows - 1) as f32);
+    for &Place { column, row, value } in places {
+        // Edges are on whole pixels, where the next place begins.
+        let edge = |place: u32, from: f32, step: f32| (from + step * (place as f32 - 0.5)).round();
+        let xs = [column, column + 1].map(|place| edge(place, from.x, step.x));
+        let ys = [row, row + 1].map(|place| edge(place, from.y, step.y));
+        let (left, right) = (xs[0].min(xs[1]), xs[0].max(xs[1]));
+        let (top, bottom) = (ys[0].min(ys[1]), ys[0].max(ys[1]));
+        let Some(place) = Rect::from_ltrb(left, top, right, bottom) else {
+            continue;
+        };
+        let colour = value.zip(ends).map_or(NOTHING, |(value, (least, most))| {
+            (options.colour)(share(value, least, most))
+        });
+        let mut paint = paint(colour, 1.0);
+        paint.blend_mode = BlendMode::Multiply;
+        fill(canvas, Some(PathBuilder::from_rect(place)), &paint);
+    }
+}
+
+/// Where a number lies between two; in the middle where these are the same.
+fn share(value: f64, least: f64, most: f64) -> f64 {
+    let share = (value - least) / (most - least);
+    if share.is_finite() { share } else { 0.5 }
+}
+
+/// The picture with a colour bar to its right: the greatest number above.
+fn with_colour_bar(
+    picture: &RgbaImage,
+    plan: &Plan,
+    options: &MapOptions,
+    ends: Option<(f64, f64)>,
+) -> Result<RgbaImage, Error> {
+    let unit = plan.stroke();
+    let dot = (1.6 * unit).round().max(1.0);
+    let labels = labels(ends, options.unit);
+    let longest = labels.iter().map(String::len).max().unwrap_or(0);
+    let text = dot * (6 * longest) as f32;
+    let beside = (BAR_SHARE * plan.width as f32).max(text + 52.0 * unit) as u32;
+    let (width, height) = (plan.width + beside, plan.height);
+    let mut whole = RgbaImage::from_pixel(width, height, Rgba([255; 4]));
+    image::imageops::replace(&mut whole, picture, 0, 0);
+    let Some(mut canvas) = PixmapMut::from_bytes(&mut whole, width, height) else {
+        return Err(PictureError::Size {
+            width,
+            height,
+            limit: u32::MAX,
+        }
+        .into());
+    };
+    let (left, bar) = (plan.width as f32 + 16.0 * unit, 18.0 * unit);
+    let (top, length) = ((16.0 * unit).round(), (height as f32 - 32.0 * unit).round());
+    for row in 0..length as u32 {
+        let colour = (options.colour)(1.0 - f64::from(row) / f64::from(length - 1.0).max(1.0));
+        rectangle(&mut canvas, [left, top + row as f32, bar, 1.0], colour, 1.0);
+    }
+    for (tick, label) in labels.iter().enumerate() {
+        let y = top + length - length * tick as f32 / (TICKS - 1) as f32;
+        let at = (y - 3.5 * dot).clamp(top, top + length - 7.0 * dot);
+        let x = (left + bar + 8.0 * unit).round();
+        write(&mut canvas, label, x, at.round(), dot);
+    }
+    Ok(whole)
+}
+
+/// What stands at the marks of the bar, from below: as many digits as tell them apart.
+fn labels(ends: Option<(f64, f64)>, unit: &str) -> Vec<String> {
+    let Some((least, most)) = ends else {
+        return Vec::new();
+    };
+    let step = (most - least) / f64::from(TICKS - 1);
+    let digits = match step > 0.0 {
+        true => (1.0 - step.log10()).ceil().clamp(0.0, 4.0) as usize,
+        false => 2,
+    };
+    let label = |tick: u32| {
+        let number = least + step * f64::from(tick);
+        format!("{number:.digits$} {unit}").trim_end().to_owned()
+    };
+    (0..TICKS).map(label).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects the colour bar: numbers at its marks differ, and carry their unit.
+    #[test]
+    fn the_bar_says_what_the_colours_mean() {
+        let values = [Some(-3.0), None, Some(5.0)];
+        assert_eq!(ends_of(values.into_iter()), Some((-3.0, 5.0)));
+        let labels = |ends| labels(Some(ends), "dB");
+        assert_eq!(
+            labels((-3.0, 5.0)),
+            ["-3.0 dB", "-1.0 dB", "1.0 dB", "3.0 dB", "5.0 dB"]
+        );
+        assert_eq!(labels((2.0, 2.0))[0], "2.00 dB");
+        assert_eq!(ends_of([None].into_iter()), None);
+        assert_eq!(share(1.0, 0.0, 4.0), 0.25);
+        assert_eq!(share(2.0, 2.0, 2.0), 0.5);
+    }
+}

@@ -1,0 +1,120 @@
+//! What a study will take: points, time by a short sample, bytes.
+
+use super::work::row;
+use super::{Study, StudyError, Worker, lines};
+use serde::Serialize;
+use std::time::{Duration, Instant};
+
+/// Points of a sample at the most.
+const MOST_SAMPLED: u64 = 64;
+
+/// Points of a sample at the least, however long they take: an error needs two.
+const LEAST_SAMPLED: u64 = 3;
+
+/// How long a sample goes on, warming up included.
+const LONGEST: Duration = Duration::from_secs(20);
+
+/// 2⁶⁴ divided by the golden ratio: multiples of it, taken as shares of 2⁶⁴, lie evenly however many
+/// there are (D. E. Knuth, *The Art of Computer Programming* 3, section 6.4).
+const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
+
+/// What a study takes, as a sample of its points tells.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct Estimate {
+    /// Points of the study.
+    pub points: u64,
+    /// Points that were computed for this, spread over the study.
+    pub sampled: u64,
+    /// Seconds of a point by the wall clock: the mean of the sample.
+    pub seconds_a_point: f64,
+    /// Its standard error, which holds how unlike the points are.
+    pub seconds_a_point_error: f64,
+    /// Seconds of processor time of a point, all cores together; none where the system does not tell.
+    pub core_seconds_a_point: Option<f64>,
+    /// Bytes of a point in a shard.
+    pub shard_bytes_a_point: f64,
+    /// Bytes of a point in the joined CSV.
+    pub csv_bytes_a_point: f64,
+}
+
+impl Estimate {
+    /// Seconds of the whole study in one process here.
+    pub fn seconds(&self) -> f64 {
+        self.seconds_a_point * self.points as f64
+    }
+
+    /// Points that a core computes in an hour; none where the system tells no processor time.
+    pub fn points_a_core_hour(&self) -> Option<f64> {
+        let seconds = self.core_seconds_a_point.filter(|seconds| *seconds > 0.0)?;
+        Some(3600.0 / seconds)
+    }
+}
+
+/// Computes a sample of the points twice each, the second time with a clock: compiling a scene's
+/// shaders is paid once, whatever the number of points. What is found is not kept.
+///
+/// # Errors
+/// [`StudyError::Point`] for what cannot be computed.
+pub fn estimate(worker: &mut Worker) -> Result<Estimate, StudyError> {
+    let study = worker.study;
+    let began = Instant::now();
+    let (mut seconds, mut core_seconds) = (Vec::new(), Some(0.0));
+    let (mut shard_bytes, mut csv_bytes) = (0, 0);
+    for number in 0..MOST_SAMPLED.min(study.points) {
+        if number >= LEAST_SAMPLED && began.elapsed() > LONGEST {
+            break;
+        }
+        let point = study.point(sampled(study, number));
+        worker.found(&point)?;
+        let (clock, cores) = (Instant::now(), processor_seconds());
+        let found = worker.found(&point)?;
+        seconds.push(clock.elapsed().as_secs_f64());
+        let taken = processor_seconds()
+            .zip(cores)
+            .map(|(end, begin)| end - begin);
+        core_seconds = core_seconds.zip(taken).map(|(sum, more)| sum + more);
+        let row = row(point.index, &found);
+        shard_bytes += lines::line(&row).len();
+        let scene = study.posed(point.variant, point.time);
+        let before = scene.map_or(0, |scene| {
+            let cells = study.point_cells(&point, &scene).into_iter().skip(1);
+            cells.map(|cell| cell.for_csv().len() + 1).sum()
+        });
+        csv_bytes += before + row.len() + 1;
+    }
+    let sampled = seconds.len() as f64;
+    let mean = crate::stats::mean(seconds.iter().copied()).unwrap_or(0.0);
+    let squares: f64 = seconds.iter().map(|s| (s - mean).powi(2)).sum();
+    let variance = squares / (sampled - 1.0).max(1.0);
+    Ok(Estimate {
+        points: study.points,
+        sampled: seconds.len() as u64,
+        seconds_a_point: mean,
+        seconds_a_point_error: (variance / sampled.max(1.0)).sqrt(),
+        core_seconds_a_point: core_seconds.map(|sum: f64| sum / sampled.max(1.0)),
+        shard_bytes_a_point: shard_bytes as f64 / sampled.max(1.0),
+        csv_bytes_a_point: csv_bytes as f64 / sampled.max(1.0),
+    })
+}
+
+/// The point of a number in the sample: all points where there are few, else spread evenly.
+fn sampled(study: &Study, number: u64) -> u64 {
+    if study.points <= MOST_SAMPLED {
+        return number;
+    }
+    let share = u128::from((number + 1).wrapping_mul(GOLDEN));
+    ((share * u128::from(study.points)) >> 64) as u64
+}
+
+/// Processor time of this process so far, all threads together.
+#[cfg(target_os = "linux")]
+fn processor_seconds() -> Option<f64> {
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
+    Some(time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64)
+}
+
+#[cfg(not(target_os = "linux"))]
+fn processor_seconds() -> Option<f64> {
+    None
+}

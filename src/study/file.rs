@@ -1,0 +1,303 @@
+//! What a study file says (RON), and its form for hashing.
+//!
+//! Fields that are left out have defaults. What the text says is checked in `check`, by place and
+//! range; syntax and unknown names are told with line and column by the reader. See
+//! `docs/clusters.md`.
+
+use super::StudyError;
+use crate::input::read_text;
+use crate::text::in_a_line;
+use crate::trace::{Directions, Profile};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Bytes of a study file at the most: a list of 20,000 places is 1 MiB.
+const LARGEST_FILE: u64 = 4 << 20;
+
+/// How deep the text may be nested: a study is five deep.
+const DEEPEST: usize = 32;
+
+/// A study as its file says it.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(rename = "Study", deny_unknown_fields)]
+pub(super) struct StudyFile {
+    #[serde(default)]
+    pub name: String,
+    pub scenes: Vec<SceneFile>,
+    /// Seconds on the paths of the scenes.
+    #[serde(default)]
+    pub times: Option<Numbers>,
+    #[serde(default)]
+    pub sources: Places,
+    #[serde(default)]
+    pub listeners: Places,
+    /// Radius of every listener in metres; that of the scene without it.
+    #[serde(default)]
+    pub listener_radius: Option<f32>,
+    #[serde(default)]
+    pub settings: SettingsFile,
+    #[serde(default)]
+    pub seeds: Seeds,
+    #[serde(default)]
+    pub keep: Keep,
+}
+
+/// A scene of a study, and its named values.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(rename = "Scene", deny_unknown_fields)]
+pub(super) struct SceneFile {
+    /// A built-in scene, or a file beside the study's.
+    pub of: String,
+    #[serde(default)]
+    pub values: BTreeMap<String, Numbers>,
+}
+
+/// Numbers along an axis of a study.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(super) enum Numbers {
+    List(Vec<f64>),
+    /// So many numbers at even distances, both ends among them.
+    Range {
+        from: f64,
+        to: f64,
+        count: u64,
+    },
+    /// So many numbers at even ratios, both ends among them.
+    Geometric {
+        from: f64,
+        to: f64,
+        count: u64,
+    },
+}
+
+/// Positions of a source or a listener, in metres.
+#[derive(Clone, Debug, Default, Deserialize, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(super) enum Places {
+    /// Where the scene has it: its first one.
+    #[default]
+    AsInScene,
+    List(Vec<[f32; 3]>),
+    /// A lattice between two corners: x changes first, then z, then y.
+    Grid {
+        from: [f32; 3],
+        to: [f32; 3],
+        counts: [u64; 3],
+    },
+    /// So many places at even distances along a line through points, both ends among them.
+    Path {
+        through: Vec<[f32; 3]>,
+        count: u64,
+    },
+}
+
+/// Seeds of a study.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(super) enum Seeds {
+    List(Vec<u32>),
+    /// Whole numbers from `from` on.
+    Range {
+        from: u32,
+        count: u64,
+    },
+}
+
+impl Default for Seeds {
+    fn default() -> Seeds {
+        Seeds::List(vec![1])
+    }
+}
+
+/// How waves are traced.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(super) enum SettingsFile {
+    /// All combinations.
+    All {
+        #[serde(default = "hybrid")]
+        profiles: Vec<ProfileFile>,
+        #[serde(default = "usual_waves")]
+        waves: Vec<u32>,
+        #[serde(default = "usual_iterations")]
+        iterations: Vec<u32>,
+        #[serde(default = "random")]
+        directions: Vec<DirectionsFile>,
+    },
+    /// The cases of `echomarch accuracy`.
+    Accuracy(Sweep),
+}
+
+impl Default for SettingsFile {
+    fn default() -> SettingsFile {
+        SettingsFile::All {
+            profiles: hybrid(),
+            waves: usual_waves(),
+            iterations: usual_iterations(),
+            directions: random(),
+        }
+    }
+}
+
+/// A sweep of `echomarch accuracy`.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum Sweep {
+    Short,
+    Quick,
+    Full,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum ProfileFile {
+    Hybrid,
+    March,
+    Thesis,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum DirectionsFile {
+    Random,
+    Fibonacci,
+}
+
+/// What is kept of each point.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Keep {
+    #[serde(default = "yes")]
+    pub pan: bool,
+    #[serde(default = "yes")]
+    pub counts: bool,
+    /// The panning of the same waves followed exactly, on the CPU.
+    #[serde(default)]
+    pub exact: bool,
+    #[serde(default)]
+    pub response: Option<ResponseFile>,
+}
+
+impl Default for Keep {
+    fn default() -> Keep {
+        Keep {
+            pan: true,
+            counts: true,
+            exact: false,
+            response: None,
+        }
+    }
+}
+
+/// What is kept of impulse responses.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(rename = "Response", deny_unknown_fields)]
+pub(super) struct ResponseFile {
+    #[serde(default = "usual_figures")]
+    pub figures: Vec<FigureName>,
+    #[serde(default = "usual_bands")]
+    pub bands_hz: Vec<u32>,
+    #[serde(default)]
+    pub errors: bool,
+    /// How long the waves are followed; until all bands have fallen by 60 dB without it.
+    #[serde(default)]
+    pub seconds: Option<f64>,
+    /// Reflections of exact paths at the most.
+    #[serde(default)]
+    pub order: Option<u32>,
+    /// Length of an echogram's bins in milliseconds; without it none is kept.
+    #[serde(default)]
+    pub echogram_ms: Option<u32>,
+}
+
+/// A figure of ISO 3382-1.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum FigureName {
+    Edt,
+    T20,
+    T30,
+    C50,
+    C80,
+    D50,
+    Ts,
+    G,
+}
+
+fn yes() -> bool {
+    true
+}
+
+fn hybrid() -> Vec<ProfileFile> {
+    vec![ProfileFile::Hybrid]
+}
+
+fn random() -> Vec<DirectionsFile> {
+    vec![DirectionsFile::Random]
+}
+
+fn usual_waves() -> Vec<u32> {
+    vec![65_536]
+}
+
+fn usual_iterations() -> Vec<u32> {
+    vec![8]
+}
+
+fn usual_figures() -> Vec<FigureName> {
+    vec![FigureName::G, FigureName::T30, FigureName::C80]
+}
+
+/// The bands over which ISO 3382-1 (annex A) takes the mean of a hall's figures.
+fn usual_bands() -> Vec<u32> {
+    vec![500, 1000]
+}
+
+impl From<ProfileFile> for Profile {
+    fn from(said: ProfileFile) -> Profile {
+        match said {
+            ProfileFile::Hybrid => Profile::Hybrid,
+            ProfileFile::March => Profile::March,
+            ProfileFile::Thesis => Profile::Thesis,
+        }
+    }
+}
+
+impl From<DirectionsFile> for Directions {
+    fn from(said: DirectionsFile) -> Directions {
+        match said {
+            DirectionsFile::Random => Directions::Random,
+            DirectionsFile::Fibonacci => Directions::Fibonacci,
+        }
+    }
+}
+
+impl StudyFile {
+    /// Reads a study file.
+    pub fn read(path: &Path) -> Result<StudyFile, StudyError> {
+        let text = read_text(path, LARGEST_FILE).map_err(|source| StudyError::Unreadable {
+            path: path.to_owned(),
+            source,
+        })?;
+        StudyFile::from_ron(&text, &path.display().to_string())
+    }
+
+    /// Reads a study from RON text; `origin` is what errors call it.
+    pub fn from_ron(text: &str, origin: &str) -> Result<StudyFile, StudyError> {
+        let options = ron::Options::default()
+            .with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME)
+            .with_recursion_limit(DEEPEST);
+        // Some editors put a byte-order mark before the text.
+        let text = text.trim_start_matches('\u{feff}');
+        options
+            .from_str(text)
+            .map_err(|error| StudyError::Malformed {
+                origin: origin.to_owned(),
+                line: error.span.start.line,
+                column: error.span.start.col,
+                message: in_a_line(&error.code.to_string()).into_owned(),
+            })
+    }
+}

@@ -1,0 +1,64 @@
+//! The hash of a study: of all that decides its results, but for program and renderer.
+
+use super::Study;
+use super::build::scene_file;
+use super::file::StudyFile;
+use crate::input::{InputError, read};
+use crate::scene::{Scene, bases_of};
+use sha2::{Digest, Sha256};
+use std::path::{Path, PathBuf};
+
+/// What the hash begins with: changes whenever points are numbered or computed otherwise.
+const KIND: &str = "echomarch study 1";
+
+/// Bytes of a scene file at the most: it was read before, within a lower limit.
+const LARGEST_FILE: u64 = 64 << 20;
+
+/// The hash in hexadecimal digits: of the study's canonical text, which holds every default and no
+/// layout, and of each scene's file, its bases, and the contents of the files that they name, in
+/// this order. Each part is preceded by its length, so that none can pass for two.
+pub(super) fn of(
+    file: &StudyFile,
+    study: &Study,
+    folder: &Path,
+) -> Result<String, (PathBuf, InputError)> {
+    let mut hash = Sha256::new();
+    let mut add = |bytes: &[u8]| {
+        hash.update((bytes.len() as u64).to_le_bytes());
+        hash.update(bytes);
+    };
+    add(KIND.as_bytes());
+    add(&canonical(file));
+    for (said, axis) in file.scenes.iter().zip(&study.variants) {
+        match scene_file(&said.of, folder) {
+            None => add(Scene::builtin_text(&said.of).unwrap_or("").as_bytes()),
+            Some(own) => {
+                for path in std::iter::once(own.clone()).chain(bases_of(&own)) {
+                    match read(&path, LARGEST_FILE) {
+                        Ok(bytes) => add(&bytes),
+                        Err(error) => return Err((path, error)),
+                    }
+                }
+            }
+        }
+        axis.scene.file_contents().iter().for_each(|it| add(it));
+    }
+    Ok(hex(&hash.finalize()))
+}
+
+/// The study as JSON: fields in the order of their types, numbers in their shortest form. Where its
+/// scenes lie decides nothing; what they are called does, for it stands in the rows.
+fn canonical(file: &StudyFile) -> Vec<u8> {
+    let mut file = file.clone();
+    for scene in &mut file.scenes {
+        let name = Path::new(&scene.of).file_name();
+        scene.of = name.map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+    }
+    // A type of plain fields, lists and maps of text always has a form.
+    serde_json::to_vec(&file).unwrap_or_default()
+}
+
+/// Bytes in hexadecimal digits.
+pub(super) fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}

@@ -1,0 +1,219 @@
+//! Putting shards together.
+
+use super::lines::Header;
+use super::read_shard::{Rows, verify};
+use super::shard::{folder_of, is_whole};
+use super::tables::Tables;
+use super::{BLOCK, Shard, Study, StudyError, VERSION};
+use crate::output::{OutputError, prepare_folder};
+use crate::scene::Scene;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// Shards that are named in one message.
+const MOST_NAMED: usize = 12;
+
+/// What was joined.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Joined {
+    /// Rows of the tables.
+    pub points: u64,
+    /// Shards that they came from.
+    pub shards: u32,
+    /// The renderer of all of them.
+    pub renderer: String,
+    /// The files that were written.
+    pub files: Vec<PathBuf>,
+}
+
+/// Joins the shards in a folder: the tables are written there in the order of the study, as
+/// `study.csv`, with the feature `parquet` as `study.parquet`, and what they are of as `study.json`.
+/// The same bytes come out however many shards there are, and whoever computed them. `progress` is
+/// told steps done and steps in all: each point is checked, then written.
+///
+/// # Errors
+/// [`StudyError::NotWhole`] names every shard that is missing, doubled, damaged, or of another study,
+/// version or renderer; [`StudyError::Output`].
+pub fn join(
+    study: &Study,
+    folder: &Path,
+    progress: &mut dyn FnMut(u64, u64),
+) -> Result<Joined, StudyError> {
+    let all = 2 * study.points;
+    let found = found(folder, &mut |done| progress(done.min(study.points), all))?;
+    let (shards, renderer) = chosen(study, folder, found)?;
+    let of = shards.len() as u32;
+    prepare_folder(folder)?;
+    let rows: Vec<Rows> = shards.into_iter().map(Rows::of).collect();
+    let files = write(study, folder, &renderer, rows, &mut |done| {
+        progress(study.points + done, all);
+    })?;
+    Ok(Joined {
+        points: study.points,
+        shards: of,
+        renderer,
+        files,
+    })
+}
+
+/// A file of a whole shard, and what it says, or why it is not taken.
+type Found = (PathBuf, Result<Header, String>);
+
+/// Every file that is called a shard, in order of their names.
+fn found(folder: &Path, progress: &mut dyn FnMut(u64)) -> Result<Vec<Found>, StudyError> {
+    let place = folder_of(folder);
+    let files = std::fs::read_dir(&place).map_err(|_| StudyError::NotWhole {
+        folder: folder.to_owned(),
+        problems: vec![format!("there is no folder {}", place.display())],
+    })?;
+    let files = files.flatten().map(|file| file.path());
+    let mut files: Vec<PathBuf> = files.filter(|path| is_whole(path)).collect();
+    files.sort();
+    let mut before = 0;
+    let read = files.into_iter().map(|path| {
+        let header = verify(&path, &mut |points| progress(before + points));
+        before += header.as_ref().map_or(0, |header| header.points);
+        (path, header)
+    });
+    Ok(read.collect())
+}
+
+/// The shards in order, if they are a whole study, and their renderer.
+fn chosen(
+    study: &Study,
+    folder: &Path,
+    found: Vec<Found>,
+) -> Result<(Vec<PathBuf>, String), StudyError> {
+    let ours = |header: &&Header| header.study == study.hash && header.version == VERSION;
+    let headers = || found.iter().filter_map(|(_, header)| header.as_ref().ok());
+    let of = most_common(headers().filter(ours).map(|header| header.of));
+    let renderer = most_common(headers().filter(ours).map(|header| header.renderer.clone()));
+    let (of, renderer) = (of.unwrap_or(1), renderer.unwrap_or_default());
+    let mut problems = Vec::new();
+    let mut taken: BTreeMap<u32, PathBuf> = BTreeMap::new();
+    for (path, header) in found {
+        let name = || path.file_name().unwrap_or_default().to_string_lossy();
+        let why = match header {
+            Err(why) => Some(why),
+            Ok(header) => {
+                refusal(study, of, &renderer, &header).or_else(|| match taken.get(&header.shard) {
+                    None => {
+                        taken.insert(header.shard, path.clone());
+                        None
+                    }
+                    Some(other) => {
+                        let other = other.file_name().unwrap_or_default().to_string_lossy();
+                        let number = header.shard;
+                        Some(format!(
+                            "shard {number}/{of} is there twice, also as {other}"
+                        ))
+                    }
+                })
+            }
+        };
+        if let Some(why) = why {
+            problems.push(format!("{}: {why}", name()));
+        }
+    }
+    let missing: Vec<u32> = (1..=of)
+        .filter(|number| !taken.contains_key(number))
+        .collect();
+    if !missing.is_empty() {
+        problems.insert(0, missing_text(&missing, of));
+    }
+    if problems.is_empty() {
+        return Ok((taken.into_values().collect(), renderer));
+    }
+    if let Some(more) = problems.len().checked_sub(MOST_NAMED + 1) {
+        problems.truncate(MOST_NAMED);
+        problems.push(format!("and {} more", more + 1));
+    }
+    Err(StudyError::NotWhole {
+        folder: folder.to_owned(),
+        problems,
+    })
+}
+
+/// Why a shard that is sound is not taken.
+fn refusal(study: &Study, of: u32, renderer: &str, header: &Header) -> Option<String> {
+    // Its own numbers were read from its first line, which is sound.
+    let shard = Shard::new(header.shard, header.of).ok()?;
+    let expected = Header::new(study, shard, renderer);
+    header.differs(&expected).or_else(|| {
+        let number = header.shard;
+        (header.of != of).then(|| format!("it is shard {number} of {}, not of {of}", header.of))
+    })
+}
+
+/// The value that most have; of several the least.
+fn most_common<T: Ord>(values: impl Iterator<Item = T>) -> Option<T> {
+    let mut counts: BTreeMap<T, usize> = BTreeMap::new();
+    for value in values {
+        *counts.entry(value).or_default() += 1;
+    }
+    let most = counts.values().copied().max()?;
+    let first = counts.into_iter().find(|(_, count)| *count == most);
+    first.map(|(value, _)| value)
+}
+
+/// The numbers of missing shards, neighbours as ranges.
+fn missing_text(missing: &[u32], of: u32) -> String {
+    let mut ranges: Vec<(u32, u32)> = Vec::new();
+    for &number in missing {
+        match ranges.last_mut() {
+            Some((_, last)) if *last + 1 == number => *last = number,
+            _ => ranges.push((number, number)),
+        }
+    }
+    let shown = ranges.iter().take(MOST_NAMED).map(|(first, last)| {
+        if first == last {
+            first.to_string()
+        } else {
+            format!("{first}-{last}")
+        }
+    });
+    let mut text: Vec<String> = shown.collect();
+    if ranges.len() > MOST_NAMED {
+        text.push("and more".to_owned());
+    }
+    let (text, are) = (text.join(", "), missing.len());
+    format!("{are} of {of} shards are missing: {text}")
+}
+
+fn write(
+    study: &Study,
+    folder: &Path,
+    renderer: &str,
+    mut shards: Vec<Rows>,
+    progress: &mut dyn FnMut(u64),
+) -> Result<Vec<PathBuf>, StudyError> {
+    let mut tables = Tables::create(study, folder, renderer)?;
+    let count = shards.len() as u64;
+    let mut posed: Option<((u64, u64), Scene)> = None;
+    for index in 0..study.points {
+        let rows = &mut shards[(index / BLOCK % count) as usize];
+        let failed = |path: &Path, source| OutputError {
+            path: path.to_owned(),
+            source,
+        };
+        let row = rows.next().map_err(|error| failed(rows.path(), error))?;
+        let point = study.point(index);
+        let key = (point.variant, point.time);
+        let scene = match posed.take() {
+            Some((known, scene)) if known == key => scene,
+            _ => study
+                .posed(point.variant, point.time)
+                .map_err(|refused| StudyError::Point {
+                    index,
+                    what: study.label(&point),
+                    source: Box::new(refused.into()),
+                })?,
+        };
+        let (_, scene) = posed.insert((key, scene));
+        let found = row.split_once(',').map_or("", |(_, found)| found);
+        tables.row(&study.point_cells(&point, scene), found)?;
+        progress(index + 1);
+    }
+    tables.finish()
+}

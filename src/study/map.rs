@@ -1,0 +1,184 @@
+//! Maps: pictures of a column of a joined study whose listeners are a lattice on a plane.
+
+use super::columns::{Column, Kind};
+use super::file::Places;
+use super::{Study, StudyError, Worker};
+use crate::error::Error;
+use crate::output::OutputError;
+use crate::picture::{MapOptions, map, save_png};
+use crate::stats::mean;
+use glam::Vec3;
+use plotters::style::colors::colormaps::ViridisRGB;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Maps that are drawn of one column at the most: whoever needs more draws them from the table.
+const MOST_MAPS: u64 = 100;
+
+/// Places of a map at the most: more than there are pixels show nothing more.
+const MOST_PLACES: u64 = 4_000_000;
+
+/// Width of a map's plan in pixels.
+const WIDTH: u32 = 800;
+
+/// Draws maps of a column of the joined table in `folder`, one for every scene, time, settings and
+/// source: `map-COLUMN.png`, or `map-COLUMN-1.png` and so on where there are several. A place has the
+/// mean over its seeds. Returns the files that were written.
+///
+/// # Errors
+/// [`StudyError::NoMap`] for a study whose listeners are no lattice along x and z, and for a column
+/// that has no numbers; [`StudyError::Output`]; what the renderer refuses.
+pub fn draw_map(
+    worker: &mut Worker,
+    folder: &Path,
+    column: &str,
+) -> Result<Vec<PathBuf>, StudyError> {
+    let study = worker.study;
+    let lattice = Lattice::of(study)?;
+    let (at, column) = numbers_column(study, column)?;
+    let maps = study.points / lattice.places / study.seeds.len();
+    let table = folder.join("study.csv");
+    let failed = |source: io::Error| {
+        StudyError::from(OutputError {
+            path: table.clone(),
+            source,
+        })
+    };
+    let mut rows = csv::Reader::from_path(&table).map_err(|error| failed(error.into()))?;
+    let mut rows = rows.records();
+    let mut files = Vec::new();
+    for number in 0..maps {
+        let mut values = Vec::new();
+        for _ in 0..lattice.places {
+            let mut seeds = Vec::new();
+            for _ in 0..study.seeds.len() {
+                let ended = || failed(io::Error::other("it has fewer rows than the study"));
+                let row = rows.next().ok_or_else(ended)?;
+                let row = row.map_err(|error| failed(error.into()))?;
+                seeds.extend(row.get(at).and_then(|cell| cell.parse::<f64>().ok()));
+            }
+            values.push(mean(seeds));
+        }
+        let name = match maps {
+            1 => format!("map-{}.png", column.name),
+            _ => format!("map-{}-{}.png", column.name, number + 1),
+        };
+        let file = folder.join(name);
+        draw(worker, &lattice, number, &column, &values, &file)?;
+        files.push(file);
+    }
+    Ok(files)
+}
+
+fn draw(
+    worker: &mut Worker,
+    lattice: &Lattice,
+    number: u64,
+    column: &Column,
+    values: &[Option<f64>],
+    file: &Path,
+) -> Result<(), StudyError> {
+    let study = worker.study;
+    let point = study.point(number * lattice.places * study.seeds.len());
+    let mut draw = || -> Result<(), Error> {
+        let mut scene = study.posed(point.variant, point.time)?;
+        if let Some(position) = study.source_of(&point) {
+            scene.source.position = position;
+        }
+        let options = MapOptions {
+            width: WIDTH,
+            height: lattice.ends[0].y,
+            ends: lattice.ends,
+            counts: lattice.counts,
+            values,
+            unit: unit(&column.name),
+            colour: |share| {
+                let colour = ViridisRGB::get_color(share);
+                [colour.0, colour.1, colour.2]
+            },
+        };
+        let picture = map(worker.tracer().context(), &scene, &options)?;
+        Ok(save_png(file, &picture)?)
+    };
+    draw().map_err(|source| StudyError::Point {
+        index: point.index,
+        what: study.label(&point),
+        source: Box::new(source),
+    })
+}
+
+/// A lattice of listeners along x and z.
+struct Lattice {
+    ends: [Vec3; 2],
+    counts: [u32; 2],
+    places: u64,
+}
+
+impl Lattice {
+    fn of(study: &Study) -> Result<Lattice, StudyError> {
+        let refused = |why: &str| StudyError::NoMap {
+            why: why.to_owned(),
+        };
+        let Places::Grid { from, to, counts } = &study.listeners else {
+            return Err(refused("the listeners of the study are no Grid"));
+        };
+        let [x, y, z] = *counts;
+        if x < 2 || z < 2 || y != 1 {
+            return Err(refused(
+                "the listeners' Grid must have 2 places or more along x and z, and one along y",
+            ));
+        }
+        let places = x.saturating_mul(z);
+        let maps = study.points / places / study.seeds.len();
+        if places > MOST_PLACES || maps > MOST_MAPS {
+            return Err(refused(&format!(
+                "{maps} maps of {places} places are too many: at most {MOST_MAPS} of {MOST_PLACES}"
+            )));
+        }
+        Ok(Lattice {
+            ends: [Vec3::from(*from), Vec3::from(*to)],
+            counts: [x as u32, z as u32],
+            places,
+        })
+    }
+}
+
+/// Checks that maps of these columns can be drawn, before long work.
+pub(crate) fn check_maps(study: &Study, columns: &[String]) -> Result<(), StudyError> {
+    if columns.is_empty() {
+        return Ok(());
+    }
+    Lattice::of(study)?;
+    columns
+        .iter()
+        .try_for_each(|column| numbers_column(study, column).map(drop))
+}
+
+/// The place of a column of numbers among all columns of the joined table.
+fn numbers_column(study: &Study, name: &str) -> Result<(usize, Column), StudyError> {
+    let points = study.point_columns().len();
+    let found = study.found_columns();
+    let numbers = || found.iter().filter(|column| column.kind != Kind::Text);
+    match found
+        .iter()
+        .position(|column| column.name == name && column.kind != Kind::Text)
+    {
+        Some(at) => Ok((points + at, found[at].clone())),
+        None => {
+            let known: Vec<&str> = numbers().map(|column| column.name.as_str()).collect();
+            let known = known.join(", ");
+            let why = format!("the study keeps no numbers called {name:?}; it keeps: {known}");
+            Err(StudyError::NoMap { why })
+        }
+    }
+}
+
+/// The unit of a column, as its name says it.
+fn unit(column: &str) -> &'static str {
+    let mut words = column.split('_');
+    match words.nth(1) {
+        Some("db") => "dB",
+        Some("s") => "s",
+        _ => "",
+    }
+}

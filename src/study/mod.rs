@@ -1,0 +1,157 @@
+//! Studies: sweeps and maps of any size, in shards that are computed anywhere and joined.
+//!
+//! A [`Study`] is a file (RON) that says scenes with their named values, times, places of source
+//! and listener, settings and seeds, and what to keep. Its *points* are all combinations of these,
+//! numbered from 0 in a fixed order: the seed changes first, then the listener, the source, the
+//! settings, the time, the named values, the scene. One point is computed in one way
+//! ([`Worker`]), whoever asks.
+//!
+//! # Shards
+//! Points are dealt out in blocks of [`BLOCK`] by turns, so that dear points are shared out
+//! evenly. A [`Shard`] is one file of one line a point. While it is computed it has another name,
+//! grows by a point at a time, and is gone on with after any interruption; when it is whole it gets
+//! its name. [`join`](join()) puts shards together, and takes none that is damaged, or of another
+//! study, version or renderer.
+//!
+//! # Determinism
+//! On one renderer a point depends on the study alone. Nothing of clock, machine or order is in a
+//! row, so that the joined tables are the same bytes however the study was cut and run.
+
+mod axes;
+mod build;
+mod check;
+mod columns;
+mod count;
+mod error;
+mod file;
+mod hash;
+mod join;
+mod lines;
+mod map;
+#[cfg(feature = "parquet")]
+mod parquet_file;
+mod points;
+mod read_shard;
+mod shard;
+mod tables;
+#[cfg(test)]
+mod tests;
+mod work;
+mod worker;
+
+pub use count::{Estimate, estimate};
+pub use error::StudyError;
+pub use join::{Joined, join};
+#[cfg(feature = "cli")]
+pub(crate) use map::check_maps;
+pub use map::draw_map;
+pub use shard::{MOST_SHARDS, Shard};
+#[cfg(feature = "cli")]
+pub(crate) use shard::{begun, rows_in};
+pub use work::compute;
+pub use worker::Worker;
+
+use crate::response::ResponseSettings;
+use crate::scene::Scene;
+use crate::trace::{Settings, Tracer};
+use columns::ResponseColumns;
+use file::{Numbers, Places, Seeds};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Points that a shard takes at a time: few, so that cheap and dear parts of a study are shared out
+/// evenly; more than one, so that a shard's neighbours in the study have a scene in common.
+pub const BLOCK: u64 = 16;
+
+/// A study that was read and checked.
+#[derive(Clone, Debug)]
+pub struct Study {
+    name: String,
+    hash: String,
+    variants: Vec<SceneAxis>,
+    times: Option<Numbers>,
+    settings: Vec<Case>,
+    sources: Places,
+    listeners: Places,
+    listener_radius: Option<f32>,
+    seeds: Seeds,
+    keep: Kept,
+    /// Points of one variant of a scene.
+    each: u64,
+    points: u64,
+}
+
+/// A scene with the axes of its named values.
+#[derive(Clone, Debug)]
+struct SceneAxis {
+    scene: Scene,
+    values: BTreeMap<String, Numbers>,
+    /// Variants of the scenes before it, and with its own.
+    first: u64,
+    end: u64,
+}
+
+/// Settings, with a name where they are a case of `accuracy`.
+#[derive(Clone, Debug)]
+struct Case {
+    label: Option<String>,
+    settings: Settings,
+}
+
+/// What is kept of a point.
+#[derive(Clone, Debug)]
+struct Kept {
+    pan: bool,
+    counts: bool,
+    exact: bool,
+    response: Option<(ResponseSettings, ResponseColumns)>,
+}
+
+impl Study {
+    /// Reads a study file, and the scenes that it names from its folder.
+    ///
+    /// ```no_run
+    /// use echomarch::study::{Shard, Study, Worker, compute, join};
+    /// # use echomarch::{Tracer, gpu::Context};
+    /// let study = Study::from_file("study.ron".as_ref())?;
+    /// let tracer = Tracer::new(&Context::headless(&Default::default())?)?;
+    /// let mut worker = Worker::new(&study, tracer);
+    /// compute(&mut worker, Shard::WHOLE, "out".as_ref(), &mut |_| ())?;
+    /// let joined = join(&study, "out".as_ref(), &mut |_, _| ())?;
+    /// assert_eq!(joined.points, study.points());
+    /// # Ok::<(), echomarch::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`StudyError::Unreadable`], [`StudyError::Malformed`] with line and column,
+    /// [`StudyError::BadField`] with the field and its range, [`StudyError::Scene`].
+    pub fn from_file(path: &Path) -> Result<Study, StudyError> {
+        build::from_file(path)
+    }
+
+    /// What the study is called: its name, or that of its file.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// How many points it has.
+    pub fn points(&self) -> u64 {
+        self.points
+    }
+
+    /// SHA-256 in hexadecimal digits of all that decides its results, but for program and renderer:
+    /// what the study says, and the texts of its scenes and their files. Layout, comments and places
+    /// of files are not in it.
+    pub fn hash(&self) -> &str {
+        &self.hash
+    }
+}
+
+/// What must be equal in all shards that are joined: the name and the version of the renderer.
+pub(crate) fn renderer_of(tracer: &Tracer) -> String {
+    let context = tracer.context();
+    format!("{}; {}", context.renderer(), context.version())
+}
+
+/// The program's version as it stands in shards.
+const VERSION: &str = env!("CARGO_PKG_VERSION");

@@ -1,0 +1,121 @@
+//! The tables of a joined study: CSV, Parquet, and a note on what they are of.
+
+use super::{Study, StudyError, VERSION};
+use crate::output::{OutputError, PartFile, temporary_beside, write_whole};
+use crate::report::Cell;
+use serde_json::json;
+use std::fs::File;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Tables that are written row by row, and named when they are whole.
+pub(super) struct Tables<'a> {
+    study: &'a Study,
+    folder: &'a Path,
+    renderer: &'a str,
+    csv: csv::Writer<File>,
+    csv_part: PartFile,
+    csv_path: PathBuf,
+    #[cfg(feature = "parquet")]
+    parquet: super::parquet_file::ParquetFile,
+    /// Columns that a row must have.
+    columns: usize,
+}
+
+impl<'a> Tables<'a> {
+    /// Begins the tables of a study in its folder.
+    pub fn create(
+        study: &'a Study,
+        folder: &'a Path,
+        renderer: &'a str,
+    ) -> Result<Tables<'a>, StudyError> {
+        let csv_path = folder.join("study.csv");
+        let failed = |source| output_error(&csv_path, source);
+        let csv_part = temporary_beside(&csv_path).map_err(failed)?;
+        let mut csv = csv::Writer::from_writer(csv_part.reopen().map_err(failed)?);
+        let mut columns = study.point_columns();
+        columns.extend(study.found_columns());
+        let names = columns.iter().map(|column| column.name.as_str());
+        csv.write_record(names)
+            .map_err(|error| output_error(&csv_path, error.into()))?;
+        Ok(Tables {
+            study,
+            folder,
+            renderer,
+            csv,
+            csv_part,
+            #[cfg(feature = "parquet")]
+            parquet: super::parquet_file::ParquetFile::create(
+                &folder.join("study.parquet"),
+                &columns,
+                &about(study, renderer),
+            )?,
+            csv_path,
+            columns: columns.len(),
+        })
+    }
+
+    /// Adds a row: what a point is, and what was found there, as it stands in its shard.
+    pub fn row(&mut self, point: &[Cell], found: &str) -> Result<(), StudyError> {
+        let cells = point.iter().map(Cell::for_csv);
+        let found = found.split(',').map(str::to_owned);
+        let cells: Vec<String> = cells.chain(found).collect();
+        if cells.len() != self.columns {
+            let (found, wanted) = (cells.len(), self.columns);
+            let text = format!("a row has {found} columns, not {wanted}");
+            return Err(output_error(&self.csv_path, io::Error::other(text)));
+        }
+        let written = self.csv.write_record(&cells);
+        written.map_err(|error| output_error(&self.csv_path, error.into()))?;
+        #[cfg(feature = "parquet")]
+        self.parquet.row(cells)?;
+        Ok(())
+    }
+
+    /// Gives the files their names.
+    pub fn finish(self) -> Result<Vec<PathBuf>, StudyError> {
+        let Tables { csv, csv_path, .. } = self;
+        let file = csv.into_inner();
+        file.map_err(|error| output_error(&csv_path, io::Error::other(error.to_string())))?;
+        let named = self.csv_part.persist(&csv_path);
+        named.map_err(|source| output_error(&csv_path, source))?;
+        crate::input::note_output(&csv_path);
+        let mut files = vec![csv_path];
+        #[cfg(feature = "parquet")]
+        files.push(self.parquet.finish()?);
+        let note = self.folder.join("study.json");
+        let columns: Vec<String> = {
+            let mut columns = self.study.point_columns();
+            columns.extend(self.study.found_columns());
+            columns.into_iter().map(|column| column.name).collect()
+        };
+        let mut says = serde_json::Map::from_iter(
+            about(self.study, self.renderer)
+                .into_iter()
+                .map(|(name, value)| (name.to_owned(), value.into())),
+        );
+        says.insert("points".to_owned(), self.study.points.into());
+        says.insert("columns".to_owned(), json!(columns));
+        write_whole(&note, |out| {
+            serde_json::to_writer_pretty(&mut *out, &says)?;
+            out.write_all(b"\n")
+        })?;
+        files.push(note);
+        Ok(files)
+    }
+}
+
+/// What the tables are of: the same whatever the shards.
+fn about(study: &Study, renderer: &str) -> Vec<(&'static str, String)> {
+    vec![
+        ("name", study.name.clone()),
+        ("study", study.hash.clone()),
+        ("version", VERSION.to_owned()),
+        ("renderer", renderer.to_owned()),
+    ]
+}
+
+pub(super) fn output_error(path: &Path, source: io::Error) -> StudyError {
+    let path = path.to_owned();
+    OutputError { path, source }.into()
+}

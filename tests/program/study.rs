@@ -1,0 +1,305 @@
+//! `echomarch study` as a person types it: shards, jobs, interruptions, joining, maps, bad input.
+
+use crate::common::Random;
+use crate::common::cli::{argument, command, contents, json, refuse, stderr, stdout, succeed};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::Stdio;
+use std::thread::sleep;
+use std::time::Duration;
+
+/// 400 small frames over two scenes.
+const SMALL: &str = r#"Study(
+    scenes: [Scene(of: "corner"), Scene(of: "hall.ron", values: {"width": Range(from: 8, to: 12, count: 3)})],
+    listeners: Grid(from: (-3, 0, 2), to: (3, 0, 6), counts: (5, 1, 5)),
+    settings: All(waves: [512, 1024], iterations: [3]),
+    seeds: Range(from: 1, count: 2),
+)"#;
+
+const HALL: &str = r#"Scene(
+    surfaces: [
+        Surface(shape: Room(size: (30, 6, 20)), material: "carpet"),
+        Surface(shape: Box(size: (Value("width", 10), 3, 1))),
+    ],
+    source: Source(position: (0, 0, -4)),
+    listener: Listener(position: (0, 0, 5), radius: 1),
+)"#;
+
+/// A study file in a folder of its own, with its scene.
+fn study(folder: &Path, text: &str) -> String {
+    std::fs::write(folder.join("hall.ron"), HALL).unwrap();
+    let file = folder.join("study.ron");
+    std::fs::write(&file, text).unwrap();
+    argument(&file).to_owned()
+}
+
+/// The tables in a folder of results.
+fn tables(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let files = contents(folder).into_iter();
+    let names = files.filter_map(|(path, bytes)| {
+        let name = path.file_name()?.to_owned();
+        Some((PathBuf::from(name), bytes?))
+    });
+    names.collect()
+}
+
+/// Protects the tables from how a study was cut and run: one process, shards in any order, several
+/// jobs, and again with nothing left to do.
+#[test]
+fn a_study_is_the_same_however_it_was_cut() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = study(folder.path(), SMALL);
+    let place = |name: &str| folder.path().join(name);
+    let whole = place("whole");
+    let report = json(&["study", &file, "-o", argument(&whole)]);
+    assert_eq!(
+        (&report["points"], &report["shards"]),
+        (&400.into(), &1.into())
+    );
+    let expected = tables(&whole);
+    assert!(expected.contains_key(Path::new("study.csv")));
+    let csv = String::from_utf8(expected[Path::new("study.csv")].clone()).unwrap();
+    assert_eq!(csv.lines().count(), 401);
+    assert!(csv.starts_with("point,scene,value_width,profile"));
+    assert!(
+        csv.lines()
+            .nth(101)
+            .unwrap()
+            .starts_with("100,hall,8.0,hybrid,random,512,3,")
+    );
+    let parts = place("parts");
+    for number in [3, 1, 5, 2, 4] {
+        let shard = format!("{number}/5");
+        succeed(&["study", &file, "-o", argument(&parts), "--shard", &shard]);
+    }
+    succeed(&["study", &file, "-o", argument(&parts), "--join"]);
+    assert!(tables(&parts) == expected);
+    let jobs = place("jobs");
+    succeed(&["study", &file, "-o", argument(&jobs), "--jobs", "3"]);
+    assert!(tables(&jobs) == expected);
+    let again = succeed(&["study", &file, "-o", argument(&jobs)]);
+    assert!(stdout(&again).contains("400 points of 3 shards"));
+    assert!(tables(&jobs) == expected);
+}
+
+/// Rows of a working file so far, and its first line.
+fn lines_of(work: &Path) -> usize {
+    let bytes = std::fs::read(work).unwrap_or_default();
+    bytes.iter().filter(|byte| **byte == b'\n').count()
+}
+
+/// Protects hours of work: a study that is killed at 20 random moments and taken up again ends with the
+/// same bytes, its shard too.
+#[test]
+fn a_study_that_is_killed_ends_with_the_same_bytes() {
+    const KILLS: usize = 20;
+    let folder = tempfile::tempdir().unwrap();
+    let file = study(folder.path(), SMALL);
+    let [whole, killed] = ["whole", "killed"].map(|name| folder.path().join(name));
+    succeed(&["study", &file, "-o", argument(&whole)]);
+    let (work, shard) = (
+        killed.join("shards/00001-of-00001.work"),
+        "shards/00001-of-00001.shard",
+    );
+    let mut random = Random(15);
+    let mut kills = 0;
+    while kills < KILLS {
+        let mut program = command();
+        let arguments = ["study", &file, "-o", argument(&killed), "--quiet"];
+        let program = program.args(arguments).stdout(Stdio::null());
+        let mut program = program.stderr(Stdio::null()).spawn().unwrap();
+        let target = lines_of(&work) + (random.bits() % 24) as usize;
+        let has_ended = loop {
+            if program.try_wait().unwrap().is_some() {
+                break true;
+            }
+            if lines_of(&work) >= target {
+                break false;
+            }
+            sleep(Duration::from_millis(1));
+        };
+        program.kill().unwrap();
+        program.wait().unwrap();
+        match has_ended {
+            // It was faster than this test: its bytes are compared, and it begins anew.
+            true => {
+                assert!(tables(&killed) == tables(&whole));
+                std::fs::remove_dir_all(&killed).unwrap();
+            }
+            false => kills += 1,
+        }
+    }
+    succeed(&["study", &file, "-o", argument(&killed)]);
+    assert!(tables(&killed) == tables(&whole));
+    let bytes = |folder: &Path| std::fs::read(folder.join(shard)).unwrap();
+    assert!(bytes(&killed) == bytes(&whole));
+}
+
+/// Protects against two processes on one shard, and children that outlive who started them.
+#[cfg(unix)]
+#[test]
+fn jobs_end_with_who_started_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = SMALL.replace("count: 2)", "count: 1000000)");
+    let file = study(folder.path(), &text);
+    let out = folder.path().join("out");
+    let arguments = ["study", &file, "-o", argument(&out), "--jobs", "2"];
+    let mut program = command();
+    let program = program.args(arguments).stderr(Stdio::null());
+    let mut program = program.stdout(Stdio::null()).spawn().unwrap();
+    let works = [1, 2].map(|number| out.join(format!("shards/0000{number}-of-00002.work")));
+    while !works.iter().all(|work| lines_of(work) > 1) {
+        assert!(program.try_wait().unwrap().is_none());
+        sleep(Duration::from_millis(5));
+    }
+    let shard = ["study", &file, "-o", argument(&out), "--shard", "1/2"];
+    let busy = command().args(shard).output().unwrap();
+    assert_eq!(busy.status.code(), Some(1));
+    assert!(
+        stderr(&busy).contains("shard 1/2 is being worked on"),
+        "{}",
+        stderr(&busy)
+    );
+    // As the system kills: no handler runs.
+    program.kill().unwrap();
+    program.wait().unwrap();
+    for work in works {
+        // The lock goes with the process.
+        let file = std::fs::File::open(&work).unwrap();
+        file.lock().unwrap();
+    }
+}
+
+/// Protects from shards that are damaged or of another study: each is named, and nothing is joined.
+#[test]
+fn damaged_and_strange_shards_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = SMALL
+        .replace("512, ", "")
+        .replace("counts: (5, 1, 5)", "counts: (2, 1, 2)");
+    let file = study(folder.path(), &text);
+    let out = folder.path().join("out");
+    let to = argument(&out).to_owned();
+    for shard in ["1/2", "2/2"] {
+        succeed(&["study", &file, "-o", &to, "--shard", shard]);
+    }
+    let second = out.join("shards/00002-of-00002.shard");
+    let bytes = std::fs::read(&second).unwrap();
+    let join = ["study", &file, "-o", &to, "--join"];
+    std::fs::write(&second, &bytes[..bytes.len() / 2]).unwrap();
+    refuse(&join, "00002-of-00002.shard: it is cut off");
+    refuse(
+        &["study", &file, "-o", &to, "-q"],
+        "remove it to compute it anew",
+    );
+    let mut changed = bytes.clone();
+    changed[bytes.len() / 2] ^= 1;
+    std::fs::write(&second, changed).unwrap();
+    refuse(&join, "00002-of-00002.shard: line ");
+    std::fs::remove_file(&second).unwrap();
+    refuse(&join, "1 of 2 shards are missing: 2");
+    std::fs::write(&second, bytes).unwrap();
+    std::fs::write(
+        folder.path().join("hall.ron"),
+        HALL.replace("carpet", "brick"),
+    )
+    .unwrap();
+    refuse(&join, "2 of 2 shards are missing: 1-2");
+    refuse(&join, "00001-of-00002.shard: it is of study");
+    assert!(!out.join("study.csv").exists());
+}
+
+/// Protects maps: a picture of a column over a grid of listeners, and a refusal where there is none.
+#[test]
+fn a_grid_of_listeners_is_a_map() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = r#"Study(
+        scenes: [Scene(of: "hall.ron")],
+        listeners: Grid(from: (-14, 0, -9), to: (14, 0, 9), counts: (6, 1, 4)),
+        listener_radius: 0.5,
+        settings: All(waves: [4096]),
+        keep: Keep(response: Response(figures: [g, c80], bands_hz: [1000], seconds: 1, order: 0, echogram_ms: 50)),
+    )"#;
+    let file = study(folder.path(), text);
+    let out = folder.path().join("out");
+    let to = argument(&out).to_owned();
+    let maps = ["--map", "pan", "--map", "g_db_1000"];
+    let report = json(&[&["study", &file, "-o", &to][..], &maps].concat());
+    assert_eq!(report["points"], 24);
+    for name in ["map-pan.png", "map-g_db_1000.png"] {
+        let picture = image::open(out.join(name)).unwrap().into_rgba8();
+        assert!(picture.width() > 900, "{name}");
+        let mut colours: Vec<_> = picture.pixels().collect();
+        colours.sort_unstable_by_key(|colour| colour.0);
+        colours.dedup();
+        assert!(colours.len() > 20, "{name}: {} colours", colours.len());
+    }
+    let csv = std::fs::read_to_string(out.join("study.csv")).unwrap();
+    let names: Vec<&str> = csv.lines().next().unwrap().split(',').collect();
+    assert_eq!(
+        names[names.len() - 3..],
+        ["c80_db_1000", "echogram_from_s", "echogram_1000"]
+    );
+    let level = names.iter().position(|name| *name == "g_db_1000").unwrap();
+    let levels = csv
+        .lines()
+        .skip(1)
+        .map(|row| row.split(',').nth(level).unwrap());
+    assert!(levels.filter(|level| level.parse::<f64>().is_ok()).count() > 20);
+    let refused = [&["study", &file, "-o", &to][..], &["--map", "panning"]].concat();
+    refuse(
+        &refused,
+        "keeps no numbers called \"panning\"; it keeps: left, right, pan,",
+    );
+}
+
+/// Protects the count: points are told without computing them, and nothing is written.
+#[test]
+fn points_and_time_are_told_before() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = SMALL.replace("count: 2)", "count: 1000000)");
+    let file = study(folder.path(), &text);
+    let before = contents(folder.path());
+    let report = json(&["study", &file, "--count"]);
+    assert_eq!(report["sample"]["points"], 200_000_000);
+    assert!(report["seconds"].as_f64() > Some(0.0));
+    assert!(report["csv_bytes"].as_f64() > report["shard_bytes"].as_f64());
+    assert!(contents(folder.path()) == before);
+}
+
+/// Protects from typing errors: exit 2 and one sentence.
+#[test]
+fn what_cannot_be_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = study(folder.path(), SMALL);
+    let out = folder.path().join("out");
+    let to = argument(&out).to_owned();
+    let with = |more: &[&'static str]| {
+        let mut all = vec!["study", file.as_str(), "-o", to.as_str()];
+        all.extend(more);
+        all
+    };
+    refuse(
+        &["study", "absent.ron", "--count"],
+        "cannot read the study file absent.ron",
+    );
+    refuse(&with(&["--join"]), "there is no folder");
+    refuse(&with(&["--jobs", "0"]), "--jobs must be 1 to 1024");
+    refuse(
+        &with(&["-q", "--shard", "1/2", "--require-renderer", "Voodoo"]),
+        "\"Voodoo\" is demanded",
+    );
+    let output = command().args(with(&["--shard", "3/2"])).output().unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("K from 1 to N"));
+    let bad = study(folder.path(), &SMALL.replace("seeds:", "seed:"));
+    refuse(&["study", &bad, "--count"], "study.ron:5:");
+    // A study that would be overwritten by its own table.
+    let own = folder.path().join("study.csv");
+    std::fs::write(&own, SMALL).unwrap();
+    refuse(
+        &["study", argument(&own), "-o", argument(folder.path())],
+        "inputs are never replaced",
+    );
+    assert_eq!(std::fs::read_to_string(&own).unwrap(), SMALL);
+}
