@@ -89,6 +89,8 @@ fn chosen(
     let headers = || found.iter().filter_map(|(_, header)| header.as_ref().ok());
     let of = most_common(headers().filter(ours).map(|header| header.of));
     let renderer = most_common(headers().filter(ours).map(|header| header.renderer.clone()));
+    // Where none is of this study, they are counted as the others are.
+    let of = of.or_else(|| most_common(headers().map(|header| header.of)));
     let (of, renderer) = (of.unwrap_or(1), renderer.unwrap_or_default());
     let mut problems = Vec::new();
     let mut taken: BTreeMap<u32, PathBuf> = BTreeMap::new();
