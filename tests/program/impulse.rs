@@ -41,7 +41,7 @@ fn numbers(of: &Value) -> Vec<f64> {
 fn every_pair_is_told() {
     let folder = tempfile::tempdir().unwrap();
     let file = hall(folder.path());
-    let call = ["impulse", &file, "--waves", "16384", "--seconds", "1.8"];
+    let call = ["impulse", &file, "--waves", "65536", "--seconds", "1.8"];
     let report: Value = json(&call);
     let pairs = report["pairs"].as_array().unwrap();
     let names: Vec<_> = pairs
