@@ -119,7 +119,7 @@ fn a_stream_that_is_closed_does_not_click() {
     let step = |at: usize| (left[at + 1] - left[at]).abs();
     let (mut at, mut gaps) = (0, 0);
     while at + 1 < left.len() {
-        if let Some(end) = end_of_gap(&left, at, allowed) {
+        if let Some(end) = end_of_gap(&left, at) {
             gaps += 1;
             at += end;
         } else {
@@ -136,17 +136,17 @@ fn a_stream_that_is_closed_does_not_click() {
 /// How many samples of silence a gap of a busy machine has that begins after `at`: the sound breaks
 /// off at its full level, and goes on at once at its full level, where a stream that is closed fades
 /// before it, and one that is opened rises from silence.
-fn end_of_gap(samples: &[f32], at: usize, allowed: f32) -> Option<usize> {
+fn end_of_gap(samples: &[f32], at: usize) -> Option<usize> {
     // Half a period of the sine: its peak is in it. A fade of 20 ms has a quarter of it left there.
     const HALF_A_PERIOD: usize = 240;
+    let is_full = |samples: &[f32]| samples.iter().any(|s| s.abs() > SINE_AMPLITUDE / 2.0);
     let before = &samples[at.saturating_sub(HALF_A_PERIOD)..=at];
-    let is_full = before.iter().any(|s| s.abs() > SINE_AMPLITUDE / 2.0);
-    if !is_full || samples[at + 1] != 0.0 {
+    if !is_full(before) || samples[at + 1] != 0.0 {
         return None;
     }
     let silent = samples[at + 1..].iter().take_while(|&&s| s == 0.0).count();
-    let next = samples.get(at + silent + 1)?;
-    (next.abs() > allowed).then_some(silent)
+    let after = &samples[at + silent + 1..];
+    is_full(&after[..after.len().min(HALF_A_PERIOD)]).then_some(silent)
 }
 
 #[test]
