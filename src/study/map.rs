@@ -144,7 +144,10 @@ impl Lattice {
 }
 
 /// Checks that maps of these columns can be drawn, before long work.
-pub(crate) fn check_maps(study: &Study, columns: &[String]) -> Result<(), StudyError> {
+///
+/// # Errors
+/// [`StudyError`]: as from [`draw_map`], as far as the study itself tells.
+pub fn check_maps(study: &Study, columns: &[String]) -> Result<(), StudyError> {
     if columns.is_empty() {
         return Ok(());
     }

@@ -18,6 +18,8 @@
 //! row, so that the joined tables are the same bytes however the study was cut and run.
 
 mod axes;
+#[cfg(feature = "cli")]
+mod begun;
 mod build;
 mod check;
 mod columns;
@@ -39,15 +41,13 @@ mod tests;
 mod work;
 mod worker;
 
+#[cfg(feature = "cli")]
+pub(crate) use begun::{begun, rows_in};
 pub use count::{Estimate, estimate};
 pub use error::StudyError;
 pub use join::{Joined, join};
-#[cfg(feature = "cli")]
-pub(crate) use map::check_maps;
-pub use map::draw_map;
+pub use map::{check_maps, draw_map};
 pub use shard::{MOST_SHARDS, Shard};
-#[cfg(feature = "cli")]
-pub(crate) use shard::{begun, rows_in};
 pub use work::compute;
 pub use worker::Worker;
 

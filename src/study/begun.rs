@@ -1,0 +1,64 @@
+//! What other processes have done of a study, as far as its files in a folder tell.
+
+use super::Study;
+use super::lines::{Header, text_of};
+use super::shard::{Shard, WORK, folder_of, is_whole};
+use std::fs::File;
+use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
+use std::path::Path;
+
+/// Bytes of a first line at the most.
+const LONGEST_HEADER: u64 = 1 << 16;
+
+/// The number of shards that the files of a study in a folder were begun with; none without such
+/// files, or where they do not agree.
+pub(crate) fn begun(study: &Study, folder: &Path) -> Option<u32> {
+    let files = std::fs::read_dir(folder_of(folder)).ok()?;
+    let mut found = None;
+    for file in files.flatten() {
+        let path = file.path();
+        let is_shard = is_whole(&path) || path.extension().is_some_and(|ending| ending == WORK);
+        let Some(header) = is_shard.then(|| header_of(&path)).flatten() else {
+            continue;
+        };
+        if header.study != study.hash {
+            continue;
+        }
+        match found {
+            Some(of) if of != header.of => return None,
+            _ => found = Some(header.of),
+        }
+    }
+    found
+}
+
+/// What the first line of a file says, if it is that of a shard.
+fn header_of(path: &Path) -> Option<Header> {
+    let about = std::fs::metadata(path).ok()?;
+    if !about.is_file() {
+        return None;
+    }
+    let mut line = Vec::new();
+    let mut file = BufReader::new(File::open(path).ok()?.take(LONGEST_HEADER));
+    file.read_until(b'\n', &mut line).ok()?;
+    Header::parse(text_of(line.strip_suffix(b"\n")?)?)
+}
+
+/// Counts the rows of a shard that another process computes, from where it left off: `seen` holds the
+/// bytes that were looked at, and the lines in them.
+pub(crate) fn rows_in(shard: Shard, folder: &Path, points: u64, seen: &mut (u64, u64)) -> u64 {
+    let Ok(mut file) = File::open(shard.work_file(folder)) else {
+        let is_whole = shard.file(folder).exists();
+        return if is_whole { points } else { 0 };
+    };
+    let mut bytes = Vec::new();
+    let read = file
+        .seek(SeekFrom::Start(seen.0))
+        .and_then(|_| file.read_to_end(&mut bytes));
+    if read.is_ok() {
+        seen.0 += bytes.len() as u64;
+        seen.1 += bytes.iter().filter(|byte| **byte == b'\n').count() as u64;
+    }
+    // The first line is the header.
+    seen.1.saturating_sub(1).min(points)
+}
