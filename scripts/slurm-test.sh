@@ -51,11 +51,11 @@ clean_up() {
 trap clean_up EXIT
 cd "$folder"
 
-# Waits up to a minute for a command to succeed.
+# Waits up to ten minutes for a command to succeed: Slurm itself holds a requeued task for two.
 wait_for() {
     local what="$1" turn
     shift
-    for ((turn = 0; turn < 600; turn++)); do
+    for ((turn = 0; turn < 6000; turn++)); do
         "$@" >/dev/null 2>&1 && return 0
         sleep 0.1
     done
@@ -186,9 +186,7 @@ wait_for "the end of task 7" has_failed "${job}_7"
 say "shard 7 has $(($(rows_of 7) - 1)) points"
 run scontrol requeue "${job}_7"
 
-for ((turn = 0; turn < 10; turn++)); do
-    wait_for "the array" has_ended "$job" && break
-done
+wait_for "the array" has_ended "$job"
 say "the array took $((SECONDS - began)) s"
 grep -hE 'echomarch:|error' ./*-"$job"-*.log || true
 
