@@ -96,9 +96,24 @@ fn recording_is_what_was_heard(file: &Path, heard: &[f32], line: &str) -> bool {
 }
 
 /// Protects the end of a stream: what is under way is heard until it has faded, so that neither
-/// another device nor the end clicks.
+/// another device nor the end clicks. On a busy machine the server or the recorder may lose samples
+/// now and then, which nothing tells from a click; a click of the program's own comes in every run.
 #[test]
 fn a_stream_that_is_closed_does_not_click() {
+    const RUNS: usize = 4;
+    let mut found = Vec::new();
+    while found.len() < RUNS {
+        match closed_streams() {
+            Ok(()) => return,
+            Err(what) => found.push(what),
+        }
+    }
+    panic!("in each of {RUNS} runs: {found:#?}");
+}
+
+/// Opens and closes streams, and listens to what the server plays: the step that clicks, if there
+/// is one.
+fn closed_streams() -> Result<(), String> {
     let server = Server::start();
     let recorder = server.record(SINK, 48_000, 2);
     let file = server.folder.path().join("heard.wav");
@@ -127,10 +142,12 @@ fn a_stream_that_is_closed_does_not_click() {
         }
         at += 1;
     }
-    println!("largest step {largest:.5}, allowed {allowed:.5}, {rises} rises, {gaps} gaps");
-    assert!(largest <= allowed + 1e-5, "{largest} above {allowed}");
+    let told =
+        format!("largest step {largest:.5}, allowed {allowed:.5}, {rises} rises, {gaps} gaps");
+    println!("{told}");
     // Between two streams there may be less than 10 ms.
-    assert!((2..=CLOSINGS + 1 + gaps).contains(&rises));
+    let is_right = largest <= allowed + 1e-5 && (2..=CLOSINGS + 1 + gaps).contains(&rises);
+    is_right.then_some(()).ok_or(told)
 }
 
 /// How many samples of silence a gap of a busy machine has that begins after `at`: the sound breaks
