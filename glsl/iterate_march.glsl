@@ -92,15 +92,16 @@ float traceWave(vec3 origin, vec3 direction, float last, out float object, out b
 }
 
 #if !EXACT_NORMALS
-// As the thesis has them: central differences of the distance to all surfaces.
-vec3 differenceNormal(vec3 p) {
+// As the thesis has them: central differences of the distance to all surfaces; 0 where there is no
+// normal.
+vec3 differenceGradient(vec3 p) {
     vec2 e = vec2(uNormalStep, 0.0);
     float object;
     COUNT_EVALUATIONS(6.0);
-    return normalize(vec3(
+    return vec3(
         surfaceDistance(p + e.xyy, object) - surfaceDistance(p - e.xyy, object),
         surfaceDistance(p + e.yxy, object) - surfaceDistance(p - e.yxy, object),
-        surfaceDistance(p + e.yyx, object) - surfaceDistance(p - e.yyx, object)));
+        surfaceDistance(p + e.yyx, object) - surfaceDistance(p - e.yyx, object));
 }
 #endif
 
@@ -138,7 +139,13 @@ void iterate(inout vec4 origin, inout vec4 direction) {
     vec3 mirrored = direction.xyz;
     reflectWave(object, t, projected, mirrored);
 #if !EXACT_NORMALS
-    mirrored = normalize(reflect(direction.xyz, differenceNormal(hit)));
+    vec3 gradient = differenceGradient(hit);
+    if (!(dot(gradient, gradient) > 0.0)) {
+        origin = vec4(hit, STATUS_DEAD);
+        direction.w = counters;
+        return;
+    }
+    mirrored = normalize(reflect(direction.xyz, normalize(gradient)));
 #endif
 #if LANDING
     hit = projected;

@@ -3,7 +3,8 @@
 // Kept on purpose: the start offset that is not stored; hits up to the minimum distance
 // short of the surface; normals from differences of the whole scene's distance; waves
 // that are dead are marched again from the origin with direction 0. Departures: the
-// march has a step limit, and counters ride in the direction's last component.
+// march has a step limit, counters ride in the direction's last component, and a wave dies
+// where all differences are 0: normalize(0) is what each driver makes of it.
 
 uniform float uMinDistance;   // a surface counts as met below this distance, metres
 uniform float uMaxDistance;   // a wave counts as dead beyond this, metres
@@ -46,15 +47,16 @@ float traceWave(vec3 origin, vec3 direction, out float object, out bool limitRea
     return -1.0;
 }
 
-// Hart 1996: the gradient by central differences, independent of the surface.
-vec3 traceNormal(vec3 p) {
+// Hart 1996: the gradient by central differences, independent of the surface; 0 where there is no
+// normal.
+vec3 traceGradient(vec3 p) {
     vec2 e = vec2(uNormalStep, 0.0);
     float object;
     COUNT_EVALUATIONS(6.0);
-    return normalize(vec3(
+    return vec3(
         distanceFunction(p + e.xyy, object) - distanceFunction(p - e.xyy, object),
         distanceFunction(p + e.yxy, object) - distanceFunction(p - e.yxy, object),
-        distanceFunction(p + e.yyx, object) - distanceFunction(p - e.yyx, object)));
+        distanceFunction(p + e.yyx, object) - distanceFunction(p - e.yyx, object));
 }
 
 // Figure 8.
@@ -65,9 +67,13 @@ void iterate(inout vec4 origin, inout vec4 direction) {
     float t = traceWave(origin.xyz + offset, direction.xyz, object, limitReached);
     vec3 hit = origin.xyz + t * direction.xyz;
     float counters = countPass(direction.w, t == 0.0, limitReached);
-    if (t >= 0.0) {
+    vec3 gradient = t >= 0.0 ? traceGradient(hit) : vec3(0.0);
+    bool hasNormal = dot(gradient, gradient) > 0.0;
+    // At the listener no normal is needed.
+    if (hasNormal || (t >= 0.0 && reachedListener(object))) {
+        vec3 mirrored = hasNormal ? reflect(direction.xyz, normalize(gradient)) : direction.xyz;
         origin = vec4(hit, object);
-        direction = vec4(reflect(direction.xyz, traceNormal(hit)), counters);
+        direction = vec4(mirrored, counters);
     } else {
         origin = vec4(0.0, 0.0, 0.0, STATUS_DEAD);
         direction = vec4(0.0, 0.0, 0.0, counters);

@@ -9,6 +9,6 @@ layout(location = 0) out vec4 outContribution;   // left, right, status, counter
 void main() {
     ivec2 texel = ivec2(gl_FragCoord.xy);
     vec4 origin = texelFetch(uOrigins, texel, 0);
-    float counters = texelFetch(uDirections, texel, 0).w;
-    outContribution = contribution(origin, counters, uListener.xyz);
+    vec4 direction = texelFetch(uDirections, texel, 0);
+    outContribution = contribution(origin, direction, uListener.xyz);
 }

@@ -7,12 +7,22 @@
 
 uniform vec3 uListenerRight;   // unit vector out of the right ear
 
+// The status of a wave whose place or direction is no number: in contributions alone.
+const float STATUS_NOT_FINITE = -2.0;
+
+// Whether a wave's place and direction are numbers. Comparisons with NaN are false; a unit vector's
+// square is 1.
+bool isFinite(vec4 origin, vec3 direction) {
+    return dot(origin, origin) < 1e30 && dot(direction, direction) < 2.0;
+}
+
 // Left, right, status, counters. The listener's centre is in the march's coordinates.
-vec4 contribution(vec4 origin, float counters, vec3 listenerCentre) {
+vec4 contribution(vec4 origin, vec4 direction, vec3 listenerCentre) {
     vec3 offset = origin.xyz - listenerCentre;
     float distance = length(offset);
     // A source at the very centre of the listener arrives from nowhere: the middle.
     float side = distance > 0.0 ? clamp(dot(offset, uListenerRight) / distance, -1.0, 1.0) : 0.0;
     vec2 shares = reachedListener(origin.w) ? 0.5 + vec2(-0.5, 0.5) * side : vec2(0.0);
-    return vec4(shares, origin.w, counters);
+    vec4 told = vec4(shares, origin.w, direction.w);
+    return isFinite(origin, direction.xyz) ? told : vec4(0.0, 0.0, STATUS_NOT_FINITE, 0.0);
 }

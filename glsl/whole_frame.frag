@@ -15,5 +15,5 @@ void main() {
     startWave(wave, origin, direction);
     int iterations = wave < uWaveCount ? uIterationsInPass : 0;
     traceIterations(iterations, origin, direction);
-    outContribution = contribution(origin, direction.w, uListener.xyz);
+    outContribution = contribution(origin, direction, uListener.xyz);
 }

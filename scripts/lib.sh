@@ -31,6 +31,7 @@ readonly -a NEEDED_TO_TEST=(
     "command:Xvfb         xvfb              a display without a screen, for the window"
     "command:xdotool      xdotool           presses the window's keys"
     "command:python3      python3           writes the report of a renderer"
+    "icd:lvp              mesa-vulkan-drivers Vulkan in software, under OpenGL of another kind (zink)"
 )
 
 say() {
@@ -60,6 +61,15 @@ has_dri_driver() {
     return 1
 }
 
+# Whether Vulkan knows a driver of that name.
+has_vulkan_driver() {
+    local file
+    for file in /usr/share/vulkan/icd.d/"$1"_icd*.json; do
+        [[ -e "$file" ]] && return 0
+    done
+    return 1
+}
+
 # Whether the C library can be linked against: its start-up code is there.
 has_start_code() {
     local file
@@ -75,6 +85,7 @@ is_there() {
     file:*) [[ -e "${1#file:}" ]] ;;
     start:*) has_start_code "${1#start:}" ;;
     dri:*) has_dri_driver "${1#dri:}" ;;
+    icd:*) has_vulkan_driver "${1#icd:}" ;;
     *) has_library "$1" ;;
     esac
 }

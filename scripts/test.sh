@@ -38,6 +38,33 @@ check_package() {
     say "the package holds $(wc -l <<<"$list") files"
 }
 
+# Tests that draw, on another implementation of OpenGL: $1 is how its renderer's name begins, $2 the
+# variables that choose it, the rest what cargo test takes. Fails where another one answers.
+test_on() {
+    local renderer="$1" names
+    local -a with
+    read -ra with <<<"$2"
+    shift 2
+    names="$(env "${with[@]}" cargo test --locked --lib -- --nocapture gpu_context_describes_itself 2>&1)"
+    if ! grep -qF "gl: $renderer" <<<"$names"; then
+        complain "$names"
+        complain "not tested on $renderer: it is not what draws with ${with[*]}"
+        return 1
+    fi
+    say
+    say "tests on another renderer, $(grep -F "gl: $renderer" <<<"$names")"
+    run env "${with[@]}" cargo test --locked "$@"
+}
+
+# zink on lavapipe is OpenGL by way of Vulkan. softpipe is slow and takes the smallest tests.
+check_other_implementations() {
+    local zink="LIBGL_ALWAYS_SOFTWARE=1 MESA_LOADER_DRIVER_OVERRIDE=zink"
+    local softpipe="LIBGL_ALWAYS_SOFTWARE=1 GALLIUM_DRIVER=softpipe"
+    test_on zink "$zink" --lib -- gpu:: kernel:: trace::
+    test_on zink "$zink" --test surfaces --test tracer
+    test_on softpipe "$softpipe" --lib -- gpu:: kernel::tests::driver_functions
+}
+
 provide_packages "${NEEDED_TO_TEST[@]}"
 need_cargo fmt clippy
 
@@ -49,6 +76,7 @@ for features in picture experiment parquet cli demo audio; do
 done
 run scripts/public-api.sh
 run cargo test --locked
+check_other_implementations
 run check_package
 run cargo package --locked --allow-dirty --no-verify
 

@@ -5,14 +5,17 @@ vec3 nextCrossings(vec3 p, vec3 inverse, vec3 place) {
     return (uCellOrigin + (place + ahead) * uCellSize - p) * inverse;
 }
 
-// Where the line enters the grid and leaves it.
-vec2 throughGrid(vec3 p, vec3 inverse) {
+// Where the line enters the grid, at which it is then `over` its face, and where it leaves it.
+vec3 throughGrid(vec3 p, vec3 inverse, vec3 over) {
     vec3 a = (uCellOrigin - p) * inverse;
     vec3 b = (uCellOrigin + uCellCount * uCellSize - p) * inverse;
     vec3 enters = min(a, b);
     vec3 leaves = max(a, b);
-    return vec2(
+    // The face by which it enters is the one that it reaches last.
+    float beyond = enters.x >= enters.y && enters.x >= enters.z ? over.x : enters.y >= enters.z ? over.y : over.z;
+    return vec3(
         max(max(enters.x, max(enters.y, enters.z)), 0.0),
+        beyond,
         min(leaves.x, min(leaves.y, leaves.z)));
 }
 
@@ -29,13 +32,11 @@ bool cellAhead(vec3 p, vec3 d, out vec4 cell, out float reach, out float within)
     vec3 place;
     cell = vec4(0.0);
     if (!cellOf(p, place)) {
-        vec2 span = throughGrid(p, inverse);
-        // The face by which it enters is the one that it reaches last.
-        vec3 enters = min((uCellOrigin - p) * inverse, (uCellOrigin + uCellCount * uCellSize - p) * inverse);
-        float entered = span.x + (enters.x == span.x ? over.x : enters.y == span.x ? over.y : over.z);
-        bool isAhead = entered < span.y;
+        vec3 span = throughGrid(p, inverse, over);
+        float entered = span.x + span.y;
+        bool isAhead = entered < span.z;
         reach = isAhead ? entered : 1e30;
-        within = isAhead ? 2.0 * span.x - entered : 1e30;
+        within = isAhead ? span.x - span.y : 1e30;
         return false;
     }
     vec3 faces = nextCrossings(p, inverse, place);

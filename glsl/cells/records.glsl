@@ -28,14 +28,8 @@ GridLine gridLine(CELL_VECTOR p, CELL_VECTOR d, CELL_VECTOR inverse, CELL_VECTOR
     return line;
 }
 
-// The cell behind the faces that the line crosses next, at `next`.
-CELL_VECTOR nextCell(CELL_VECTOR place, GridLine line, CELL_VECTOR faces, float next) {
-    return place + mix(CELL_VECTOR(0.0), line.onward, lessThanEqual(faces, CELL_VECTOR(next)));
+// The cell behind the face that the line crosses next. One axis goes on in every turn, whatever a
+// driver's rounding says of faces that are as near.
+CELL_VECTOR nextCell(CELL_VECTOR place, GridLine line, CELL_VECTOR faces) {
+    return place + line.onward * atLeast(faces);
 }
-
-float least(float v) { return v; }
-float least(vec2 v) { return min(v.x, v.y); }
-float least(vec3 v) { return min(v.x, min(v.y, v.z)); }
-float greatest(float v) { return v; }
-float greatest(vec2 v) { return max(v.x, v.y); }
-float greatest(vec3 v) { return max(v.x, max(v.y, v.z)); }

@@ -12,7 +12,7 @@ uvec3 mixBits(uvec3 v) {
     return v;
 }
 
-// The upper 24 bits as a multiple of 2^-24 in [0, 1): exact in a float.
+// The upper 24 bits as a multiple of 2^-24 in [0, 1): exact in a float. (A division need not be.)
 float unitInterval(uint bits) {
-    return float(bits >> 8u) / 16777216.0;
+    return float(bits >> 8u) * 5.9604644775390625e-8;
 }

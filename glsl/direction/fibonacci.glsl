@@ -6,18 +6,17 @@
 // 16-millionth wave as for the first; in floats it would collapse onto few azimuths. The
 // turn is uniform over all rotations: each direction alone is uniform over the sphere.
 
-const float TWO_PI = 6.28318530718;
 const uint GOLDEN_RATIO = 2654435769u;   // 2^32 times 0.6180339887
 
 uniform vec4 uTurn;   // unit quaternion, imaginary part first
 
 vec3 startDirection(uint wave, uint seed) {
-    float angle = TWO_PI * (float((wave * GOLDEN_RATIO) >> 8u) / 16777216.0);
+    vec2 azimuth = cosineSineOfTurn(unitInterval(wave * GOLDEN_RATIO));
     // Counted from the nearer pole, so that the half in wave + 0.5 is never rounded away.
     uint rank = min(wave, uWaveCount - 1u - wave);
     float share = (float(rank) + 0.5) / float(uWaveCount);
     float ring = 2.0 * sqrt(share * (1.0 - share));
     float height = rank == wave ? 1.0 - 2.0 * share : 2.0 * share - 1.0;
-    vec3 direction = vec3(ring * cos(angle), height, ring * sin(angle));
+    vec3 direction = vec3(ring * azimuth.x, height, ring * azimuth.y);
     return normalize(turn(uTurn, direction));
 }

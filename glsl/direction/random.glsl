@@ -3,13 +3,12 @@
 // A counter-based hash (common/hash.glsl) gives each wave its own numbers without any state, so
 // that they depend on wave and seed alone.
 
-const float TWO_PI = 6.28318530718;
-
 // Archimedes: the height is uniform, and so is the angle about the axis.
 vec3 startDirection(uint wave, uint seed) {
     uvec3 bits = mixBits(uvec3(wave, seed, 0u));
-    float height = 1.0 - 2.0 * unitInterval(bits.x);
-    float angle = TWO_PI * unitInterval(bits.y);
-    float ring = sqrt(max(0.0, 1.0 - height * height));
-    return vec3(ring * cos(angle), height, ring * sin(angle));
+    float share = unitInterval(bits.x);
+    vec2 azimuth = cosineSineOfTurn(unitInterval(bits.y));
+    // The root of 1 - height^2, which would lose digits next to the poles.
+    float ring = 2.0 * sqrt(share * (1.0 - share));
+    return normalize(vec3(ring * azimuth.x, 1.0 - 2.0 * share, ring * azimuth.y));
 }

@@ -4,19 +4,17 @@ vec3 bend(vec3 p, float rate, float most, out float beyond) {
     float radius = length(p.xy);
     beyond = max(radius - most, 0.0);
     vec2 held = beyond > 0.0 ? p.xy * (most / radius) : p.xy;
-    float s = sin(rate * held.x);
-    float c = cos(rate * held.x);
-    return vec3(c * held.x + s * held.y, c * held.y - s * held.x, p.z);
+    vec2 turn = cosineSine(rate * held.x);
+    return vec3(turn.x * held.x + turn.y * held.y, turn.x * held.y - turn.y * held.x, p.z);
 }
 
 // The gradient in the outer axes, from that at the turned point q.
 vec4 unbend(vec4 g, vec3 p, vec3 q, float rate, float beyond, float lipschitz) {
     float radius = length(p.xy);
     float kept = beyond > 0.0 ? 1.0 - beyond / radius : 1.0;
-    float s = sin(rate * p.x * kept);
-    float c = cos(rate * p.x * kept);
+    vec2 turn = cosineSine(rate * p.x * kept);
     float turning = rate * (q.y * g.x - q.x * g.y);
-    vec4 held = vec4(c * g.x - s * g.y + turning, s * g.x + c * g.y, g.z, g.w);
+    vec4 held = vec4(turn.x * g.x - turn.y * g.y + turning, turn.y * g.x + turn.x * g.y, g.z, g.w);
     if (beyond > 0.0) {
         // What is held changes around the axis and along it, not away from it.
         vec2 outward = p.xy / radius;

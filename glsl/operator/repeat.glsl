@@ -25,15 +25,15 @@ vec4 gdRepeatCap(vec3 p, vec3 halfSize, float near, float inverse) {
         return vec4(0.0, 0.0, 0.0, near);
     }
     vec3 side = vec3(p.x < 0.0 ? -1.0 : 1.0, p.y < 0.0 ? -1.0 : 1.0, p.z < 0.0 ? -1.0 : 1.0);
-    vec3 axis = most == beyond.x ? vec3(1.0, 0.0, 0.0)
-        : most == beyond.y ? vec3(0.0, 1.0, 0.0) : vec3(0.0, 0.0, 1.0);
+    vec3 axis = beyond.x >= beyond.y && beyond.x >= beyond.z ? vec3(1.0, 0.0, 0.0)
+        : beyond.y >= beyond.z ? vec3(0.0, 1.0, 0.0) : vec3(0.0, 0.0, 1.0);
     return inverse * vec4(side * axis, most);
 }
 
 // How far a coordinate q goes on in the cell of its copy; the first and the last have no end.
 float copyReach(float q, float d, float period, float first, float last) {
     float own = clamp(floor(q / period + 0.5), first, last);
-    if (d == 0.0 || (d > 0.0 ? own == last : own == first)) {
+    if (d == 0.0 || (d > 0.0 ? own >= last : own <= first)) {
         return NO_END;
     }
     return max(((own + (d > 0.0 ? 0.5 : -0.5)) * period - q) / d, 0.0);
@@ -115,7 +115,9 @@ bool comesIntoBox(inout CopyTraversal traversal, float limit) {
     traversal.ended = traversal.at >= limit || any(greaterThan(traversal.copy, traversal.last));
     float way = max(traversal.at, leave);
     vec3 next = max(traversal.copy + 1.0, copiesAhead(traversal, way));
-    bvec3 left = lessThanEqual(leaves, vec3(way));
+    // One axis goes on at the least, whatever a driver's rounding makes of the comparison.
+    bvec3 first = greaterThan(atLeast(leaves), vec3(0.0));
+    bvec3 left = bvec3(first.x || leaves.x <= way, first.y || leaves.y <= way, first.z || leaves.z <= way);
     traversal.copy = vec3(left.x ? next.x : traversal.copy.x, left.y ? next.y : traversal.copy.y, left.z ? next.z : traversal.copy.z);
     return traversal.at <= leave && !traversal.ended;
 }

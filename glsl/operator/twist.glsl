@@ -4,17 +4,15 @@ vec3 twist(vec3 p, float rate, float most, out float beyond) {
     float radius = length(p.xz);
     beyond = max(radius - most, 0.0);
     vec2 held = beyond > 0.0 ? p.xz * (most / radius) : p.xz;
-    float s = sin(rate * p.y);
-    float c = cos(rate * p.y);
-    return vec3(c * held.x - s * held.y, p.y, s * held.x + c * held.y);
+    vec2 turn = cosineSine(rate * p.y);
+    return vec3(turn.x * held.x - turn.y * held.y, p.y, turn.y * held.x + turn.x * held.y);
 }
 
 // The gradient in the outer axes, from that at the turned point q.
 vec4 untwist(vec4 g, vec3 p, vec3 q, float rate, float beyond, float lipschitz) {
-    float s = sin(rate * p.y);
-    float c = cos(rate * p.y);
+    vec2 turn = cosineSine(rate * p.y);
     float turning = rate * (q.x * g.z - q.z * g.x);
-    vec4 held = vec4(c * g.x + s * g.z, g.y + turning, c * g.z - s * g.x, g.w);
+    vec4 held = vec4(turn.x * g.x + turn.y * g.z, g.y + turning, turn.x * g.z - turn.y * g.x, g.w);
     if (beyond > 0.0) {
         // What is held changes around the axis and along it, not away from it.
         float radius = length(p.xz);

@@ -14,7 +14,7 @@ vec3 triangleDistance(vec2 p, vec2 a, vec2 b, vec2 c) {
     vec2 outCa = normalize(vec2(a.y - c.y, c.x - a.x));
     vec3 beyond = vec3(dot(outAb, p - a), dot(outBc, p - b), dot(outCa, p - c));
     float most = max(beyond.x, max(beyond.y, beyond.z));
-    vec2 face = most == beyond.x ? outAb : most == beyond.y ? outBc : outCa;
+    vec2 face = beyond.x >= beyond.y && beyond.x >= beyond.z ? outAb : beyond.y >= beyond.z ? outBc : outCa;
     if (most <= 0.0) {
         return vec3(face, most);
     }

@@ -28,11 +28,10 @@ vec3 gradientRoomDirected(vec3 p, vec3 d, vec3 halfSize) {
 vec4 gdRoom(vec3 p, vec3 halfSize) {
     vec3 side = vec3(p.x < 0.0 ? 1.0 : -1.0, p.y < 0.0 ? 1.0 : -1.0, p.z < 0.0 ? 1.0 : -1.0);
     vec3 within = halfSize - abs(p);
-    float least = min(within.x, min(within.y, within.z));
-    if (least == within.x) {
-        return vec4(side.x, 0.0, 0.0, least);
+    if (within.x <= within.y && within.x <= within.z) {
+        return vec4(side.x, 0.0, 0.0, within.x);
     }
-    return least == within.y ? vec4(0.0, side.y, 0.0, least) : vec4(0.0, 0.0, side.z, least);
+    return within.y <= within.z ? vec4(0.0, side.y, 0.0, within.y) : vec4(0.0, 0.0, side.z, within.z);
 }
 
 // Where a ray intersects the walls of a box from its inside: the nearest of the three walls

@@ -13,9 +13,13 @@ vec3 quotientsOfUser0(vec3 p, float h, vec3 halfSize, float inverseLipschitz) {
         growthOfUser0(q, e.xyy, halfSize), growthOfUser0(q, e.yxy, halfSize), growthOfUser0(q, e.yyx, halfSize));
 }
 
-// The power of 2 next to the largest coordinate: what the text's own rounding goes by.
+// The power of 2 next to the largest coordinate: what the text's own rounding goes by. Cut out of
+// the bits, since GLSL's exp2 need not give a power of 2.
 float scaleOfUser0(vec3 p, vec3 halfSize) {
-    return exp2(floor(0.5 + log2(max(largest(p), 9.765625e-4 * largest(halfSize)))));
+    const float ROOT_OF_2 = 1.41421356237;
+    const uint EXPONENT = 0x7f800000u;
+    float size = max(largest(p), 9.765625e-4 * largest(halfSize));
+    return uintBitsToFloat(floatBitsToUint(ROOT_OF_2 * size) & EXPONENT);
 }
 
 // Its gradient and value for a march: right next to edges, and to some 1e-4.

@@ -82,6 +82,12 @@ impl Common {
         }
         let loaded = arguments.scene.load().map_err(Error::from)?;
         let scene = loaded.at(seconds);
+        if loaded.duration() == 0.0 && scene == loaded {
+            let name = &scene.name;
+            self.note(&format!(
+                "warning: {name}: nothing moves, --time changes nothing"
+            ));
+        }
         let possible = scene.validate().map_err(|refused| refused.at(seconds));
         possible.map_err(Error::from)?;
         Ok(self.told(scene))

@@ -73,6 +73,7 @@ struct Report<'a> {
     listener_hits: u64,
     dead: u64,
     travelling: u64,
+    not_finite: u64,
     zero_length_passes: u64,
     step_limit_reached: u64,
     left: f64,
@@ -176,6 +177,12 @@ fn trace(
             step_limits(scene, settings)
         ));
     }
+    if frame.counts.not_finite > 0 {
+        let waves = frame.counts.not_finite;
+        common.note(&format!(
+            "warning: the place or the direction of {waves} waves is no number; they are left out"
+        ));
+    }
     let levels = match arguments.levels {
         true => Some(levels::heard(tracer, scene, settings)?),
         false => None,
@@ -247,6 +254,7 @@ fn report<'a>(
         listener_hits: frame.counts.listener_hits,
         dead: frame.counts.dead,
         travelling: frame.counts.travelling,
+        not_finite: frame.counts.not_finite,
         zero_length_passes: frame.counts.zero_length_passes,
         step_limit_reached: frame.counts.step_limit_reached,
         left: frame.panning.left,

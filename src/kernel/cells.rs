@@ -143,6 +143,12 @@ impl Cells {
         longest
     }
 
+    /// Records that a line passes at the most: of each cell that it crosses its own, and those of its list.
+    pub fn records_on_line(&self, which: Lists) -> u64 {
+        let crossed = u64::from(self.grid.count.element_sum());
+        crossed * (1 + self.longest(which) as u64)
+    }
+
     /// Makes the lists that are only made when they are asked for.
     pub fn prepare(&mut self, which: Lists) {
         if which == Lists::NearestCandidates && self.near.is_none() {

@@ -50,7 +50,7 @@ pub struct CellData {
     pub group_count: i32,
     /// The grids of the kinds that have cells of their own, [`GRID_VECTORS`] each: origin and
     /// index of the first record; size of a cell and number of the last one; corners of what
-    /// holds all surfaces; what each axis adds to a cell's number.
+    /// holds all surfaces; what each axis adds to a cell's number, and the records on a line at the most.
     pub grids: Vec<Vec4>,
 }
 
@@ -162,7 +162,9 @@ impl Writer<'_> {
             grid.cell.as_vec3().extend((grid.cells() - 1) as f32),
             (low - spare).extend(0.0),
             (high + spare).extend(0.0),
-            strides.as_vec3().extend(0.0),
+            strides
+                .as_vec3()
+                .extend(cells.records_on_line(Lists::Lines) as f32),
         ]
     }
 

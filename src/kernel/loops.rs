@@ -91,11 +91,7 @@ pub fn loops(scene: &Scene, cells: Option<&SceneCells>, lists: Lists) -> Loops {
     let kind_hits = cells
         .map_or(&[][..], SceneCells::kinds)
         .iter()
-        .map(|(kind, cells)| {
-            let across = u64::from(cells.grid().count.element_sum());
-            let records = 1 + cells.longest(lists) as u64;
-            across * records * (1 + hit(&text.instanced[*kind]))
-        });
+        .map(|(kind, cells)| cells.records_on_line(lists) * (1 + hit(&text.instanced[*kind])));
     Loops {
         distance: unrolled_values + listed(kind_values).max(outside),
         directed: in_list,

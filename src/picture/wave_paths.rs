@@ -66,7 +66,10 @@ fn follow(plan: &Plan, source: Vec3, states: &[Vec<Wave>], wave: usize) -> Line 
             last.1 = state.start_direction;
             continue;
         }
-        line.fate = state.fate();
+        line.fate = match state.fate() {
+            Fate::NotFinite => Fate::Dead,
+            fate => fate,
+        };
         if line.fate == Fate::Dead {
             line.stub = Some(last);
             break;

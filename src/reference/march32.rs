@@ -14,8 +14,8 @@ use crate::scene::{Nearest, Scene};
 use crate::trace::{
     Algorithm, STATUS_DEAD, STATUS_LISTENER, STATUS_STARTED, Settings, ThesisOptions,
 };
-use glam::{UVec3, Vec3};
-use std::f32::consts::TAU;
+use glam::{DVec3, UVec3, Vec3};
+use std::f64::consts::TAU;
 
 /// A wave followed through all iterations.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,14 +36,14 @@ pub struct MarchedWave {
     pub margin: f32,
 }
 
-/// The direction in which a wave starts: `glsl/direction/random.glsl` on the CPU.
+/// The direction in which a wave starts: `glsl/direction/random.glsl` on the CPU, in `f64`.
 pub fn start_direction(wave: u32, seed: u32) -> Vec3 {
     let bits = mix_bits(UVec3::new(wave, seed, 0));
-    let unit_interval = |bits: u32| (bits >> 8) as f32 / 16_777_216.0;
+    let unit_interval = |bits: u32| f64::from(bits >> 8) / 16_777_216.0;
     let height = 1.0 - 2.0 * unit_interval(bits.x);
     let angle = TAU * unit_interval(bits.y);
     let ring = (1.0 - height * height).max(0.0).sqrt();
-    Vec3::new(ring * angle.cos(), height, ring * angle.sin())
+    DVec3::new(ring * angle.cos(), height, ring * angle.sin()).as_vec3()
 }
 
 /// What all waves share.
@@ -95,16 +95,17 @@ impl March<'_> {
         wave.margin = wave.margin.min(flight.margin);
         let Some((t, object)) = flight.hit else {
             wave.step_limit_reached += u32::from(flight.gave_up);
-            wave.position = Vec3::ZERO;
-            wave.direction = Vec3::ZERO;
-            wave.status = STATUS_DEAD;
+            die(wave);
             return;
         };
         wave.zero_length_passes += u32::from(t == 0.0);
         wave.position += t * wave.direction;
         wave.status = object as f32;
-        let normal = difference_normal(self.scene, wave.position, self.options.normal_step);
-        wave.direction -= normal * (2.0 * normal.dot(wave.direction));
+        match difference_normal(self.scene, wave.position, self.options.normal_step) {
+            Some(normal) => wave.direction -= normal * (2.0 * normal.dot(wave.direction)),
+            None if wave.status == STATUS_LISTENER => (),
+            None => die(wave),
+        }
     }
 
     /// Figure 9.
@@ -155,13 +156,21 @@ fn tie_margin(scene: &Scene, point: Vec3) -> f32 {
     distances[1] - distances[0]
 }
 
-fn difference_normal(scene: &Scene, point: Vec3, step: f32) -> Vec3 {
+/// A dead wave is at the origin, and heads nowhere.
+fn die(wave: &mut MarchedWave) {
+    wave.position = Vec3::ZERO;
+    wave.direction = Vec3::ZERO;
+    wave.status = STATUS_DEAD;
+}
+
+/// None where all differences are 0.
+fn difference_normal(scene: &Scene, point: Vec3, step: f32) -> Option<Vec3> {
     let slope = |axis: Vec3| {
         let ahead = distance32::distance(scene, point + axis * step).distance;
         let behind = distance32::distance(scene, point - axis * step).distance;
         ahead - behind
     };
-    Vec3::new(slope(Vec3::X), slope(Vec3::Y), slope(Vec3::Z)).normalize()
+    Vec3::new(slope(Vec3::X), slope(Vec3::Y), slope(Vec3::Z)).try_normalize()
 }
 
 fn mix_bits(v: UVec3) -> UVec3 {

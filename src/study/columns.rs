@@ -165,6 +165,7 @@ impl Kept {
                 "listener_hits",
                 "dead",
                 "travelling",
+                "not_finite",
                 "zero_length_passes",
                 "step_limit_reached",
             ];

@@ -81,6 +81,7 @@ impl<'a> Worker<'a> {
                         counts.listener_hits,
                         counts.dead,
                         counts.travelling,
+                        counts.not_finite,
                         counts.zero_length_passes,
                         counts.step_limit_reached,
                     ]

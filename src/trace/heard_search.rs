@@ -46,7 +46,7 @@ impl HeardSearch {
         for wave in waves {
             let (kept, most) = match wave.fate() {
                 Fate::Listener => (&mut self.heard, most.heard),
-                Fate::Dead | Fate::Travelling => (&mut self.others, most.others),
+                Fate::Dead | Fate::Travelling | Fate::NotFinite => (&mut self.others, most.others),
             };
             if kept.len() < most {
                 kept.push(wave.start_direction);

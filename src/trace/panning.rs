@@ -48,6 +48,9 @@ pub struct Counts {
     pub dead: u64,
     /// Waves that are neither heard nor dead after the last iteration.
     pub travelling: u64,
+    /// Waves whose place or direction is no number, as a shader or a driver that is wrong leaves
+    /// them. They are heard nowhere and count as nothing else.
+    pub not_finite: u64,
     /// Marches (a wave in an iteration) that ended at distance 0.
     pub zero_length_passes: u64,
     /// Marches that reached the step limit.
@@ -90,6 +93,7 @@ pub(super) fn sum(contributions: &[f32], are_evaluations: bool) -> (Panning, Cou
             }
             Fate::Dead => counts.dead += 1,
             Fate::Travelling => counts.travelling += 1,
+            Fate::NotFinite => counts.not_finite += 1,
         }
         if counters != 0.0 {
             counts.add_counters(counters, are_evaluations);

@@ -86,9 +86,11 @@ pub(super) fn totals(
     let mut counts = Counts {
         listener_hits: heard[2] as u64,
         dead: heard[3] as u64,
+        not_finite: passes[3] as u64,
         ..Counts::default()
     };
-    counts.travelling = u64::from(grid.waves) - counts.listener_hits - counts.dead;
+    let ended = counts.listener_hits + counts.dead + counts.not_finite;
+    counts.travelling = u64::from(grid.waves) - ended;
     if are_evaluations {
         counts.evaluations = passes[2] as u64;
     } else {

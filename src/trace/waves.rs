@@ -47,6 +47,8 @@ pub enum Fate {
     Listener,
     /// It is neither heard nor dead after the last iteration.
     Travelling,
+    /// Its place or direction is no number: something went wrong, and it is heard nowhere.
+    NotFinite,
 }
 
 impl Fate {
@@ -54,6 +56,7 @@ impl Fate {
     pub(crate) fn of(status: f32) -> Fate {
         match status {
             s if s > -0.1 && s < 0.1 => Fate::Listener,
+            s if s.is_nan() || s < -1.5 => Fate::NotFinite,
             s if s < 0.0 => Fate::Dead,
             _ => Fate::Travelling,
         }
@@ -84,7 +87,10 @@ pub struct Wave {
 impl Wave {
     /// What became of it.
     pub fn fate(&self) -> Fate {
-        Fate::of(self.status)
+        match self.position.is_finite() && self.direction.is_finite() {
+            true => Fate::of(self.status),
+            false => Fate::NotFinite,
+        }
     }
 }
 

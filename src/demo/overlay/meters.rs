@@ -60,7 +60,9 @@ fn meter(ui: &mut Ui, level: f32) {
 /// The waves by fate, and the latency by part.
 pub fn heard(ui: &mut Ui, hud: &HudState) {
     let counts = hud.heard.map(|heard| &heard.counts);
-    let all = counts.map_or(0, |c| c.listener_hits + c.dead + c.travelling);
+    let all = counts.map_or(0, |c| {
+        c.listener_hits + c.dead + c.travelling + c.not_finite
+    });
     let of = |count: Option<u64>| match count {
         None => "–".to_owned(),
         Some(count) => {
@@ -93,6 +95,7 @@ pub fn heard(ui: &mut Ui, hud: &HudState) {
             counts.map(|c| c.zero_length_passes),
         ),
         ("step limit reached", counts.map(|c| c.step_limit_reached)),
+        ("not finite", counts.map(|c| c.not_finite)),
     ] {
         let text = count.map_or("–".to_owned(), |count| count.to_string());
         style::row(ui, name, text);

@@ -211,7 +211,7 @@ fn follow(states: &[Vec<Wave>], wave: usize, source: Vec3, stub: f32) -> (Fate, 
     for waves in &states[1..] {
         let state = &waves[wave];
         match state.fate() {
-            Fate::Dead => {
+            Fate::Dead | Fate::NotFinite => {
                 let last = points[points.len() - 1];
                 points.push(last + stub * heading);
                 return (Fate::Dead, points);

@@ -64,6 +64,7 @@ fn laid_out(
             listener_hits: count,
             dead: count,
             travelling: count,
+            not_finite: 0,
             zero_length_passes: count,
             step_limit_reached: count,
             evaluations: count,

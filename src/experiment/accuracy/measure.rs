@@ -68,7 +68,8 @@ fn status(wave: &Wave) -> i32 {
     match wave.fate() {
         Fate::Listener => 0,
         Fate::Dead => -1,
-        Fate::Travelling => wave.status.round() as i32,
+        // Counted as such besides.
+        Fate::Travelling | Fate::NotFinite => wave.status.round() as i32,
     }
 }
 

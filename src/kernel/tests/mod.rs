@@ -1,6 +1,7 @@
 //! The texts of scenes, and the shaders against the CPU.
 
 mod distance_functions;
+mod driver_functions;
 mod field_shaders;
 
 use super::text::{ListenerText, Part, closed_form_parts, directed_parts};

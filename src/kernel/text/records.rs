@@ -65,6 +65,7 @@ fn closest_of_kind(named: &Named, kind: usize, grid: usize) -> String {
          vec4 origin = uGrids[{grid}];\n    \
          vec4 size = uGrids[{}];\n    \
          CELL_VECTOR strides = uGrids[{}].CELL_AXES;\n    \
+         int turns = int(uGrids[{}].w);   // no line has as many\n    \
          int first = int(origin.w);\n    \
          int most = int(size.w);\n    \
          vec3 inverse = safeInverse(d);\n    \
@@ -76,7 +77,7 @@ fn closest_of_kind(named: &Named, kind: usize, grid: usize) -> String {
          float known = min(nearest, line.leaves);\n    \
          float end = known;\n    \
          int listed = 0;   // the next record of a cell's list, or 0\n    \
-         while (t < end) {{\n        \
+         for (; turns > 0 && t < end; --turns) {{\n        \
          int at = listed > 0 ? listed : first + {vectors} * clamp(int(dot(place, strides)), 0, most);\n        \
          float tag = sceneData(at).{tag};\n        \
          float number = abs(tag);\n        \
@@ -89,12 +90,13 @@ fn closest_of_kind(named: &Named, kind: usize, grid: usize) -> String {
          CELL_VECTOR faces = (place + line.ahead) * line.between + line.offset;\n        \
          float next = least(faces);\n        \
          t = listed > 0 ? t : next;\n        \
-         place = listed > 0 ? place : nextCell(place, line, faces, next);\n    \
+         place = listed > 0 ? place : nextCell(place, line, faces);\n    \
          }}\n    \
          nearest = end < known ? end : nearest;\n\
          }}\n\n",
         named.label,
         grid + 1,
+        grid + 4,
         grid + 4,
         grid + 2,
         grid + 3,

@@ -7,9 +7,10 @@
 use crate::experiment::median;
 use crate::gpu::{Api, Context};
 use crate::reference::march32::{self, MarchedWave};
+use crate::scene::shape::Room;
 use crate::test_common::{builtin, context, for_each_api, thesis};
 use crate::trace::{Fate, ThesisOptions, Wave};
-use crate::{Frame, Scene, Settings, Tracer};
+use crate::{Frame, Node, Scene, Settings, Surface, Tracer};
 use glam::Vec3;
 
 const WAVES: u32 = 65_536;
@@ -168,8 +169,8 @@ fn a_margin_tells_which_waves_a_nudge_parts() {
     assert!(4 * parted > close, "{parted} of {close}");
 }
 
-/// Protects the start directions: those of the CPU twin, and unit vectors. Sine, cosine and a
-/// root are multiplied; each may be some units in the last place off, 1.2e-7 of 1.
+/// Protects the start directions: those of the CPU twin, and unit vectors. Sine, cosine, a root and
+/// the normalising are multiplied; each may be some units in the last place off, 1.2e-7 of 1.
 #[test]
 fn start_directions_are_those_of_the_cpu() {
     let few_ulps = 4.0 * f32::EPSILON;
@@ -185,6 +186,34 @@ fn start_directions_are_those_of_the_cpu() {
                 assert!((length - 1.0).abs() <= few_ulps, "wave {number}: {length}");
             }
         }
+    });
+}
+
+/// Protects `thesis` from what a driver makes of `normalize(0)`: in the middle of a room smaller than the minimum
+/// distance all differences are 0, and waves that have no normal there die. A listener there is reached all the same.
+#[test]
+fn waves_without_a_normal_die() {
+    let room = Surface::new(Node::Room(Room {
+        size: Vec3::splat(0.0625),
+    }));
+    let mut scene = Scene {
+        surfaces: vec![room],
+        ..builtin("corner")
+    };
+    scene.source.position = Vec3::ZERO;
+    scene.listener.position = Vec3::new(5.0, 0.0, 0.0);
+    let options = ThesisOptions::default().with_start_offset(0.0);
+    let settings = Settings::new(options).with_waves(64).with_iterations(1);
+    for_each_api(|context| {
+        let (frame, pairs) = trace_both(context, &scene, &settings);
+        let counts = frame.counts;
+        assert_eq!((counts.dead, counts.not_finite), (64, 0));
+        assert!(pairs.iter().all(Pair::is_same));
+        let mut heard = scene.clone();
+        heard.listener.position = Vec3::ZERO;
+        let (frame, pairs) = trace_both(context, &heard, &settings);
+        assert_eq!(frame.counts.listener_hits, 64);
+        assert!(pairs.iter().all(Pair::is_same));
     });
 }
 
@@ -253,7 +282,7 @@ fn every_wave_is_counted_once() {
         for waves in [1, 2, 3, 64, 1000, 1023, 65_537] {
             let (frame, ends) = trace(context, &scene, &thesis(waves, 8));
             let counts = frame.counts;
-            let sum = counts.listener_hits + counts.dead + counts.travelling;
+            let sum = counts.listener_hits + counts.dead + counts.travelling + counts.not_finite;
             assert_eq!(sum, u64::from(waves), "{counts:?}");
             assert_eq!(ends.len(), waves as usize);
             let of = |fate| ends.iter().filter(|w| w.fate() == fate).count() as u64;
