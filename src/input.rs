@@ -5,6 +5,7 @@
 //! device has no end, and a file may be larger than the memory: all are refused before a byte
 //! is taken in.
 
+use crate::platform;
 use std::collections::BTreeSet;
 use std::fs::{File, FileType, OpenOptions};
 use std::io::{self, Read};
@@ -15,6 +16,9 @@ use std::sync::{Mutex, PoisonError};
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum InputError {
+    /// The program runs where there are no files: in a browser.
+    #[error("there are no files in a browser")]
+    NoFiles,
     /// The system refuses it, or it is no text where it must be.
     #[error(transparent)]
     Io(#[from] io::Error),
@@ -48,6 +52,9 @@ impl InputFile {
     /// # Errors
     /// [`InputError`].
     pub fn open(path: &Path, limit_bytes: u64) -> Result<InputFile, InputError> {
+        if !platform::HAS_FILES {
+            return Err(InputError::NoFiles);
+        }
         // Before it is opened: that alone makes some devices act.
         check_regular(std::fs::metadata(path)?.file_type())?;
         let file = options().open(path)?;

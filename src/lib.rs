@@ -91,6 +91,7 @@ mod input;
 mod kernel;
 pub mod offline;
 mod output;
+mod platform;
 #[cfg(feature = "picture")]
 pub mod picture;
 pub mod reference;

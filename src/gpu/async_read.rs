@@ -5,6 +5,7 @@ use std::ops::ControlFlow;
 use glow::{HasContext, PixelPackData};
 
 use super::{Context, GpuError, RenderTarget, bytes};
+use crate::platform;
 
 /// Longest wait in one call, in nanoseconds; what is not there then is asked for again, and the driver whether it has
 /// lost the context.
@@ -123,7 +124,11 @@ impl AsyncRead {
         if self.pending.is_none() {
             return Ok(None);
         }
-        let floats = until_there(|| self.wait_for(WAIT_NANOSECONDS))?;
+        let floats = if platform::CAN_WAIT_FOR_GL {
+            until_there(|| self.wait_for(WAIT_NANOSECONDS))?
+        } else {
+            self.floats_begun()
+        };
         self.take(floats, read).map(Some)
     }
 
@@ -133,6 +138,13 @@ impl AsyncRead {
             // SAFETY: the context is current, and the fence its own and not used again.
             unsafe { self.context.gl().delete_sync(pending.fence) };
         }
+    }
+
+    /// The number of floats asked for, where reading them is the only way to wait for them.
+    fn floats_begun(&mut self) -> usize {
+        let floats = self.pending.as_ref().map_or(0, |pending| pending.floats);
+        self.cancel();
+        floats
     }
 
     /// The number of floats that have come; `Continue` where there are none yet.
@@ -171,8 +183,31 @@ impl AsyncRead {
         }
     }
 
-    /// Lets `read` see the texels where GL has mapped them: a copy of a large texture would take as long as its sum.
+    /// Lets `read` see the texels.
     fn take<T>(&self, floats: usize, read: impl FnOnce(&[f32]) -> T) -> Result<T, GpuError> {
+        if platform::CAN_MAP_BUFFERS {
+            self.take_mapped(floats, read)
+        } else {
+            self.take_copied(floats, read)
+        }
+    }
+
+    fn take_copied<T>(&self, floats: usize, read: impl FnOnce(&[f32]) -> T) -> Result<T, GpuError> {
+        let mut copied = vec![0.0; floats];
+        let gl = self.context.gl();
+        // SAFETY: the context is current and the buffer its own; it holds as many bytes as are asked for.
+        unsafe {
+            gl.bind_buffer(glow::PIXEL_PACK_BUFFER, Some(self.buffer));
+            let bytes = bytes::of_floats_mut(&mut copied);
+            gl.get_buffer_sub_data(glow::PIXEL_PACK_BUFFER, 0, bytes);
+            gl.bind_buffer(glow::PIXEL_PACK_BUFFER, None);
+        }
+        self.context.check("the copy of a pixel buffer")?;
+        Ok(read(&copied))
+    }
+
+    /// Lets `read` see the texels where GL has mapped them: a copy of a large texture would take as long as its sum.
+    fn take_mapped<T>(&self, floats: usize, read: impl FnOnce(&[f32]) -> T) -> Result<T, GpuError> {
         let length = floats * size_of::<f32>();
         let gl = self.context.gl();
         // SAFETY: the context is current and the buffer its own; GL maps as many bytes as were asked for, or answers

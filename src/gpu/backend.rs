@@ -14,10 +14,16 @@ pub(super) trait Backend {
     fn make_current(&self) -> Result<(), String>;
 
     /// Whether the library says that calls on this thread go to this context: others may have made theirs current.
+    #[cfg_attr(target_arch = "wasm32", expect(dead_code))]
     fn is_current(&self) -> bool;
 
     /// Makes no context current on this thread. The context is the current one.
     fn release(&self);
+
+    /// The parameter that holds the driver's name for the device.
+    fn renderer_parameter(&self, _gl: &glow::Context) -> u32 {
+        glow::RENDERER
+    }
 
     /// Address of a GL function, null where the library has none of that name.
     fn proc_address(&self, name: &CStr) -> *const c_void;

@@ -1,7 +1,9 @@
 //! A GL context without a window.
 
+#[cfg(not(target_arch = "wasm32"))]
 use std::ffi::CString;
 use std::fmt;
+#[cfg(not(target_arch = "wasm32"))]
 use std::ptr;
 use std::rc::Rc;
 use std::sync::OnceLock;
@@ -9,8 +11,10 @@ use std::sync::OnceLock;
 use glow::HasContext;
 
 use super::backend::Backend;
+#[cfg(not(target_arch = "wasm32"))]
 use super::egl::{self, Egl};
 use super::error::code_name;
+#[cfg(not(target_arch = "wasm32"))]
 use super::osmesa::OsMesa;
 use super::{Api, GpuError, current};
 
@@ -105,6 +109,7 @@ impl Context {
     ///
     /// # Errors
     /// A library, a device, a context or an extension that is not there.
+    #[cfg(not(target_arch = "wasm32"))]
     pub fn headless(options: &ContextOptions) -> Result<Context, GpuError> {
         if options.api == Api::OsMesa {
             return match options.gpu {
@@ -153,12 +158,23 @@ impl Context {
     }
 
     /// Takes over a context that a library made, and leaves it current.
+    #[cfg(not(target_arch = "wasm32"))]
     pub(super) fn from_backend(backend: Rc<dyn Backend>, api: Api) -> Result<Context, GpuError> {
+        Context::from_backend_with(backend, api, load)
+    }
+
+    /// The same with another way to GL's functions, which is called with the context current.
+    pub(super) fn from_backend_with(
+        backend: Rc<dyn Backend>,
+        api: Api,
+        load: impl FnOnce(&dyn Backend) -> glow::Context,
+    ) -> Result<Context, GpuError> {
         current::release();
         backend
             .make_current()
             .map_err(|reason| GpuError::NoContext { api, reason })?;
-        match describe(backend, api) {
+        let gl = load(&*backend);
+        match describe(backend, gl, api) {
             Ok(inner) => {
                 let inner = Rc::new(inner);
                 current::make(&inner.backend)
@@ -326,19 +342,22 @@ fn is_software(renderer: &str) -> bool {
     .any(|name| renderer.contains(name))
 }
 
-/// Loads GL through a backend that is current, and asks for all that is known of it. A failure gives the backend back.
-fn describe(backend: Rc<dyn Backend>, api: Api) -> Result<Inner, (Rc<dyn Backend>, GpuError)> {
-    let gl = load(&*backend);
+/// Asks for all that is known of a context that is current. A failure gives the backend back.
+fn describe(
+    backend: Rc<dyn Backend>,
+    gl: glow::Context,
+    api: Api,
+) -> Result<Inner, (Rc<dyn Backend>, GpuError)> {
     // SAFETY: the context is current, and the strings and numbers asked for exist in every version.
     let (renderer, vendor, version, shading_language) = unsafe {
         (
-            gl.get_parameter_string(glow::RENDERER),
+            gl.get_parameter_string(backend.renderer_parameter(&gl)),
             gl.get_parameter_string(glow::VENDOR),
             gl.get_parameter_string(glow::VERSION),
             gl.get_parameter_string(glow::SHADING_LANGUAGE_VERSION),
         )
     };
-    if api == Api::Gles && !gl.supported_extensions().contains(FLOAT_TARGETS) {
+    if api == Api::Gles && !has_float_targets(&gl) {
         return Err((
             backend,
             GpuError::MissingExtension {
@@ -370,6 +389,13 @@ fn describe(backend: Rc<dyn Backend>, api: Api) -> Result<Inner, (Rc<dyn Backend
     })
 }
 
+/// Whether OpenGL ES draws into textures of floats; WebGL's names have no `GL_` before them.
+fn has_float_targets(gl: &glow::Context) -> bool {
+    let names = [FLOAT_TARGETS, FLOAT_TARGETS.trim_start_matches("GL_")];
+    let known = gl.supported_extensions();
+    names.iter().any(|name| known.contains(*name))
+}
+
 /// The function that tells of resets, of an extension that the context has.
 fn reset_status(backend: &dyn Backend, gl: &glow::Context, api: Api) -> Option<ResetStatus> {
     let of_khr = match api {
@@ -389,6 +415,7 @@ fn reset_status(backend: &dyn Backend, gl: &glow::Context, api: Api) -> Option<R
 }
 
 /// The functions of GL, with the context current.
+#[cfg(not(target_arch = "wasm32"))]
 pub(super) fn load(backend: &dyn Backend) -> glow::Context {
     let find = |name: &str| match CString::new(name) {
         Ok(name) => backend.proc_address(&name),

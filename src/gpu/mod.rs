@@ -39,13 +39,17 @@ mod async_read;
 mod backend;
 mod bytes;
 mod context;
+#[cfg_attr(target_arch = "wasm32", path = "web_current.rs")]
 mod current;
 mod data_list;
 mod data_texture;
+#[cfg(not(target_arch = "wasm32"))]
 mod devices;
+#[cfg(not(target_arch = "wasm32"))]
 mod egl;
 mod error;
 mod log;
+#[cfg(not(target_arch = "wasm32"))]
 mod osmesa;
 mod pass;
 #[cfg(any(test, feature = "picture"))]
@@ -57,15 +61,19 @@ mod render_target;
 mod texel_buffer;
 mod texture;
 mod timer;
+#[cfg(target_arch = "wasm32")]
+mod web;
 #[cfg(feature = "demo")]
 mod window;
 
 pub use api::Api;
 pub(crate) use async_read::AsyncRead;
+#[cfg(not(target_arch = "wasm32"))]
 pub(crate) use context::Limits;
 pub use context::{Context, ContextOptions};
 pub(crate) use data_list::DataList;
 pub(crate) use data_texture::DataTexture;
+#[cfg(not(target_arch = "wasm32"))]
 pub use devices::{GpuInfo, Renderer, list_gpus};
 pub use error::GpuError;
 pub(crate) use log::log_errors;

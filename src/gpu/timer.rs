@@ -1,16 +1,16 @@
 //! How long GL works on something.
 
-use std::time::Instant;
 
 use glow::HasContext;
 
 use super::{Api, Context, GpuError};
+use crate::platform::{self, Instant};
 
 /// Marks in the stream of GL's work, and the times between them.
 ///
 /// On a graphics card a mark is a timestamp query, whose answer is fetched later: to set one waits for nothing.
 /// Software renderers answer queries wrongly (llvmpipe far too short), and OpenGL ES may lack them: there each mark is
-/// `glFinish` and the wall clock, and waits.
+/// `glFinish` and the wall clock, and waits; in a browser, where it waits for nothing, the times are those of the calls.
 #[derive(Debug)]
 pub struct GpuTimer {
     context: Context,
@@ -40,9 +40,10 @@ impl GpuTimer {
 
     /// What the times come from.
     pub fn name(&self) -> &'static str {
-        match self.by_query {
-            true => "GL timer query",
-            false => "wall clock around glFinish",
+        match (self.by_query, platform::CAN_WAIT_FOR_GL) {
+            (true, _) => "GL timer query",
+            (false, true) => "wall clock around glFinish",
+            (false, false) => "wall clock around calls, which do not wait for the drawing",
         }
     }
 

@@ -22,11 +22,11 @@ use crate::acoustics::early::Missed;
 use crate::acoustics::{Arrival, Echogram, Figures, Tap};
 use crate::bands::{self, Bands};
 use crate::error::Error;
+use crate::platform::Instant;
 use crate::scene::Scene;
 use crate::trace::{ArrivalCounts, ArrivalSettings, Settings, Tracer};
 use early::EarlyPart;
 use glam::Vec3;
-use std::time::Instant;
 
 /// What one listener hears of one source.
 ///

@@ -2,7 +2,8 @@
 
 use super::{Counts, Panning};
 use crate::error::Error;
-use std::time::{Duration, Instant};
+use crate::platform::Instant;
+use std::time::Duration;
 
 /// The result of one traced frame.
 ///

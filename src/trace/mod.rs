@@ -34,7 +34,9 @@ pub use arrivals::{ArrivalCounts, ArrivalSettings};
 #[cfg(any(test, feature = "experiment"))]
 pub(crate) use budget::Budget;
 pub use error::TraceError;
-pub use field_trial::{FieldTrial, TrialCommand, answer_field_trial};
+#[cfg(not(target_arch = "wasm32"))]
+pub use field_trial::answer_field_trial;
+pub use field_trial::{FieldTrial, TrialCommand};
 pub use frame::{Frame, Milliseconds};
 #[cfg(feature = "demo")]
 pub(crate) use heard_search::{HeardSearch, MostKept};

@@ -27,8 +27,9 @@ pub use heard_paths::HeardPaths;
 use passes::Targets;
 use prepared::{FramePrograms, PreparedFrame};
 use std::cell::RefCell;
+use crate::platform::Instant;
 use std::rc::Rc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 use steps::{FrameUnderWay, ReadBack};
 use throughput::Throughput;
 

@@ -24,10 +24,10 @@ use crate::gpu::{
     log_errors,
 };
 use crate::kernel::{self, USER_FILE};
+use crate::platform::Instant;
 use crate::scene::{Scene, UserField, UserSamples, halton};
 use glam::{Vec3, Vec4};
 use std::sync::Arc;
-use std::time::Instant;
 
 /// Samples along each side of the box.
 const SIDE: usize = 65;

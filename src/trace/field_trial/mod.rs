@@ -9,10 +9,14 @@
 //! A library cannot start itself. Whoever uses this crate chooses by [`FieldTrial::set`]; the
 //! command line chooses a child of its own.
 
+// A page in a browser has no other processes: there nothing can be chosen but to try in this one.
+#[cfg(not(target_arch = "wasm32"))]
 mod child;
 mod parent;
+#[cfg_attr(target_arch = "wasm32", expect(dead_code))]
 mod protocol;
 
+#[cfg(not(target_arch = "wasm32"))]
 pub use child::answer_field_trial;
 pub(crate) use parent::{Trial, has_passed};
 
@@ -36,6 +40,7 @@ const MOST_MEMORY: u64 = 1 << 30;
 
 /// Bytes of the stack that a trial runs on: half of what a main thread usually has, so that
 /// what has passed has room to spare.
+#[cfg(not(target_arch = "wasm32"))]
 const STACK: usize = 4 << 20;
 
 /// How users' fields are tried before this process compiles them.

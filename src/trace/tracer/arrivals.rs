@@ -13,11 +13,11 @@ use crate::acoustics::Arrival;
 use crate::error::Error;
 use crate::gpu::{Context, Program, RenderTarget};
 use crate::kernel::{self, ArrivalsText, Materials};
+use crate::platform::Instant;
 use crate::scene::{Scene, WALL_COUNT};
 use glam::Vec4;
 use std::ops::Range;
 use std::rc::Rc;
-use std::time::Instant;
 
 /// By how much farther than asked for waves are followed, as a share: the GPU adds up in `f32`,
 /// which rounds by 6e-8 in each chunk, and there are 4,095 at the most; what is too much is left

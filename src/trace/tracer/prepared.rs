@@ -6,10 +6,10 @@ use super::super::waves::{STATUS_DEAD, STATUS_STARTED};
 use super::super::{Algorithm, Grid, MarchOptions, Settings};
 use crate::gpu::Program;
 use crate::kernel::{OriginRebasing, RebasedScene};
+use crate::platform::Instant;
 use crate::scene::Scene;
 use glam::{Vec3, Vec4};
 use std::rc::Rc;
-use std::time::Instant;
 
 /// Evaluations of one surface in one draw call at the most, were every march in it to take
 /// all the steps it may: some 2^38 operations, about a second on the slowest card that has

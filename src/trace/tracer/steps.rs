@@ -17,8 +17,8 @@ use super::throughput::Progress;
 use super::{Targets, Tracer, Waves};
 use crate::error::Error;
 use crate::gpu::{AsyncRead, Context, GpuError, GpuTimer};
+use crate::platform::Instant;
 use crate::scene::Scene;
-use std::time::Instant;
 
 /// A frame begun and not yet collected.
 pub(super) struct FrameUnderWay {

@@ -1,0 +1,60 @@
+//! A context of WebGL 2, made by a page in a browser.
+//!
+//! WebGL 2 is OpenGL ES 3.0 with calls taken away: no buffer is mapped, no fence is waited for, and reading texels is
+//! the only way to wait for what was drawn ([`platform`](crate::platform)).
+
+use std::ffi::{CStr, c_void};
+use std::ptr;
+use std::rc::Rc;
+
+use web_sys::WebGl2RenderingContext;
+
+use super::backend::Backend;
+use super::{Api, Context, GpuError};
+
+/// The extension that tells the device's name.
+const RENDERER_INFO: &str = "WEBGL_debug_renderer_info";
+
+/// Its parameter, from the extension's text.
+const UNMASKED_RENDERER_WEBGL: u32 = 0x9246;
+
+/// A context of the browser's: always current.
+struct Page;
+
+impl Context {
+    /// Takes over a context that the page made: `canvas.getContext("webgl2", { antialias: false })`. A canvas in the
+    /// page and one off the screen (`OffscreenCanvas`, in a worker) will do alike.
+    ///
+    /// # Errors
+    /// [`GpuError::MissingExtension`] where the browser has no `EXT_color_buffer_float`; [`GpuError::NoContext`].
+    pub fn from_webgl2(context: WebGl2RenderingContext) -> Result<Context, GpuError> {
+        Context::from_backend_with(Rc::new(Page), Api::Gles, |_| {
+            // It asks for all extensions that it knows, that of float targets among them.
+            glow::Context::from_webgl2_context(context)
+        })
+    }
+}
+
+impl Backend for Page {
+    fn make_current(&self) -> Result<(), String> {
+        Ok(())
+    }
+
+    fn is_current(&self) -> bool {
+        true
+    }
+
+    fn release(&self) {}
+
+    fn renderer_parameter(&self, gl: &glow::Context) -> u32 {
+        use glow::HasContext;
+        match gl.supported_extensions().contains(RENDERER_INFO) {
+            true => UNMASKED_RENDERER_WEBGL,
+            false => glow::RENDERER,
+        }
+    }
+
+    fn proc_address(&self, _name: &CStr) -> *const c_void {
+        ptr::null()
+    }
+}

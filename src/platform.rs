@@ -1,0 +1,20 @@
+//! What the platform has: a native program has files and may wait, a page in a browser neither.
+//!
+//! Everything that differs in a browser (`wasm32-unknown-unknown`) is decided by these names, and by the modules that
+//! `gpu` leaves out there. `rayon` runs on the one thread that there is.
+
+#[cfg(not(target_arch = "wasm32"))]
+pub(crate) use std::time::Instant;
+/// The standard library's clock stops a browser's program; this one asks the browser.
+#[cfg(target_arch = "wasm32")]
+pub(crate) use web_time::Instant;
+
+/// Whether a file's path leads to anything.
+pub(crate) const HAS_FILES: bool = !cfg!(target_arch = "wasm32");
+
+/// Whether OpenGL can be waited for, by a fence or `glFinish`: WebGL passes fences between two turns of the browser's
+/// event loop alone, and takes `finish` for a flush.
+pub(crate) const CAN_WAIT_FOR_GL: bool = !cfg!(target_arch = "wasm32");
+
+/// Whether OpenGL's buffers can be mapped into memory: those of WebGL are copied.
+pub(crate) const CAN_MAP_BUFFERS: bool = !cfg!(target_arch = "wasm32");
