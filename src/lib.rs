@@ -45,6 +45,7 @@
 //! | `experiment` | the thesis' experiments, run for real, and what accuracy costs (feature `experiment`) |
 //! | `report` | what experiments found, for people and for programs (feature `experiment`) |
 //! | `study` | sweeps and maps in shards that are computed anywhere and joined (feature `experiment`) |
+//! | `walkthrough` | a walk through a scene, as the window and a page in a browser have it (feature `walkthrough`) |
 //! | `demo` | the window: walk through a scene and hear it (feature `demo`) |
 //! | [`error`] | what can go wrong |
 //!
@@ -61,6 +62,7 @@
 //! | `experiment` | with `cli` | the experiments, studies and their reports |
 //! | `sofa` | with `cli` | head-related impulse responses from SOFA files |
 //! | `parquet` | yes | the tables of studies as Parquet files too |
+//! | `walkthrough` | with `demo` | a walk through a scene, for a window or a page of one's own |
 //! | `demo` | yes | the window, as a module; needs no crate of the command line |
 //! | `cli` | yes | the program `echomarch`; its subcommand `demo` with the feature `demo` |
 //!
@@ -91,9 +93,9 @@ mod input;
 mod kernel;
 pub mod offline;
 mod output;
-mod platform;
 #[cfg(feature = "picture")]
 pub mod picture;
+mod platform;
 pub mod reference;
 #[cfg(feature = "experiment")]
 pub mod report;
@@ -107,6 +109,8 @@ mod stats;
 pub mod study;
 mod text;
 pub mod trace;
+#[cfg(feature = "walkthrough")]
+pub mod walkthrough;
 
 /// What is shared with the integration tests calls the crate by its name.
 #[cfg(test)]

@@ -67,6 +67,18 @@ impl Heard {
         seed: u64,
     ) -> Result<Heard, AcousticsError> {
         let mut heard = Heard::of_paths(&response.paths, axes, spec);
+        let late = Heard::late_samples(response, axes, spec, seed)?;
+        heard.late = Heard::of_late(&late, spec).late;
+        Ok(heard)
+    }
+
+    /// The samples of all that is no single echo, by channel.
+    fn late_samples(
+        response: &Response,
+        axes: &ListenerAxes,
+        spec: Spec,
+        seed: u64,
+    ) -> Result<Vec<Vec<f32>>, AcousticsError> {
         let rest: Vec<Tap> = faint(&response.paths, spec).map(HeardPath::tap).collect();
         let settings = ImpulseSettings {
             rate_hz: spec.rate_hz,
@@ -75,8 +87,7 @@ impl Heard {
             seed,
         };
         let late = ImpulseResponse::new(&rest, &response.echogram, axes, &settings)?;
-        heard.late = Heard::of_late(late.channels(), spec).late;
-        Ok(heard)
+        Ok(late.channels().to_vec())
     }
 
     /// The paths alone: what is late stays as it is.
@@ -151,4 +162,81 @@ fn key(path: &HeardPath) -> u64 {
         let wall = wall.map_or(0, |wall| u64::from(wall) + 1);
         hash(key ^ hash(u64::from(*surface) << 8 | wall))
     })
+}
+
+/// What is heard of a source as plain numbers, for a player that shares no memory with who has traced it.
+#[cfg(feature = "walkthrough")]
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct HeardParts {
+    /// [`HeardParts::ECHO`] numbers for each single echo.
+    pub echoes: Vec<f64>,
+    /// The samples of the late part, one channel after the other; none where it stays as it is.
+    pub late: Option<Vec<f32>>,
+}
+
+#[cfg(feature = "walkthrough")]
+impl HeardParts {
+    /// Numbers of an echo: its key in two halves, its delay, gains by channel, amplitudes by band, their mean.
+    const ECHO: usize = 2 + 1 + CHANNELS + BAND_COUNT + 1;
+
+    /// Half of a key: what a float holds exactly.
+    const HALF: u32 = 32;
+
+    /// What a response has; its late part only where it is due.
+    ///
+    /// # Errors
+    /// As [`Heard::new`].
+    pub fn new(
+        response: &Response,
+        axes: &ListenerAxes,
+        spec: Spec,
+        seed: Option<u64>,
+    ) -> Result<HeardParts, AcousticsError> {
+        let heard = Heard::of_paths(&response.paths, axes, spec);
+        let late = seed.map(|seed| Heard::late_samples(response, axes, spec, seed));
+        Ok(HeardParts {
+            echoes: heard.echoes.iter().flat_map(Echo::numbers).collect(),
+            late: late.transpose()?.map(|channels| channels.concat()),
+        })
+    }
+
+    /// Made ready to be played. Numbers that are too few for another echo are left out.
+    pub fn heard(&self, spec: Spec) -> Heard {
+        let channels = |samples: &Vec<f32>| {
+            let length = samples.len() / CHANNELS;
+            let channel = |index: usize| samples[index * length..(index + 1) * length].to_vec();
+            kernel(&(0..CHANNELS).map(channel).collect::<Vec<_>>(), spec)
+        };
+        Heard {
+            echoes: self.echoes.chunks_exact(Self::ECHO).map(Echo::of).collect(),
+            late: self.late.as_ref().map(channels),
+        }
+    }
+}
+
+#[cfg(feature = "walkthrough")]
+impl Echo {
+    fn numbers(&self) -> Vec<f64> {
+        let low = self.key & u64::from(u32::MAX);
+        let mut numbers = vec![
+            (self.key >> HeardParts::HALF) as f64,
+            low as f64,
+            self.delay,
+        ];
+        numbers.extend(self.gains.iter().chain(&self.bands).map(|n| f64::from(*n)));
+        numbers.push(f64::from(self.mean));
+        numbers
+    }
+
+    /// The reverse; of as many numbers as there are.
+    fn of(numbers: &[f64]) -> Echo {
+        let floats = |first: usize| move |index: usize| numbers[first + index] as f32;
+        Echo {
+            key: (numbers[0] as u64) << HeardParts::HALF | numbers[1] as u64,
+            delay: numbers[2],
+            gains: std::array::from_fn(floats(3)),
+            bands: std::array::from_fn(floats(3 + CHANNELS)),
+            mean: numbers[3 + CHANNELS + BAND_COUNT] as f32,
+        }
+    }
 }

@@ -47,18 +47,20 @@ mod convolution;
 mod delay_line;
 mod echoes;
 mod heard;
-#[cfg(feature = "audio")]
+#[cfg(any(feature = "audio", feature = "walkthrough"))]
 mod limiter;
 mod listen;
 mod octaves;
-#[cfg(feature = "audio")]
+#[cfg(any(feature = "audio", feature = "walkthrough"))]
 mod player;
 #[cfg(test)]
 mod tests;
 
 pub use heard::Heard;
+#[cfg(feature = "walkthrough")]
+pub(crate) use heard::HeardParts;
 pub use listen::Listen;
-#[cfg(feature = "audio")]
+#[cfg(any(feature = "audio", feature = "walkthrough"))]
 pub use player::{Player, PlayerRemote};
 
 use crate::bands::BAND_COUNT;

@@ -2,7 +2,7 @@
 
 use super::adapt::{Control, SCALES, step_of};
 use super::display::Connection;
-use super::ears::{Ears, EarsStatus};
+use super::ears::Ears;
 use super::files::Files;
 use super::follower::{Before, Coming, Follower};
 use super::keys::{PressedKeys, action};
@@ -10,14 +10,16 @@ use super::latency::Latency;
 use super::listening::InFull;
 use super::mouse::Mouse;
 use super::overlay::Plan;
-use super::paths::Paths;
 use super::report::{Recorder, Report};
 use super::sound::{SoundStatus, Speaker};
-use super::state::{Choices, World};
-use super::view::{Drawn, View};
+use super::state::Choices;
 use super::window::DemoWindow;
 use super::{DemoError, DemoOptions, overlay};
 use crate::trace::{Frame, Settings, Tracer};
+use crate::walkthrough::EarsStatus;
+use crate::walkthrough::Paths;
+use crate::walkthrough::World;
+use crate::walkthrough::{Drawn, View};
 use std::path::PathBuf;
 use std::time::{Duration, Instant, SystemTime};
 use winit::application::ApplicationHandler;

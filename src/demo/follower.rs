@@ -1,15 +1,15 @@
 //! Scenes in waiting: the file that is watched, the scene before the present one, and the next
 //! one until its users' fields were tried.
 
-use super::state::World;
 use crate::error::Error;
 use crate::scene::{BUILTIN_NAMES, Scene};
 use crate::trace::{Opening, Pass, Profile, Reloading, Settings, shader_text};
+use crate::walkthrough::World;
 use std::time::Instant;
 
 /// What a scene is drawn and heard by: the picture, and every profile that a key chooses.
 pub const PROGRAMS: [fn(&Scene) -> String; 4] = [
-    super::view::shader_text,
+    crate::walkthrough::view_text,
     |scene| march_text(scene, Profile::Hybrid),
     |scene| march_text(scene, Profile::March),
     |scene| march_text(scene, Profile::Thesis),

@@ -6,10 +6,10 @@ use super::app::{App, Stage};
 use super::error::sentence;
 use super::overlay::{self, HudState};
 use super::report::FrameTimes;
-use super::view::Drawn;
 use crate::picture::{RgbaImage, save_png};
 use crate::stats::{mean, median};
 use crate::trace::Settings;
+use crate::walkthrough::Drawn;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -122,10 +122,9 @@ impl App {
             None => (SCALES[self.scale_step], true),
         };
         let drawing = Instant::now();
-        let gl = &stage.window.gl;
-        self.drawn = stage.view.draw(gl, &self.world.now, size, scale)?;
+        self.drawn = stage.view.draw(&self.world.now, size, scale)?;
         // On a graphics card the call returns long before the picture is drawn.
-        times.picture = if gl.context().is_software() {
+        times.picture = if stage.window.gl.context().is_software() {
             milliseconds(drawing)
         } else {
             self.drawn.milliseconds

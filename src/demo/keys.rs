@@ -1,7 +1,7 @@
 //! Which key does what: the one list that the window follows and shows.
 
-use super::walk::MoveInput;
 use crate::trace::Profile;
+use crate::walkthrough::MoveInput;
 use std::collections::HashSet;
 use winit::keyboard::KeyCode;
 

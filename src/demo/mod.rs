@@ -13,17 +13,18 @@
 //! | `act` | what keys and buttons ask for |
 //! | `frame` | one frame, part by part |
 //! | `window`, `display`, `mouse` | the window, its context, what draws the panels; the X server; the pointer |
-//! | `view` | the picture |
 //! | `overlay/` | the panels |
-//! | `state`, `walk`, `keys` | what was chosen, where one stands, which key does what |
+//! | `state`, `keys` | what was chosen, which key does what |
 //! | `adapt` | how coarse the picture and how many waves, by the frame's time |
 //! | `latency`, `report`, `summary` | what is measured, and told |
-//! | `scenes`, `files`, `values` | another scene, the files to choose from, named values |
-//! | `paths` | the waves that the plan shows |
+//! | `scenes`, `files` | another scene, the files to choose from |
 //! | `save` | scene files and `trace` calls |
 //! | `reload`, `follower` | a scene file that changes while one walks in it |
 //! | `sound` | the speakers |
 //! | `ears`, `listening` | what is heard in full, on a thread of its own; and how it gets to the speakers |
+//!
+//! Walking, the picture, the plan and its paths are those of a page in a browser too: see
+//! [`walkthrough`](crate::walkthrough).
 //!
 //! Threads: everything that is seen is drawn and traced on the thread that calls [`run`], which must be
 //! the process' first. What is heard in full is traced on a thread and a context of its own.
@@ -43,7 +44,6 @@ mod listening;
 mod mouse;
 mod options;
 mod overlay;
-mod paths;
 mod reload;
 mod report;
 mod save;
@@ -51,18 +51,15 @@ mod scenes;
 mod sound;
 mod state;
 mod summary;
-mod values;
-mod view;
-mod walk;
 mod window;
 
-pub use ears::SourceHeard;
+pub use crate::walkthrough::SourceHeard;
+pub use crate::walkthrough::{BODY, MoveInput, Walker};
 pub use error::DemoError;
 pub use latency::Parts as Latency;
 pub use options::{DemoOptions, OPENING_SCENE};
 pub use report::{FrameTimes, InFullReport, Memory, PanAt, Report, Reread, Standing};
 pub use sound::SoundStatus;
-pub use walk::{BODY, MoveInput, Walker};
 
 /// Opens the window and stays until it is closed.
 ///

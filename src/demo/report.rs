@@ -1,10 +1,10 @@
 //! The report of a run of the window, in numbers: for `--json`, for tests, for people.
 
-use super::ears::{EarsStatus, SourceHeard};
 use super::latency::Parts;
 use super::sound::SoundStatus;
 use crate::stats::{median, quantiles};
 use crate::trace::{Counts, Frame, Profile};
+use crate::walkthrough::{EarsStatus, SourceHeard};
 use serde::Serialize;
 use std::collections::BTreeMap;
 

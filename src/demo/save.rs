@@ -3,10 +3,10 @@
 //! The file names the scene that was opened as its base, and says what differs: where source
 //! and listener are now, and named values.
 
-use super::state::World;
 use crate::output::{OutputError, write_whole};
 use crate::scene::{BasedScene, Listener, Path as KeyPath, Scene, SceneError, Source};
 use crate::trace::{Algorithm, Directions, Settings, ThesisOptions};
+use crate::walkthrough::World;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -214,9 +214,9 @@ fn quoted(word: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::walk::Walker;
     use super::*;
     use crate::scene::BUILTIN_NAMES;
+    use crate::walkthrough::Walker;
     use glam::Vec3;
 
     /// A world whose source and listener were moved by hand.

@@ -3,8 +3,8 @@
 use super::app::App;
 use super::report::{FrameLine, InFullReport, Report, Standing};
 use super::save::trace_call;
-use super::state::World;
 use crate::scene::{Listener, Scene, Surface};
+use crate::walkthrough::World;
 use std::time::SystemTime;
 
 impl App {

@@ -60,21 +60,46 @@ impl Picture {
     }
 
     /// Width in pixels.
-    #[cfg(feature = "demo")]
+    #[cfg(feature = "walkthrough")]
     pub fn width(&self) -> u32 {
         self.width
     }
 
     /// Height in pixels.
-    #[cfg(feature = "demo")]
+    #[cfg(feature = "walkthrough")]
     pub fn height(&self) -> u32 {
         self.height
     }
 
-    /// GL's name for the framebuffer.
-    #[cfg(feature = "demo")]
-    pub(super) fn raw_framebuffer(&self) -> glow::Framebuffer {
-        self.framebuffer
+    /// Puts it over the whole window or canvas of the context, of that size in pixels, stretched with smooth edges.
+    ///
+    /// # Errors
+    /// What GL reports, in debug builds.
+    #[cfg(feature = "walkthrough")]
+    pub fn show(&self, width: u32, height: u32) -> Result<(), GpuError> {
+        let gl = self.context.gl();
+        // SAFETY: the context is current, and the framebuffer its own.
+        unsafe {
+            gl.disable(glow::SCISSOR_TEST);
+            gl.bind_framebuffer(glow::READ_FRAMEBUFFER, Some(self.framebuffer));
+            gl.read_buffer(glow::COLOR_ATTACHMENT0);
+            gl.bind_framebuffer(glow::DRAW_FRAMEBUFFER, None);
+            gl.blit_framebuffer(
+                0,
+                0,
+                self.width as i32,
+                self.height as i32,
+                0,
+                0,
+                width as i32,
+                height as i32,
+                glow::COLOR_BUFFER_BIT,
+                glow::LINEAR,
+            );
+            // The read binding stays with none of ours.
+            gl.bind_framebuffer(glow::FRAMEBUFFER, None);
+        }
+        self.context.debug_check("the picture in the window")
     }
 
     /// All pixels, four bytes each, the top row (the highest `gl_FragCoord.y`) first, as image files have it. Waits

@@ -1,6 +1,5 @@
 //! How long GL works on something.
 
-
 use glow::HasContext;
 
 use super::{Api, Context, GpuError};

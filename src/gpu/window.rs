@@ -25,7 +25,7 @@ use winit::raw_window_handle::{
 use super::backend::Backend;
 use super::context::load;
 use super::egl::new_context;
-use super::{Api, Context, GpuError, Picture, current};
+use super::{Api, Context, GpuError, current};
 
 /// A display's way to OpenGL, and the kind of window that goes with it. The fields go in this order: the connection
 /// to the display last.
@@ -170,36 +170,6 @@ impl WindowContext {
         self.drawing
             .surface
             .resize(&self.drawing.context, width, height);
-    }
-
-    /// Puts a picture over the whole window of that size in pixels, stretched with smooth edges.
-    ///
-    /// # Errors
-    /// What GL reports, in debug builds.
-    pub fn show(&self, picture: &Picture, width: u32, height: u32) -> Result<(), GpuError> {
-        let gl = self.context.gl();
-        // SAFETY: the context is current, and the picture's framebuffer its own.
-        unsafe {
-            gl.disable(glow::SCISSOR_TEST);
-            gl.bind_framebuffer(glow::READ_FRAMEBUFFER, Some(picture.raw_framebuffer()));
-            gl.read_buffer(glow::COLOR_ATTACHMENT0);
-            gl.bind_framebuffer(glow::DRAW_FRAMEBUFFER, None);
-            gl.blit_framebuffer(
-                0,
-                0,
-                picture.width() as i32,
-                picture.height() as i32,
-                0,
-                0,
-                width as i32,
-                height as i32,
-                glow::COLOR_BUFFER_BIT,
-                glow::LINEAR,
-            );
-            // The read binding stays with none of ours.
-            gl.bind_framebuffer(glow::FRAMEBUFFER, None);
-        }
-        self.context.debug_check("the picture in the window")
     }
 
     /// Lets what is drawn next go to the window, whatever was drawn into before.

@@ -51,7 +51,7 @@ pub(crate) use passes::{
     AlgorithmText, Key, MarchText, initialise_text, march_text, marches_fields, pan_text,
     sum_contributions_text, sum_text, whole_frame_text,
 };
-#[cfg(any(test, feature = "demo"))]
+#[cfg(any(test, feature = "walkthrough"))]
 pub(crate) use structure::{Structure, structure};
 #[cfg(glsl_at_run_time)]
 pub(crate) use text::read_at_run_time;

@@ -34,6 +34,6 @@ pub use plan::Bounds;
 pub use png::save_png;
 pub use shader::{Kind, shader_text};
 pub use slice::{SliceOptions, slice};
-#[cfg(feature = "demo")]
+#[cfg(feature = "walkthrough")]
 pub(crate) use view::SOURCE_SHARE;
 pub use view::{ViewOptions, first_person};

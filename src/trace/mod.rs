@@ -38,7 +38,7 @@ pub use error::TraceError;
 pub use field_trial::answer_field_trial;
 pub use field_trial::{FieldTrial, TrialCommand};
 pub use frame::{Frame, Milliseconds};
-#[cfg(feature = "demo")]
+#[cfg(feature = "walkthrough")]
 pub(crate) use heard_search::{HeardSearch, MostKept};
 #[cfg(feature = "picture")]
 pub(crate) use limits::check_surfaces;

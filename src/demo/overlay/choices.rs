@@ -3,13 +3,14 @@
 use super::super::adapt::{MOST_WAVES, SCALES};
 use super::super::keys::Action;
 use super::super::sound::SOUNDS;
-use super::super::state::{Choices, World};
-use super::super::values::ValueSlider;
+use super::super::state::Choices;
 use super::{HudState, materials, style};
 use crate::audio::PanningLaw;
 use crate::auralisation::Listen;
 use crate::scene::BUILTIN_NAMES;
 use crate::trace::{Algorithm, Profile};
+use crate::walkthrough::ValueSlider;
+use crate::walkthrough::World;
 use egui::{Button, ComboBox, RichText, Slider, SliderClamping, Ui, Vec2};
 
 /// Draws all controls.

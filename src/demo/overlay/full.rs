@@ -1,7 +1,7 @@
 //! What is heard in full: each source's level, and the energy against time.
 
-use super::super::ears::{EarsStatus, QUIETEST_DB, SourceHeard};
 use super::{HudState, style};
+use crate::walkthrough::{EarsStatus, QUIETEST_DB, SourceHeard};
 use egui::{Pos2, Rect, Sense, Shape, Stroke, Ui, Vec2};
 
 /// Height of the curve in points.

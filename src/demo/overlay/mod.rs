@@ -14,14 +14,15 @@ mod times;
 pub use plan::Plan;
 pub use style::set_style;
 
-use super::ears::EarsStatus;
 use super::keys::{Action, HINT};
 use super::latency::Parts;
 use super::report::FrameTimes;
 use super::sound::SoundStatus;
-use super::state::{Choices, World};
-use super::view::Drawn;
+use super::state::Choices;
 use crate::trace::{Frame, Wave};
+use crate::walkthrough::Drawn;
+use crate::walkthrough::EarsStatus;
+use crate::walkthrough::World;
 use egui::{Align2, RichText, Ui, Vec2};
 
 /// Space between panels and the window's edge, in points.

@@ -1,9 +1,10 @@
 //! The waves whose paths the plan shows: those that are heard first, and some others.
 
 use crate::error::Error;
+use crate::platform::Instant;
 use crate::scene::Scene;
 use crate::trace::{Fate, HeardSearch, MostKept, Profile, Settings, Tracer, Wave};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Paths that are shown at the most: more cover each other.
 const SHOWN: MostKept = MostKept {

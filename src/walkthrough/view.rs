@@ -1,13 +1,11 @@
-//! The picture behind the panels: what the listener sees, frame by frame.
+//! The picture: what the listener sees, frame by frame.
 //!
 //! Drawn at a share of the window's size and stretched over it. Where nothing moved, the
 //! picture drawn last is shown again; where nothing has moved for a while it is drawn once
 //! more at full size, some rows a frame.
 
 use crate::error::Error;
-use crate::gpu::{
-    Context, GpuTimer, Picture, Program, ProgramCache, WindowContext, full_screen_pass_rows,
-};
+use crate::gpu::{Context, GpuTimer, Picture, Program, ProgramCache, full_screen_pass_rows};
 use crate::kernel::{self, Lists};
 use crate::picture::SOURCE_SHARE;
 use crate::scene::Scene;
@@ -116,7 +114,6 @@ impl View {
     /// [`Error::Trace`] for a scene that does not fit, [`Error::Gpu`] when the renderer fails.
     pub fn draw(
         &mut self,
-        window: &WindowContext,
         scene: &Scene,
         [width, height]: [u32; 2],
         (scale, refines): (f32, bool),
@@ -162,7 +159,7 @@ impl View {
         let is_fine = refines && self.refined >= height;
         let picture = if is_fine { &self.fine } else { &self.coarse };
         if let Some(picture) = picture {
-            window.show(picture, width, height)?;
+            picture.show(width, height)?;
         }
         if is_fine {
             drawn.size = full;

@@ -1,0 +1,134 @@
+//! What is heard in full.
+
+use crate::{scene, settings, thrown};
+use echomarch::Scene;
+use echomarch::glam::Vec3;
+use echomarch::gpu::Context;
+use echomarch::walkthrough::{Ears, HeardMessage, Walker};
+use wasm_bindgen::prelude::*;
+use web_sys::WebGl2RenderingContext;
+
+/// Ears on a canvas off the screen.
+#[wasm_bindgen]
+pub struct EarsOfPage {
+    ears: Ears,
+    base: Option<Scene>,
+    is_new_mix: bool,
+    rate_hz: u32,
+}
+
+/// What is heard of one source.
+#[wasm_bindgen]
+pub struct HeardByPage {
+    message: HeardMessage,
+}
+
+#[wasm_bindgen]
+impl EarsOfPage {
+    /// On a context of a worker's own, for a mix of so many samples a second.
+    #[wasm_bindgen(constructor)]
+    pub fn new(gl: WebGl2RenderingContext, rate_hz: u32) -> Result<EarsOfPage, JsError> {
+        let context = Context::from_webgl2(gl).map_err(thrown)?;
+        Ok(EarsOfPage {
+            ears: Ears::new(&context).map_err(thrown)?,
+            base: None,
+            is_new_mix: true,
+            rate_hz,
+        })
+    }
+
+    /// Another scene, or another mix of the same.
+    pub fn set_scene(&mut self, text: &str, name: &str) -> Result<(), JsError> {
+        self.base = Some(scene(text, name)?);
+        self.is_new_mix = true;
+        Ok(())
+    }
+
+    /// What is heard of each source in the scene as it stands: named values, seconds on its paths, the listener
+    /// (x, y, z, yaw, pitch) and the first source (x, y, z). Nothing where nothing has changed.
+    #[allow(clippy::too_many_arguments)]
+    pub fn hear(
+        &mut self,
+        names: Vec<String>,
+        values: &[f32],
+        seconds: f64,
+        listener: &[f32],
+        source: &[f32],
+        profile: &str,
+        waves: u32,
+    ) -> Result<Vec<HeardByPage>, JsError> {
+        let Some(base) = &self.base else {
+            return Ok(Vec::new());
+        };
+        let mut scene = base.clone();
+        for (name, value) in names.iter().zip(values) {
+            scene.set_value(name, *value).map_err(thrown)?;
+        }
+        let mut scene = scene.at(seconds);
+        if let [x, y, z, yaw, pitch] = *listener {
+            let position = Vec3::new(x, y, z);
+            let walker = Walker {
+                position,
+                yaw,
+                pitch,
+            };
+            walker.place(&mut scene.listener);
+        }
+        if let [x, y, z, ..] = *source {
+            scene.source.position = Vec3::new(x, y, z);
+        }
+        let settings = settings(profile, waves, 1)?;
+        let heard = self
+            .ears
+            .hear(&scene, &settings, self.rate_hz, self.is_new_mix)
+            .map_err(thrown)?;
+        self.is_new_mix = false;
+        Ok(heard
+            .into_iter()
+            .map(|message| HeardByPage { message })
+            .collect())
+    }
+
+    /// Of each source at the last look: its strength G in decibels (NaN where nothing arrives), its exact paths,
+    /// and 1 where the direct sound is one of them.
+    pub fn sources(&self) -> Vec<f64> {
+        let numbers = |source: &echomarch::walkthrough::SourceHeard| {
+            let level = source.level_db.unwrap_or(f64::NAN);
+            let direct = if source.is_direct { 1.0 } else { 0.0 };
+            [level, source.paths as f64, direct]
+        };
+        self.ears.sources().iter().flat_map(numbers).collect()
+    }
+
+    /// Milliseconds that the last look took to trace, and to make its late part.
+    pub fn milliseconds(&self) -> Vec<f64> {
+        self.ears.milliseconds().to_vec()
+    }
+}
+
+#[wasm_bindgen]
+impl HeardByPage {
+    /// The source, from 0.
+    #[wasm_bindgen(getter)]
+    pub fn source(&self) -> u32 {
+        self.message.source as u32
+    }
+
+    /// Its echoes, in numbers.
+    #[wasm_bindgen(getter)]
+    pub fn echoes(&self) -> Vec<f64> {
+        self.message.echoes.clone()
+    }
+
+    /// The samples of its late part; nothing where that stays as it is.
+    #[wasm_bindgen(getter)]
+    pub fn late(&self) -> Option<Vec<f32>> {
+        self.message.late.clone()
+    }
+
+    /// Seconds in which the echoes glide there.
+    #[wasm_bindgen(getter)]
+    pub fn glide_s(&self) -> f64 {
+        self.message.glide_s
+    }
+}

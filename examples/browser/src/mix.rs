@@ -1,0 +1,63 @@
+//! What is heard, as samples.
+
+use crate::{listen, profile, scene, thrown};
+use echomarch::audio::SoundSpec;
+use echomarch::walkthrough::{HeardMessage, Mix};
+use wasm_bindgen::prelude::*;
+
+/// Mixes into slices.
+#[wasm_bindgen]
+pub struct MixOfPage {
+    mix: Mix,
+}
+
+#[wasm_bindgen]
+impl MixOfPage {
+    /// The sounds of a scene's sources at so many samples a second.
+    #[wasm_bindgen(constructor)]
+    pub fn new(text: &str, name: &str, sound: &str, rate_hz: u32) -> Result<MixOfPage, JsError> {
+        let spec: SoundSpec = sound.parse().map_err(thrown)?;
+        let mix = Mix::new(&scene(text, name)?, &spec, rate_hz).map_err(thrown)?;
+        Ok(MixOfPage { mix })
+    }
+
+    /// What is listened to: `full` or `balance`.
+    pub fn set_listen(&mut self, name: &str) -> Result<(), JsError> {
+        self.mix.set_listen(listen(name)?);
+        Ok(())
+    }
+
+    /// Loudness, 0 to 1.
+    pub fn set_volume(&mut self, volume: f32) {
+        self.mix.set_volume(volume);
+    }
+
+    /// The balance, −1 to 1, as waves of that profile give it.
+    pub fn set_pan(&mut self, of: &str, pan: f32) -> Result<(), JsError> {
+        self.mix.set_pan(profile(of)?, pan);
+        Ok(())
+    }
+
+    /// Glides to what is heard of a source.
+    pub fn hear(
+        &mut self,
+        source: u32,
+        echoes: Vec<f64>,
+        late: Option<Vec<f32>>,
+        glide_s: f64,
+    ) -> bool {
+        self.mix.hear(HeardMessage {
+            source: source as usize,
+            echoes,
+            late,
+            glide_s,
+        })
+    }
+
+    /// The next samples of both channels, interleaved.
+    pub fn fill(&mut self, frames: usize) -> Vec<f32> {
+        let mut stereo = vec![0.0; 2 * frames];
+        self.mix.fill(&mut stereo);
+        stereo
+    }
+}

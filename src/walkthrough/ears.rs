@@ -1,0 +1,97 @@
+//! What is heard in full, for a player that shares no memory with who has traced it.
+
+use super::hearing::{EarsStatus, Hearing, SourceHeard};
+use super::mix::HeardMessage;
+use crate::error::Error;
+use crate::gpu::Context;
+use crate::scene::Scene;
+use crate::trace::Settings;
+
+/// Follows a scene with a renderer of its own, and says what comes to the ears.
+pub struct Ears {
+    hearing: Hearing,
+    status: EarsStatus,
+}
+
+impl Ears {
+    /// Nothing was heard yet.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] when the renderer fails.
+    pub fn new(context: &Context) -> Result<Ears, Error> {
+        Ok(Ears {
+            hearing: Hearing::new(context)?,
+            status: EarsStatus::default(),
+        })
+    }
+
+    /// What is heard of each source, for a [`Mix`](super::Mix) of so many samples a second; nothing where nothing
+    /// has changed since the last time. `is_new_mix` says that the mix has heard nothing yet.
+    ///
+    /// # Errors
+    /// As [`Response::trace`](crate::response::Response::trace).
+    pub fn hear(
+        &mut self,
+        scene: &Scene,
+        settings: &Settings,
+        rate_hz: u32,
+        is_new_mix: bool,
+    ) -> Result<Vec<HeardMessage>, Error> {
+        if !self.hearing.is_new(scene, settings, is_new_mix) {
+            return Ok(Vec::new());
+        }
+        let mut messages = Vec::new();
+        let tell = |found: super::hearing::Found| {
+            messages.push(HeardMessage::new(scene, &found, rate_hz)?);
+            Ok(())
+        };
+        self.status = self.hearing.look(scene, settings, is_new_mix, tell)?;
+        Ok(messages)
+    }
+
+    /// What was heard of each source at the last look.
+    pub fn sources(&self) -> &[SourceHeard] {
+        &self.status.sources
+    }
+
+    /// Milliseconds that the last look took to trace, and to make its late part.
+    pub fn milliseconds(&self) -> [f64; 2] {
+        [self.status.trace_ms, self.status.late_ms]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Mix;
+    use super::*;
+    use crate::audio::SoundSpec;
+    use crate::gpu::ContextOptions;
+
+    /// Protects ears from being changed over: a source at the left is louder at the left, through numbers alone.
+    #[test]
+    fn a_source_at_the_left_is_heard_at_the_left() {
+        const RATE_HZ: u32 = 48_000;
+        let context = Context::headless(&ContextOptions::default()).unwrap();
+        let scene = Scene::builtin("open-field").unwrap();
+        let left = scene.at(0.0);
+        assert!(left.source.position.x < left.listener.position.x);
+        let settings = Settings::default().with_waves(4096);
+        let mut ears = Ears::new(&context).unwrap();
+        let messages = ears.hear(&left, &settings, RATE_HZ, true).unwrap();
+        assert!(messages[0].late.is_some());
+        let noise = SoundSpec::Noise { seed: 3 };
+        let mut mix = Mix::new(&left, &noise, RATE_HZ).unwrap();
+        for message in messages {
+            assert!(mix.hear(message));
+        }
+        let mut stereo = vec![0.0; RATE_HZ as usize];
+        mix.fill(&mut stereo);
+        let level = |channel: usize| {
+            let samples = stereo.iter().skip(channel).step_by(2);
+            samples.map(|s| f64::from(*s).powi(2)).sum::<f64>()
+        };
+        assert!(level(0) > 4.0 * level(1), "{} {}", level(0), level(1));
+        let again = ears.hear(&left, &settings, RATE_HZ, false).unwrap();
+        assert!(again.is_empty());
+    }
+}

@@ -1,0 +1,239 @@
+//! What is heard in full while one walks: looks at the scene, one after the other.
+//!
+//! Echoes are those of the last look and glide to the next; the late part is made anew four times a second at the
+//! most.
+
+use crate::acoustics::{ListenerAxes, strength_db};
+use crate::bands;
+use crate::error::Error;
+use crate::gpu::Context;
+use crate::platform::Instant;
+use crate::response::{Response, ResponseSettings};
+use crate::scene::Scene;
+use crate::trace::{Profile, Settings, Tracer};
+use serde::Serialize;
+use std::time::Duration;
+
+/// Waves of a response at the most: echoes are exact, and a late part that lasts a quarter of a second
+/// needs no more.
+const MOST_WAVES: u32 = 16_384;
+
+/// Reflections of exact paths.
+const ORDER: u32 = 3;
+
+/// Seconds of a response at the most: a kernel of two seconds takes 4 % of a core to convolve with.
+pub(super) const LONGEST_S: f64 = 2.0;
+
+/// Seconds between two late parts.
+const LATE_EVERY_S: f64 = 0.25;
+
+/// How often the length of the responses is foretold anew, in seconds.
+const LENGTH_EVERY_S: f64 = 4.0;
+
+/// Seconds in which echoes glide from one look to the next: what one of them took, within these.
+const SHORTEST_GLIDE_S: f64 = 0.02;
+const LONGEST_GLIDE_S: f64 = 0.5;
+
+/// The lower end of the curve of energy, in decibels.
+pub const QUIETEST_DB: f64 = -80.0;
+
+/// Points of the curve of energy against time.
+const CURVE_POINTS: usize = 120;
+
+/// What is heard of one source.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct SourceHeard {
+    /// The strength *G*, the mean of the bands, in decibels; none if nothing arrives.
+    pub level_db: Option<f64>,
+    /// Exact paths.
+    pub paths: usize,
+    /// Whether the direct sound is one of them.
+    pub is_direct: bool,
+}
+
+/// What was heard at a look.
+#[derive(Clone, Debug, Default)]
+pub struct EarsStatus {
+    /// What is heard of each source; none before the first look.
+    pub sources: Vec<SourceHeard>,
+    /// Energy against time of all sources, in decibels against its largest, in equal parts of
+    /// `curve_s` seconds.
+    pub curve: Vec<f32>,
+    pub curve_s: f64,
+    /// Milliseconds that the last look took to trace, and to make its late part.
+    pub trace_ms: f64,
+    pub late_ms: f64,
+    /// Looks so far.
+    pub looks: u64,
+    /// Why nothing is heard in full.
+    pub error: Option<String>,
+}
+
+/// Looks at a scene, with a renderer of its own.
+pub struct Hearing {
+    tracer: Tracer,
+    /// The last scene that was heard.
+    scene: Option<Scene>,
+    /// Responses are so long, and when that was found.
+    length: Option<(f64, Instant)>,
+    last_look: Instant,
+    last_late: Option<Instant>,
+}
+
+/// What a look has found of one source, to be told to whoever plays it.
+#[derive(Clone, Copy, Debug)]
+pub struct Found<'a> {
+    /// The source, from 0.
+    pub source: usize,
+    /// What is heard of it.
+    pub response: &'a Response,
+    /// The listener's axes.
+    pub axes: &'a ListenerAxes,
+    /// Whether its late part is due.
+    pub is_late_due: bool,
+    /// Seconds in which its echoes glide there.
+    pub glide_s: f64,
+}
+
+impl Hearing {
+    /// Nothing was heard yet.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] when the renderer fails.
+    pub fn new(context: &Context) -> Result<Hearing, Error> {
+        Ok(Hearing {
+            tracer: Tracer::new(context)?,
+            scene: None,
+            length: None,
+            last_look: Instant::now(),
+            last_late: None,
+        })
+    }
+
+    /// Whether something is heard otherwise than at the last look, or a player that came since waits to be told. A
+    /// late part that was not due then is made once things have come to rest.
+    pub fn is_new(&self, scene: &Scene, settings: &Settings, is_waited_for: bool) -> bool {
+        let is_another = self.scene.as_ref() != Some(scene);
+        let lacks_late = self.last_late < Some(self.last_look) && self.late_is_due();
+        settings.profile() != Profile::Thesis && (is_another || lacks_late || is_waited_for)
+    }
+
+    fn late_is_due(&self) -> bool {
+        let since = |last: Instant| last.elapsed().as_secs_f64() >= LATE_EVERY_S;
+        self.last_late.is_none_or(since)
+    }
+
+    /// Traces what is heard of every source, and tells it.
+    ///
+    /// # Errors
+    /// As [`Response::trace`], and those of `tell`.
+    pub fn look(
+        &mut self,
+        scene: &Scene,
+        settings: &Settings,
+        is_waited_for: bool,
+        mut tell: impl FnMut(Found) -> Result<(), Error>,
+    ) -> Result<EarsStatus, Error> {
+        let began = Instant::now();
+        let since = self.last_look.elapsed().as_secs_f64();
+        let glide_s = since.clamp(SHORTEST_GLIDE_S, LONGEST_GLIDE_S);
+        let is_late_due = is_waited_for || self.late_is_due();
+        let seconds = self.length_s(scene, settings)?;
+        let how = response_settings(settings).with_seconds(seconds);
+        let axes = ListenerAxes::of(&scene.listener)?;
+        let mut status = EarsStatus {
+            curve_s: seconds,
+            ..EarsStatus::default()
+        };
+        let mut curve = vec![0.0; CURVE_POINTS];
+        let mut on_late = Duration::ZERO;
+        for source in 0..scene.sources().count() {
+            let pair = scene.heard_by(source, 0);
+            let response = Response::trace(&mut self.tracer, &pair, &how)?;
+            status.sources.push(SourceHeard::of(&response));
+            add_to_curve(&mut curve, &response, seconds);
+            let making = Instant::now();
+            tell(Found {
+                source,
+                response: &response,
+                axes: &axes,
+                is_late_due,
+                glide_s,
+            })?;
+            on_late += making.elapsed();
+        }
+        status.curve = in_decibels(&curve);
+        status.late_ms = 1e3 * on_late.as_secs_f64();
+        status.trace_ms = 1e3 * began.elapsed().as_secs_f64() - status.late_ms;
+        self.last_look = Instant::now();
+        if is_late_due {
+            self.last_late = Some(self.last_look);
+        }
+        self.scene = Some(scene.clone());
+        Ok(status)
+    }
+
+    /// How long responses are: as foretold some seconds ago.
+    fn length_s(&mut self, scene: &Scene, settings: &Settings) -> Result<f64, Error> {
+        let is_another = self
+            .scene
+            .as_ref()
+            .is_none_or(|last| last.name != scene.name);
+        if let Some((seconds, found)) = self.length
+            && !is_another
+            && found.elapsed().as_secs_f64() < LENGTH_EVERY_S
+        {
+            return Ok(seconds);
+        }
+        let settings = response_settings(settings);
+        let mut longest: f64 = 0.0;
+        for source in 0..scene.sources().count() {
+            let pair = scene.heard_by(source, 0);
+            longest = longest.max(settings.seconds_needed(&mut self.tracer, &pair)?);
+        }
+        let seconds = longest.min(LONGEST_S);
+        self.length = Some((seconds, Instant::now()));
+        Ok(seconds)
+    }
+}
+
+fn response_settings(chosen: &Settings) -> ResponseSettings {
+    let waves = chosen.waves.min(MOST_WAVES);
+    let settings = ResponseSettings::default().with_trace(chosen.clone().with_waves(waves));
+    settings.with_order(ORDER)
+}
+
+impl SourceHeard {
+    fn of(response: &Response) -> SourceHeard {
+        SourceHeard {
+            level_db: strength_db(bands::mean(&response.energy())),
+            paths: response.paths.len(),
+            is_direct: response.direct().is_some(),
+        }
+    }
+}
+
+/// Adds the energies of a response to their parts of the time.
+fn add_to_curve(curve: &mut [f64], response: &Response, seconds: f64) {
+    let mut add = |at_s: f64, energy: f64| {
+        let part = (at_s / seconds * CURVE_POINTS as f64) as usize;
+        if let Some(sum) = curve.get_mut(part) {
+            *sum += energy;
+        }
+    };
+    for path in &response.paths {
+        add(path.delay_s, bands::mean(&path.energy));
+    }
+    let echogram = &response.echogram;
+    for bin in 0..echogram.bins() {
+        let at_s = echogram.first_s() + (bin as f64 + 0.5) * echogram.bin_s();
+        add(at_s, bands::mean(&echogram.energy(bin)));
+    }
+}
+
+/// Against the largest; −80 dB and less are −80 dB.
+fn in_decibels(curve: &[f64]) -> Vec<f32> {
+    let largest = curve.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+    let decibels = |energy: &f64| (10.0 * (energy / largest).log10()).max(QUIETEST_DB) as f32;
+    curve.iter().map(decibels).collect()
+}

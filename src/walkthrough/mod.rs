@@ -1,0 +1,46 @@
+//! Walking through a scene: what the window and a page in a browser share.
+//!
+//! | file | what it does |
+//! | --- | --- |
+//! | `visit` | one walk through a scene: time passes, waves are traced, the picture and the plan are drawn |
+//! | `world`, `walk` | the scene as it stands, where one stands in it |
+//! | `values` | its named values |
+//! | `view` | what the listener sees |
+//! | `plan`, `paths` | the scene from above, and the waves that are shown in it |
+//! | `hearing`, `ears`, `mix` | what is heard in full, told in numbers, and mixed into slices |
+//!
+//! Nothing here knows a window, a clock of its own, or a thread: a [`MoveInput`] and seconds go in.
+
+mod ears;
+mod hearing;
+mod mix;
+mod paths;
+mod plan;
+mod values;
+mod view;
+mod visit;
+mod walk;
+mod world;
+
+pub use ears::Ears;
+pub use hearing::SourceHeard;
+#[cfg(feature = "demo")]
+pub(crate) use hearing::{EarsStatus, Found, Hearing, QUIETEST_DB};
+pub use mix::{HeardMessage, Mix};
+#[cfg(all(feature = "demo", feature = "audio"))]
+pub(crate) use mix::{NOISE_SEED, player};
+pub(crate) use paths::Paths;
+#[cfg(feature = "demo")]
+pub(crate) use plan::Cut;
+#[cfg(feature = "demo")]
+pub(crate) use plan::way;
+#[cfg(feature = "demo")]
+pub(crate) use values::ValueSlider;
+#[cfg(feature = "demo")]
+pub(crate) use view::Drawn;
+pub(crate) use view::View;
+#[cfg(feature = "demo")]
+pub(crate) use view::shader_text as view_text;
+pub use visit::{Plan, Visit, Way};
+pub use walk::{BODY, MoveInput, Walker};
+pub(crate) use world::World;

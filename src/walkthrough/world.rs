@@ -1,0 +1,210 @@
+//! The scene as it stands while one walks in it.
+
+use super::values::{ValueSlider, value_sliders};
+use super::walk::{MoveInput, Walker, carried};
+use crate::scene::{Scene, SceneError};
+use glam::Vec3;
+
+/// A scene that one walks in.
+#[derive(Clone, Debug)]
+pub struct World {
+    /// The name or file that it was loaded by.
+    pub name: String,
+    /// As it was loaded, with the values below.
+    pub base: Scene,
+    /// Its named values, as its file has them.
+    pub sliders: Vec<ValueSlider>,
+    /// Those that were set otherwise, in the unit of the file.
+    pub values: Vec<(String, f32)>,
+    /// As it stands now.
+    pub now: Scene,
+    /// Seconds on its paths.
+    pub seconds: f64,
+    /// Whether these stand still.
+    pub paused: bool,
+    /// Where the listener walked to, once that has begun.
+    pub walker: Option<Walker>,
+    /// Where the source was put, once it was picked up.
+    pub source: Option<Vec3>,
+    /// Whether the source is carried.
+    pub carrying: bool,
+}
+
+impl World {
+    /// Loads a scene.
+    ///
+    /// # Errors
+    /// As [`Scene::load`].
+    pub fn load(name: &str) -> Result<World, SceneError> {
+        Ok(World::named(name, Scene::load(name)?))
+    }
+
+    /// A scene that was loaded by that name.
+    pub fn named(name: &str, base: Scene) -> World {
+        World {
+            name: name.to_owned(),
+            ..World::of(base)
+        }
+    }
+
+    /// A scene that is in no file.
+    pub fn of(base: Scene) -> World {
+        World {
+            name: base.name.clone(),
+            sliders: value_sliders(&base),
+            values: Vec::new(),
+            now: base.clone(),
+            base,
+            seconds: 0.0,
+            paused: false,
+            walker: None,
+            source: None,
+            carrying: false,
+        }
+    }
+
+    /// Another scene under the same name: time, walker, a source that was moved and values
+    /// that were set stay; a value that the new scene does not take is the new file's.
+    pub fn change(&mut self, base: Scene) {
+        self.sliders = value_sliders(&base);
+        self.now = base.clone();
+        self.base = base;
+        for (name, value) in std::mem::take(&mut self.values) {
+            // It is told by the slider, which stands where the file has it.
+            let _ = self.set(&name, value);
+        }
+    }
+
+    /// Sets a named value, in the unit of its file.
+    ///
+    /// # Errors
+    /// As [`Scene::set_value`] and [`Scene::check`]; then it stays as it was.
+    pub fn set(&mut self, name: &str, value: f32) -> Result<(), SceneError> {
+        let mut scene = self.base.clone();
+        scene.set_value(name, value)?;
+        scene.check()?;
+        self.base = scene;
+        self.values.retain(|(known, _)| known != name);
+        let known = self.sliders.iter().find(|slider| slider.name == name);
+        if known.is_none_or(|slider| slider.start != value) {
+            self.values.push((name.to_owned(), value));
+        }
+        Ok(())
+    }
+
+    /// Gives a surface (from 0) a material, and its walls with it.
+    pub fn set_material(&mut self, surface: usize, name: Option<String>) {
+        if let Some(surface) = self.base.surfaces.get_mut(surface) {
+            surface.material = name;
+            surface.walls = Default::default();
+        }
+    }
+
+    /// A named value as it stands, in the unit of its file.
+    pub fn value_of(&self, slider: &ValueSlider) -> f32 {
+        let set = self.values.iter().find(|(name, _)| *name == slider.name);
+        set.map_or(slider.start, |(_, value)| *value)
+    }
+
+    /// This scene with its named values where those of the same names stand in `other`.
+    pub fn like(mut self, other: &World) -> World {
+        for slider in &other.sliders {
+            let (name, value) = (&slider.name, other.value_of(slider));
+            if self.sliders.iter().any(|known| known.name == *name) {
+                // A value that this scene does not take makes it another one, as it is.
+                let _ = self.set(name, value);
+            }
+        }
+        self
+    }
+
+    /// Lets time pass: paths go on, the walker walks, what is carried comes along.
+    pub fn pass(&mut self, input: &MoveInput, seconds: f64) {
+        if !self.paused {
+            self.seconds += seconds;
+        }
+        self.now = if self.moves() {
+            self.base.at(self.looped())
+        } else {
+            self.base.clone()
+        };
+        if let Some(walker) = &self.walker {
+            walker.place(&mut self.now.listener);
+        }
+        if !input.is_rest() {
+            let mut walker = Walker::of(&self.now.listener);
+            walker.walk(&self.now, input, seconds as f32);
+            self.stand(walker);
+        }
+        if self.carrying {
+            self.source = Some(carried(&self.now));
+        }
+        if let Some(source) = self.source {
+            self.now.source.position = source;
+        }
+    }
+
+    /// Whether anything moves by itself.
+    pub fn moves(&self) -> bool {
+        self.base.duration() > 0.0
+    }
+
+    /// Seconds on the paths: they begin again a second after their end.
+    pub fn looped(&self) -> f64 {
+        self.seconds % (self.base.duration() + 1.0)
+    }
+
+    /// Turns the gaze by radians.
+    pub fn look(&mut self, right: f32, up: f32) {
+        let mut walker = Walker::of(&self.now.listener);
+        walker.look(right, up);
+        self.stand(walker);
+    }
+
+    /// Puts the listener there.
+    pub fn stand(&mut self, walker: Walker) {
+        walker.place(&mut self.now.listener);
+        self.walker = Some(walker);
+    }
+
+    /// Picks the source up, or puts it down.
+    pub fn pick_up_or_put_down(&mut self) {
+        self.carrying = !self.carrying;
+    }
+
+    /// Puts source, listener and time back to the beginning.
+    pub fn start_over(&mut self) {
+        self.walker = None;
+        self.source = None;
+        self.carrying = false;
+        self.seconds = 0.0;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects moving scenes: paths go on until paused, and what was moved by hand stays.
+    #[test]
+    fn a_moving_source_moves_until_it_is_picked_up() {
+        let mut world = World::load("open-field").unwrap();
+        world.pass(&MoveInput::default(), 2.0);
+        assert!(world.now.source.position.x.abs() < 1e-4);
+        world.paused = true;
+        world.pass(&MoveInput::default(), 1.0);
+        assert!(world.now.source.position.x.abs() < 1e-4);
+        assert!(world.source.is_none() && world.walker.is_none());
+        world.paused = false;
+        world.pick_up_or_put_down();
+        world.pass(&MoveInput::default(), 0.1);
+        let held = world.now.source.position;
+        world.pick_up_or_put_down();
+        world.pass(&MoveInput::default(), 1.0);
+        assert_eq!(world.now.source.position, held);
+        assert!((held - world.now.listener.position).z < -2.0);
+        world.start_over();
+        world.pass(&MoveInput::default(), 0.0);
+        assert_eq!(world.now.source.position.x, -8.0);
+    }
+}
