@@ -53,6 +53,7 @@ pub struct SourceHeard {
 
 /// What was heard at a look.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(not(feature = "demo"), expect(dead_code))]
 pub struct EarsStatus {
     /// What is heard of each source; none before the first look.
     pub sources: Vec<SourceHeard>,

@@ -36,11 +36,13 @@ impl Paths {
     }
 
     /// Whether none were followed yet.
+    #[cfg(feature = "demo")]
     pub fn are_none(&self) -> bool {
         self.states.is_empty()
     }
 
     /// How many reached the listener.
+    #[cfg(feature = "demo")]
     pub fn heard(&self) -> usize {
         let ends = self.states.last().map_or(&[][..], Vec::as_slice);
         let heard = ends.iter().filter(|wave| wave.fate() == Fate::Listener);

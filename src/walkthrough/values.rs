@@ -109,7 +109,7 @@ mod tests {
             way.range.contains(&-10.0) && way.range.contains(&5.0),
             "{way:?}"
         );
-        let mut world = super::super::state::World::of(scene);
+        let mut world = super::super::World::of(scene);
         for slider in &sliders {
             for end in [*slider.range.start(), *slider.range.end()] {
                 world.set(&slider.name, end).unwrap();

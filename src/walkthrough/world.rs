@@ -35,11 +35,13 @@ impl World {
     ///
     /// # Errors
     /// As [`Scene::load`].
+    #[cfg(feature = "demo")]
     pub fn load(name: &str) -> Result<World, SceneError> {
         Ok(World::named(name, Scene::load(name)?))
     }
 
     /// A scene that was loaded by that name.
+    #[cfg(feature = "demo")]
     pub fn named(name: &str, base: Scene) -> World {
         World {
             name: name.to_owned(),
@@ -93,6 +95,7 @@ impl World {
     }
 
     /// Gives a surface (from 0) a material, and its walls with it.
+    #[cfg(feature = "demo")]
     pub fn set_material(&mut self, surface: usize, name: Option<String>) {
         if let Some(surface) = self.base.surfaces.get_mut(surface) {
             surface.material = name;
@@ -107,6 +110,7 @@ impl World {
     }
 
     /// This scene with its named values where those of the same names stand in `other`.
+    #[cfg(feature = "demo")]
     pub fn like(mut self, other: &World) -> World {
         for slider in &other.sliders {
             let (name, value) = (&slider.name, other.value_of(slider));
@@ -188,7 +192,7 @@ mod tests {
     /// Protects moving scenes: paths go on until paused, and what was moved by hand stays.
     #[test]
     fn a_moving_source_moves_until_it_is_picked_up() {
-        let mut world = World::load("open-field").unwrap();
+        let mut world = World::of(Scene::builtin("open-field").unwrap());
         world.pass(&MoveInput::default(), 2.0);
         assert!(world.now.source.position.x.abs() < 1e-4);
         world.paused = true;

@@ -45,13 +45,17 @@ impl Driver {
         Driver { process, port }
     }
 
-    /// A browser that keeps its data in `profile` and its downloads in `downloads`.
+    /// A browser that keeps its data in `profile` and its downloads in `downloads`; without graphics.
     pub fn open(&self, profile: &Path, downloads: &Path) -> Browser<'_> {
+        self.open_with(profile, downloads, &["--disable-gpu"])
+    }
+
+    /// The same with more of Chromium's flags.
+    pub fn open_with(&self, profile: &Path, downloads: &Path, flags: &[&str]) -> Browser<'_> {
         let data = format!("--user-data-dir={}", profile.display());
         let arguments = [
             "--headless",
             "--no-sandbox",
-            "--disable-gpu",
             "--disable-quic",
             "--disable-dev-shm-usage",
             "--no-first-run",
@@ -63,7 +67,7 @@ impl Driver {
             &data,
         ];
         let options = json!({
-            "args": arguments,
+            "args": [&arguments[..], flags].concat(),
             "prefs": { "download.default_directory": downloads, "download.prompt_for_download": false },
         });
         let wanted = json!({ "capabilities": { "alwaysMatch": {
@@ -125,7 +129,10 @@ impl Browser<'_> {
     }
 
     pub fn go(&self, file: &Path) {
-        let url = format!("file://{}", file.display());
+        self.visit(&format!("file://{}", file.display()));
+    }
+
+    pub fn visit(&self, url: &str) {
         self.ask("POST", "/url", Some(&json!({ "url": url })));
     }
 
@@ -166,6 +173,16 @@ impl Browser<'_> {
             .flat_map(|key| ["keyDown", "keyUp"].map(|kind| json!({ "type": kind, "value": key })));
         let strokes: Vec<Value> = strokes.collect();
         let actions = json!({ "actions": [{ "type": "key", "id": "keys", "actions": strokes }] });
+        self.ask("POST", "/actions", Some(&actions));
+    }
+
+    /// A key that is held for so long, wherever the focus is.
+    pub fn hold(&self, key: &str, time: Duration) {
+        let actions = json!({ "actions": [{ "type": "key", "id": "keys", "actions": [
+            { "type": "keyDown", "value": key },
+            { "type": "pause", "duration": time.as_millis() as u64 },
+            { "type": "keyUp", "value": key },
+        ] }] });
         self.ask("POST", "/actions", Some(&actions));
     }
 

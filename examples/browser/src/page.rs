@@ -150,7 +150,8 @@ impl Page {
 
     /// Of each named value: what it is, the least and the greatest.
     pub fn values(&self) -> Vec<f32> {
-        let numbers = |(_, value, [least, most], _)| [value, least, most];
+        let numbers =
+            |(_, value, [least, most], _): (&str, f32, [f32; 2], &str)| [value, least, most];
         self.visit.values().flat_map(numbers).collect()
     }
 

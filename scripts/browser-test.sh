@@ -1,0 +1,29 @@
+#!/usr/bin/env bash
+# Builds examples/browser and tests it in a headless browser, on Chromium's software renderer.
+set -euo pipefail
+
+case "${1:-}" in
+"") ;;
+-h | --help)
+    echo "usage: scripts/browser-test.sh"
+    exit 0
+    ;;
+*)
+    echo "usage: scripts/browser-test.sh" >&2
+    exit 2
+    ;;
+esac
+
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+# shellcheck source=scripts/lib.sh
+source scripts/lib.sh
+
+page="$PWD/target/page-tested"
+provide_packages "${NEEDED_TO_TEST[@]}"
+run scripts/browser.sh -o "$page"
+# One browser at a time: each draws with the processor.
+export ECHOMARCH_PAGE="$page"
+run cargo test --locked --test program page:: -- --ignored --nocapture --test-threads=1
+
+say
+say "the page: built, and tested in $(chromium --version 2>/dev/null)"

@@ -1,0 +1,130 @@
+#!/usr/bin/env bash
+# Builds examples/browser, a page that walks through a scene and plays it, to static files that any
+# web server gives out.
+set -euo pipefail
+
+usage() {
+    cat <<'END'
+usage: scripts/browser.sh [-o DIR] [--serve [PORT]]
+
+Builds the page to DIR (target/page). With --serve gives it out at http://localhost:PORT/ (8000)
+until it is ended.
+
+Where the installed Rust has no wasm32-unknown-unknown it is added by rustup; where rustup cannot, Debian's
+compiler for browsers is unpacked beneath target/tools and used for the page alone.
+END
+}
+
+out=""
+port=""
+while (($#)); do
+    case "$1" in
+    -h | --help)
+        usage
+        exit 0
+        ;;
+    -o)
+        out="$(realpath -m "${2:?"-o needs a value"}")"
+        shift
+        ;;
+    --serve)
+        port=8000
+        if [[ "${2:-}" =~ ^[0-9]+$ ]]; then
+            port="$2"
+            shift
+        fi
+        ;;
+    *)
+        usage >&2
+        exit 2
+        ;;
+    esac
+    shift
+done
+
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+# shellcheck source=scripts/lib.sh
+source scripts/lib.sh
+
+readonly WASM=wasm32-unknown-unknown
+readonly MANIFEST=examples/browser/Cargo.toml
+# Apart from the program's: another set of features and, with Debian's compiler, another compiler.
+readonly BUILT=target/browser
+readonly DEBIAN=target/tools/rustc-web
+readonly DEBIAN_PACKAGES=(rustc-web libstd-rust-web-dev rust-web-src)
+out="${out:-$PWD/target/page}"
+
+# Whether the installed compiler has a standard library for browsers.
+has_wasm() {
+    [[ -d "$(rustc --print target-libdir --target "$WASM" 2>/dev/null)" ]]
+}
+
+# Unpacks, without installing, Debian's compiler for browsers and the libraries that it brings.
+unpack_debian() {
+    if [[ -x "$DEBIAN/usr/bin/rustc" && -d "$DEBIAN/usr/lib/rustlib/src/rust/library" ]]; then
+        return 0
+    fi
+    if ! command -v apt-get >/dev/null || ! command -v dpkg >/dev/null; then
+        complain "no standard library for $WASM: run rustup target add $WASM"
+        return 1
+    fi
+    local folder package packages
+    folder="$(mktemp -d)"
+    # The libraries' packages have versions in their names: those that the newest compiler asks for.
+    packages="$(apt-cache depends --recurse --no-recommends --no-suggests --no-conflicts --no-breaks \
+        --no-replaces --no-enhances "${DEBIAN_PACKAGES[@]}" |
+        grep -E '^(rustc-web|rust-web-src|libstd-rust-web.*|libllvm[0-9]+|libz3-4)$' | sort -u)"
+    # shellcheck disable=SC2086 # A list of names.
+    (cd "$folder" && run apt-get download $packages)
+    mkdir -p "$DEBIAN"
+    for package in "$folder"/*.deb; do
+        run dpkg -x "$package" "$DEBIAN"
+    done
+    rm -r "$folder"
+}
+
+# Sets `cargo_wasm` to what builds for browsers.
+choose_compiler() {
+    cargo_wasm=(cargo)
+    if has_wasm; then
+        return 0
+    fi
+    if command -v rustup >/dev/null && run rustup target add "$WASM" && has_wasm; then
+        return 0
+    fi
+    say "rustup cannot add $WASM: Debian's compiler for browsers is taken"
+    provide_packages "command:wasm-ld lld links what is compiled for browsers"
+    unpack_debian
+    local root="$PWD/$DEBIAN/usr"
+    cargo_wasm=(env "LD_LIBRARY_PATH=$root/lib/x86_64-linux-gnu" "RUSTC=$root/bin/rustc"
+        # Its standard library is built from source with it, which stable compilers do only so.
+        RUSTC_BOOTSTRAP=1 CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_LINKER=wasm-ld
+        cargo -Zbuild-std=std,panic_abort)
+}
+
+# The page, its wasm and the JavaScript that loads it, in a new folder that then takes the old one's place.
+assemble() {
+    local parts="$out.new"
+    rm -rf "$parts"
+    mkdir -p "$parts"
+    cp examples/browser/page/* "$parts"
+    run cargo run --release --locked --quiet --manifest-path "$MANIFEST" --target-dir "$BUILT" -p bindgen -- \
+        "$BUILT/$WASM/release/echomarch_browser.wasm" "$parts/pkg"
+    rm -rf "$out"
+    mv "$parts" "$out"
+}
+
+need_cargo build
+choose_compiler
+run "${cargo_wasm[@]}" build --release --locked --manifest-path "$MANIFEST" --target "$WASM" \
+    --target-dir "$BUILT"
+assemble
+
+wasm="$out/pkg/echomarch_browser_bg.wasm"
+say
+say "$out: $(stat -c %s "$wasm") bytes of wasm, $(gzip -9 -c "$wasm" | wc -c) with gzip"
+if [[ -n "$port" ]]; then
+    say "http://localhost:$port/"
+    exec python3 -m http.server --directory "$out" --bind 127.0.0.1 "$port"
+fi
+say "to see it: scripts/browser.sh --serve"
