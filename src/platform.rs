@@ -16,5 +16,12 @@ pub(crate) const HAS_FILES: bool = !cfg!(target_arch = "wasm32");
 /// event loop alone, and takes `finish` for a flush.
 pub(crate) const CAN_WAIT_FOR_GL: bool = !cfg!(target_arch = "wasm32");
 
+/// What the buffers are for by which texels are read back. Chromium keeps a second copy of those that are read, and
+/// complains in its console where one is not waited for by a fence.
+pub(crate) const READ_BACK_USAGE: u32 = match CAN_WAIT_FOR_GL {
+    true => glow::STREAM_READ,
+    false => glow::STREAM_COPY,
+};
+
 /// Whether OpenGL's buffers can be mapped into memory: those of WebGL are copied.
 pub(crate) const CAN_MAP_BUFFERS: bool = !cfg!(target_arch = "wasm32");

@@ -88,7 +88,8 @@ impl AsyncRead {
         unsafe {
             gl.bind_buffer(glow::PIXEL_PACK_BUFFER, Some(self.buffer));
             if length > self.capacity {
-                gl.buffer_data_size(glow::PIXEL_PACK_BUFFER, length as i32, glow::STREAM_READ);
+                let usage = platform::READ_BACK_USAGE;
+                gl.buffer_data_size(glow::PIXEL_PACK_BUFFER, length as i32, usage);
                 self.capacity = length;
             }
             gl.read_pixels(

@@ -66,8 +66,9 @@ impl Driver {
             "--window-size=1200,900",
             &data,
         ];
+        let arguments = [&arguments[..], flags].concat();
         let options = json!({
-            "args": [&arguments[..], flags].concat(),
+            "args": arguments,
             "prefs": { "download.default_directory": downloads, "download.prompt_for_download": false },
         });
         let wanted = json!({ "capabilities": { "alwaysMatch": {

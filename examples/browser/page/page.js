@@ -17,7 +17,7 @@ const SCALES = [0.15, 0.2, 0.3, 0.4, 0.55, 0.75, 1];
 // Milliseconds until a text that is being written is read, and until a change is in the link.
 const WRITTEN_MS = 400;
 const LINKED_MS = 500;
-// What a powers of two of waves can be chosen.
+// Numbers of waves that can be chosen.
 const WAVES = Array.from({ length: 11 }, (_, power) => 1024 << power);
 
 const $ = (id) => document.getElementById(id);
@@ -82,7 +82,6 @@ function trace() {
 function change(to) {
   Object.assign(state, to);
   if (take()) {
-    if (to.scene) page.start_over();
     if (state.text === null) $("text").value = builtIn();
   }
 }
@@ -103,6 +102,7 @@ function follow(fragment) {
     if (state.source) page.put_source(...state.source);
     showValues();
   }
+  if (!known) say(`There is no scene "${said.scene}": ${state.scene} is shown.`);
   hear();
 }
 
@@ -269,7 +269,6 @@ function connect() {
   for (const waves of WAVES) $("waves").add(new Option(waves, waves));
   $("scene").onchange = (event) => {
     change({ scene: event.target.value, text: null, source: null, values: {} });
-    page.start_over();
     canvas.focus();
   };
   const traced = (name, of) => ($(name).onchange = (event) => {

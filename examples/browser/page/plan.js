@@ -3,6 +3,9 @@
 // Of waves by what became of them: dead, travelling, at the listener.
 const STYLES = [["#28be9573", 0.8], ["#96a0aa38", 0.8], ["#ff802c", 1.4]];
 
+// Height of the plan at the most, in the page's pixels.
+const MOST_HEIGHT = 250;
+
 export class Plan {
   constructor(canvas) {
     this.canvas = canvas;
@@ -18,12 +21,15 @@ export class Plan {
       this.image.getContext("2d").putImageData(pixels, 0, 0);
     }
     const [left, top, right, bottom] = plan.bounds;
-    const width = Math.round(this.canvas.clientWidth * devicePixelRatio);
-    const scale = width / (right - left);
+    const room = this.canvas.parentElement.clientWidth;
+    const shown = Math.min(room / (right - left), MOST_HEIGHT / (bottom - top));
+    const scale = shown * devicePixelRatio;
+    const width = Math.max(1, Math.round((right - left) * scale));
     const height = Math.max(1, Math.round((bottom - top) * scale));
     if (this.canvas.width !== width || this.canvas.height !== height) {
       this.canvas.width = width;
       this.canvas.height = height;
+      this.canvas.style.width = `${width / devicePixelRatio}px`;
     }
     const to = this.canvas.getContext("2d");
     to.drawImage(this.image, 0, 0, width, height);
