@@ -8,6 +8,7 @@ use crate::error::Error;
 use crate::gpu::{Context, GpuTimer, Picture, Program, ProgramCache, full_screen_pass_rows};
 use crate::kernel::{self, Lists};
 use crate::picture::SOURCE_SHARE;
+use crate::platform;
 use crate::scene::Scene;
 use crate::trace::{SceneData, UserFields, check_surfaces};
 use glam::Vec2;
@@ -28,6 +29,10 @@ const REFINING: f64 = 12.0;
 
 /// Rows that are refined in a frame at the least.
 const LEAST_ROWS: u32 = 4;
+
+/// Rows that are refined in a frame where their time cannot be taken: of a picture as wide as a window about as many
+/// pixels as a coarse picture has.
+const UNTIMED_ROWS: u32 = 8;
 
 /// Seconds that a picture may be foreseen to take, of which nothing is measured yet.
 const FIRST_PICTURE: f64 = 1.0;
@@ -175,7 +180,11 @@ impl View {
         let program = self.program(scene)?;
         let picture = sized(&self.context, &mut self.fine, full)?;
         aim(&program, scene, full);
-        let rows = ((REFINING * self.pace) as u32).max(LEAST_ROWS);
+        let rows = match platform::CAN_WAIT_FOR_GL {
+            true => ((REFINING * self.pace) as u32).max(LEAST_ROWS),
+            // How long they take is not known.
+            false => UNTIMED_ROWS,
+        };
         let band = self.refined..self.refined + rows;
         self.timer.restart()?;
         full_screen_pass_rows(&self.context, &program, picture, full[0], full[1], band)?;

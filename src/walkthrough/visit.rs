@@ -211,12 +211,13 @@ impl Visit {
     }
 
     /// Draws what the listener sees over the window or canvas of the context, of that size in pixels, at a share of
-    /// its size (0 to 1). Whether it was drawn anew: where nothing has moved the last picture is shown again.
+    /// its size (0 to 1). Whether it was drawn anew: where nothing has moved the last picture is shown again, and
+    /// by and by refined.
     ///
     /// # Errors
     /// [`Error::Trace`] for a scene that does not fit, [`Error::Gpu`] when the renderer fails.
     pub fn draw(&mut self, size: [u32; 2], scale: f32) -> Result<bool, Error> {
-        let drawn = self.view.draw(&self.world.now, size, (scale, false))?;
+        let drawn = self.view.draw(&self.world.now, size, (scale, true))?;
         Ok(drawn.anew)
     }
 
