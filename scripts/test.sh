@@ -73,7 +73,7 @@ need_cargo fmt clippy
 run cargo fmt --check
 run cargo clippy --locked --all-targets -- -D warnings
 run cargo clippy --locked --no-default-features --lib -- -D warnings
-for features in picture experiment parquet cli demo audio; do
+for features in picture walkthrough experiment parquet cli demo audio; do
     run cargo clippy --locked --no-default-features --features "$features" -- -D warnings
 done
 run scripts/public-api.sh

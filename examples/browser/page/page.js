@@ -250,7 +250,7 @@ function show() {
     row("calls: waves", spent.waves) + row("calls: picture", spent.picture) + row("plan and paths", spent.plan) +
     row("heard in full: trace", earTimes[0]) + row("heard in full: late part", earTimes[1]) +
     `<tr><th>gaps in the sound</th><td>${gaps}</td></tr>`;
-  $("size").textContent = `${canvas.width} × ${canvas.height}, drawn at ${Math.round(100 * SCALES[scale])} %`;
+  $("size").textContent = `${canvas.width} × ${canvas.height}, at ${Math.round(100 * SCALES[scale])} % while anything moves`;
 }
 
 // The link of what is chosen and where one stands.
