@@ -2,13 +2,15 @@
 
 import init, { EarsOfPage } from "./pkg/echomarch_browser.js";
 
-// Of the time that a look takes it rests as long where the processor draws: the picture wants it too.
+// It rests so long after each look, of the time that this took: the picture wants the graphics too.
 const REST = 1;
 // Milliseconds from one look at the scene to the next at the least.
 const LEAST = 4;
+// Milliseconds until it looks again where nothing came.
+const IDLE = 100;
 
 const ready = init();
-let ears = null, mix, scene = 0, latest = null, isDue = false;
+let ears = null, mix, scene = 0, latest = null, timer = 0, next = Infinity, rested = 0;
 
 function begin({ rate, mix: port }) {
   mix = port;
@@ -23,34 +25,46 @@ function begin({ rate, mix: port }) {
   };
 }
 
+// Looks after so long, if that is not to be sooner; never before the rest is over.
 function due(milliseconds) {
-  if (isDue) return;
-  isDue = true;
-  setTimeout(() => {
-    isDue = false;
+  const when = Math.max(performance.now() + milliseconds, rested);
+  if (when >= next) return;
+  clearTimeout(timer);
+  next = when;
+  timer = setTimeout(() => {
+    next = Infinity;
     look();
-  }, milliseconds);
+  }, when - performance.now());
 }
 
 function look() {
   if (!latest || latest.scene !== scene || latest.profile === "thesis") return;
   const began = performance.now();
+  let count = 0;
   try {
     const { names, values, seconds, listener, source, profile, waves } = latest;
     const heard = ears.hear(names, values, seconds, listener, source, profile, waves);
-    for (const each of heard) {
-      const [echoes, late] = [each.echoes, each.late];
-      const buffers = late ? [echoes.buffer, late.buffer] : [echoes.buffer];
-      mix.postMessage({ scene, source: each.source, echoes, late, glide: each.glide_s }, buffers);
-      each.free();
+    count = heard.length;
+    heard.forEach(tell);
+    if (count) {
+      const [trace, late] = ears.milliseconds();
+      postMessage({ sources: Array.from(ears.sources()), trace, late, trouble: null });
     }
-    const [trace, lateMs] = ears.milliseconds();
-    postMessage({ sources: Array.from(ears.sources()), trace, late: lateMs, trouble: null });
   } catch (error) {
     postMessage({ trouble: error.message });
   }
+  const now = performance.now();
+  rested = now + (count ? Math.max(LEAST, REST * (now - began)) : LEAST);
   // A late part that was not due may be by then.
-  due(Math.max(LEAST, REST * (performance.now() - began)));
+  due(IDLE);
+}
+
+// Tells the mix what is heard of one source.
+function tell(heard) {
+  const [echoes, late] = [heard.echoes, heard.late];
+  const buffers = late ? [echoes.buffer, late.buffer] : [echoes.buffer];
+  mix.postMessage({ scene, source: heard.source, echoes, late, glide: heard.glide_s }, buffers);
+  heard.free();
 }
 
 onmessage = async ({ data }) => {
