@@ -228,10 +228,19 @@ impl Browser<'_> {
 }
 
 impl Drop for Browser<'_> {
-    /// Closes the browser as a person does, so that it keeps what it has to.
+    /// Closes the browser as a person does, so that it keeps what it has to; after a test that has failed it is
+    /// closed too, whatever the driver answers.
     fn drop(&mut self) {
         if !std::thread::panicking() {
             self.ask("DELETE", "", None);
+        } else if let Ok(mut stream) = TcpStream::connect(("127.0.0.1", self.driver.port)) {
+            let _ = stream.set_read_timeout(Some(TIMEOUT));
+            let head = format!(
+                "DELETE /session/{} HTTP/1.1\r\nHost: localhost",
+                self.session
+            );
+            let _ = write!(stream, "{head}\r\nConnection: close\r\n\r\n");
+            let _ = stream.read(&mut [0; 256]);
         }
     }
 }
