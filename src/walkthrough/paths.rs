@@ -3,7 +3,7 @@
 use crate::error::Error;
 use crate::platform::Instant;
 use crate::scene::Scene;
-use crate::trace::{Fate, HeardSearch, MostKept, Profile, Settings, Tracer, Wave};
+use crate::trace::{HeardSearch, MostKept, Profile, Settings, Tracer, Wave};
 use std::time::Duration;
 
 /// Paths that are shown at the most: more cover each other.
@@ -45,7 +45,9 @@ impl Paths {
     #[cfg(feature = "demo")]
     pub fn heard(&self) -> usize {
         let ends = self.states.last().map_or(&[][..], Vec::as_slice);
-        let heard = ends.iter().filter(|wave| wave.fate() == Fate::Listener);
+        let heard = ends
+            .iter()
+            .filter(|wave| wave.fate() == crate::trace::Fate::Listener);
         heard.count()
     }
 
