@@ -35,6 +35,14 @@ pub enum GpuError {
         /// What each device answered.
         reason: String,
     },
+    /// A context that the caller made is of a version below the least that is needed.
+    #[error(
+        "the context is of \"{version}\": OpenGL 3.3, or OpenGL ES 3.0, is the least that is needed"
+    )]
+    TooOld {
+        /// GL_VERSION.
+        version: String,
+    },
     /// libOSMesa could not be loaded.
     #[error("libOSMesa was not found ({reason}): install it (on Debian the package libosmesa6)")]
     NoOsMesaLibrary {

@@ -38,6 +38,8 @@ mod api;
 mod async_read;
 mod backend;
 mod bytes;
+mod caller_context;
+mod caller_state;
 mod context;
 mod current;
 mod data_list;
@@ -54,6 +56,7 @@ mod ping_pong;
 mod program;
 mod program_cache;
 mod render_target;
+mod software;
 mod texel_buffer;
 mod texture;
 mod timer;
@@ -62,12 +65,15 @@ mod window;
 
 pub use api::Api;
 pub(crate) use async_read::AsyncRead;
+pub use caller_context::{MakeCurrent, SwitchContext};
 pub(crate) use context::Limits;
 pub use context::{Context, ContextOptions};
 pub(crate) use data_list::DataList;
 pub(crate) use data_texture::DataTexture;
 pub use devices::{GpuInfo, Renderer, list_gpus};
 pub use error::GpuError;
+/// The functions of OpenGL, in the version that [`Context::from_glow`] takes.
+pub use glow;
 pub(crate) use log::log_errors;
 pub(crate) use pass::{Target, full_screen_pass, full_screen_pass_rows};
 #[cfg(any(test, feature = "picture"))]
