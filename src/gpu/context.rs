@@ -11,8 +11,8 @@ use glow::HasContext;
 use super::backend::Backend;
 use super::caller_context::{CallerPart, Entered};
 use super::caller_state::set_scissor_test;
-use super::egl::{self, Egl};
 use super::error::code_name;
+use super::native;
 use super::osmesa::OsMesa;
 use super::software::is_software;
 use super::{Api, GpuError, current};
@@ -126,21 +126,18 @@ impl Context {
                 Some(asked) => Err(GpuError::NoSuchGpu { asked, found: 1 }),
             };
         }
-        let devices = egl::devices()?;
+        let places = native::places()?;
         if let Some(asked) = options.gpu {
-            let device = devices.get(asked).ok_or(GpuError::NoSuchGpu {
+            let place = places.get(asked).ok_or(GpuError::NoSuchGpu {
                 asked,
-                found: devices.len(),
+                found: places.len(),
             })?;
-            return Context::from_backend(
-                Rc::new(Egl::on_device(device, options.api)?),
-                options.api,
-            );
+            return Context::from_backend(native::open(place, options.api)?, options.api);
         }
         let mut reasons = Vec::new();
-        for (index, device) in devices.iter().enumerate() {
-            let context = Egl::on_device(device, options.api)
-                .and_then(|egl| Context::from_backend(Rc::new(egl), options.api));
+        for (index, place) in places.iter().enumerate() {
+            let context = native::open(place, options.api)
+                .and_then(|backend| Context::from_backend(backend, options.api));
             match context {
                 Ok(context) => {
                     return Ok(Context {
@@ -207,7 +204,8 @@ impl Context {
     /// Sets the size of the viewport, which begins at (0, 0). A caller's further viewports stay as they are.
     pub(super) fn set_viewport(&self, width: u32, height: u32) {
         let gl = self.gl();
-        // SAFETY: the context is current, and has the function where there are several viewports.
+        // SAFETY: the context is current, and has the function where there are several viewports. Mesa 22 writes to the
+        // numbers: they are no constants.
         unsafe {
             match self.has_viewport_arrays() {
                 true => gl.viewport_f32_slice(0, 1, &[[0.0, 0.0, width as f32, height as f32]]),

@@ -8,26 +8,10 @@
 //! context is still the current one, and [`Entered`] puts back what was current before.
 
 use std::cell::RefCell;
-use std::ffi::c_void;
 use std::rc::{Rc, Weak};
-use std::sync::OnceLock;
-
-use glutin::api::egl::Egl;
-use glutin::api::egl::display::Display;
 
 use super::backend::{Backend, Owner};
-
-/// EGL's functions, once there was a context by way of it.
-static EGL: OnceLock<&'static Egl> = OnceLock::new();
-
-// Values of EGL/egl.h.
-const EGL_DRAW: i32 = 0x3059;
-const EGL_READ: i32 = 0x305A;
-
-/// Keeps EGL's functions, by which contexts of others are found and put back.
-pub(super) fn knows_egl(display: &Display) {
-    let _ = EGL.set(display.egl());
-}
+use super::native::Foreign;
 
 thread_local! {
     static CURRENT: RefCell<Option<Weak<dyn Backend>>> = const { RefCell::new(None) };
@@ -58,7 +42,7 @@ pub(super) fn make(context: &Rc<dyn Backend>) -> Result<(), String> {
                 context.release();
             }
             // Of others': OSMesa cannot replace one of EGL's.
-            if let Some(foreign) = Foreign::of_egl() {
+            if let Some(foreign) = Foreign::of_system() {
                 foreign.release();
             }
             context.make_current()?;
@@ -87,54 +71,6 @@ fn release_in(current: &RefCell<Option<Weak<dyn Backend>>>) {
 /// The context that was made current last, while it lives.
 fn last_made(current: &RefCell<Option<Weak<dyn Backend>>>) -> Option<Rc<dyn Backend>> {
     current.borrow().as_ref().and_then(Weak::upgrade)
-}
-
-/// A context of EGL's that echomarch did not make, as it was current.
-struct Foreign {
-    egl: &'static Egl,
-    api: u32,
-    display: *const c_void,
-    draw: *const c_void,
-    read: *const c_void,
-    context: *const c_void,
-}
-
-impl Foreign {
-    /// What EGL says is current on this thread, if anything.
-    fn of_egl() -> Option<Foreign> {
-        let egl = *EGL.get()?;
-        // SAFETY: asks only.
-        unsafe {
-            let context = egl.GetCurrentContext();
-            if context.is_null() {
-                return None;
-            }
-            Some(Foreign {
-                egl,
-                api: egl.QueryAPI(),
-                display: egl.GetCurrentDisplay(),
-                draw: egl.GetCurrentSurface(EGL_DRAW),
-                read: egl.GetCurrentSurface(EGL_READ),
-                context,
-            })
-        }
-    }
-
-    fn release(&self) {
-        let none = std::ptr::null();
-        // SAFETY: the display is the current one; null surfaces and no context mean that none is current.
-        unsafe { self.egl.MakeCurrent(self.display, none, none, none) };
-    }
-
-    /// Makes it current again. If its owner has destroyed it in the meantime EGL refuses, and none is current.
-    fn make_current(&self) {
-        // SAFETY: EGL checks handles against those that there are.
-        unsafe {
-            self.egl.BindAPI(self.api);
-            self.egl
-                .MakeCurrent(self.display, self.draw, self.read, self.context);
-        }
-    }
 }
 
 /// While it lives a context is current; then what the caller had made current is again.
@@ -167,7 +103,7 @@ pub(super) fn enter(context: &Rc<dyn Backend>) -> Result<Entered, String> {
     let known = known.filter(|known| known.owner() == Owner::Echomarch && known.is_current());
     let foreign = || match known {
         Some(_) => None,
-        None => Foreign::of_egl(),
+        None => Foreign::of_system(),
     };
     let (foreign, then) = match context.owner() {
         Owner::Echomarch => (foreign(), Then::Stays),

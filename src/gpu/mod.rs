@@ -45,8 +45,10 @@ mod current;
 mod data_list;
 mod data_texture;
 mod devices;
+#[cfg(all(unix, not(target_os = "macos")))]
 mod egl;
 mod error;
+mod glutin_context;
 mod log;
 mod osmesa;
 mod pass;
@@ -62,6 +64,18 @@ mod texture;
 mod timer;
 #[cfg(feature = "demo")]
 mod window;
+
+// What the system has for contexts without a window.
+#[cfg(target_os = "macos")]
+mod cgl;
+#[cfg(windows)]
+mod wgl;
+#[cfg(target_os = "macos")]
+use cgl as native;
+#[cfg(all(unix, not(target_os = "macos")))]
+use egl as native;
+#[cfg(windows)]
+use wgl as native;
 
 pub use api::Api;
 pub(crate) use async_read::AsyncRead;
