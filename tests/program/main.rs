@@ -21,5 +21,6 @@ mod localise;
 mod localise_form;
 mod localise_score;
 mod render_full;
+mod strange_egl;
 mod study;
 mod untrusted;
