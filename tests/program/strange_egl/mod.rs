@@ -43,7 +43,10 @@ fn trace(folder: &TempDir, arguments: &[&str]) -> Output {
 /// EGL works.
 #[test]
 fn a_libegl_without_functions_is_told() {
-    for text in ["", "void *eglGetProcAddress(const char *name) { return 0; }"] {
+    for text in [
+        "",
+        "void *eglGetProcAddress(const char *name) { return 0; }",
+    ] {
         let sources = tempfile::tempdir().unwrap();
         let source = sources.path().join("stub.c");
         std::fs::write(&source, text).unwrap();
@@ -92,7 +95,10 @@ fn contexts_are_made_without_a_list_of_devices() {
             assert!(output.status.success(), "{api}: {}", stderr(&output));
             let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
             for part in ["renderer", "listener_hits", "pan"] {
-                assert_eq!(found[part], expected[part], "{api}, {client:?}, {display:?}");
+                assert_eq!(
+                    found[part], expected[part],
+                    "{api}, {client:?}, {display:?}"
+                );
             }
         }
     }
