@@ -8,7 +8,6 @@ use std::sync::Arc;
 use winit::dpi::{LogicalSize, PhysicalPosition, PhysicalSize};
 use winit::event::WindowEvent;
 use winit::event_loop::{ActiveEventLoop, EventLoop};
-use winit::platform::x11::{EventLoopBuilderExtX11, WindowAttributesExtX11};
 use winit::window::{CursorGrabMode, Window, WindowAttributes};
 
 /// What draws the panels.
@@ -32,15 +31,53 @@ pub struct DemoWindow {
 /// # Errors
 /// [`DemoError::NoDisplay`].
 pub fn event_loop() -> Result<EventLoop<()>, DemoError> {
-    let no_display = |reason: String| DemoError::NoDisplay { reason };
-    let name = std::env::var("DISPLAY").unwrap_or_default();
-    if name.is_empty() {
-        return Err(no_display("DISPLAY is not set".into()));
-    }
-    EventLoop::builder()
-        .with_x11()
+    new_event_loop().map_err(|reason| DemoError::NoDisplay { reason })
+}
+
+/// X11 where there is a display of it, or else Wayland.
+#[cfg(all(unix, not(target_os = "macos")))]
+fn new_event_loop() -> Result<EventLoop<()>, String> {
+    use winit::platform::wayland::EventLoopBuilderExtWayland;
+    use winit::platform::x11::EventLoopBuilderExtX11;
+    let variable = |name| std::env::var(name).unwrap_or_default();
+    let (x11, wayland) = (variable("DISPLAY"), variable("WAYLAND_DISPLAY"));
+    let mut builder = EventLoop::builder();
+    let place = match (x11.is_empty(), wayland.is_empty()) {
+        (true, true) => return Err("DISPLAY is not set".into()),
+        (false, _) => {
+            builder.with_x11();
+            format!("DISPLAY is {x11}")
+        }
+        (true, false) => {
+            builder.with_wayland();
+            format!("WAYLAND_DISPLAY is {wayland}")
+        }
+    };
+    builder
         .build()
-        .map_err(|_| no_display(format!("DISPLAY is {name}, where nothing answers")))
+        .map_err(|_| format!("{place}, where nothing answers"))
+}
+
+/// The system's own windows.
+#[cfg(not(all(unix, not(target_os = "macos"))))]
+fn new_event_loop() -> Result<EventLoop<()>, String> {
+    EventLoop::new().map_err(|error| error.to_string())
+}
+
+/// The window with what EGL needs of it.
+#[cfg(all(unix, not(target_os = "macos")))]
+fn with_visual(attributes: WindowAttributes, display: &WindowDisplay) -> WindowAttributes {
+    use winit::platform::x11::WindowAttributesExtX11;
+    match display.x11_visual() {
+        Some(visual) => attributes.with_x11_visual(visual as u32),
+        None => attributes,
+    }
+}
+
+/// The window as it is: nothing is needed of it.
+#[cfg(not(all(unix, not(target_os = "macos"))))]
+fn with_visual(attributes: WindowAttributes, _: &WindowDisplay) -> WindowAttributes {
+    attributes
 }
 
 impl DemoWindow {
@@ -50,14 +87,11 @@ impl DemoWindow {
     /// [`DemoError::NoWindow`], [`DemoError::Failed`].
     pub fn open(events: &ActiveEventLoop, options: &DemoOptions) -> Result<DemoWindow, DemoError> {
         let display = WindowDisplay::of(events.owned_display_handle())?;
-        let mut attributes = WindowAttributes::default()
+        let attributes = WindowAttributes::default()
             .with_title("Echomarch")
             .with_inner_size(LogicalSize::new(options.width, options.height))
             .with_min_inner_size(PhysicalSize::new(320, 180));
-        if let Some(visual) = display.x11_visual() {
-            attributes = attributes.with_x11_visual(visual as u32);
-        }
-        let window = events.create_window(attributes);
+        let window = events.create_window(with_visual(attributes, &display));
         let window = window.map_err(|error| DemoError::NoWindow {
             reason: error.to_string(),
         })?;

@@ -254,7 +254,7 @@ fn until_there(
 
 impl Drop for AsyncRead {
     fn drop(&mut self) {
-        let _entered = self.context.enter();
+        let _entered = self.context.enter_to_free();
         self.cancel();
         // SAFETY: the context is current, and the buffer its own and not used again.
         unsafe { self.context.gl().delete_buffer(self.buffer) };

@@ -27,4 +27,20 @@ pub(super) trait Backend {
 
     /// Address of a GL function, null where the library has none of that name.
     fn proc_address(&self, name: &CStr) -> *const c_void;
+
+    /// Whose context it is, and who makes it current.
+    fn owner(&self) -> Owner {
+        Owner::Echomarch
+    }
+}
+
+/// Whose a context is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Owner {
+    /// Made here, and free to stay current.
+    Echomarch,
+    /// Made by the caller, whose functions make it current and not current.
+    Caller,
+    /// Made by the caller, who keeps it current himself: it is not for echomarch to change that.
+    KeptCurrentByCaller,
 }

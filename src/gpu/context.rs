@@ -6,16 +6,19 @@ use std::fmt;
 #[cfg(not(target_arch = "wasm32"))]
 use std::ptr;
 use std::rc::Rc;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use glow::HasContext;
 
 use super::backend::Backend;
-#[cfg(not(target_arch = "wasm32"))]
-use super::egl::{self, Egl};
+use super::caller_context::{CallerPart, Entered};
+use super::caller_state::set_scissor_test;
 use super::error::code_name;
 #[cfg(not(target_arch = "wasm32"))]
+use super::native;
+#[cfg(not(target_arch = "wasm32"))]
 use super::osmesa::OsMesa;
+use super::software::is_software;
 use super::{Api, GpuError, current};
 
 /// The extension by which OpenGL ES draws into textures of floats.
@@ -80,9 +83,9 @@ pub struct Context {
 }
 
 /// What the clones of a context share.
-struct Inner {
+pub(super) struct Inner {
     backend: Rc<dyn Backend>,
-    gl: glow::Context,
+    gl: Arc<glow::Context>,
     vertex_array: glow::VertexArray,
     api: Api,
     renderer: String,
@@ -91,6 +94,8 @@ struct Inner {
     shading_language: String,
     limits: Limits,
     reset_status: Option<ResetStatus>,
+    /// Of a context that the caller made.
+    caller: Option<CallerPart>,
 }
 
 /// glGetGraphicsResetStatus, under whatever name the driver has it.
@@ -98,8 +103,17 @@ type ResetStatus = unsafe extern "system" fn() -> u32;
 
 impl Drop for Inner {
     fn drop(&mut self) {
-        // The vertex array goes with the context.
-        current::release();
+        if self.caller.is_none() {
+            // The vertex array goes with the context.
+            current::release();
+            return;
+        }
+        // Where the context cannot be made current it is gone, and the vertex array with it.
+        let Ok(_entered) = current::enter(&self.backend) else {
+            return;
+        };
+        // SAFETY: the context is current, and the vertex array its own and not bound outside of calls.
+        unsafe { self.gl.delete_vertex_array(self.vertex_array) };
     }
 }
 
@@ -117,21 +131,18 @@ impl Context {
                 Some(asked) => Err(GpuError::NoSuchGpu { asked, found: 1 }),
             };
         }
-        let devices = egl::devices()?;
+        let places = native::places()?;
         if let Some(asked) = options.gpu {
-            let device = devices.get(asked).ok_or(GpuError::NoSuchGpu {
+            let place = places.get(asked).ok_or(GpuError::NoSuchGpu {
                 asked,
-                found: devices.len(),
+                found: places.len(),
             })?;
-            return Context::from_backend(
-                Rc::new(Egl::on_device(device, options.api)?),
-                options.api,
-            );
+            return Context::from_backend(native::open(place, options.api)?, options.api);
         }
         let mut reasons = Vec::new();
-        for (index, device) in devices.iter().enumerate() {
-            let context = Egl::on_device(device, options.api)
-                .and_then(|egl| Context::from_backend(Rc::new(egl), options.api));
+        for (index, place) in places.iter().enumerate() {
+            let context = native::open(place, options.api)
+                .and_then(|backend| Context::from_backend(backend, options.api));
             match context {
                 Ok(context) => {
                     return Ok(Context {
@@ -173,22 +184,67 @@ impl Context {
         backend
             .make_current()
             .map_err(|reason| GpuError::NoContext { api, reason })?;
-        let gl = load(&*backend);
-        match describe(backend, gl, api) {
-            Ok(inner) => {
-                let inner = Rc::new(inner);
-                current::make(&inner.backend)
-                    .map_err(|reason| GpuError::NoContext { api, reason })?;
-                Ok(Context {
-                    inner,
-                    passed_over: Rc::default(),
-                })
-            }
-            Err((backend, error)) => {
-                backend.release();
-                Err(error)
+        let gl = Arc::new(load(&*backend));
+        let inner = describe(backend.clone(), gl, api, None).inspect_err(|_| backend.release())?;
+        let context = Context::from_inner(inner);
+        current::make(&backend).map_err(|reason| GpuError::NoContext { api, reason })?;
+        Ok(context)
+    }
+
+    /// A first reference.
+    pub(super) fn from_inner(inner: Inner) -> Context {
+        Context {
+            inner: Rc::new(inner),
+            passed_over: Rc::default(),
+        }
+    }
+
+    /// What there is besides of a context that the caller made.
+    pub(super) fn caller_part(&self) -> Option<&CallerPart> {
+        self.inner.caller.as_ref()
+    }
+
+    /// Turns the scissor on or off.
+    pub(super) fn set_scissor_test(&self, is_on: bool) {
+        let gl = self.gl();
+        match (self.caller_part(), is_on) {
+            (Some(part), is_on) => set_scissor_test(gl, &part.traits, is_on),
+            // SAFETY: the context is current.
+            (None, true) => unsafe { gl.enable(glow::SCISSOR_TEST) },
+            // SAFETY: the context is current.
+            (None, false) => unsafe { gl.disable(glow::SCISSOR_TEST) },
+        }
+    }
+
+    /// Sets the size of the viewport, which begins at (0, 0). A caller's further viewports stay as they are.
+    pub(super) fn set_viewport(&self, width: u32, height: u32) {
+        let gl = self.gl();
+        // SAFETY: the context is current, and has the function where there are several viewports. Mesa 22 writes to the
+        // numbers: they are no constants.
+        unsafe {
+            match self.has_viewport_arrays() {
+                true => gl.viewport_f32_slice(0, 1, &[[0.0, 0.0, width as f32, height as f32]]),
+                false => gl.viewport(0, 0, width as i32, height as i32),
             }
         }
+    }
+
+    /// Sets the rectangle of the scissor. A caller's further scissors stay as they are.
+    pub(super) fn set_scissor(&self, x: u32, y: u32, width: u32, height: u32) {
+        let gl = self.gl();
+        let [x, y, width, height] = [x, y, width, height].map(|number| number as i32);
+        // SAFETY: the context is current, and has the function where there are several scissors.
+        unsafe {
+            match self.has_viewport_arrays() {
+                true => gl.scissor_slice(0, 1, &[[x, y, width, height]]),
+                false => gl.scissor(x, y, width, height),
+            }
+        }
+    }
+
+    fn has_viewport_arrays(&self) -> bool {
+        self.caller_part()
+            .is_some_and(|part| part.traits.has_viewport_arrays)
     }
 
     /// The way to reach OpenGL that was asked for.
@@ -232,6 +288,10 @@ impl Context {
     /// Where the context cannot be made current none is; then GL calls do nothing, and [`check`](Context::check)
     /// reports it.
     pub(crate) fn gl(&self) -> &glow::Context {
+        debug_assert!(
+            self.caller_part().is_none_or(|part| part.entered.get() > 0),
+            "a context of the caller's is used without keeping its state"
+        );
         let _ = current::make(&self.inner.backend);
         &self.inner.gl
     }
@@ -268,11 +328,24 @@ impl Context {
     }
 
     /// Makes the context current until the answer is dropped, and then what somebody else had made current on this
-    /// thread by way of EGL. Where nothing was current the context stays so.
+    /// thread by way of EGL. Where nothing was current the context stays so, unless it is the caller's. The state of a
+    /// caller's context is kept, and put back.
     ///
     /// # Errors
     /// [`GpuError::ContextLost`] if it cannot be made current.
-    pub(crate) fn enter(&self) -> Result<current::Entered, GpuError> {
+    pub(crate) fn enter(&self) -> Result<Entered, GpuError> {
+        Ok(Entered::with_state(self, self.make_current()?))
+    }
+
+    /// The same for the freeing of objects.
+    ///
+    /// # Errors
+    /// As [`enter`](Context::enter).
+    pub(super) fn enter_to_free(&self) -> Result<Entered, GpuError> {
+        Ok(Entered::without_state(self, self.make_current()?))
+    }
+
+    fn make_current(&self) -> Result<current::Entered, GpuError> {
         current::enter(&self.inner.backend).map_err(|reason| GpuError::ContextLost { reason })
     }
 
@@ -328,26 +401,13 @@ impl fmt::Debug for Context {
     }
 }
 
-/// Whether a renderer of that name draws with the processor.
-fn is_software(renderer: &str) -> bool {
-    let renderer = renderer.to_lowercase();
-    [
-        "llvmpipe",
-        "softpipe",
-        "swrast",
-        "software rasterizer",
-        "swiftshader",
-    ]
-    .iter()
-    .any(|name| renderer.contains(name))
-}
-
-/// Asks for all that is known of a context that is current. A failure gives the backend back.
-fn describe(
+/// Asks for all that is known of a context that is current.
+pub(super) fn describe(
     backend: Rc<dyn Backend>,
-    gl: glow::Context,
+    gl: Arc<glow::Context>,
     api: Api,
-) -> Result<Inner, (Rc<dyn Backend>, GpuError)> {
+    caller: Option<CallerPart>,
+) -> Result<Inner, GpuError> {
     // SAFETY: the context is current, and the strings and numbers asked for exist in every version.
     let (renderer, vendor, version, shading_language) = unsafe {
         (
@@ -358,21 +418,14 @@ fn describe(
         )
     };
     if api == Api::Gles && !has_float_targets(&gl) {
-        return Err((
-            backend,
-            GpuError::MissingExtension {
-                extension: FLOAT_TARGETS,
-                renderer,
-            },
-        ));
+        return Err(GpuError::MissingExtension {
+            extension: FLOAT_TARGETS,
+            renderer,
+        });
     }
     // SAFETY: the context is current.
-    let vertex_array = match unsafe { gl.create_vertex_array() } {
-        Ok(vertex_array) => vertex_array,
-        Err(reason) => return Err((backend, GpuError::NoContext { api, reason })),
-    };
-    // SAFETY: the context is current, and the vertex array its own.
-    unsafe { gl.bind_vertex_array(Some(vertex_array)) };
+    let vertex_array = unsafe { gl.create_vertex_array() }
+        .map_err(|reason| GpuError::NoContext { api, reason })?;
     let limits = limits(&gl, api);
     let reset_status = reset_status(&*backend, &gl, api);
     Ok(Inner {
@@ -386,6 +439,7 @@ fn describe(
         shading_language,
         limits,
         reset_status,
+        caller,
     })
 }
 
@@ -446,18 +500,5 @@ fn limits(gl: &glow::Context, api: Api) -> Limits {
         },
         max_draw_buffers: limit(glow::MAX_DRAW_BUFFERS),
         max_color_attachments: limit(glow::MAX_COLOR_ATTACHMENTS),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::is_software;
-
-    /// Wall clock or timer query, goldens or tolerances: all depend on knowing a software renderer by its name.
-    #[test]
-    fn software_renderers_are_known_by_name() {
-        assert!(is_software("llvmpipe (LLVM 15.0.6, 256 bits)"));
-        assert!(is_software("Google SwiftShader"));
-        assert!(!is_software("NVIDIA H200/PCIe/SSE2"));
     }
 }

@@ -8,26 +8,10 @@
 //! context is still the current one, and [`Entered`] puts back what was current before.
 
 use std::cell::RefCell;
-use std::ffi::c_void;
 use std::rc::{Rc, Weak};
-use std::sync::OnceLock;
 
-use glutin::api::egl::Egl;
-use glutin::api::egl::display::Display;
-
-use super::backend::Backend;
-
-/// EGL's functions, once there was a context by way of it.
-static EGL: OnceLock<&'static Egl> = OnceLock::new();
-
-// Values of EGL/egl.h.
-const EGL_DRAW: i32 = 0x3059;
-const EGL_READ: i32 = 0x305A;
-
-/// Keeps EGL's functions, by which contexts of others are found and put back.
-pub(super) fn knows_egl(display: &Display) {
-    let _ = EGL.set(display.egl());
-}
+use super::backend::{Backend, Owner};
+use super::native::Foreign;
 
 thread_local! {
     static CURRENT: RefCell<Option<Weak<dyn Backend>>> = const { RefCell::new(None) };
@@ -41,14 +25,24 @@ pub(super) fn make(context: &Rc<dyn Backend>) -> Result<(), String> {
     CURRENT
         .try_with(|current| {
             let last = last_made(current);
-            let is_last =
-                last.is_some_and(|last| std::ptr::addr_eq(Rc::as_ptr(&last), Rc::as_ptr(context)));
-            if is_last && context.is_current() {
+            let is_last = last
+                .as_ref()
+                .is_some_and(|last| std::ptr::addr_eq(Rc::as_ptr(last), Rc::as_ptr(context)));
+            // What the caller has made current needs no switch, which would flush it.
+            let is_callers = last.is_none() && context.owner() == Owner::Caller;
+            let is_kept = context.owner() == Owner::KeptCurrentByCaller;
+            if is_kept || ((is_last || is_callers) && context.is_current()) {
+                *current.borrow_mut() = Some(Rc::downgrade(context));
                 return Ok(());
             }
+            drop(last);
             release_in(current);
+            // Its library still takes it for current where another library's context took its place.
+            if context.owner() == Owner::Caller && context.is_current() {
+                context.release();
+            }
             // Of others': OSMesa cannot replace one of EGL's.
-            if let Some(foreign) = Foreign::of_egl() {
+            if let Some(foreign) = Foreign::of_system() {
                 foreign.release();
             }
             context.make_current()?;
@@ -79,80 +73,73 @@ fn last_made(current: &RefCell<Option<Weak<dyn Backend>>>) -> Option<Rc<dyn Back
     current.borrow().as_ref().and_then(Weak::upgrade)
 }
 
-/// A context of EGL's that echomarch did not make, as it was current.
-struct Foreign {
-    egl: &'static Egl,
-    api: u32,
-    display: *const c_void,
-    draw: *const c_void,
-    read: *const c_void,
-    context: *const c_void,
-}
-
-impl Foreign {
-    /// What EGL says is current on this thread, if anything.
-    fn of_egl() -> Option<Foreign> {
-        let egl = *EGL.get()?;
-        // SAFETY: asks only.
-        unsafe {
-            let context = egl.GetCurrentContext();
-            if context.is_null() {
-                return None;
-            }
-            Some(Foreign {
-                egl,
-                api: egl.QueryAPI(),
-                display: egl.GetCurrentDisplay(),
-                draw: egl.GetCurrentSurface(EGL_DRAW),
-                read: egl.GetCurrentSurface(EGL_READ),
-                context,
-            })
-        }
-    }
-
-    fn release(&self) {
-        let none = std::ptr::null();
-        // SAFETY: the display is the current one; null surfaces and no context mean that none is current.
-        unsafe { self.egl.MakeCurrent(self.display, none, none, none) };
-    }
-
-    /// Makes it current again. If its owner has destroyed it in the meantime EGL refuses, and none is current.
-    fn make_current(&self) {
-        // SAFETY: EGL checks handles against those that there are.
-        unsafe {
-            self.egl.BindAPI(self.api);
-            self.egl
-                .MakeCurrent(self.display, self.draw, self.read, self.context);
-        }
-    }
-}
-
-/// While it lives a context of echomarch's is current; then what the caller had made current is again.
+/// While it lives a context is current; then what the caller had made current is again.
 #[must_use]
-pub(crate) struct Entered {
+pub(super) struct Entered {
     foreign: Option<Foreign>,
+    then: Then,
+}
+
+/// What becomes of a context that was entered.
+enum Then {
+    /// It stays current, as the one made current last.
+    Stays,
+    /// One of the caller's stays current, and is his affair again.
+    StaysCallers,
+    /// One of the caller's is made not current, as it was; one of echomarch's that was current is so again.
+    Goes {
+        entered: Rc<dyn Backend>,
+        before: Option<Rc<dyn Backend>>,
+    },
 }
 
 /// Makes the context current, and keeps what somebody else had made current until the answer is dropped. Where nothing
-/// was current the context stays so.
+/// was current a context of echomarch's stays so, and one of the caller's does not.
 ///
 /// # Errors
 /// Those of [`make`].
 pub(super) fn enter(context: &Rc<dyn Backend>) -> Result<Entered, String> {
     let known = CURRENT.try_with(last_made).ok().flatten();
-    let is_known = known.is_some_and(|context| context.is_current());
-    let foreign = if is_known { None } else { Foreign::of_egl() };
+    let known = known.filter(|known| known.owner() == Owner::Echomarch && known.is_current());
+    let foreign = || match known {
+        Some(_) => None,
+        None => Foreign::of_system(),
+    };
+    let (foreign, then) = match context.owner() {
+        Owner::Echomarch => (foreign(), Then::Stays),
+        Owner::Caller if !context.is_current() => {
+            let (foreign, entered) = (foreign(), context.clone());
+            let before = known;
+            (foreign, Then::Goes { entered, before })
+        }
+        Owner::Caller | Owner::KeptCurrentByCaller => (None, Then::StaysCallers),
+    };
     // Dropped if the context cannot be made current, which puts it back too.
-    let entered = Entered { foreign };
+    let entered = Entered { foreign, then };
     make(context)?;
     Ok(entered)
 }
 
 impl Drop for Entered {
     fn drop(&mut self) {
+        match &self.then {
+            Then::Stays if self.foreign.is_none() => (),
+            Then::Stays => release(),
+            Then::StaysCallers => forget(),
+            Then::Goes { entered, before } => {
+                forget();
+                entered.release();
+                // Where that fails the next use of it tells.
+                let _ = before.as_ref().map(make);
+            }
+        }
         if let Some(foreign) = &self.foreign {
-            release();
             foreign.make_current();
         }
     }
+}
+
+/// No context is the one made current last any more, whichever is current.
+fn forget() {
+    let _ = CURRENT.try_with(|current| current.replace(None));
 }

@@ -1,9 +1,8 @@
 //! The devices that contexts can be made on.
 
 use std::fmt;
-use std::rc::Rc;
 
-use super::egl::{self, Egl};
+use super::native;
 use super::{Api, Context, ContextOptions, GpuError, Limits};
 
 /// One device, and what came of making a context on it.
@@ -71,12 +70,12 @@ pub fn list_gpus(api: Api) -> Result<Vec<GpuInfo>, GpuError> {
             }]),
         };
     }
-    let tried = egl::devices()?
+    let tried = native::places()?
         .into_iter()
         .enumerate()
-        .map(|(index, device)| {
-            let context = Egl::on_device(&device, api)
-                .and_then(|egl| Context::from_backend(Rc::new(egl), api));
+        .map(|(index, place)| {
+            let context =
+                native::open(&place, api).and_then(|backend| Context::from_backend(backend, api));
             GpuInfo {
                 index,
                 outcome: context.map(|context| describe(&context)),

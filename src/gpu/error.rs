@@ -11,7 +11,15 @@ pub enum GpuError {
         "libEGL was not found: install it (on Debian the packages libegl1, libegl-mesa0 and libgl1-mesa-dri) or use the API osmesa"
     )]
     NoEglLibrary,
-    /// libEGL is there, but lists no device.
+    /// The libEGL that is found first is not one.
+    #[error(
+        "libEGL is not what it should be ({reason}): see that the right one is found first (LD_LIBRARY_PATH), or use the API osmesa"
+    )]
+    StrangeEglLibrary {
+        /// What it lacks.
+        reason: String,
+    },
+    /// libEGL is there, but lists no device, and opens no display without one.
     #[error(
         "EGL lists no device ({reason}): install a driver (on Debian the packages libegl-mesa0 and libgl1-mesa-dri) or use the API osmesa"
     )]
@@ -34,6 +42,14 @@ pub enum GpuError {
         api: Api,
         /// What each device answered.
         reason: String,
+    },
+    /// A context that the caller made is of a version below the least that is needed.
+    #[error(
+        "the context is of \"{version}\": OpenGL 3.3, or OpenGL ES 3.0, is the least that is needed"
+    )]
+    TooOld {
+        /// GL_VERSION.
+        version: String,
     },
     /// libOSMesa could not be loaded.
     #[error("libOSMesa was not found ({reason}): install it (on Debian the package libosmesa6)")]

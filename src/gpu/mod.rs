@@ -38,6 +38,8 @@ mod api;
 mod async_read;
 mod backend;
 mod bytes;
+mod caller_context;
+mod caller_state;
 mod context;
 #[cfg_attr(target_arch = "wasm32", path = "web_current.rs")]
 mod current;
@@ -45,9 +47,11 @@ mod data_list;
 mod data_texture;
 #[cfg(not(target_arch = "wasm32"))]
 mod devices;
-#[cfg(not(target_arch = "wasm32"))]
+#[cfg(all(unix, not(target_os = "macos")))]
 mod egl;
 mod error;
+#[cfg(not(target_arch = "wasm32"))]
+mod glutin_context;
 mod log;
 #[cfg(not(target_arch = "wasm32"))]
 mod osmesa;
@@ -58,6 +62,7 @@ mod ping_pong;
 mod program;
 mod program_cache;
 mod render_target;
+mod software;
 mod texel_buffer;
 mod texture;
 mod timer;
@@ -66,8 +71,21 @@ mod web;
 #[cfg(feature = "demo")]
 mod window;
 
+// What the system has for contexts without a window.
+#[cfg(target_os = "macos")]
+mod cgl;
+#[cfg(windows)]
+mod wgl;
+#[cfg(target_os = "macos")]
+use cgl as native;
+#[cfg(all(unix, not(target_os = "macos")))]
+use egl as native;
+#[cfg(windows)]
+use wgl as native;
+
 pub use api::Api;
 pub(crate) use async_read::AsyncRead;
+pub use caller_context::{MakeCurrent, SwitchContext};
 #[cfg(not(target_arch = "wasm32"))]
 pub(crate) use context::Limits;
 pub use context::{Context, ContextOptions};
@@ -76,6 +94,8 @@ pub(crate) use data_texture::DataTexture;
 #[cfg(not(target_arch = "wasm32"))]
 pub use devices::{GpuInfo, Renderer, list_gpus};
 pub use error::GpuError;
+/// The functions of OpenGL, in the version that [`Context::from_glow`] takes.
+pub use glow;
 pub(crate) use log::log_errors;
 pub(crate) use pass::{Target, full_screen_pass, full_screen_pass_rows};
 #[cfg(any(test, feature = "picture"))]

@@ -49,24 +49,13 @@ pub fn full_screen_pass_rows(
         return Ok(());
     }
     prepare(context, program, target, width, height);
-    let gl = context.gl();
-    // SAFETY: the context is current.
-    unsafe {
-        gl.enable(glow::SCISSOR_TEST);
-        gl.scissor(
-            0,
-            rows.start as i32,
-            width as i32,
-            (end - rows.start) as i32,
-        );
-    }
+    context.set_scissor(0, rows.start, width, end - rows.start);
+    context.set_scissor_test(true);
     let drawn = draw(context, program);
-    // SAFETY: the context is current, as above: drawing touches no other. The flush keeps a driver from handing
-    // several bands to the card as one piece of work.
-    unsafe {
-        gl.disable(glow::SCISSOR_TEST);
-        gl.flush();
-    }
+    context.set_scissor_test(false);
+    // SAFETY: the context is current. The flush keeps a driver from handing several bands to the card as one piece of
+    // work.
+    unsafe { context.gl().flush() };
     drawn
 }
 
@@ -77,16 +66,16 @@ fn prepare(context: &Context, program: &Program, target: &impl Target, width: u3
         "program \"{}\" is of another context",
         program.label()
     );
+    context.set_viewport(width, height);
+    context.set_scissor_test(false);
     let gl = context.gl();
     // SAFETY: the context is current, and program, framebuffer and vertex array its own.
     unsafe {
         gl.bind_framebuffer(glow::FRAMEBUFFER, target.framebuffer());
-        gl.viewport(0, 0, width as i32, height as i32);
         for test in [
             glow::DEPTH_TEST,
             glow::STENCIL_TEST,
             glow::BLEND,
-            glow::SCISSOR_TEST,
             glow::DITHER,
             glow::CULL_FACE,
         ] {

@@ -140,7 +140,7 @@ impl Target for Picture {
 
 impl Drop for Picture {
     fn drop(&mut self) {
-        let _entered = self.context.enter();
+        let _entered = self.context.enter_to_free();
         let gl = self.context.gl();
         // SAFETY: the context is current, and both objects its own and not used again.
         unsafe {

@@ -194,7 +194,7 @@ impl Program {
 
 impl Drop for Program {
     fn drop(&mut self) {
-        let _entered = self.context.enter();
+        let _entered = self.context.enter_to_free();
         // SAFETY: the context is current, and the program its own and not used again.
         unsafe { self.context.gl().delete_program(self.program) };
     }
@@ -265,7 +265,7 @@ impl<'a> Shader<'a> {
 
 impl Drop for Shader<'_> {
     fn drop(&mut self) {
-        let _entered = self.context.enter();
+        let _entered = self.context.enter_to_free();
         // SAFETY: the context is current, and the shader its own and not used again.
         unsafe { self.context.gl().delete_shader(self.shader) };
     }

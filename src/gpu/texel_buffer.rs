@@ -1,11 +1,10 @@
 //! A list of vectors in a buffer: what OpenGL has for long lists, and ES 3.0 has not.
 
+use super::caller_state::UNITS;
+use super::texture::SCRATCH_UNIT;
 use super::{Context, GpuError, bytes};
 use glam::Vec4;
 use glow::HasContext;
-
-/// The texture unit used to make the texture, so that those bound for a pass stay bound.
-const SCRATCH_UNIT: u32 = 31;
 
 /// A buffer of vectors, and the texture by which a `samplerBuffer` reads them.
 ///
@@ -85,6 +84,10 @@ impl TexelBuffer {
 
     /// Binds the texture to a unit.
     pub fn bind(&self, unit: u32) {
+        debug_assert!(
+            UNITS.contains(&unit),
+            "unit {unit} of a caller is not put back"
+        );
         let gl = self.context.gl();
         // SAFETY: the context is current, and the texture its own.
         unsafe {
@@ -96,7 +99,7 @@ impl TexelBuffer {
 
 impl Drop for TexelBuffer {
     fn drop(&mut self) {
-        let _entered = self.context.enter();
+        let _entered = self.context.enter_to_free();
         let gl = self.context.gl();
         // SAFETY: the context is current; texture and buffer are its own and not used again.
         unsafe {

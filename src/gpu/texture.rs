@@ -2,11 +2,12 @@
 
 use glow::{HasContext, PixelUnpackData};
 
+use super::caller_state::UNITS;
 use super::{Context, GpuError, bytes};
 
 /// The texture unit used to create and to fill textures, so that those bound for a pass stay bound. Every driver of
 /// OpenGL 3.3 or ES 3.0 has at least 32.
-const SCRATCH_UNIT: u32 = 31;
+pub(super) const SCRATCH_UNIT: u32 = 31;
 
 /// A texture of four 32-bit floats a texel (RGBA32F), read without filtering and clamped to its edge.
 ///
@@ -107,12 +108,16 @@ impl Texture {
     }
 
     /// GL's name for the texture.
-    pub(super) fn raw(&self) -> glow::Texture {
+    pub(crate) fn raw(&self) -> glow::Texture {
         self.texture
     }
 
     /// Binds the texture to a unit.
     pub(super) fn bind(&self, unit: u32) {
+        debug_assert!(
+            UNITS.contains(&unit),
+            "unit {unit} of a caller is not put back"
+        );
         let gl = self.context.gl();
         // SAFETY: the context is current, and the texture its own.
         unsafe {
@@ -124,7 +129,7 @@ impl Texture {
 
 impl Drop for Texture {
     fn drop(&mut self) {
-        let _entered = self.context.enter();
+        let _entered = self.context.enter_to_free();
         // SAFETY: the context is current, and the texture its own and not used again.
         unsafe { self.context.gl().delete_texture(self.texture) };
     }

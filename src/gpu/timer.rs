@@ -107,7 +107,7 @@ impl GpuTimer {
 
 impl Drop for GpuTimer {
     fn drop(&mut self) {
-        let _entered = self.context.enter();
+        let _entered = self.context.enter_to_free();
         for query in &self.queries {
             // SAFETY: the context is current, and the query its own and not used again.
             unsafe { self.context.gl().delete_query(*query) };

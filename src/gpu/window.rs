@@ -1,4 +1,4 @@
-//! The context of a window, through EGL.
+//! The context of a window: through EGL on X11 and Wayland, WGL on Windows, CGL on macOS.
 //!
 //! Everything that a [`Context`] without a window can do, this one can too: the tracer shares it with the drawing.
 
@@ -9,30 +9,29 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 use glow::{HasContext, PixelPackData};
-use glutin::api::egl::config::Config;
-use glutin::api::egl::context::PossiblyCurrentContext;
-use glutin::api::egl::display::Display;
-use glutin::api::egl::surface::Surface;
-use glutin::config::{Api as ConfigApi, ConfigSurfaceTypes, ConfigTemplateBuilder};
-use glutin::context::{ContextApi, ContextAttributesBuilder, GlProfile, Version};
-use glutin::platform::x11::X11GlConfigExt;
+use glutin::config::{Api as ConfigApi, Config, ConfigSurfaceTypes, ConfigTemplateBuilder};
+use glutin::context::{
+    ContextApi, ContextAttributesBuilder, GlProfile, PossiblyCurrentContext, Version,
+};
+use glutin::display::{Display, DisplayApiPreference};
 use glutin::prelude::*;
-use glutin::surface::{SurfaceAttributesBuilder, SwapInterval, WindowSurface};
+use glutin::surface::{Surface, SurfaceAttributesBuilder, SwapInterval, WindowSurface};
 use winit::raw_window_handle::{
     HasDisplayHandle, HasWindowHandle, RawDisplayHandle, RawWindowHandle,
 };
 
 use super::backend::Backend;
 use super::context::load;
-use super::egl::new_context;
-use super::{Api, Context, GpuError, current};
+use super::glutin_context::new_context;
+use super::{Api, Context, GpuError, native};
 
 /// A display's way to OpenGL, and the kind of window that goes with it. The fields go in this order: the connection
 /// to the display last.
 #[derive(Debug)]
 pub struct WindowDisplay {
-    display: Display,
-    config: Config,
+    /// None where it takes a window to open the display: on Windows.
+    opened: Option<(Display, Config)>,
+    handle: RawDisplayHandle,
     connection: Box<dyn Any>,
 }
 
@@ -57,47 +56,39 @@ struct Drawing {
 struct WindowBackend(Rc<Drawing>);
 
 impl WindowDisplay {
-    /// OpenGL of the X11 display that a windowing library is connected to. The connection is kept as long as anything
+    /// OpenGL of the display that a windowing library is connected to. The connection is kept as long as anything
     /// made of it: to be passed by a counted reference, such as winit's `OwnedDisplayHandle`.
     ///
     /// # Errors
-    /// [`GpuError::NoContext`] with what EGL answered, and for displays of another kind.
+    /// [`GpuError::NoContext`] with what EGL answered, and for displays of a kind that has none; without EGL's library
+    /// what tells of that.
     pub fn of(connection: impl HasDisplayHandle + 'static) -> Result<WindowDisplay, GpuError> {
         // Where it stays from now on: nothing moves it, and nothing changes it.
         let connection = Box::new(connection);
         let handle = connection.display_handle().map_err(refused)?.as_raw();
-        if !matches!(handle, RawDisplayHandle::Xlib(_) | RawDisplayHandle::Xcb(_)) {
-            return Err(refused("the display is not of X11"));
-        }
-        // SAFETY: the handle is good while the connection is there, and the connection is kept beside all that is made
-        // of the handle, and goes after it.
-        let display = unsafe { Display::new(handle) }.map_err(refused)?;
-        let template = ConfigTemplateBuilder::new()
-            .with_surface_type(ConfigSurfaceTypes::WINDOW)
-            .with_api(ConfigApi::OPENGL)
-            .with_alpha_size(0)
-            .with_depth_size(0)
-            .with_stencil_size(0)
-            .build();
-        // SAFETY: the template names no native window or pixmap.
-        let mut configs = unsafe { display.find_configs(template) }.map_err(refused)?;
-        let config = configs
-            .next()
-            .ok_or_else(|| refused("EGL has no configuration for windows"))?;
-        drop(configs);
+        native::prepare()?;
+        let opened = match cfg!(windows) {
+            true => None,
+            // SAFETY: the handle is good while the connection is there, and the connection is kept beside all that is
+            // made of the handle, and goes after it.
+            false => Some(unsafe { open(handle, None) }.map_err(refused)?),
+        };
         Ok(WindowDisplay {
-            display,
-            config,
+            opened,
+            handle,
             connection,
         })
     }
 
-    /// The X11 visual that the window must be made with.
+    /// The X11 visual that the window must be made with, on X11.
+    #[cfg(all(unix, not(target_os = "macos")))]
     pub fn x11_visual(&self) -> Option<u64> {
-        self.config.x11_visual().map(|visual| visual.visual_id())
+        use glutin::platform::x11::X11GlConfigExt;
+        let (_, config) = self.opened.as_ref()?;
+        config.x11_visual().map(|visual| visual.visual_id())
     }
 
-    /// A context of OpenGL 3.3 core on an X11 window of this display, of that size in pixels; it is left current. The
+    /// A context of OpenGL 3.3 core on a window of this display, of that size in pixels; it is left current. The
     /// window is kept as long as the context: to be passed by a counted reference, such as `Arc<winit::window::Window>`.
     ///
     /// # Errors
@@ -111,9 +102,11 @@ impl WindowDisplay {
         // As the connection: where it stays.
         let window = Box::new(window);
         let handle = window.window_handle().map_err(refused)?.as_raw();
-        if !matches!(handle, RawWindowHandle::Xlib(_) | RawWindowHandle::Xcb(_)) {
-            return Err(refused("the window is not of X11"));
-        }
+        let (display, config) = match self.opened {
+            Some(opened) => opened,
+            // SAFETY: as when it is opened without a window; the window is kept beside what is made of it, too.
+            None => unsafe { open(self.handle, Some(handle)) }.map_err(refused)?,
+        };
         let attributes = ContextAttributesBuilder::new()
             .with_profile(GlProfile::Core)
             .with_context_api(ContextApi::OpenGl(Some(Version::new(3, 3))));
@@ -122,14 +115,13 @@ impl WindowDisplay {
         // SAFETY: the window's handle is good while the window is there, which is kept beside the surface and goes after
         // it; it is a number that the display server looks up, so that a window of another connection is an error of
         // EGL's and no more.
-        let surface = unsafe { self.display.create_window_surface(&self.config, &surface) };
+        let surface = unsafe { display.create_window_surface(&config, &surface) };
         let surface = surface.map_err(refused)?;
-        let context = new_context(&self.display, &self.config, attributes).map_err(refused)?;
-        current::knows_egl(&self.display);
+        let context = new_context(&display, &config, attributes).map_err(refused)?;
         let drawing = Rc::new(Drawing {
             surface,
             context: context.treat_as_possibly_current(),
-            display: self.display,
+            display,
             _window: window,
             _connection: self.connection,
         });
@@ -137,6 +129,36 @@ impl WindowDisplay {
         let context = Context::from_backend(backend, Api::Gl)?;
         Ok(WindowContext { context, drawing })
     }
+}
+
+/// Opens a display, and chooses a configuration for windows on it; on Windows for the one given.
+///
+/// # Safety
+/// Both handles are good as long as what is made of them.
+unsafe fn open(
+    handle: RawDisplayHandle,
+    window: Option<RawWindowHandle>,
+) -> Result<(Display, Config), glutin::error::Error> {
+    #[cfg(windows)]
+    let preference = DisplayApiPreference::Wgl(window);
+    #[cfg(target_os = "macos")]
+    let preference = DisplayApiPreference::Cgl;
+    #[cfg(all(unix, not(target_os = "macos")))]
+    let preference = DisplayApiPreference::Egl;
+    // SAFETY: the caller's.
+    let display = unsafe { Display::new(handle, preference) }?;
+    let mut template = ConfigTemplateBuilder::new()
+        .with_surface_type(ConfigSurfaceTypes::WINDOW)
+        .with_api(ConfigApi::OPENGL)
+        .with_alpha_size(0)
+        .with_depth_size(0)
+        .with_stencil_size(0);
+    if let Some(window) = window {
+        template = template.compatible_with_native_window(window);
+    }
+    // SAFETY: the template names no native pixmap, and a window that the caller keeps.
+    let config = unsafe { display.find_configs(template.build()) }?.next();
+    Ok((display, config.ok_or(glutin::error::ErrorKind::BadConfig)?))
 }
 
 impl WindowContext {

@@ -56,7 +56,7 @@ pub use settings::{
 #[cfg(feature = "experiment")]
 pub(crate) use settings::{MARCHES_PER_PASS, MarchVariant};
 pub(crate) use settings::{MAX_COPY_STEPS, MAX_FIELD_STEPS, MAX_STEPS};
-pub use tracer::{HeardPaths, Tracer};
+pub use tracer::{FrameTexture, HeardPaths, Tracer};
 #[cfg(feature = "picture")]
 pub(crate) use user_fields::UserFields;
 pub(crate) use waves::Grid;

@@ -5,6 +5,7 @@ mod heard_paths;
 mod passes;
 mod prepared;
 mod steps;
+mod texture;
 mod throughput;
 
 use super::arrivals::ArrivalTargets;
@@ -31,6 +32,7 @@ use std::cell::RefCell;
 use std::rc::Rc;
 use std::time::Duration;
 use steps::{FrameUnderWay, ReadBack};
+pub use texture::FrameTexture;
 use throughput::Throughput;
 
 /// Traces frames. Programs and textures are kept from frame to frame: a frame that
@@ -39,6 +41,7 @@ use throughput::Throughput;
 ///
 /// Every call makes the tracer's context current, whatever the caller has made current in the
 /// meantime, and a context of the caller's own (EGL) is current again when the call returns.
+/// [`Context::from_glow`] traces on that context itself.
 ///
 /// ```
 /// use echomarch::gpu::{Context, ContextOptions};

@@ -22,5 +22,6 @@ mod localise_form;
 mod localise_score;
 mod page;
 mod render_full;
+mod strange_egl;
 mod study;
 mod untrusted;

@@ -1,14 +1,16 @@
 //! EGL beside the library: contexts that a program makes for itself.
 
+use crate::gpu::SwitchContext;
 use glow::HasContext;
 use glutin::api::egl::context::PossiblyCurrentContext;
 use glutin::api::egl::device::Device;
 use glutin::api::egl::display::Display;
-use glutin::config::{ConfigSurfaceTypes, ConfigTemplateBuilder};
-use glutin::context::ContextAttributesBuilder;
+use glutin::config::{Api as ConfigApi, ConfigSurfaceTypes, ConfigTemplateBuilder};
+use glutin::context::{ContextApi, ContextAttributesBuilder, GlProfile, Version};
 use glutin::display::{AsRawDisplay, DisplayFeatures, RawDisplay};
 use glutin::prelude::*;
-use std::ffi::CString;
+use std::ffi::{CStr, CString, c_void};
+use std::rc::Rc;
 
 /// EGL by raw calls, as a program has it that knows nothing of echomarch's contexts.
 pub struct RawEgl {
@@ -17,18 +19,52 @@ pub struct RawEgl {
     context: PossiblyCurrentContext,
 }
 
+/// Which context a program has made for itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    Core,
+    Compatibility,
+    Es,
+}
+
+impl Kind {
+    pub const ALL: [Kind; 3] = [Kind::Core, Kind::Compatibility, Kind::Es];
+
+    fn apis(self) -> (ConfigApi, ContextApi, GlProfile) {
+        let gl = ContextApi::OpenGl(Some(Version::new(3, 3)));
+        match self {
+            Kind::Core => (ConfigApi::OPENGL, gl, GlProfile::Core),
+            Kind::Compatibility => (ConfigApi::OPENGL, gl, GlProfile::Compatibility),
+            Kind::Es => {
+                let es = ContextApi::Gles(Some(Version::new(3, 0)));
+                (ConfigApi::GLES3, es, GlProfile::Core)
+            }
+        }
+    }
+}
+
 impl RawEgl {
     /// A context of the program's own, on the first device on which one can be made; not current.
     pub fn new() -> RawEgl {
+        RawEgl::of(Kind::Core)
+    }
+
+    /// The same of one kind.
+    pub fn of(kind: Kind) -> RawEgl {
+        let (config_api, context_api, profile) = kind.apis();
         let made = Device::query_devices().unwrap().find_map(|device| {
             // SAFETY: there is no native display or window, and nothing is shared.
             unsafe {
                 let display = Display::with_device(&device, None).ok()?;
                 let template = ConfigTemplateBuilder::new()
                     .with_surface_type(ConfigSurfaceTypes::empty())
+                    .with_api(config_api)
                     .build();
                 let config = display.find_configs(template).ok()?.next()?;
-                let attributes = ContextAttributesBuilder::new().build(None);
+                let attributes = ContextAttributesBuilder::new()
+                    .with_profile(profile)
+                    .with_context_api(context_api)
+                    .build(None);
                 let context = display.create_context(&config, &attributes).ok()?;
                 let egl = display.egl();
                 let context = context.treat_as_possibly_current();
@@ -83,12 +119,33 @@ impl RawEgl {
         found
     }
 
-    fn gl(&self) -> glow::Context {
-        let address = |name: &str| {
-            let name = CString::new(name).unwrap();
-            self.display.get_proc_address(&name)
-        };
+    /// Where the library has a function.
+    pub fn address(&self, name: &CStr) -> *const c_void {
+        self.display.get_proc_address(name)
+    }
+
+    /// The functions of GL, for when the context is current.
+    pub fn gl(&self) -> glow::Context {
+        let address = |name: &str| self.address(&CString::new(name).unwrap());
         // SAFETY: a context is current, and the addresses are those of its library.
         unsafe { glow::Context::from_loader_function(address) }
+    }
+}
+
+/// The program's functions, as it gives them away.
+pub struct Switch(pub Rc<RawEgl>);
+
+impl SwitchContext for Switch {
+    fn make_current(&self) -> Result<(), String> {
+        let made = self.0.context.make_current_surfaceless();
+        made.map_err(|error| error.to_string())
+    }
+
+    fn is_current(&self) -> bool {
+        self.0.is_current()
+    }
+
+    fn release(&self) {
+        self.0.unbind();
     }
 }

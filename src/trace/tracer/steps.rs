@@ -283,7 +283,11 @@ impl Tracer {
 
     /// Draws rows of waves, one at the least, until so many milliseconds are used up or all
     /// passes are drawn.
-    fn march_for(&mut self, frame: &mut FrameUnderWay, milliseconds: f64) -> Result<(), Error> {
+    pub(super) fn march_for(
+        &mut self,
+        frame: &mut FrameUnderWay,
+        milliseconds: f64,
+    ) -> Result<(), Error> {
         let FrameUnderWay {
             prepared, progress, ..
         } = frame;

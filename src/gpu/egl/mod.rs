@@ -1,0 +1,147 @@
+//! Contexts without a window through EGL: on a device chosen by number, or where EGL lists none on a display without one.
+
+mod foreign;
+mod library;
+mod plain;
+
+use std::ffi::{CStr, c_void};
+use std::rc::Rc;
+
+use glutin::api::egl::context::PossiblyCurrentContext;
+use glutin::api::egl::device::Device;
+use glutin::api::egl::display::Display;
+use glutin::config::{Api as ConfigApi, ConfigSurfaceTypes, ConfigTemplateBuilder};
+use glutin::context::{ContextApi, ContextAttributesBuilder, GlProfile, Version};
+use glutin::error::ErrorKind;
+use glutin::prelude::*;
+
+use super::backend::Backend;
+use super::glutin_context::new_context;
+use super::{Api, GpuError};
+pub(super) use foreign::Foreign;
+use plain::{Plain, Platform};
+
+/// Where a context can be made.
+#[derive(Debug)]
+pub(super) enum Place {
+    /// A device, by EGL's own list.
+    Device(Device),
+    /// A display without a device.
+    Platform(Platform),
+}
+
+/// A context of EGL on a device, that draws into no surface.
+struct Egl {
+    // Before the display: the context goes first.
+    context: PossiblyCurrentContext,
+    display: Display,
+}
+
+/// The places where contexts can be made, at least one: the devices that EGL lists, in its order. Where it lists none
+/// (ANGLE, older drivers), the displays without a device that can be opened.
+///
+/// # Errors
+/// [`GpuError::NoEglLibrary`], [`GpuError::StrangeEglLibrary`], [`GpuError::NoEglDevice`].
+pub(super) fn places() -> Result<Vec<Place>, GpuError> {
+    prepare()?;
+    let mut reasons = Vec::new();
+    match Device::query_devices() {
+        Ok(devices) => {
+            let places: Vec<Place> = devices.map(Place::Device).collect();
+            if !places.is_empty() {
+                return Ok(places);
+            }
+            reasons.push("the list is empty".to_owned());
+        }
+        Err(error) => reasons.push(error.to_string()),
+    }
+    let mut places = Vec::new();
+    for platform in Platform::ALL {
+        match platform.check() {
+            Ok(()) => places.push(Place::Platform(platform)),
+            Err(reason) => reasons.push(reason),
+        }
+    }
+    match places.is_empty() {
+        true => Err(GpuError::NoEglDevice {
+            reason: reasons.join("; "),
+        }),
+        false => Ok(places),
+    }
+}
+
+/// Sees that there is a library that is one, before glutin's own look at it, which ends the program where functions are
+/// missing.
+///
+/// # Errors
+/// [`GpuError::NoEglLibrary`], [`GpuError::StrangeEglLibrary`].
+pub(super) fn prepare() -> Result<(), GpuError> {
+    library::functions().map(|_| ())
+}
+
+/// Makes a context; it is not current yet.
+///
+/// # Errors
+/// [`GpuError::NoContext`] with what EGL answered.
+pub(super) fn open(place: &Place, api: Api) -> Result<Rc<dyn Backend>, GpuError> {
+    match place {
+        Place::Device(device) => match create(device, api) {
+            Ok(egl) => Ok(Rc::new(egl)),
+            Err(error) => Err(GpuError::NoContext {
+                api,
+                reason: error.to_string(),
+            }),
+        },
+        Place::Platform(platform) => Ok(Rc::new(Plain::on(*platform, api)?)),
+    }
+}
+
+fn create(device: &Device, api: Api) -> Result<Egl, glutin::error::Error> {
+    let (config_api, context_api) = match api {
+        Api::Gles => (ConfigApi::GLES3, ContextApi::Gles(Some(Version::new(3, 0)))),
+        Api::Gl | Api::OsMesa => (
+            ConfigApi::OPENGL,
+            ContextApi::OpenGl(Some(Version::new(3, 3))),
+        ),
+    };
+    let template = ConfigTemplateBuilder::new()
+        .with_surface_type(ConfigSurfaceTypes::empty())
+        .with_api(config_api)
+        .with_alpha_size(0)
+        .with_depth_size(0)
+        .with_stencil_size(0)
+        .build();
+    let attributes = ContextAttributesBuilder::new()
+        .with_profile(GlProfile::Core)
+        .with_context_api(context_api);
+    // SAFETY: no native display handle is given that would have to be valid.
+    let display = unsafe { Display::with_device(device, None) }?;
+    // SAFETY: the template names no native window or pixmap.
+    let mut configs = unsafe { display.find_configs(template) }?;
+    let config = configs.next().ok_or(ErrorKind::BadConfig)?;
+    drop(configs);
+    let context = new_context(&display, &config, attributes)?;
+    let context = context.treat_as_possibly_current();
+    Ok(Egl { context, display })
+}
+
+impl Backend for Egl {
+    fn make_current(&self) -> Result<(), String> {
+        self.context
+            .make_current_surfaceless()
+            .map_err(|error| error.to_string())
+    }
+
+    fn is_current(&self) -> bool {
+        self.context.is_current()
+    }
+
+    fn release(&self) {
+        // A failure leaves a context current that the next make_current replaces.
+        let _ = self.context.make_not_current_in_place();
+    }
+
+    fn proc_address(&self, name: &CStr) -> *const c_void {
+        self.display.get_proc_address(name)
+    }
+}

@@ -1,0 +1,212 @@
+//! Contexts without a window of their own on Windows: WGL knows none, so that each has a hidden one.
+
+use std::ffi::{CStr, c_void};
+use std::num::{NonZeroIsize, NonZeroU32};
+use std::ptr;
+use std::rc::Rc;
+
+use glutin::api::wgl::context::PossiblyCurrentContext;
+use glutin::api::wgl::display::Display;
+use glutin::api::wgl::surface::Surface;
+use glutin::config::{Api as ConfigApi, ConfigSurfaceTypes, ConfigTemplateBuilder};
+use glutin::context::{ContextApi, ContextAttributesBuilder, GlProfile, Version};
+use glutin::error::ErrorKind;
+use glutin::prelude::*;
+use glutin::surface::{SurfaceAttributesBuilder, WindowSurface};
+use raw_window_handle::{
+    RawDisplayHandle, RawWindowHandle, Win32WindowHandle, WindowsDisplayHandle,
+};
+use windows_sys::Win32::Foundation::HWND;
+use windows_sys::Win32::Graphics::Gdi::HDC;
+use windows_sys::Win32::Graphics::OpenGL::{
+    HGLRC, wglGetCurrentContext, wglGetCurrentDC, wglMakeCurrent,
+};
+use windows_sys::Win32::System::LibraryLoader::GetModuleHandleW;
+use windows_sys::Win32::UI::WindowsAndMessaging::{
+    CreateWindowExW, DestroyWindow, WS_CLIPCHILDREN, WS_CLIPSIBLINGS, WS_POPUP,
+};
+use windows_sys::w;
+
+use super::backend::Backend;
+use super::glutin_context::new_context;
+use super::{Api, GpuError};
+
+/// Side of the hidden window in pixels; nothing is drawn into it.
+const SIDE: i32 = 1;
+
+/// Where a context can be made: Windows chooses the graphics card itself.
+#[derive(Debug)]
+pub(super) struct Place;
+
+/// The one place.
+///
+/// # Errors
+/// None.
+pub(super) fn places() -> Result<Vec<Place>, GpuError> {
+    Ok(vec![Place])
+}
+
+/// Sees that there is a library: WGL is there with Windows.
+///
+/// # Errors
+/// None.
+#[cfg(feature = "demo")]
+pub(super) fn prepare() -> Result<(), GpuError> {
+    Ok(())
+}
+
+/// Makes a context; it is not current yet.
+///
+/// # Errors
+/// [`GpuError::NoContext`] with what Windows answered.
+pub(super) fn open(_: &Place, api: Api) -> Result<Rc<dyn Backend>, GpuError> {
+    match Wgl::new(api) {
+        Ok(wgl) => Ok(Rc::new(wgl)),
+        Err(error) => Err(GpuError::NoContext {
+            api,
+            reason: error.to_string(),
+        }),
+    }
+}
+
+/// A window that is never shown.
+struct HiddenWindow(HWND);
+
+impl HiddenWindow {
+    fn new() -> Result<HiddenWindow, glutin::error::Error> {
+        // SAFETY: the class is one of Windows' own, and the texts end in zero. No message is waited for: the class has its
+        // own way to answer them.
+        let window = unsafe {
+            CreateWindowExW(
+                0,
+                w!("STATIC"),
+                w!("Echomarch"),
+                WS_POPUP | WS_CLIPCHILDREN | WS_CLIPSIBLINGS,
+                0,
+                0,
+                SIDE,
+                SIDE,
+                ptr::null_mut(),
+                ptr::null_mut(),
+                GetModuleHandleW(ptr::null()),
+                ptr::null(),
+            )
+        };
+        match window.is_null() {
+            true => Err(ErrorKind::NotSupported("Windows makes no hidden window").into()),
+            false => Ok(HiddenWindow(window)),
+        }
+    }
+
+    fn handle(&self) -> Result<RawWindowHandle, glutin::error::Error> {
+        let number = NonZeroIsize::new(self.0 as isize).ok_or(ErrorKind::BadNativeWindow)?;
+        let mut handle = Win32WindowHandle::new(number);
+        // SAFETY: null asks for the program's own module.
+        handle.hinstance = NonZeroIsize::new(unsafe { GetModuleHandleW(ptr::null()) } as isize);
+        Ok(RawWindowHandle::Win32(handle))
+    }
+}
+
+impl Drop for HiddenWindow {
+    fn drop(&mut self) {
+        // SAFETY: the window is this one's own, of this thread, and not used again.
+        unsafe { DestroyWindow(self.0) };
+    }
+}
+
+/// A context of WGL. The fields go in this order: the window last.
+struct Wgl {
+    context: PossiblyCurrentContext,
+    surface: Surface<WindowSurface>,
+    display: Display,
+    _window: HiddenWindow,
+}
+
+impl Wgl {
+    fn new(api: Api) -> Result<Wgl, glutin::error::Error> {
+        let window = HiddenWindow::new()?;
+        let handle = window.handle()?;
+        let on = RawDisplayHandle::Windows(WindowsDisplayHandle::new());
+        // SAFETY: the window lives, and has its module.
+        let display = unsafe { Display::new(on, Some(handle)) }?;
+        let template = ConfigTemplateBuilder::new()
+            .with_surface_type(ConfigSurfaceTypes::WINDOW)
+            .with_api(match api {
+                Api::Gles => ConfigApi::GLES3,
+                Api::Gl | Api::OsMesa => ConfigApi::OPENGL,
+            })
+            .with_alpha_size(0)
+            .with_depth_size(0)
+            .with_stencil_size(0)
+            .compatible_with_native_window(handle)
+            .build();
+        // SAFETY: the template names the window, which lives.
+        let config = unsafe { display.find_configs(template) }?.next();
+        let config = config.ok_or(ErrorKind::BadConfig)?;
+        let attributes = ContextAttributesBuilder::new()
+            .with_profile(GlProfile::Core)
+            .with_context_api(match api {
+                Api::Gles => ContextApi::Gles(Some(Version::new(3, 0))),
+                Api::Gl | Api::OsMesa => ContextApi::OpenGl(Some(Version::new(3, 3))),
+            });
+        let side = NonZeroU32::MIN;
+        let of_window = SurfaceAttributesBuilder::<WindowSurface>::new().build(handle, side, side);
+        // SAFETY: the window lives, and goes after the surface.
+        let surface = unsafe { display.create_window_surface(&config, &of_window) }?;
+        let context = new_context(&display, &config, attributes)?.treat_as_possibly_current();
+        Ok(Wgl {
+            context,
+            surface,
+            display,
+            _window: window,
+        })
+    }
+}
+
+impl Backend for Wgl {
+    fn make_current(&self) -> Result<(), String> {
+        self.context
+            .make_current(&self.surface)
+            .map_err(|error| error.to_string())
+    }
+
+    fn is_current(&self) -> bool {
+        self.context.is_current()
+    }
+
+    fn release(&self) {
+        // A failure leaves a context current that the next make_current replaces.
+        let _ = self.context.make_not_current_in_place();
+    }
+
+    fn proc_address(&self, name: &CStr) -> *const c_void {
+        self.display.get_proc_address(name)
+    }
+}
+
+/// A context of WGL's that echomarch did not make, as it was current.
+pub(super) struct Foreign {
+    device: HDC,
+    context: HGLRC,
+}
+
+impl Foreign {
+    /// What is current on this thread, if anything.
+    pub fn of_system() -> Option<Foreign> {
+        // SAFETY: asks only.
+        let (device, context) = unsafe { (wglGetCurrentDC(), wglGetCurrentContext()) };
+        (!context.is_null()).then_some(Foreign { device, context })
+    }
+
+    /// Makes no context current on this thread.
+    pub fn release(&self) {
+        // SAFETY: null means none.
+        unsafe { wglMakeCurrent(ptr::null_mut(), ptr::null_mut()) };
+    }
+
+    /// Makes it current again. If its owner has destroyed it in the meantime Windows refuses, and none is current.
+    pub fn make_current(&self) {
+        // SAFETY: Windows checks handles against those that there are.
+        unsafe { wglMakeCurrent(self.device, self.context) };
+    }
+}
