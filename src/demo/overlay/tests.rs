@@ -1,9 +1,9 @@
 //! The panels by themselves, without a window.
 
 use super::super::DemoOptions;
-use super::super::ears::SourceHeard;
 use super::*;
 use crate::trace::{Counts, Milliseconds, Panning};
+use crate::walkthrough::SourceHeard;
 use egui::{Context, Id, RawInput, Rect};
 
 /// Everything that has a place of its own.
