@@ -17,9 +17,9 @@ use tempfile::TempDir;
 /// How long anything may take before a test is given up: no machine is so busy.
 const TIMEOUT: Duration = Duration::from_secs(300);
 
-/// By how much a count of 65,536 waves may differ between two renderers. Sines and cosines of start directions differ by
-/// up to 2e-4 between drivers, so that up to 120 waves (in `obstacles`) pass on the other side of an edge and end
-/// otherwise. What a count gains by that and what it loses nearly cancel: √120 is 11.
+/// By how much a count of 65,536 waves may differ between two renderers. Their roundings differ, so that some 120 waves
+/// (in `cave`, docs/portability.md) end elsewhere. What a count gains by that and what it loses nearly cancel: √120 is
+/// 11.
 const MAY_DIFFER: u64 = 16;
 
 /// SwiftShader, which Chromium brings, and no sound card but a clock; sound without a click before it.
