@@ -29,6 +29,7 @@ pub(super) trait Backend {
     fn proc_address(&self, name: &CStr) -> *const c_void;
 
     /// Whose context it is, and who makes it current.
+    #[cfg_attr(target_arch = "wasm32", expect(dead_code))]
     fn owner(&self) -> Owner {
         Owner::Echomarch
     }

@@ -10,7 +10,9 @@ use glow::HasContext;
 
 use super::backend::{Backend, Owner};
 use super::caller_state::{CallerState, Traits};
-use super::context::{describe, load};
+use super::context::describe;
+#[cfg(not(target_arch = "wasm32"))]
+use super::context::load;
 use super::{Api, Context, GpuError, current};
 
 /// The least version of OpenGL, and of OpenGL ES: major and minor.

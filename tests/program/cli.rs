@@ -89,6 +89,7 @@ fn trace_reports_the_documented_keys() {
         "listener_hits",
         "dead",
         "travelling",
+        "not_finite",
         "zero_length_passes",
         "step_limit_reached",
         "left",
