@@ -75,7 +75,7 @@ fn real_library() -> String {
 /// where the driver wants one; the frame is the same.
 #[test]
 fn contexts_are_made_without_a_list_of_devices() {
-    let arguments = ["trace", "corner", "--waves", "1024", "--json"];
+    let arguments = ["trace", "corner", "--waves", "1024"];
     let expected = json(&arguments);
     let surfaceless = "EGL_EXT_platform_base EGL_MESA_platform_surfaceless";
     for (client, display) in [
