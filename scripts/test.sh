@@ -79,6 +79,7 @@ done
 run scripts/public-api.sh
 run cargo test --locked
 check_other_implementations
+run scripts/browser-test.sh
 run check_package
 run cargo package --locked --allow-dirty --no-verify
 
