@@ -1,20 +1,18 @@
 //! The state of a context that the caller made: kept before a call, set to what passes need, put back after it.
 //!
 //! Listed is what this crate changes, and what its drawing, uploads and read-backs depend on. Whoever changes more state in
-//! this module's siblings adds it here; `tests/caller_state.rs` compares.
+//! this module's siblings adds it here; `tests/foreign_program.rs` asks for all of it, and `trace/tests/caller_contexts.rs` compares.
 
 use std::ffi::c_void;
 
 use glow::HasContext;
 
 use super::backend::Backend;
+use super::context::ERRORS_AT_MOST;
 use super::texture::SCRATCH_UNIT;
 
 /// The texture units that programs read from, and the one that textures are filled by.
 pub(super) const UNITS: [u32; 5] = [0, 1, 2, 3, SCRATCH_UNIT];
-
-/// Errors of the caller's that are forgotten at most: a lost context may answer for ever.
-const ERRORS_AT_MOST: usize = 32;
 
 // What glow has no names for.
 const ALPHA_TEST: u32 = 0x0BC0;

@@ -6,14 +6,13 @@ use std::rc::Rc;
 
 use glutin::api::cgl::context::PossiblyCurrentContext;
 use glutin::api::cgl::display::Display;
-use glutin::config::{ConfigSurfaceTypes, ConfigTemplateBuilder};
-use glutin::context::{ContextApi, ContextAttributesBuilder, GlProfile, Version};
+use glutin::config::ConfigSurfaceTypes;
 use glutin::error::ErrorKind;
 use glutin::prelude::*;
 use raw_window_handle::{AppKitDisplayHandle, RawDisplayHandle};
 
 use super::backend::Backend;
-use super::glutin_context::new_context;
+use super::glutin_context::{attributes, new_context, template};
 use super::{Api, GpuError};
 
 /// Where a context can be made: macOS chooses the graphics card itself.
@@ -63,19 +62,12 @@ impl Cgl {
         // SAFETY: no native display handle is given that would have to be valid.
         let display =
             unsafe { Display::new(RawDisplayHandle::AppKit(AppKitDisplayHandle::new())) }?;
-        let template = ConfigTemplateBuilder::new()
-            .with_surface_type(ConfigSurfaceTypes::empty())
-            .with_alpha_size(0)
-            .with_depth_size(0)
-            .with_stencil_size(0)
-            .build();
+        let template = template(Api::Gl, ConfigSurfaceTypes::empty()).build();
         // SAFETY: the template names no native window or pixmap.
         let config = unsafe { display.find_configs(template) }?.next();
         let config = config.ok_or(ErrorKind::BadConfig)?;
-        let attributes = ContextAttributesBuilder::new()
-            .with_profile(GlProfile::Core)
-            .with_context_api(ContextApi::OpenGl(Some(Version::new(3, 3))));
-        let context = new_context(&display, &config, attributes)?.treat_as_possibly_current();
+        let context =
+            new_context(&display, &config, attributes(Api::Gl))?.treat_as_possibly_current();
         Ok(Cgl { context, display })
     }
 }

@@ -25,7 +25,7 @@ use super::{Api, GpuError, current};
 const FLOAT_TARGETS: &str = "GL_EXT_color_buffer_float";
 
 /// Errors drained from one context at most: a lost one may answer for ever.
-const ERRORS_AT_MOST: usize = 32;
+pub(super) const ERRORS_AT_MOST: usize = 32;
 
 /// Which context to make.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

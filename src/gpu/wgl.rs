@@ -8,8 +8,7 @@ use std::rc::Rc;
 use glutin::api::wgl::context::PossiblyCurrentContext;
 use glutin::api::wgl::display::Display;
 use glutin::api::wgl::surface::Surface;
-use glutin::config::{Api as ConfigApi, ConfigSurfaceTypes, ConfigTemplateBuilder};
-use glutin::context::{ContextApi, ContextAttributesBuilder, GlProfile, Version};
+use glutin::config::ConfigSurfaceTypes;
 use glutin::error::ErrorKind;
 use glutin::prelude::*;
 use glutin::surface::{SurfaceAttributesBuilder, WindowSurface};
@@ -28,7 +27,7 @@ use windows_sys::Win32::UI::WindowsAndMessaging::{
 use windows_sys::w;
 
 use super::backend::Backend;
-use super::glutin_context::new_context;
+use super::glutin_context::{attributes, new_context, template};
 use super::{Api, GpuError};
 
 /// Side of the hidden window in pixels; nothing is drawn into it.
@@ -129,31 +128,17 @@ impl Wgl {
         let on = RawDisplayHandle::Windows(WindowsDisplayHandle::new());
         // SAFETY: the window lives, and has its module.
         let display = unsafe { Display::new(on, Some(handle)) }?;
-        let template = ConfigTemplateBuilder::new()
-            .with_surface_type(ConfigSurfaceTypes::WINDOW)
-            .with_api(match api {
-                Api::Gles => ConfigApi::GLES3,
-                Api::Gl | Api::OsMesa => ConfigApi::OPENGL,
-            })
-            .with_alpha_size(0)
-            .with_depth_size(0)
-            .with_stencil_size(0)
+        let template = template(api, ConfigSurfaceTypes::WINDOW)
             .compatible_with_native_window(handle)
             .build();
         // SAFETY: the template names the window, which lives.
         let config = unsafe { display.find_configs(template) }?.next();
         let config = config.ok_or(ErrorKind::BadConfig)?;
-        let attributes = ContextAttributesBuilder::new()
-            .with_profile(GlProfile::Core)
-            .with_context_api(match api {
-                Api::Gles => ContextApi::Gles(Some(Version::new(3, 0))),
-                Api::Gl | Api::OsMesa => ContextApi::OpenGl(Some(Version::new(3, 3))),
-            });
         let side = NonZeroU32::MIN;
         let of_window = SurfaceAttributesBuilder::<WindowSurface>::new().build(handle, side, side);
         // SAFETY: the window lives, and goes after the surface.
         let surface = unsafe { display.create_window_surface(&config, &of_window) }?;
-        let context = new_context(&display, &config, attributes)?.treat_as_possibly_current();
+        let context = new_context(&display, &config, attributes(api))?.treat_as_possibly_current();
         Ok(Wgl {
             context,
             surface,

@@ -9,10 +9,8 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 use glow::{HasContext, PixelPackData};
-use glutin::config::{Api as ConfigApi, Config, ConfigSurfaceTypes, ConfigTemplateBuilder};
-use glutin::context::{
-    ContextApi, ContextAttributesBuilder, GlProfile, PossiblyCurrentContext, Version,
-};
+use glutin::config::{Config, ConfigSurfaceTypes};
+use glutin::context::PossiblyCurrentContext;
 use glutin::display::{Display, DisplayApiPreference};
 use glutin::prelude::*;
 use glutin::surface::{Surface, SurfaceAttributesBuilder, SwapInterval, WindowSurface};
@@ -22,7 +20,7 @@ use winit::raw_window_handle::{
 
 use super::backend::Backend;
 use super::context::load;
-use super::glutin_context::new_context;
+use super::glutin_context::{attributes, new_context, template};
 use super::{Api, Context, GpuError, native};
 
 /// A display's way to OpenGL, and the kind of window that goes with it. The fields go in this order: the connection
@@ -107,9 +105,6 @@ impl WindowDisplay {
             // SAFETY: as when it is opened without a window; the window is kept beside what is made of it, too.
             None => unsafe { open(self.handle, Some(handle)) }.map_err(refused)?,
         };
-        let attributes = ContextAttributesBuilder::new()
-            .with_profile(GlProfile::Core)
-            .with_context_api(ContextApi::OpenGl(Some(Version::new(3, 3))));
         let (width, height) = (at_least_one(width), at_least_one(height));
         let surface = SurfaceAttributesBuilder::<WindowSurface>::new().build(handle, width, height);
         // SAFETY: the window's handle is good while the window is there, which is kept beside the surface and goes after
@@ -117,7 +112,7 @@ impl WindowDisplay {
         // EGL's and no more.
         let surface = unsafe { display.create_window_surface(&config, &surface) };
         let surface = surface.map_err(refused)?;
-        let context = new_context(&display, &config, attributes).map_err(refused)?;
+        let context = new_context(&display, &config, attributes(Api::Gl)).map_err(refused)?;
         let drawing = Rc::new(Drawing {
             surface,
             context: context.treat_as_possibly_current(),
@@ -147,12 +142,7 @@ unsafe fn open(
     let preference = DisplayApiPreference::Egl;
     // SAFETY: the caller's.
     let display = unsafe { Display::new(handle, preference) }?;
-    let mut template = ConfigTemplateBuilder::new()
-        .with_surface_type(ConfigSurfaceTypes::WINDOW)
-        .with_api(ConfigApi::OPENGL)
-        .with_alpha_size(0)
-        .with_depth_size(0)
-        .with_stencil_size(0);
+    let mut template = template(Api::Gl, ConfigSurfaceTypes::WINDOW);
     if let Some(window) = window {
         template = template.compatible_with_native_window(window);
     }

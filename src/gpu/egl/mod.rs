@@ -10,13 +10,12 @@ use std::rc::Rc;
 use glutin::api::egl::context::PossiblyCurrentContext;
 use glutin::api::egl::device::Device;
 use glutin::api::egl::display::Display;
-use glutin::config::{Api as ConfigApi, ConfigSurfaceTypes, ConfigTemplateBuilder};
-use glutin::context::{ContextApi, ContextAttributesBuilder, GlProfile, Version};
+use glutin::config::ConfigSurfaceTypes;
 use glutin::error::ErrorKind;
 use glutin::prelude::*;
 
 use super::backend::Backend;
-use super::glutin_context::new_context;
+use super::glutin_context::{attributes, new_context, template};
 use super::{Api, GpuError};
 pub(super) use foreign::Foreign;
 use plain::{Plain, Platform};
@@ -97,30 +96,14 @@ pub(super) fn open(place: &Place, api: Api) -> Result<Rc<dyn Backend>, GpuError>
 }
 
 fn create(device: &Device, api: Api) -> Result<Egl, glutin::error::Error> {
-    let (config_api, context_api) = match api {
-        Api::Gles => (ConfigApi::GLES3, ContextApi::Gles(Some(Version::new(3, 0)))),
-        Api::Gl | Api::OsMesa => (
-            ConfigApi::OPENGL,
-            ContextApi::OpenGl(Some(Version::new(3, 3))),
-        ),
-    };
-    let template = ConfigTemplateBuilder::new()
-        .with_surface_type(ConfigSurfaceTypes::empty())
-        .with_api(config_api)
-        .with_alpha_size(0)
-        .with_depth_size(0)
-        .with_stencil_size(0)
-        .build();
-    let attributes = ContextAttributesBuilder::new()
-        .with_profile(GlProfile::Core)
-        .with_context_api(context_api);
     // SAFETY: no native display handle is given that would have to be valid.
     let display = unsafe { Display::with_device(device, None) }?;
+    let template = template(api, ConfigSurfaceTypes::empty());
     // SAFETY: the template names no native window or pixmap.
-    let mut configs = unsafe { display.find_configs(template) }?;
+    let mut configs = unsafe { display.find_configs(template.build()) }?;
     let config = configs.next().ok_or(ErrorKind::BadConfig)?;
     drop(configs);
-    let context = new_context(&display, &config, attributes)?;
+    let context = new_context(&display, &config, attributes(api))?;
     let context = context.treat_as_possibly_current();
     Ok(Egl { context, display })
 }
