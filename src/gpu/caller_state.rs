@@ -291,7 +291,7 @@ impl CallerState {
                 switch(gl, *name, *is_enabled);
             }
             self.put_back_area(gl, traits);
-            self.put_back_outputs(gl, traits);
+            self.put_back_outputs(gl);
             self.put_back_pixels(gl, traits);
             for (unit, number) in self.units.iter().zip(UNITS) {
                 gl.active_texture(glow::TEXTURE0 + number);
@@ -321,21 +321,27 @@ impl CallerState {
         set_scissor_test(gl, traits, self.is_scissored);
     }
 
-    unsafe fn put_back_outputs(&self, gl: &glow::Context, traits: &Traits) {
-        // SAFETY: as in `put_back`.
+    unsafe fn put_back_outputs(&self, gl: &glow::Context) {
+        let Some(first) = self.outputs.first() else {
+            return;
+        };
+        // SAFETY: as in `put_back`; the functions with an index are there where there are several draw buffers.
         unsafe {
+            // Without an index first: Mesa's thread for GL answers what it heard last in this form.
+            switch(gl, glow::BLEND, first.is_blended);
+            let [red, green, blue, alpha] = first.mask;
+            gl.color_mask(red, green, blue, alpha);
             for (number, output) in (0..).zip(&self.outputs) {
-                let [red, green, blue, alpha] = output.mask;
-                match (traits.draw_buffers, output.is_blended) {
-                    (0, is_blended) => {
-                        switch(gl, glow::BLEND, is_blended);
-                        gl.color_mask(red, green, blue, alpha);
-                        continue;
+                if output.is_blended != first.is_blended {
+                    match output.is_blended {
+                        true => gl.enable_draw_buffer(glow::BLEND, number),
+                        false => gl.disable_draw_buffer(glow::BLEND, number),
                     }
-                    (_, true) => gl.enable_draw_buffer(glow::BLEND, number),
-                    (_, false) => gl.disable_draw_buffer(glow::BLEND, number),
                 }
-                gl.color_mask_draw_buffer(number, red, green, blue, alpha);
+                if output.mask != first.mask {
+                    let [red, green, blue, alpha] = output.mask;
+                    gl.color_mask_draw_buffer(number, red, green, blue, alpha);
+                }
             }
         }
     }

@@ -185,12 +185,23 @@ fn seeds_turn_the_lattice() {
 /// where drivers may round differently (one renderer here: none).
 #[test]
 fn profiles_agree_on_every_api() {
-    let reference: Vec<u64> = hits(&mut tracer());
+    let mut first = tracer();
+    let renderer = first.context().renderer().to_owned();
+    let reference: Vec<u64> = hits(&mut first);
     for_each_api(|context| {
         let mut tracer = echomarch::Tracer::new(context).unwrap();
         let ours = hits(&mut tracer);
+        if context.renderer() == renderer {
+            assert_eq!(ours, reference);
+            return;
+        }
         for (ours, reference) in ours.iter().zip(&reference) {
-            assert!(ours.abs_diff(*reference) <= 1 + reference / 1000);
+            // Late hits of two renderers are two draws of one experiment: four standard deviations of their difference.
+            let chance = 4.0 * (2.0 * *reference as f64).sqrt();
+            assert!(
+                ours.abs_diff(*reference) as f64 <= 1.0 + chance,
+                "{ours} hits, {reference}"
+            );
         }
     });
 }

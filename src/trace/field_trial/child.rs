@@ -1,7 +1,9 @@
 //! The child's side: compile and try what the parent asks for, within limits.
 
+use super::STACK;
 use super::protocol::{self, Answer, Request, RequestedField, TriedField};
-use super::{LONGEST, MOST_MEMORY, STACK};
+#[cfg(target_os = "linux")]
+use super::{LONGEST, MOST_MEMORY};
 use crate::error::Error;
 use crate::gpu::{
     Context, ContextOptions, GpuError, Program, RenderTarget, Texture, full_screen_pass_rows,

@@ -61,6 +61,7 @@ fn gpu_a_callers_context_is_left_as_it_was() {
         let inputs = inputs();
         let expected: Vec<_> = inputs.iter().map(|input| frame(&mut own, input)).collect();
         drop(own);
+        let feedback = feedback_alone(kind);
         let program = ForeignProgram::new(kind);
         program.spoil();
         program.begin_feedback();
@@ -112,8 +113,19 @@ fn gpu_a_callers_context_is_left_as_it_was() {
         drop((tracer, context));
         same("the end");
         program.draw();
-        assert_eq!(program.end_feedback(), [0.0, 1.0, 2.0, 0.0, 1.0, 2.0]);
+        assert_eq!(program.end_feedback(), feedback, "{kind:?}");
     }
+}
+
+/// The transform feedback of two drawings in that state with nothing of echomarch between: `[0, 1, 2, 0, 1, 2]`, and on zink
+/// of Mesa 22.3 in the compatibility profile zeros.
+fn feedback_alone(kind: Kind) -> Vec<f32> {
+    let program = ForeignProgram::new(kind);
+    program.spoil();
+    program.begin_feedback();
+    program.draw();
+    program.draw();
+    program.end_feedback()
 }
 
 /// Protects the other program's drawing, which sets its state once and then only draws, and its memory: of what echomarch
