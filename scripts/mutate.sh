@@ -9,7 +9,8 @@ usage: scripts/mutate.sh glsl [--every N] [FILE...]
        scripts/mutate.sh rust [ARGUMENT...]
 
   glsl   changes the shaders (all of glsl/, or the files named) by scripts/mutate/glsl.rules,
-         one change a run of the tests of shaders, surfaces and frames; --every N tries each N-th alone
+         one change a run of the tests of shaders, surfaces and frames; --every N tries each N-th
+         of all changes alone
   rust   runs cargo-mutants over scene, kernel, trace and audio, with these arguments more
 
 What survived stands in target/mutate/survivors.txt (glsl), or in target/mutate/mutants.out.
@@ -60,9 +61,9 @@ tests_pass() {
         "${limited[@]}" "$TRACER"
 }
 
-# Tries every N-th change of a file: $1 the file, $2 N.
+# Tries every N-th change of all files, those of this one: $1 the file, $2 N.
 try_file() {
-    local file="$1" every="$2" mutant folder count=0
+    local file="$1" every="$2" mutant folder
     folder="$WORK/mutants/${file//\//_}"
     mkdir -p "$folder"
     "$MUTATE" "$file" none "$PWD/scripts/mutate/glsl.rules" --only "$PWD/scripts/mutate/glsl.rules" \
@@ -112,7 +113,7 @@ mutate_glsl() {
         complain "the tests fail without a change: see $WORK/last.log"
         return 1
     }
-    made=0 survived=0
+    made=0 survived=0 count=0
     for file in "${files[@]}"; do
         try_file "$file" "$every"
     done

@@ -20,6 +20,7 @@ mod levels;
 mod localise;
 mod localise_form;
 mod localise_score;
+mod own_window;
 mod page;
 mod render_full;
 mod strange_egl;
