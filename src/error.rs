@@ -39,10 +39,6 @@ pub enum Error {
     #[cfg(feature = "picture")]
     #[error(transparent)]
     Picture(#[from] crate::picture::PictureError),
-    /// A study that cannot be run or joined.
-    #[cfg(feature = "experiment")]
-    #[error(transparent)]
-    Study(#[from] crate::study::StudyError),
 }
 
 impl Error {
@@ -69,8 +65,6 @@ impl Error {
             Error::Sofa(_) => true,
             #[cfg(feature = "picture")]
             Error::Picture(error) => error.is_bad_input(),
-            #[cfg(feature = "experiment")]
-            Error::Study(error) => error.is_bad_input(),
         }
     }
 }

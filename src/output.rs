@@ -89,6 +89,7 @@ fn parts() -> MutexGuard<'static, Vec<PathBuf>> {
 /// begins one waits for ever. For a program that is being interrupted, as its last act.
 ///
 /// Recordings of what is heard stay: their temporary files are to be found.
+#[cfg(unix)]
 pub fn remove_parts() {
     let parts = parts();
     for path in parts.iter() {

@@ -2,16 +2,9 @@
 
 use super::app::App;
 use super::ears::Ears;
+use super::state::InFull;
 use crate::auralisation::Listen;
 use crate::gpu::ContextOptions;
-
-/// What the speaker plays in full: of something else it needs another player.
-#[derive(Clone, Debug, PartialEq)]
-pub struct InFull {
-    sound: String,
-    sources: usize,
-    has_bands: bool,
-}
 
 impl App {
     /// Lets the speaker play what is listened to.

@@ -6,6 +6,14 @@ use crate::auralisation::Listen;
 use crate::trace::{MAX_ITERATIONS, MAX_WAVES, Profile, Settings};
 use std::collections::HashMap;
 
+/// What the speaker plays in full: of something else it needs another player.
+#[derive(Clone, Debug, PartialEq)]
+pub struct InFull {
+    pub sound: String,
+    pub sources: usize,
+    pub has_bands: bool,
+}
+
 /// What was chosen.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Choices {

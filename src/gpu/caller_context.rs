@@ -9,10 +9,9 @@ use std::sync::Arc;
 use glow::HasContext;
 
 use super::backend::{Backend, Owner};
-use super::caller_state::{CallerState, Traits};
-use super::context::describe;
+use super::caller_state::{CallerPart, Traits};
 #[cfg(not(target_arch = "wasm32"))]
-use super::context::load;
+use super::driver::load;
 use super::{Api, Context, GpuError, current};
 
 /// The least version of OpenGL, and of OpenGL ES: major and minor.
@@ -61,13 +60,6 @@ type Loader = Box<dyn Fn(&CStr) -> *const c_void>;
 struct CallerBackend {
     make_current: MakeCurrent,
     loader: Option<Loader>,
-}
-
-/// What a [`Context`] knows of one that the caller made.
-pub(super) struct CallerPart {
-    pub traits: Traits,
-    /// Calls into this crate that are under way, one within the other.
-    pub entered: Cell<u32>,
 }
 
 impl Context {
@@ -182,7 +174,7 @@ fn of_caller(
         traits: Traits::of(&gl, &*backend),
         entered: Cell::new(0),
     };
-    Ok(Context::from_inner(describe(backend, gl, api, Some(part))?))
+    Context::described(backend, gl, api, Some(part))
 }
 
 impl Backend for CallerBackend {
@@ -218,66 +210,5 @@ impl Backend for CallerBackend {
             MakeCurrent::ByCaller => Owner::KeptCurrentByCaller,
             MakeCurrent::With(_) => Owner::Caller,
         }
-    }
-}
-
-/// While it lives a [`Context`] is current, in the state that passes need. Then what was current before is so again, and a
-/// context of the caller's has the state that it had.
-#[must_use]
-pub(crate) struct Entered {
-    _callers: Option<CallersEntered>,
-    // After the state: the context is current as long as that is put back.
-    _current: current::Entered,
-}
-
-/// A context of the caller's, and what is to be put back there.
-struct CallersEntered {
-    context: Context,
-    /// None within another call.
-    state: Option<CallerState>,
-}
-
-impl Entered {
-    /// Keeps the state of the context where it is the caller's.
-    pub(super) fn with_state(context: &Context, current: current::Entered) -> Entered {
-        let callers = context.caller_part().map(|part| {
-            let before = part.entered.replace(part.entered.get() + 1);
-            let state = (before == 0).then(|| CallerState::keep(context.gl(), &part.traits));
-            CallersEntered {
-                context: context.clone(),
-                state,
-            }
-        });
-        Entered {
-            _callers: callers,
-            _current: current,
-        }
-    }
-
-    /// For the freeing of objects, which are bound nowhere any more outside of calls: no state is touched.
-    pub(super) fn without_state(context: &Context, current: current::Entered) -> Entered {
-        let callers = context.caller_part().map(|part| {
-            part.entered.set(part.entered.get() + 1);
-            CallersEntered {
-                context: context.clone(),
-                state: None,
-            }
-        });
-        Entered {
-            _callers: callers,
-            _current: current,
-        }
-    }
-}
-
-impl Drop for CallersEntered {
-    fn drop(&mut self) {
-        let Some(part) = self.context.caller_part() else {
-            return;
-        };
-        if let Some(state) = self.state.take() {
-            state.put_back(self.context.gl(), &part.traits);
-        }
-        part.entered.set(part.entered.get() - 1);
     }
 }

@@ -3,16 +3,14 @@
 //! Listed is what this crate changes, and what its drawing, uploads and read-backs depend on. Whoever changes more state in
 //! this module's siblings adds it here; `tests/foreign_program.rs` asks for all of it, and `trace/tests/caller_contexts.rs` compares.
 
+use std::cell::Cell;
 use std::ffi::c_void;
 
 use glow::HasContext;
 
 use super::backend::Backend;
-use super::context::ERRORS_AT_MOST;
-use super::texture::SCRATCH_UNIT;
-
-/// The texture units that programs read from, and the one that textures are filled by.
-pub(super) const UNITS: [u32; 5] = [0, 1, 2, 3, SCRATCH_UNIT];
+use super::error::ERRORS_AT_MOST;
+use super::texture_units::UNITS;
 
 // What glow has no names for.
 const ALPHA_TEST: u32 = 0x0BC0;
@@ -71,6 +69,13 @@ const CAPABILITIES_OF_COMPATIBILITY: [u32; 2] = [ALPHA_TEST, POLYGON_STIPPLE];
 
 type GetBooleans = unsafe extern "system" fn(u32, u32, *mut u8);
 type ClampColor = unsafe extern "system" fn(u32, u32);
+
+/// What a [`Context`](super::Context) knows of one that the caller made.
+pub(super) struct CallerPart {
+    pub traits: Traits,
+    /// Calls into this crate that are under way, one within the other.
+    pub entered: Cell<u32>,
+}
 
 /// What there is to be kept in a context.
 pub(super) struct Traits {

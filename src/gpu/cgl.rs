@@ -1,6 +1,6 @@
 //! Contexts without a window on macOS: CGL needs none.
 
-use std::ffi::{CStr, c_void};
+use std::ffi::c_void;
 use std::ptr;
 use std::rc::Rc;
 
@@ -12,29 +12,11 @@ use glutin::prelude::*;
 use raw_window_handle::{AppKitDisplayHandle, RawDisplayHandle};
 
 use super::backend::Backend;
-use super::glutin_context::{attributes, new_context, template};
-use super::{Api, GpuError};
-
-/// Where a context can be made: macOS chooses the graphics card itself.
-#[derive(Debug)]
-pub(super) struct Place;
-
-/// The one place.
-///
-/// # Errors
-/// None.
-pub(super) fn places() -> Result<Vec<Place>, GpuError> {
-    Ok(vec![Place])
-}
-
-/// Sees that there is a library: CGL is there with macOS.
-///
-/// # Errors
-/// None.
+use super::glutin_context::{GlutinContext, attributes, new_context, template};
 #[cfg(feature = "demo")]
-pub(super) fn prepare() -> Result<(), GpuError> {
-    Ok(())
-}
+pub(super) use super::only_place::prepare;
+pub(super) use super::only_place::{Place, places};
+use super::{Api, GpuError};
 
 /// Makes a context; it is not current yet.
 ///
@@ -45,52 +27,25 @@ pub(super) fn open(_: &Place, api: Api) -> Result<Rc<dyn Backend>, GpuError> {
     if api == Api::Gles {
         return Err(refused("macOS has no OpenGL ES".into()));
     }
-    match Cgl::new() {
-        Ok(cgl) => Ok(Rc::new(cgl)),
+    match create() {
+        Ok(context) => Ok(Rc::new(context)),
         Err(error) => Err(refused(error.to_string())),
     }
 }
 
-/// A context of CGL that draws into no surface.
-struct Cgl {
-    context: PossiblyCurrentContext,
-    display: Display,
-}
-
-impl Cgl {
-    fn new() -> Result<Cgl, glutin::error::Error> {
-        // SAFETY: no native display handle is given that would have to be valid.
-        let display =
-            unsafe { Display::new(RawDisplayHandle::AppKit(AppKitDisplayHandle::new())) }?;
-        let template = template(Api::Gl, ConfigSurfaceTypes::empty()).build();
-        // SAFETY: the template names no native window or pixmap.
-        let config = unsafe { display.find_configs(template) }?.next();
-        let config = config.ok_or(ErrorKind::BadConfig)?;
-        let context =
-            new_context(&display, &config, attributes(Api::Gl))?.treat_as_possibly_current();
-        Ok(Cgl { context, display })
-    }
-}
-
-impl Backend for Cgl {
-    fn make_current(&self) -> Result<(), String> {
-        self.context
-            .make_current_surfaceless()
-            .map_err(|error| error.to_string())
-    }
-
-    fn is_current(&self) -> bool {
-        self.context.is_current()
-    }
-
-    fn release(&self) {
-        // A failure leaves a context current that the next make_current replaces.
-        let _ = self.context.make_not_current_in_place();
-    }
-
-    fn proc_address(&self, name: &CStr) -> *const c_void {
-        self.display.get_proc_address(name)
-    }
+/// A context that draws into no surface.
+fn create() -> Result<impl Backend + use<>, glutin::error::Error> {
+    // SAFETY: no native display handle is given that would have to be valid.
+    let display = unsafe { Display::new(RawDisplayHandle::AppKit(AppKitDisplayHandle::new())) }?;
+    let template = template(Api::Gl, ConfigSurfaceTypes::empty()).build();
+    // SAFETY: the template names no native window or pixmap.
+    let config = unsafe { display.find_configs(template) }?.next();
+    let config = config.ok_or(ErrorKind::BadConfig)?;
+    Ok(GlutinContext {
+        context: new_context(&display, &config, attributes(Api::Gl))?.treat_as_possibly_current(),
+        make_current: PossiblyCurrentContext::make_current_surfaceless,
+        display,
+    })
 }
 
 #[link(name = "OpenGL", kind = "framework")]

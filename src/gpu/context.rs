@@ -1,31 +1,23 @@
 //! A GL context without a window.
 
-#[cfg(not(target_arch = "wasm32"))]
-use std::ffi::CString;
 use std::fmt;
-#[cfg(not(target_arch = "wasm32"))]
-use std::ptr;
 use std::rc::Rc;
 use std::sync::{Arc, OnceLock};
 
 use glow::HasContext;
 
 use super::backend::Backend;
-use super::caller_context::{CallerPart, Entered};
-use super::caller_state::set_scissor_test;
-use super::error::code_name;
+use super::caller_state::{CallerPart, set_scissor_test};
+#[cfg(not(target_arch = "wasm32"))]
+use super::driver::load;
+use super::driver::{Driver, Limits};
+use super::error::{ERRORS_AT_MOST, code_name};
 #[cfg(not(target_arch = "wasm32"))]
 use super::native;
 #[cfg(not(target_arch = "wasm32"))]
 use super::osmesa::OsMesa;
 use super::software::is_software;
 use super::{Api, GpuError, current};
-
-/// The extension by which OpenGL ES draws into textures of floats.
-const FLOAT_TARGETS: &str = "GL_EXT_color_buffer_float";
-
-/// Errors drained from one context at most: a lost one may answer for ever.
-pub(super) const ERRORS_AT_MOST: usize = 32;
 
 /// Which context to make.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -51,27 +43,6 @@ impl ContextOptions {
     }
 }
 
-/// What the driver allows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub struct Limits {
-    /// Longest side of a texture, in texels.
-    pub max_texture_size: u32,
-    /// Uniforms of a fragment shader, counted in vectors of four.
-    pub max_fragment_uniform_vectors: u32,
-    /// Outputs of a fragment shader that can be drawn at once.
-    pub max_draw_buffers: u32,
-    /// Textures that a framebuffer can hold.
-    pub max_color_attachments: u32,
-}
-
-impl Limits {
-    /// Textures that one pass can write to: four at least.
-    pub fn most_outputs(&self) -> u32 {
-        self.max_draw_buffers.min(self.max_color_attachments)
-    }
-}
-
 /// A GL context without a window, and the thread's access to it. The [module](super) has an example.
 ///
 /// Clones are references to the same context, which is destroyed with the last of them. It stays on the thread that
@@ -83,23 +54,15 @@ pub struct Context {
 }
 
 /// What the clones of a context share.
-pub(super) struct Inner {
+struct Inner {
     backend: Rc<dyn Backend>,
     gl: Arc<glow::Context>,
     vertex_array: glow::VertexArray,
     api: Api,
-    renderer: String,
-    vendor: String,
-    version: String,
-    shading_language: String,
-    limits: Limits,
-    reset_status: Option<ResetStatus>,
+    driver: Driver,
     /// Of a context that the caller made.
     caller: Option<CallerPart>,
 }
-
-/// glGetGraphicsResetStatus, under whatever name the driver has it.
-type ResetStatus = unsafe extern "system" fn() -> u32;
 
 impl Drop for Inner {
     fn drop(&mut self) {
@@ -185,18 +148,34 @@ impl Context {
             .make_current()
             .map_err(|reason| GpuError::NoContext { api, reason })?;
         let gl = Arc::new(load(&*backend));
-        let inner = describe(backend.clone(), gl, api, None).inspect_err(|_| backend.release())?;
-        let context = Context::from_inner(inner);
+        let context = Context::described(backend.clone(), gl, api, None)
+            .inspect_err(|_| backend.release())?;
         current::make(&backend).map_err(|reason| GpuError::NoContext { api, reason })?;
         Ok(context)
     }
 
-    /// A first reference.
-    pub(super) fn from_inner(inner: Inner) -> Context {
-        Context {
-            inner: Rc::new(inner),
+    /// The first reference to a context that is current.
+    pub(super) fn described(
+        backend: Rc<dyn Backend>,
+        gl: Arc<glow::Context>,
+        api: Api,
+        caller: Option<CallerPart>,
+    ) -> Result<Context, GpuError> {
+        let driver = Driver::ask(&*backend, &gl, api)?;
+        // SAFETY: the context is current.
+        let vertex_array = unsafe { gl.create_vertex_array() }
+            .map_err(|reason| GpuError::NoContext { api, reason })?;
+        Ok(Context {
+            inner: Rc::new(Inner {
+                backend,
+                gl,
+                vertex_array,
+                api,
+                driver,
+                caller,
+            }),
             passed_over: Rc::default(),
-        }
+        })
     }
 
     /// What there is besides of a context that the caller made.
@@ -254,22 +233,22 @@ impl Context {
 
     /// GL_RENDERER: the driver's name for the device.
     pub fn renderer(&self) -> &str {
-        &self.inner.renderer
+        &self.inner.driver.renderer
     }
 
     /// GL_VENDOR.
     pub fn vendor(&self) -> &str {
-        &self.inner.vendor
+        &self.inner.driver.vendor
     }
 
     /// GL_VERSION, the driver's version included.
     pub fn version(&self) -> &str {
-        &self.inner.version
+        &self.inner.driver.version
     }
 
     /// GL_SHADING_LANGUAGE_VERSION.
     pub fn shading_language(&self) -> &str {
-        &self.inner.shading_language
+        &self.inner.driver.shading_language
     }
 
     /// Whether the processor draws, rather than a graphics card.
@@ -279,7 +258,7 @@ impl Context {
 
     /// What the driver allows.
     pub(crate) fn limits(&self) -> Limits {
-        self.inner.limits
+        self.inner.driver.limits
     }
 
     /// GL itself, with this context current on this thread. For use at once: whatever touches another context makes
@@ -327,25 +306,11 @@ impl Context {
         }
     }
 
-    /// Makes the context current until the answer is dropped, and then what somebody else had made current on this
-    /// thread by way of EGL. Where nothing was current the context stays so, unless it is the caller's. The state of a
-    /// caller's context is kept, and put back.
+    /// Makes the context current until the answer is dropped, and leaves its state alone.
     ///
     /// # Errors
     /// [`GpuError::ContextLost`] if it cannot be made current.
-    pub(crate) fn enter(&self) -> Result<Entered, GpuError> {
-        Ok(Entered::with_state(self, self.make_current()?))
-    }
-
-    /// The same for the freeing of objects.
-    ///
-    /// # Errors
-    /// As [`enter`](Context::enter).
-    pub(super) fn enter_to_free(&self) -> Result<Entered, GpuError> {
-        Ok(Entered::without_state(self, self.make_current()?))
-    }
-
-    fn make_current(&self) -> Result<current::Entered, GpuError> {
+    pub(super) fn make_current(&self) -> Result<current::Entered, GpuError> {
         current::enter(&self.inner.backend).map_err(|reason| GpuError::ContextLost { reason })
     }
 
@@ -357,7 +322,7 @@ impl Context {
     pub(super) fn check_not_lost(&self) -> Result<(), GpuError> {
         current::make(&self.inner.backend).map_err(|reason| GpuError::ContextLost { reason })?;
         // SAFETY: the context is current, and has the extension that the function is of.
-        let status = self.inner.reset_status.map(|ask| unsafe { ask() });
+        let status = self.inner.driver.reset_status.map(|ask| unsafe { ask() });
         match status {
             None | Some(glow::NO_ERROR) => Ok(()),
             Some(status) => Err(GpuError::ContextLost {
@@ -398,107 +363,5 @@ impl fmt::Debug for Context {
             .field("api", &self.api())
             .field("renderer", &self.renderer())
             .finish_non_exhaustive()
-    }
-}
-
-/// Asks for all that is known of a context that is current.
-pub(super) fn describe(
-    backend: Rc<dyn Backend>,
-    gl: Arc<glow::Context>,
-    api: Api,
-    caller: Option<CallerPart>,
-) -> Result<Inner, GpuError> {
-    // SAFETY: the context is current, and the strings and numbers asked for exist in every version.
-    let (renderer, vendor, version, shading_language) = unsafe {
-        (
-            gl.get_parameter_string(backend.renderer_parameter(&gl)),
-            gl.get_parameter_string(glow::VENDOR),
-            gl.get_parameter_string(glow::VERSION),
-            gl.get_parameter_string(glow::SHADING_LANGUAGE_VERSION),
-        )
-    };
-    if api == Api::Gles && !has_float_targets(&gl) {
-        return Err(GpuError::MissingExtension {
-            extension: FLOAT_TARGETS,
-            renderer,
-        });
-    }
-    // SAFETY: the context is current.
-    let vertex_array = unsafe { gl.create_vertex_array() }
-        .map_err(|reason| GpuError::NoContext { api, reason })?;
-    let limits = limits(&gl, api);
-    let reset_status = reset_status(&*backend, &gl, api);
-    Ok(Inner {
-        backend,
-        gl,
-        vertex_array,
-        api,
-        renderer,
-        vendor,
-        version,
-        shading_language,
-        limits,
-        reset_status,
-        caller,
-    })
-}
-
-/// Whether OpenGL ES draws into textures of floats; WebGL's names have no `GL_` before them.
-fn has_float_targets(gl: &glow::Context) -> bool {
-    let names = [FLOAT_TARGETS, FLOAT_TARGETS.trim_start_matches("GL_")];
-    let known = gl.supported_extensions();
-    names.iter().any(|name| known.contains(*name))
-}
-
-/// The function that tells of resets, of an extension that the context has.
-fn reset_status(backend: &dyn Backend, gl: &glow::Context, api: Api) -> Option<ResetStatus> {
-    let of_khr = match api {
-        Api::Gles => c"glGetGraphicsResetStatusKHR",
-        Api::Gl | Api::OsMesa => c"glGetGraphicsResetStatus",
-    };
-    let names = [
-        ("GL_KHR_robustness", of_khr),
-        ("GL_ARB_robustness", c"glGetGraphicsResetStatusARB"),
-        ("GL_EXT_robustness", c"glGetGraphicsResetStatusEXT"),
-    ];
-    let has = |extension: &str| gl.supported_extensions().contains(extension);
-    let (_, name) = names.into_iter().find(|(extension, _)| has(extension))?;
-    let address = backend.proc_address(name);
-    // SAFETY: the address is that of the function of this name, which takes nothing and answers with a GLenum, or null.
-    (!address.is_null()).then(|| unsafe { std::mem::transmute(address) })
-}
-
-/// The functions of GL, with the context current.
-#[cfg(not(target_arch = "wasm32"))]
-pub(super) fn load(backend: &dyn Backend) -> glow::Context {
-    let find = |name: &str| match CString::new(name) {
-        Ok(name) => backend.proc_address(&name),
-        Err(_) => ptr::null(),
-    };
-    let find_or_core = |name: &str| {
-        let address = find(name);
-        // glow reads a timer query by the extension's function on drivers without glGetQueryBufferObjectiv; the
-        // core's is the same function.
-        if address.is_null() && name == "glGetQueryObjectui64vEXT" {
-            find("glGetQueryObjectui64v")
-        } else {
-            address
-        }
-    };
-    // SAFETY: the context is current, and the addresses are those of its library.
-    unsafe { glow::Context::from_loader_function(find_or_core) }
-}
-
-fn limits(gl: &glow::Context, api: Api) -> Limits {
-    // SAFETY: the context is current; a limit that is unknown leaves 0.
-    let limit = |name: u32| u32::try_from(unsafe { gl.get_parameter_i32(name) }).unwrap_or(0);
-    Limits {
-        max_texture_size: limit(glow::MAX_TEXTURE_SIZE),
-        max_fragment_uniform_vectors: match api {
-            Api::Gles => limit(glow::MAX_FRAGMENT_UNIFORM_VECTORS),
-            Api::Gl | Api::OsMesa => limit(glow::MAX_FRAGMENT_UNIFORM_COMPONENTS) / 4,
-        },
-        max_draw_buffers: limit(glow::MAX_DRAW_BUFFERS),
-        max_color_attachments: limit(glow::MAX_COLOR_ATTACHMENTS),
     }
 }

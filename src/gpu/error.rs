@@ -168,6 +168,9 @@ impl GpuError {
     }
 }
 
+/// Errors drained from one context at most: a lost one may answer for ever.
+pub(super) const ERRORS_AT_MOST: usize = 32;
+
 /// The name of an error code of glGetError.
 pub(super) fn code_name(code: u32) -> String {
     match code {

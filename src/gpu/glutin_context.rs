@@ -3,8 +3,10 @@
 use glutin::config::{Api as ConfigApi, ConfigSurfaceTypes, ConfigTemplateBuilder};
 use glutin::context::{ContextApi, ContextAttributesBuilder, GlProfile, Robustness, Version};
 use glutin::prelude::*;
+use std::ffi::{CStr, c_void};
 
 use super::Api;
+use super::backend::Backend;
 
 /// What is asked of a configuration for such surfaces: passes draw into textures, so that the surface needs neither
 /// alpha, depth nor stencil.
@@ -48,4 +50,36 @@ pub(super) fn new_context<D: GlDisplay>(
         // SAFETY: as above.
         unsafe { display.create_context(config, &attributes.build(None)) }
     })
+}
+
+/// A context by glutin, and how it is made current: without a surface, or with the one that it was made with.
+pub(super) struct GlutinContext<C, D, M> {
+    // In this order: the context goes first, then its surface, then the display.
+    pub context: C,
+    pub make_current: M,
+    pub display: D,
+}
+
+impl<C, D, M> Backend for GlutinContext<C, D, M>
+where
+    C: PossiblyCurrentGlContext,
+    D: GlDisplay,
+    M: Fn(&C) -> Result<(), glutin::error::Error>,
+{
+    fn make_current(&self) -> Result<(), String> {
+        (self.make_current)(&self.context).map_err(|error| error.to_string())
+    }
+
+    fn is_current(&self) -> bool {
+        self.context.is_current()
+    }
+
+    fn release(&self) {
+        // A failure leaves a context current that the next make_current replaces.
+        let _ = self.context.make_not_current_in_place();
+    }
+
+    fn proc_address(&self, name: &CStr) -> *const c_void {
+        self.display.get_proc_address(name)
+    }
 }

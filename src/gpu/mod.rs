@@ -47,8 +47,10 @@ mod data_list;
 mod data_texture;
 #[cfg(not(target_arch = "wasm32"))]
 mod devices;
+mod driver;
 #[cfg(all(unix, not(target_os = "macos")))]
 mod egl;
+mod entered;
 mod error;
 #[cfg(not(target_arch = "wasm32"))]
 mod glutin_context;
@@ -65,6 +67,7 @@ mod render_target;
 mod software;
 mod texel_buffer;
 mod texture;
+mod texture_units;
 mod timer;
 #[cfg(target_arch = "wasm32")]
 mod web;
@@ -74,6 +77,8 @@ mod window;
 // What the system has for contexts without a window.
 #[cfg(target_os = "macos")]
 mod cgl;
+#[cfg(any(windows, target_os = "macos"))]
+mod only_place;
 #[cfg(windows)]
 mod wgl;
 #[cfg(target_os = "macos")]
@@ -86,13 +91,13 @@ use wgl as native;
 pub use api::Api;
 pub(crate) use async_read::AsyncRead;
 pub use caller_context::{MakeCurrent, SwitchContext};
-#[cfg(not(target_arch = "wasm32"))]
-pub(crate) use context::Limits;
 pub use context::{Context, ContextOptions};
 pub(crate) use data_list::DataList;
 pub(crate) use data_texture::DataTexture;
 #[cfg(not(target_arch = "wasm32"))]
 pub use devices::{GpuInfo, Renderer, list_gpus};
+#[cfg(not(target_arch = "wasm32"))]
+pub(crate) use driver::Limits;
 pub use error::GpuError;
 /// The functions of OpenGL, in the version that [`Context::from_glow`] takes.
 pub use glow;

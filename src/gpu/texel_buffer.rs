@@ -1,7 +1,6 @@
 //! A list of vectors in a buffer: what OpenGL has for long lists, and ES 3.0 has not.
 
-use super::caller_state::UNITS;
-use super::texture::SCRATCH_UNIT;
+use super::texture_units::{self, SCRATCH_UNIT};
 use super::{Context, GpuError, bytes};
 use glam::Vec4;
 use glow::HasContext;
@@ -84,16 +83,7 @@ impl TexelBuffer {
 
     /// Binds the texture to a unit.
     pub fn bind(&self, unit: u32) {
-        debug_assert!(
-            UNITS.contains(&unit),
-            "unit {unit} of a caller is not put back"
-        );
-        let gl = self.context.gl();
-        // SAFETY: the context is current, and the texture its own.
-        unsafe {
-            gl.active_texture(glow::TEXTURE0 + unit);
-            gl.bind_texture(glow::TEXTURE_BUFFER, Some(self.texture));
-        }
+        texture_units::bind(&self.context, unit, glow::TEXTURE_BUFFER, self.texture);
     }
 }
 

@@ -2,12 +2,8 @@
 
 use glow::{HasContext, PixelUnpackData};
 
-use super::caller_state::UNITS;
+use super::texture_units::{self, SCRATCH_UNIT};
 use super::{Context, GpuError, bytes};
-
-/// The texture unit used to create and to fill textures, so that those bound for a pass stay bound. Every driver of
-/// OpenGL 3.3 or ES 3.0 has at least 32.
-pub(super) const SCRATCH_UNIT: u32 = 31;
 
 /// A texture of four 32-bit floats a texel (RGBA32F), read without filtering and clamped to its edge.
 ///
@@ -114,16 +110,7 @@ impl Texture {
 
     /// Binds the texture to a unit.
     pub(super) fn bind(&self, unit: u32) {
-        debug_assert!(
-            UNITS.contains(&unit),
-            "unit {unit} of a caller is not put back"
-        );
-        let gl = self.context.gl();
-        // SAFETY: the context is current, and the texture its own.
-        unsafe {
-            gl.active_texture(glow::TEXTURE0 + unit);
-            gl.bind_texture(glow::TEXTURE_2D, Some(self.texture));
-        }
+        texture_units::bind(&self.context, unit, glow::TEXTURE_2D, self.texture);
     }
 }
 

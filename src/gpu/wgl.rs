@@ -1,6 +1,5 @@
 //! Contexts without a window of their own on Windows: WGL knows none, so that each has a hidden one.
 
-use std::ffi::{CStr, c_void};
 use std::num::{NonZeroIsize, NonZeroU32};
 use std::ptr;
 use std::rc::Rc;
@@ -27,40 +26,22 @@ use windows_sys::Win32::UI::WindowsAndMessaging::{
 use windows_sys::w;
 
 use super::backend::Backend;
-use super::glutin_context::{attributes, new_context, template};
+use super::glutin_context::{GlutinContext, attributes, new_context, template};
+#[cfg(feature = "demo")]
+pub(super) use super::only_place::prepare;
+pub(super) use super::only_place::{Place, places};
 use super::{Api, GpuError};
 
 /// Side of the hidden window in pixels; nothing is drawn into it.
 const SIDE: i32 = 1;
-
-/// Where a context can be made: Windows chooses the graphics card itself.
-#[derive(Debug)]
-pub(super) struct Place;
-
-/// The one place.
-///
-/// # Errors
-/// None.
-pub(super) fn places() -> Result<Vec<Place>, GpuError> {
-    Ok(vec![Place])
-}
-
-/// Sees that there is a library: WGL is there with Windows.
-///
-/// # Errors
-/// None.
-#[cfg(feature = "demo")]
-pub(super) fn prepare() -> Result<(), GpuError> {
-    Ok(())
-}
 
 /// Makes a context; it is not current yet.
 ///
 /// # Errors
 /// [`GpuError::NoContext`] with what Windows answered.
 pub(super) fn open(_: &Place, api: Api) -> Result<Rc<dyn Backend>, GpuError> {
-    match Wgl::new(api) {
-        Ok(wgl) => Ok(Rc::new(wgl)),
+    match create(api) {
+        Ok(context) => Ok(Rc::new(context)),
         Err(error) => Err(GpuError::NoContext {
             api,
             reason: error.to_string(),
@@ -113,60 +94,43 @@ impl Drop for HiddenWindow {
     }
 }
 
-/// A context of WGL. The fields go in this order: the window last.
-struct Wgl {
-    context: PossiblyCurrentContext,
+/// What a context of WGL draws into. The fields go in this order: the window last.
+struct Hidden {
     surface: Surface<WindowSurface>,
-    display: Display,
     _window: HiddenWindow,
 }
 
-impl Wgl {
-    fn new(api: Api) -> Result<Wgl, glutin::error::Error> {
-        let window = HiddenWindow::new()?;
-        let handle = window.handle()?;
-        let on = RawDisplayHandle::Windows(WindowsDisplayHandle::new());
-        // SAFETY: the window lives, and has its module.
-        let display = unsafe { Display::new(on, Some(handle)) }?;
-        let template = template(api, ConfigSurfaceTypes::WINDOW)
-            .compatible_with_native_window(handle)
-            .build();
-        // SAFETY: the template names the window, which lives.
-        let config = unsafe { display.find_configs(template) }?.next();
-        let config = config.ok_or(ErrorKind::BadConfig)?;
-        let side = NonZeroU32::MIN;
-        let of_window = SurfaceAttributesBuilder::<WindowSurface>::new().build(handle, side, side);
-        // SAFETY: the window lives, and goes after the surface.
-        let surface = unsafe { display.create_window_surface(&config, &of_window) }?;
-        let context = new_context(&display, &config, attributes(api))?.treat_as_possibly_current();
-        Ok(Wgl {
-            context,
-            surface,
-            display,
-            _window: window,
-        })
-    }
-}
-
-impl Backend for Wgl {
-    fn make_current(&self) -> Result<(), String> {
-        self.context
-            .make_current(&self.surface)
-            .map_err(|error| error.to_string())
-    }
-
-    fn is_current(&self) -> bool {
-        self.context.is_current()
-    }
-
-    fn release(&self) {
-        // A failure leaves a context current that the next make_current replaces.
-        let _ = self.context.make_not_current_in_place();
-    }
-
-    fn proc_address(&self, name: &CStr) -> *const c_void {
-        self.display.get_proc_address(name)
-    }
+/// A context on a hidden window.
+fn create(api: Api) -> Result<impl Backend + use<>, glutin::error::Error> {
+    let window = HiddenWindow::new()?;
+    let handle = window.handle()?;
+    let on = RawDisplayHandle::Windows(WindowsDisplayHandle::new());
+    // SAFETY: the window lives, and has its module.
+    let display = unsafe { Display::new(on, Some(handle)) }?;
+    let template = template(api, ConfigSurfaceTypes::WINDOW)
+        .compatible_with_native_window(handle)
+        .build();
+    // SAFETY: the template names the window, which lives.
+    let config = unsafe { display.find_configs(template) }?.next();
+    let config = config.ok_or(ErrorKind::BadConfig)?;
+    let side = NonZeroU32::MIN;
+    let of_window = SurfaceAttributesBuilder::<WindowSurface>::new().build(handle, side, side);
+    // SAFETY: the window lives, and goes after the surface.
+    let surface = unsafe { display.create_window_surface(&config, &of_window) }?;
+    let context = new_context(&display, &config, attributes(api))?.treat_as_possibly_current();
+    let hidden = Hidden {
+        surface,
+        _window: window,
+    };
+    Ok(GlutinContext {
+        context,
+        make_current: move |context: &PossiblyCurrentContext| {
+            // All of it is kept, the window too.
+            let hidden = &hidden;
+            context.make_current(&hidden.surface)
+        },
+        display,
+    })
 }
 
 /// A context of WGL's that echomarch did not make, as it was current.

@@ -19,7 +19,7 @@ use winit::raw_window_handle::{
 };
 
 use super::backend::Backend;
-use super::context::load;
+use super::driver::load;
 use super::glutin_context::{attributes, new_context, template};
 use super::{Api, Context, GpuError, native};
 

@@ -25,6 +25,7 @@ mod cells;
 mod check;
 mod covered_faces;
 mod data;
+mod key;
 mod layout;
 mod loops;
 mod materials;
@@ -40,6 +41,7 @@ pub(crate) use arrivals::{ArrivalsText, WORD_BITS, arrivals_text, material_value
 pub(crate) use cells::{Lists, SceneCells};
 pub(crate) use check::check;
 pub(crate) use data::{CellData, DATA_WIDTH, scene_data};
+pub(crate) use key::Key;
 pub(crate) use layout::Layout;
 pub(crate) use loops::{Loops, loops};
 pub(crate) use materials::Materials;
@@ -48,7 +50,7 @@ pub use passes::Directions;
 #[cfg(feature = "experiment")]
 pub(crate) use passes::is_marched;
 pub(crate) use passes::{
-    AlgorithmText, Key, MarchText, initialise_text, march_text, marches_fields, pan_text,
+    AlgorithmText, MarchText, initialise_text, march_text, marches_fields, pan_text,
     sum_contributions_text, sum_text, whole_frame_text,
 };
 #[cfg(any(test, feature = "walkthrough"))]

@@ -1,8 +1,6 @@
-//! The fragment shaders of a frame's passes, and what the text of each depends on.
+//! The fragment shaders of a frame's passes.
 
-use super::arrivals::ArrivalsText;
 use super::cells::Lists;
-use super::structure::{Structure, structure};
 use super::text::{
     ListenerText, Part, Source, closed_form_parts, directed_parts, distance_parts, field, join,
     library, link, source,
@@ -11,22 +9,6 @@ use crate::scene::{Scene, Surface};
 use serde::Serialize;
 use std::fmt;
 use std::str::FromStr;
-
-/// What the text of a pass depends on: passes of the same key share their programs.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub(crate) enum Key {
-    Initialise(Directions),
-    March(Structure, MarchText),
-    /// All of them in one.
-    WholeFrame(Structure, MarchText, Directions),
-    /// Waves through a chunk of iterations, past a transparent listener.
-    Arrivals(Structure, ArrivalsText),
-    Pan,
-    /// The first pass of the sum on the GPU.
-    SumContributions,
-    /// Its further passes.
-    Sum,
-}
 
 /// How the start directions are chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
@@ -69,23 +51,6 @@ impl AlgorithmText {
             AlgorithmText::March { exact_normals, .. } if exact_normals => Lists::Overlapping,
             AlgorithmText::March { .. } | AlgorithmText::Thesis => Lists::NearestCandidates,
         }
-    }
-}
-
-impl Key {
-    /// The key of a scene's march.
-    pub fn march(scene: &Scene, text: MarchText) -> Key {
-        Key::March(structure(scene, text.algorithm.lists()), text)
-    }
-
-    /// The key of a whole frame in one pass.
-    pub fn whole_frame(scene: &Scene, text: MarchText, directions: Directions) -> Key {
-        Key::WholeFrame(structure(scene, text.algorithm.lists()), text, directions)
-    }
-
-    /// The key of the pass that records arrivals.
-    pub fn arrivals(scene: &Scene, text: ArrivalsText) -> Key {
-        Key::Arrivals(structure(scene, text.algorithm.lists()), text)
     }
 }
 

@@ -9,9 +9,16 @@
 //!
 //! X = 50 m and ℓ = 0.1 m give a gradient to 4·10⁻¹¹ and second derivatives to 10⁻⁶/m.
 
-use super::sheet::Derivatives;
 use crate::scene::Shape;
 use glam::{DMat3, DVec3};
+
+/// Value, gradient and second derivatives at a point.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Derivatives {
+    pub value: f64,
+    pub gradient: DVec3,
+    pub hessian: DMat3,
+}
 
 /// A level of a tree's value.
 #[derive(Clone, Copy, Debug)]

@@ -1,7 +1,7 @@
 //! The sheets of each basic shape, at any level of its value.
 
+use super::search::{Search, Way};
 use super::sheet::{Form, Quadratic, outer};
-use super::tree::{Search, Way};
 use crate::scene::Node;
 use crate::scene::shape::{
     CappedCylinder, Capsule, Cone, Cylinder, Ellipsoid, GeneralQuadric, HalfSpace, HeightField,

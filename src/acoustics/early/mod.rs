@@ -51,6 +51,7 @@ mod leaves;
 mod linear;
 mod missed;
 mod paths;
+mod search;
 mod sheet;
 mod spreading;
 mod surfaces;

@@ -4,7 +4,7 @@
 //! that a wave has met, continued over its edges, so that Newton's method sees a smooth
 //! function. Whether what is found lies on the surface itself is checked afterwards.
 
-use super::differences::Differenced;
+use super::differences::{Derivatives, Differenced};
 use glam::{DMat3, DVec3};
 
 /// A smooth implicit function next to one of its places: its zero set there, to second order.
@@ -111,14 +111,6 @@ impl Quadratic {
             hessian: self.form * 2.0,
         }
     }
-}
-
-/// Value, gradient and second derivatives at a point.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Derivatives {
-    pub value: f64,
-    pub gradient: DVec3,
-    pub hessian: DMat3,
 }
 
 /// a bᵀ.

@@ -1,8 +1,8 @@
 //! The surfaces of a scene, and which sheet of them lies where.
 
 use super::differences::Differenced;
+use super::search::{Search, Way};
 use super::sheet::{Frame, Sheet};
-use super::tree::{Search, Way};
 use crate::scene::{Scene, Shape, Surface};
 use glam::{DMat3, DQuat, DVec3};
 

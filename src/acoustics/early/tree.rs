@@ -6,67 +6,11 @@
 
 use super::differences::Differenced;
 use super::leaves;
-use super::sheet::{Form, Frame, Quadratic, Sheet};
+use super::search::{Search, Way};
+use super::sheet::{Form, Sheet};
 use crate::scene::shape::{Elongate, Mirror, Repeat};
 use crate::scene::{Node, Shape};
 use glam::{DMat3, DVec3};
-
-/// A way down a tree.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Way {
-    pub frame: Frame,
-    /// The value that the surface has, in metres.
-    pub level: f64,
-    /// 1 where the air lies on the side of greater values, else −1.
-    pub sign: f64,
-    /// Tells this way from others.
-    pub id: u64,
-}
-
-/// The sheets that are found, and what they are looked for with.
-pub(super) struct Search<'a> {
-    /// Where the surface is met, in world metres.
-    pub point: DVec3,
-    /// Metres off a surface that count as on it.
-    pub touch: f64,
-    /// The largest coordinate of the scene in metres.
-    pub largest: f64,
-    pub found: Vec<Sheet<'a>>,
-    /// Whether a surface was met that is known by samples alone.
-    pub is_sampled: bool,
-}
-
-impl Way {
-    /// The branch with this number.
-    pub fn branch(self, number: u64) -> Way {
-        /// The multiplier of FNV-1a for 64 bits.
-        const SPREAD: u64 = 0x0000_0100_0000_01b3;
-        let id = (self.id ^ (number + 1)).wrapping_mul(SPREAD);
-        Way { id, ..self }
-    }
-
-    fn turned(self, turn: DMat3, shift: DVec3) -> Way {
-        let frame = self.frame.then(turn, shift);
-        Way { frame, ..self }
-    }
-
-    pub fn moved(self, shift: DVec3) -> Way {
-        self.turned(DMat3::IDENTITY, shift)
-    }
-
-    fn at(self, level: f64) -> Way {
-        Way { level, ..self }
-    }
-
-    /// −value instead of value.
-    fn turned_out(self) -> Way {
-        Way {
-            level: -self.level,
-            sign: -self.sign,
-            ..self
-        }
-    }
-}
 
 impl<'a> Search<'a> {
     /// Adds the sheets of `shape` that have the surface next to the point.
@@ -204,42 +148,6 @@ impl<'a> Search<'a> {
         if self.found.len() == before {
             self.differenced(shape, way);
         }
-    }
-
-    /// A plane normal · p = offset of a leaf's axes; the normal is a unit vector towards
-    /// greater values.
-    pub fn flat(&mut self, normal: DVec3, offset: f64, way: Way, wall: Option<u8>) {
-        let seen = way.frame.turn.transpose() * normal;
-        let scale = seen.length();
-        // Where a shape was pulled apart its faces across have no place.
-        if scale == 0.0 {
-            return;
-        }
-        let form = Form::Flat {
-            normal: seen * (way.sign / scale),
-            offset: (offset - normal.dot(way.frame.shift)) * (way.sign / scale),
-        };
-        self.add(form, way, wall);
-    }
-
-    pub fn quadric(&mut self, quadric: Quadratic, way: Way) {
-        self.add(Form::Quadric(quadric), way, None);
-    }
-
-    pub fn add(&mut self, form: Form<'a>, way: Way, wall: Option<u8>) {
-        self.found.push(Sheet {
-            form,
-            frame: way.frame,
-            sign: way.sign,
-            id: way.id,
-            wall,
-        });
-    }
-}
-
-impl Way {
-    fn branch_of_bits(self, bits: u64) -> Way {
-        self.branch(bits.rotate_left(20) >> 1)
     }
 }
 

@@ -4,7 +4,6 @@ mod foreign;
 mod library;
 mod plain;
 
-use std::ffi::{CStr, c_void};
 use std::rc::Rc;
 
 use glutin::api::egl::context::PossiblyCurrentContext;
@@ -15,7 +14,7 @@ use glutin::error::ErrorKind;
 use glutin::prelude::*;
 
 use super::backend::Backend;
-use super::glutin_context::{attributes, new_context, template};
+use super::glutin_context::{GlutinContext, attributes, new_context, template};
 use super::{Api, GpuError};
 pub(super) use foreign::Foreign;
 use plain::{Plain, Platform};
@@ -27,13 +26,6 @@ pub(super) enum Place {
     Device(Device),
     /// A display without a device.
     Platform(Platform),
-}
-
-/// A context of EGL on a device, that draws into no surface.
-struct Egl {
-    // Before the display: the context goes first.
-    context: PossiblyCurrentContext,
-    display: Display,
 }
 
 /// The places where contexts can be made, at least one: the devices that EGL lists, in its order. Where it lists none
@@ -95,7 +87,8 @@ pub(super) fn open(place: &Place, api: Api) -> Result<Rc<dyn Backend>, GpuError>
     }
 }
 
-fn create(device: &Device, api: Api) -> Result<Egl, glutin::error::Error> {
+/// A context on a device, that draws into no surface.
+fn create(device: &Device, api: Api) -> Result<impl Backend + use<>, glutin::error::Error> {
     // SAFETY: no native display handle is given that would have to be valid.
     let display = unsafe { Display::with_device(device, None) }?;
     let template = template(api, ConfigSurfaceTypes::empty());
@@ -103,28 +96,9 @@ fn create(device: &Device, api: Api) -> Result<Egl, glutin::error::Error> {
     let mut configs = unsafe { display.find_configs(template.build()) }?;
     let config = configs.next().ok_or(ErrorKind::BadConfig)?;
     drop(configs);
-    let context = new_context(&display, &config, attributes(api))?;
-    let context = context.treat_as_possibly_current();
-    Ok(Egl { context, display })
-}
-
-impl Backend for Egl {
-    fn make_current(&self) -> Result<(), String> {
-        self.context
-            .make_current_surfaceless()
-            .map_err(|error| error.to_string())
-    }
-
-    fn is_current(&self) -> bool {
-        self.context.is_current()
-    }
-
-    fn release(&self) {
-        // A failure leaves a context current that the next make_current replaces.
-        let _ = self.context.make_not_current_in_place();
-    }
-
-    fn proc_address(&self, name: &CStr) -> *const c_void {
-        self.display.get_proc_address(name)
-    }
+    Ok(GlutinContext {
+        context: new_context(&display, &config, attributes(api))?.treat_as_possibly_current(),
+        make_current: PossiblyCurrentContext::make_current_surfaceless,
+        display,
+    })
 }

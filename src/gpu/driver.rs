@@ -1,0 +1,135 @@
+//! What a driver says of a context, and its functions.
+
+#[cfg(not(target_arch = "wasm32"))]
+use std::ffi::CString;
+#[cfg(not(target_arch = "wasm32"))]
+use std::ptr;
+
+use glow::HasContext;
+
+use super::backend::Backend;
+use super::{Api, GpuError};
+
+/// The extension by which OpenGL ES draws into textures of floats.
+const FLOAT_TARGETS: &str = "GL_EXT_color_buffer_float";
+
+/// What the driver allows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Limits {
+    /// Longest side of a texture, in texels.
+    pub max_texture_size: u32,
+    /// Uniforms of a fragment shader, counted in vectors of four.
+    pub max_fragment_uniform_vectors: u32,
+    /// Outputs of a fragment shader that can be drawn at once.
+    pub max_draw_buffers: u32,
+    /// Textures that a framebuffer can hold.
+    pub max_color_attachments: u32,
+}
+
+impl Limits {
+    /// Textures that one pass can write to: four at least.
+    pub fn most_outputs(&self) -> u32 {
+        self.max_draw_buffers.min(self.max_color_attachments)
+    }
+}
+
+/// glGetGraphicsResetStatus, under whatever name the driver has it.
+type ResetStatus = unsafe extern "system" fn() -> u32;
+
+/// What a driver says of one context.
+pub(super) struct Driver {
+    pub renderer: String,
+    pub vendor: String,
+    pub version: String,
+    pub shading_language: String,
+    pub limits: Limits,
+    /// Tells of resets, where the driver can.
+    pub reset_status: Option<ResetStatus>,
+}
+
+impl Driver {
+    /// Asks for all of it; the context is current.
+    ///
+    /// # Errors
+    /// [`GpuError::MissingExtension`].
+    pub fn ask(backend: &dyn Backend, gl: &glow::Context, api: Api) -> Result<Driver, GpuError> {
+        // SAFETY: the context is current, and the strings asked for exist in every version.
+        let text = |name| unsafe { gl.get_parameter_string(name) };
+        let renderer = text(backend.renderer_parameter(gl));
+        if api == Api::Gles && !has_float_targets(gl) {
+            return Err(GpuError::MissingExtension {
+                extension: FLOAT_TARGETS,
+                renderer,
+            });
+        }
+        Ok(Driver {
+            renderer,
+            vendor: text(glow::VENDOR),
+            version: text(glow::VERSION),
+            shading_language: text(glow::SHADING_LANGUAGE_VERSION),
+            limits: limits(gl, api),
+            reset_status: reset_status(backend, gl, api),
+        })
+    }
+}
+
+/// Whether OpenGL ES draws into textures of floats; WebGL's names have no `GL_` before them.
+fn has_float_targets(gl: &glow::Context) -> bool {
+    let names = [FLOAT_TARGETS, FLOAT_TARGETS.trim_start_matches("GL_")];
+    let known = gl.supported_extensions();
+    names.iter().any(|name| known.contains(*name))
+}
+
+/// The function that tells of resets, of an extension that the context has.
+fn reset_status(backend: &dyn Backend, gl: &glow::Context, api: Api) -> Option<ResetStatus> {
+    let of_khr = match api {
+        Api::Gles => c"glGetGraphicsResetStatusKHR",
+        Api::Gl | Api::OsMesa => c"glGetGraphicsResetStatus",
+    };
+    let names = [
+        ("GL_KHR_robustness", of_khr),
+        ("GL_ARB_robustness", c"glGetGraphicsResetStatusARB"),
+        ("GL_EXT_robustness", c"glGetGraphicsResetStatusEXT"),
+    ];
+    let has = |extension: &str| gl.supported_extensions().contains(extension);
+    let (_, name) = names.into_iter().find(|(extension, _)| has(extension))?;
+    let address = backend.proc_address(name);
+    // SAFETY: the address is that of the function of this name, which takes nothing and answers with a GLenum, or null.
+    (!address.is_null()).then(|| unsafe { std::mem::transmute(address) })
+}
+
+fn limits(gl: &glow::Context, api: Api) -> Limits {
+    // SAFETY: the context is current; a limit that is unknown leaves 0.
+    let limit = |name: u32| u32::try_from(unsafe { gl.get_parameter_i32(name) }).unwrap_or(0);
+    Limits {
+        max_texture_size: limit(glow::MAX_TEXTURE_SIZE),
+        max_fragment_uniform_vectors: match api {
+            Api::Gles => limit(glow::MAX_FRAGMENT_UNIFORM_VECTORS),
+            Api::Gl | Api::OsMesa => limit(glow::MAX_FRAGMENT_UNIFORM_COMPONENTS) / 4,
+        },
+        max_draw_buffers: limit(glow::MAX_DRAW_BUFFERS),
+        max_color_attachments: limit(glow::MAX_COLOR_ATTACHMENTS),
+    }
+}
+
+/// The functions of GL, with the context current.
+#[cfg(not(target_arch = "wasm32"))]
+pub(super) fn load(backend: &dyn Backend) -> glow::Context {
+    let find = |name: &str| match CString::new(name) {
+        Ok(name) => backend.proc_address(&name),
+        Err(_) => ptr::null(),
+    };
+    let find_or_core = |name: &str| {
+        let address = find(name);
+        // glow reads a timer query by the extension's function on drivers without glGetQueryBufferObjectiv; the
+        // core's is the same function.
+        if address.is_null() && name == "glGetQueryObjectui64vEXT" {
+            find("glGetQueryObjectui64v")
+        } else {
+            address
+        }
+    };
+    // SAFETY: the context is current, and the addresses are those of its library.
+    unsafe { glow::Context::from_loader_function(find_or_core) }
+}

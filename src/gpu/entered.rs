@@ -1,0 +1,85 @@
+//! Calls into this crate: a context is current in them, and what was before is so again after them.
+
+use super::caller_state::CallerState;
+use super::{Context, GpuError, current};
+
+/// While it lives a [`Context`] is current, in the state that passes need. Then what was current before is so again, and a
+/// context of the caller's has the state that it had.
+#[must_use]
+pub(crate) struct Entered {
+    _callers: Option<CallersEntered>,
+    // After the state: the context is current as long as that is put back.
+    _current: current::Entered,
+}
+
+/// A context of the caller's, and what is to be put back there.
+struct CallersEntered {
+    context: Context,
+    /// None within another call.
+    state: Option<CallerState>,
+}
+
+impl Entered {
+    /// Keeps the state of the context where it is the caller's.
+    pub(super) fn with_state(context: &Context, current: current::Entered) -> Entered {
+        let callers = context.caller_part().map(|part| {
+            let before = part.entered.replace(part.entered.get() + 1);
+            let state = (before == 0).then(|| CallerState::keep(context.gl(), &part.traits));
+            CallersEntered {
+                context: context.clone(),
+                state,
+            }
+        });
+        Entered {
+            _callers: callers,
+            _current: current,
+        }
+    }
+
+    /// For the freeing of objects, which are bound nowhere any more outside of calls: no state is touched.
+    pub(super) fn without_state(context: &Context, current: current::Entered) -> Entered {
+        let callers = context.caller_part().map(|part| {
+            part.entered.set(part.entered.get() + 1);
+            CallersEntered {
+                context: context.clone(),
+                state: None,
+            }
+        });
+        Entered {
+            _callers: callers,
+            _current: current,
+        }
+    }
+}
+
+impl Drop for CallersEntered {
+    fn drop(&mut self) {
+        let Some(part) = self.context.caller_part() else {
+            return;
+        };
+        if let Some(state) = self.state.take() {
+            state.put_back(self.context.gl(), &part.traits);
+        }
+        part.entered.set(part.entered.get() - 1);
+    }
+}
+
+impl Context {
+    /// Makes the context current until the answer is dropped, and then what somebody else had made current on this
+    /// thread by way of EGL. Where nothing was current the context stays so, unless it is the caller's. The state of a
+    /// caller's context is kept, and put back.
+    ///
+    /// # Errors
+    /// [`GpuError::ContextLost`] if it cannot be made current.
+    pub(crate) fn enter(&self) -> Result<Entered, GpuError> {
+        Ok(Entered::with_state(self, self.make_current()?))
+    }
+
+    /// The same for the freeing of objects.
+    ///
+    /// # Errors
+    /// As [`enter`](Context::enter).
+    pub(super) fn enter_to_free(&self) -> Result<Entered, GpuError> {
+        Ok(Entered::without_state(self, self.make_current()?))
+    }
+}
