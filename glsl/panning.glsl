@@ -10,10 +10,14 @@ uniform vec3 uListenerRight;   // unit vector out of the right ear
 // The status of a wave whose place or direction is no number: in contributions alone.
 const float STATUS_NOT_FINITE = -2.0;
 
-// Whether a wave's place and direction are numbers. Comparisons with NaN are false; a unit vector's
-// square is 1.
+// A wave whose place or direction is longer than this, squared, has gone wrong as well: no scene is that
+// large (metres²), and a direction's length is 1. Comparisons with NaN are false.
+const float MOST_SQUARED_PLACE = 1e30;
+const float MOST_SQUARED_DIRECTION = 2.0;
+
+// Whether a wave's place, status and direction are numbers that can be.
 bool isFinite(vec4 origin, vec3 direction) {
-    return dot(origin, origin) < 1e30 && dot(direction, direction) < 2.0;
+    return dot(origin, origin) < MOST_SQUARED_PLACE && dot(direction, direction) < MOST_SQUARED_DIRECTION;
 }
 
 // Left, right, status, counters. The listener's centre is in the march's coordinates.

@@ -162,7 +162,7 @@ impl DemoWindow {
 
 impl Panels {
     fn new(events: &ActiveEventLoop, gl: &WindowContext) -> Result<Panels, DemoError> {
-        let painter = Painter::new(gl.functions(), "", None, false);
+        let painter = Painter::new(gl.functions()?, "", None, false);
         let painter = painter.map_err(|error| DemoError::NoWindow {
             reason: error.to_string(),
         })?;

@@ -254,10 +254,14 @@ fn until_there(
 
 impl Drop for AsyncRead {
     fn drop(&mut self) {
-        let _entered = self.context.enter_to_free();
-        self.cancel();
-        // SAFETY: the context is current, and the buffer its own and not used again.
-        unsafe { self.context.gl().delete_buffer(self.buffer) };
+        let fence = self.pending.take().map(|pending| pending.fence);
+        // SAFETY: the context is current; fence and buffer are its own and not used again.
+        self.context.free(|gl| unsafe {
+            if let Some(fence) = fence {
+                gl.delete_sync(fence);
+            }
+            gl.delete_buffer(self.buffer);
+        });
     }
 }
 

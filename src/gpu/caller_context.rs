@@ -99,11 +99,9 @@ impl Context {
     /// ```
     ///
     /// # Errors
+    /// [`GpuError::NoFunctions`] where no context is current although `current` says so, or `loader` gives no functions;
     /// [`GpuError::TooOld`], [`GpuError::MissingExtension`], [`GpuError::ContextLost`] where the context cannot be made
     /// current.
-    ///
-    /// # Panics
-    /// Where no context is current although `current` says so, or `loader` gives no functions.
     ///
     /// # Safety
     /// - `loader` gives functions of GL that are those of the context, and stay so as long as the context lives.
@@ -120,7 +118,7 @@ impl Context {
             make_current: current,
             loader: Some(Box::new(loader)),
         });
-        of_caller(backend.clone(), || Arc::new(load(&*backend)))
+        of_caller(backend.clone(), || load(&*backend).map(Arc::new))
     }
 
     /// [`from_loader`](Context::from_loader) for a program that has the functions of GL from the crate
@@ -142,18 +140,18 @@ impl Context {
             make_current: current,
             loader: None,
         });
-        of_caller(backend, || gl)
+        of_caller(backend, || Ok(gl))
     }
 }
 
 /// Describes a context of the caller's, and leaves it as it was.
 fn of_caller(
     backend: Rc<CallerBackend>,
-    functions: impl FnOnce() -> Arc<glow::Context>,
+    functions: impl FnOnce() -> Result<Arc<glow::Context>, GpuError>,
 ) -> Result<Context, GpuError> {
     let backend: Rc<dyn Backend> = backend;
     let _entered = current::enter(&backend).map_err(|reason| GpuError::ContextLost { reason })?;
-    let gl = functions();
+    let gl = functions()?;
     let version = gl.version();
     let api = if version.is_embedded {
         Api::Gles

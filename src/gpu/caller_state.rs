@@ -1,7 +1,7 @@
 //! The state of a context that the caller made: kept before a call, set to what passes need, put back after it.
 //!
 //! Listed is what this crate changes, and what its drawing, uploads and read-backs depend on. Whoever changes more state in
-//! this module's siblings adds it here; `tests/foreign_program.rs` asks for all of it, and `trace/tests/caller_contexts.rs` compares.
+//! this module's siblings adds it here; `tests/foreign_state.rs` asks for all of it, and `trace/tests/caller_contexts.rs` compares.
 
 use std::cell::Cell;
 use std::ffi::c_void;

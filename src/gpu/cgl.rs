@@ -52,6 +52,8 @@ fn create() -> Result<impl Backend + use<>, glutin::error::Error> {
 unsafe extern "C" {
     fn CGLGetCurrentContext() -> *mut c_void;
     fn CGLSetCurrentContext(context: *mut c_void) -> i32;
+    fn CGLRetainContext(context: *mut c_void) -> *mut c_void;
+    fn CGLReleaseContext(context: *mut c_void);
 }
 
 /// A context of CGL's that echomarch did not make, as it was current.
@@ -62,7 +64,8 @@ impl Foreign {
     pub fn of_system() -> Option<Foreign> {
         // SAFETY: asks only.
         let context = unsafe { CGLGetCurrentContext() };
-        (!context.is_null()).then_some(Foreign(context))
+        // SAFETY: the context is the current one, and released when this is dropped.
+        (!context.is_null()).then(|| Foreign(unsafe { CGLRetainContext(context) }))
     }
 
     /// Makes no context current on this thread.
@@ -73,7 +76,14 @@ impl Foreign {
 
     /// Makes it current again.
     pub fn make_current(&self) {
-        // SAFETY: its owner keeps it while it is current, which it was when this call into echomarch began.
+        // SAFETY: it was retained.
         unsafe { CGLSetCurrentContext(self.0) };
+    }
+}
+
+impl Drop for Foreign {
+    fn drop(&mut self) {
+        // SAFETY: it was retained once.
+        unsafe { CGLReleaseContext(self.0) };
     }
 }

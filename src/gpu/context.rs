@@ -141,13 +141,14 @@ impl Context {
     pub(super) fn from_backend_with(
         backend: Rc<dyn Backend>,
         api: Api,
-        load: impl FnOnce(&dyn Backend) -> glow::Context,
+        load: impl FnOnce(&dyn Backend) -> Result<glow::Context, GpuError>,
     ) -> Result<Context, GpuError> {
         current::release();
         backend
             .make_current()
             .map_err(|reason| GpuError::NoContext { api, reason })?;
-        let gl = Arc::new(load(&*backend));
+        let gl = load(&*backend).inspect_err(|_| backend.release())?;
+        let gl = Arc::new(gl);
         let context = Context::described(backend.clone(), gl, api, None)
             .inspect_err(|_| backend.release())?;
         current::make(&backend).map_err(|reason| GpuError::NoContext { api, reason })?;

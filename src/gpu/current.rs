@@ -84,11 +84,12 @@ pub(super) struct Entered {
 enum Then {
     /// It stays current, as the one made current last.
     Stays,
-    /// One of the caller's stays current, and is his affair again.
+    /// One of the caller's stays current, and is the caller's alone again.
     StaysCallers,
     /// One of the caller's is made not current, as it was; one of echomarch's that was current is so again.
     Goes {
-        entered: Rc<dyn Backend>,
+        /// Once it is current.
+        entered: Option<Rc<dyn Backend>>,
         before: Option<Rc<dyn Backend>>,
     },
 }
@@ -107,17 +108,22 @@ pub(super) fn enter(context: &Rc<dyn Backend>) -> Result<Entered, String> {
     };
     let (foreign, then) = match context.owner() {
         Owner::Echomarch => (foreign(), Then::Stays),
-        Owner::Caller if !context.is_current() => {
-            let (foreign, entered) = (foreign(), context.clone());
-            let before = known;
-            (foreign, Then::Goes { entered, before })
-        }
+        Owner::Caller if !context.is_current() => (
+            foreign(),
+            Then::Goes {
+                entered: None,
+                before: known,
+            },
+        ),
         Owner::Caller | Owner::KeptCurrentByCaller => (None, Then::StaysCallers),
     };
-    // Dropped if the context cannot be made current, which puts it back too.
-    let entered = Entered { foreign, then };
+    // Dropped if the context cannot be made current: then there is nothing of it to release.
+    let mut answer = Entered { foreign, then };
     make(context)?;
-    Ok(entered)
+    if let Then::Goes { entered, .. } = &mut answer.then {
+        *entered = Some(context.clone());
+    }
+    Ok(answer)
 }
 
 impl Drop for Entered {
@@ -128,7 +134,9 @@ impl Drop for Entered {
             Then::StaysCallers => forget(),
             Then::Goes { entered, before } => {
                 forget();
-                entered.release();
+                if let Some(entered) = entered {
+                    entered.release();
+                }
                 // Where that fails the next use of it tells.
                 let _ = before.as_ref().map(make);
             }

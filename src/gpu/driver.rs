@@ -1,7 +1,7 @@
 //! What a driver says of a context, and its functions.
 
 #[cfg(not(target_arch = "wasm32"))]
-use std::ffi::CString;
+use std::ffi::{CStr, CString, c_char, c_void};
 #[cfg(not(target_arch = "wasm32"))]
 use std::ptr;
 
@@ -114,8 +114,12 @@ fn limits(gl: &glow::Context, api: Api) -> Limits {
 }
 
 /// The functions of GL, with the context current.
+///
+/// # Errors
+/// [`GpuError::NoFunctions`].
 #[cfg(not(target_arch = "wasm32"))]
-pub(super) fn load(backend: &dyn Backend) -> glow::Context {
+pub(super) fn load(backend: &dyn Backend) -> Result<glow::Context, GpuError> {
+    check_version(backend).map_err(|reason| GpuError::NoFunctions { reason })?;
     let find = |name: &str| match CString::new(name) {
         Ok(name) => backend.proc_address(&name),
         Err(_) => ptr::null(),
@@ -131,5 +135,65 @@ pub(super) fn load(backend: &dyn Backend) -> glow::Context {
         }
     };
     // SAFETY: the context is current, and the addresses are those of its library.
-    unsafe { glow::Context::from_loader_function(find_or_core) }
+    Ok(unsafe { glow::Context::from_loader_function(find_or_core) })
+}
+
+/// Sees that GL has a version that can be read: glow panics where it has none.
+#[cfg(not(target_arch = "wasm32"))]
+fn check_version(backend: &dyn Backend) -> Result<(), String> {
+    type GetString = unsafe extern "system" fn(u32) -> *const c_char;
+    // SAFETY: the address is that of the function of this name, or null.
+    let get = unsafe {
+        std::mem::transmute::<*const c_void, Option<GetString>>(
+            backend.proc_address(c"glGetString"),
+        )
+    };
+    let get = get.ok_or("there is no glGetString")?;
+    // SAFETY: the context is current.
+    let version = unsafe { get(glow::VERSION) };
+    if version.is_null() {
+        return Err("GL_VERSION has no answer: no context is current".to_owned());
+    }
+    // SAFETY: GL answers with a text that ends in zero.
+    let version = unsafe { CStr::from_ptr(version) }.to_string_lossy();
+    match has_numbers(&version) {
+        true => Ok(()),
+        false => Err(format!("GL_VERSION is {version:?}, without a number")),
+    }
+}
+
+/// Whether a version has numbers where they stand in every version: `4.6 …`, `OpenGL ES 3.2 …`.
+#[cfg(not(target_arch = "wasm32"))]
+fn has_numbers(version: &str) -> bool {
+    let numbers = version.rsplit(" ES ").next().unwrap_or(version);
+    let mut parts = numbers.split([' ', '.']);
+    let is_number = |part: Option<&str>| part.is_some_and(|part| part.parse::<u32>().is_ok());
+    is_number(parts.next()) && is_number(parts.next()) && version.is_ascii()
+}
+
+#[cfg(all(test, not(target_arch = "wasm32")))]
+mod tests {
+    use super::has_numbers;
+
+    /// Protects programs that hand in the functions of something else: an error, no panic.
+    #[test]
+    fn versions_without_numbers_are_known() {
+        for version in [
+            "4.6 (Core Profile) Mesa",
+            "OpenGL ES 3.2 Mesa 22.3.6",
+            "3.3.0",
+        ] {
+            assert!(has_numbers(version), "{version}");
+        }
+        for version in [
+            "",
+            "4",
+            "OpenGL ES",
+            "four.five",
+            "OpenGL ES x.2",
+            "4.6 \u{e9}",
+        ] {
+            assert!(!has_numbers(version), "{version}");
+        }
+    }
 }

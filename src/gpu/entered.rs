@@ -75,11 +75,11 @@ impl Context {
         Ok(Entered::with_state(self, self.make_current()?))
     }
 
-    /// The same for the freeing of objects.
-    ///
-    /// # Errors
-    /// As [`enter`](Context::enter).
-    pub(super) fn enter_to_free(&self) -> Result<Entered, GpuError> {
-        Ok(Entered::without_state(self, self.make_current()?))
+    /// Frees objects with the context current. Where it cannot be made current it is gone, and its objects with it.
+    pub(super) fn free(&self, delete: impl FnOnce(&glow::Context)) {
+        if let Ok(current) = self.make_current() {
+            let _entered = Entered::without_state(self, current);
+            delete(self.gl());
+        }
     }
 }

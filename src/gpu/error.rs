@@ -51,6 +51,12 @@ pub enum GpuError {
         /// GL_VERSION.
         version: String,
     },
+    /// A context that the caller made, or its loader, gives no functions of OpenGL.
+    #[error("there is no OpenGL in the context: {reason}")]
+    NoFunctions {
+        /// What is missing.
+        reason: String,
+    },
     /// libOSMesa could not be loaded.
     #[error("libOSMesa was not found ({reason}): install it (on Debian the package libosmesa6)")]
     NoOsMesaLibrary {

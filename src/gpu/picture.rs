@@ -140,12 +140,10 @@ impl Target for Picture {
 
 impl Drop for Picture {
     fn drop(&mut self) {
-        let _entered = self.context.enter_to_free();
-        let gl = self.context.gl();
         // SAFETY: the context is current, and both objects its own and not used again.
-        unsafe {
+        self.context.free(|gl| unsafe {
             gl.delete_framebuffer(self.framebuffer);
             gl.delete_renderbuffer(self.pixels);
-        }
+        });
     }
 }

@@ -194,9 +194,9 @@ impl Program {
 
 impl Drop for Program {
     fn drop(&mut self) {
-        let _entered = self.context.enter_to_free();
         // SAFETY: the context is current, and the program its own and not used again.
-        unsafe { self.context.gl().delete_program(self.program) };
+        self.context
+            .free(|gl| unsafe { gl.delete_program(self.program) });
     }
 }
 
@@ -265,8 +265,8 @@ impl<'a> Shader<'a> {
 
 impl Drop for Shader<'_> {
     fn drop(&mut self) {
-        let _entered = self.context.enter_to_free();
         // SAFETY: the context is current, and the shader its own and not used again.
-        unsafe { self.context.gl().delete_shader(self.shader) };
+        self.context
+            .free(|gl| unsafe { gl.delete_shader(self.shader) });
     }
 }

@@ -165,9 +165,9 @@ impl Target for RenderTarget {
 
 impl Drop for RenderTarget {
     fn drop(&mut self) {
-        let _entered = self.context.enter_to_free();
         // SAFETY: the context is current, and the framebuffer its own and not used again.
-        unsafe { self.context.gl().delete_framebuffer(self.framebuffer) };
+        self.context
+            .free(|gl| unsafe { gl.delete_framebuffer(self.framebuffer) });
     }
 }
 

@@ -89,13 +89,11 @@ impl TexelBuffer {
 
 impl Drop for TexelBuffer {
     fn drop(&mut self) {
-        let _entered = self.context.enter_to_free();
-        let gl = self.context.gl();
         // SAFETY: the context is current; texture and buffer are its own and not used again.
-        unsafe {
+        self.context.free(|gl| unsafe {
             gl.delete_texture(self.texture);
             gl.delete_buffer(self.buffer);
-        }
+        });
     }
 }
 

@@ -116,9 +116,9 @@ impl Texture {
 
 impl Drop for Texture {
     fn drop(&mut self) {
-        let _entered = self.context.enter_to_free();
         // SAFETY: the context is current, and the texture its own and not used again.
-        unsafe { self.context.gl().delete_texture(self.texture) };
+        self.context
+            .free(|gl| unsafe { gl.delete_texture(self.texture) });
     }
 }
 

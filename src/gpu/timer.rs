@@ -107,11 +107,12 @@ impl GpuTimer {
 
 impl Drop for GpuTimer {
     fn drop(&mut self) {
-        let _entered = self.context.enter_to_free();
-        for query in &self.queries {
-            // SAFETY: the context is current, and the query its own and not used again.
-            unsafe { self.context.gl().delete_query(*query) };
-        }
+        self.context.free(|gl| {
+            for query in &self.queries {
+                // SAFETY: the context is current, and the query its own and not used again.
+                unsafe { gl.delete_query(*query) };
+            }
+        });
     }
 }
 

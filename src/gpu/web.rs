@@ -30,7 +30,7 @@ impl Context {
     pub fn from_webgl2(context: WebGl2RenderingContext) -> Result<Context, GpuError> {
         Context::from_backend_with(Rc::new(Page), Api::Gles, |_| {
             // It asks for all extensions that it knows, that of float targets among them.
-            glow::Context::from_webgl2_context(context)
+            Ok(glow::Context::from_webgl2_context(context))
         })
     }
 }

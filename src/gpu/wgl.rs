@@ -21,7 +21,7 @@ use windows_sys::Win32::Graphics::OpenGL::{
 };
 use windows_sys::Win32::System::LibraryLoader::GetModuleHandleW;
 use windows_sys::Win32::UI::WindowsAndMessaging::{
-    CreateWindowExW, DestroyWindow, WS_CLIPCHILDREN, WS_CLIPSIBLINGS, WS_POPUP,
+    CreateWindowExW, DestroyWindow, HWND_MESSAGE, WS_CLIPCHILDREN, WS_CLIPSIBLINGS, WS_POPUP,
 };
 use windows_sys::w;
 
@@ -54,8 +54,8 @@ struct HiddenWindow(HWND);
 
 impl HiddenWindow {
     fn new() -> Result<HiddenWindow, glutin::error::Error> {
-        // SAFETY: the class is one of Windows' own, and the texts end in zero. No message is waited for: the class has its
-        // own way to answer them.
+        // SAFETY: the class is one of Windows' own, and the texts end in zero. Nobody takes the window's messages: it is
+        // one for messages alone, which gets no broadcasts, so that no other program waits for it.
         let window = unsafe {
             CreateWindowExW(
                 0,
@@ -66,7 +66,7 @@ impl HiddenWindow {
                 0,
                 SIDE,
                 SIDE,
-                ptr::null_mut(),
+                HWND_MESSAGE,
                 ptr::null_mut(),
                 GetModuleHandleW(ptr::null()),
                 ptr::null(),

@@ -159,10 +159,13 @@ impl WindowContext {
 
     /// The functions of GL once more, for a library that wants them counted by references. They are good while this
     /// context is current.
-    pub fn functions(&self) -> Arc<glow::Context> {
+    ///
+    /// # Errors
+    /// [`GpuError::NoFunctions`].
+    pub fn functions(&self) -> Result<Arc<glow::Context>, GpuError> {
         // Makes the context current.
         self.context.gl();
-        Arc::new(load(&WindowBackend(self.drawing.clone())))
+        load(&WindowBackend(self.drawing.clone())).map(Arc::new)
     }
 
     /// Asks for no waiting on the screen's refresh: whoever draws paces the frames. Some drivers wait nonetheless.

@@ -2,14 +2,14 @@
 
 use super::check::{Checker, MOST_POINTS};
 use super::columns::ResponseColumns;
-use super::file::{Keep, ResponseFile, SceneFile, SettingsFile, StudyFile, Sweep};
+use super::file::{Keep, ResponseFile, SceneFile, SettingsFile, StudyFile, Sweep, scene_file};
 use super::{Case, Kept, SceneAxis, Study, StudyError, hash};
 use crate::experiment::accuracy;
 use crate::response::ResponseSettings;
-use crate::scene::{BUILTIN_NAMES, Scene, SceneError};
+use crate::scene::{Scene, SceneError};
 use crate::text::in_a_line;
 use crate::trace::{Settings, TraceError};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// A study file's study.
 pub(super) fn from_file(path: &Path) -> Result<Study, StudyError> {
@@ -52,11 +52,6 @@ pub(super) fn study(
         StudyError::Unreadable { path, source }
     })?;
     Ok(study)
-}
-
-/// A name of a scene as a file's path, unless it is built in.
-pub(super) fn scene_file(of: &str, folder: &Path) -> Option<PathBuf> {
-    (!BUILTIN_NAMES.contains(&of)).then(|| folder.join(of))
 }
 
 /// Loads every scene, and tries every number of its named values.

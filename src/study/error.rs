@@ -3,7 +3,8 @@
 use super::Shard;
 use crate::input::InputError;
 use crate::output::OutputError;
-use std::path::PathBuf;
+use std::io;
+use std::path::{Path, PathBuf};
 
 /// A study that cannot be run or joined, and why.
 #[derive(Debug, thiserror::Error)]
@@ -113,6 +114,12 @@ pub enum StudyError {
 }
 
 impl StudyError {
+    /// A file at `path` that could not be written.
+    pub(super) fn output(path: &Path, source: io::Error) -> StudyError {
+        let path = path.to_owned();
+        OutputError { path, source }.into()
+    }
+
     /// Whether what was given is to blame (the program then exits with 2, else with 1).
     pub fn is_bad_input(&self) -> bool {
         match self {

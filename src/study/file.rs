@@ -6,11 +6,12 @@
 
 use super::StudyError;
 use crate::input::read_text;
+use crate::scene::BUILTIN_NAMES;
 use crate::text::in_a_line;
 use crate::trace::{Directions, Profile};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Bytes of a study file at the most: a list of 20,000 places is 1 MiB.
 const LARGEST_FILE: u64 = 4 << 20;
@@ -300,4 +301,9 @@ impl StudyFile {
                 message: in_a_line(&error.code.to_string()).into_owned(),
             })
     }
+}
+
+/// A name of a scene as a file's path, unless it is built in.
+pub(super) fn scene_file(of: &str, folder: &Path) -> Option<PathBuf> {
+    (!BUILTIN_NAMES.contains(&of)).then(|| folder.join(of))
 }

@@ -1,8 +1,7 @@
 //! The hash of a study: of all that decides its results, but for program and renderer.
 
 use super::Study;
-use super::build::scene_file;
-use super::file::StudyFile;
+use super::file::{StudyFile, scene_file};
 use crate::input::{InputError, read};
 use crate::scene::{Scene, bases_of};
 use sha2::{Digest, Sha256};

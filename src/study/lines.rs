@@ -102,3 +102,9 @@ pub(super) fn end_text(before: Sha256) -> String {
 pub(super) fn is_end(text: &str) -> bool {
     text.starts_with(END)
 }
+
+/// The number of the point that a line is of.
+pub(super) fn index_of(text: &str) -> Option<u64> {
+    let index = text.split(',').next()?;
+    index.parse().ok()
+}

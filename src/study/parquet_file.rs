@@ -2,7 +2,6 @@
 
 use super::StudyError;
 use super::columns::{Column, Kind};
-use super::tables::output_error;
 use crate::output::{PartFile, temporary_beside};
 use parquet::basic::{LogicalType, Repetition, Type as Physical};
 use parquet::data_type::{ByteArray, ByteArrayType, DataType, DoubleType, Int64Type};
@@ -59,7 +58,7 @@ impl ParquetFile {
                 .map_err(io::Error::other)?;
             Ok((part, writer))
         };
-        let (part, writer) = begin().map_err(|source| output_error(path, source))?;
+        let (part, writer) = begin().map_err(|source| StudyError::output(path, source))?;
         Ok(ParquetFile {
             path: path.to_owned(),
             part,
@@ -74,7 +73,7 @@ impl ParquetFile {
         for (column, cell) in self.columns.iter_mut().zip(cells) {
             if !column.push(cell) {
                 let text = "a cell is no number, and its column is of numbers";
-                return Err(output_error(&self.path, io::Error::other(text)));
+                return Err(StudyError::output(&self.path, io::Error::other(text)));
             }
         }
         self.rows += 1;
@@ -96,14 +95,14 @@ impl ParquetFile {
             .close()
             .map_err(io::Error::other)
             .and_then(|_| part.persist(&path));
-        done.map_err(|source| output_error(&path, source))?;
+        done.map_err(|source| StudyError::output(&path, source))?;
         crate::input::note_output(&path);
         Ok(path)
     }
 
     fn write_group(&mut self) -> Result<(), StudyError> {
         let written = write_group(&mut self.writer, &mut self.columns);
-        written.map_err(|error| output_error(&self.path, io::Error::other(error)))?;
+        written.map_err(|error| StudyError::output(&self.path, io::Error::other(error)))?;
         self.rows = 0;
         Ok(())
     }

@@ -1,7 +1,6 @@
 //! Reading shards that are whole: first all of it is checked, then its rows are taken in order.
 
-use super::lines::{Header, LONGEST_LINE, end_text, is_end, text_of};
-use super::work::index_of;
+use super::lines::{Header, LONGEST_LINE, end_text, index_of, is_end, text_of};
 use super::{BLOCK, Shard};
 use crate::input::InputFile;
 use sha2::{Digest, Sha256};

@@ -1,7 +1,7 @@
 //! The tables of a joined study: CSV, Parquet, and a note on what they are of.
 
 use super::{Study, StudyError, VERSION};
-use crate::output::{OutputError, PartFile, temporary_beside, write_whole};
+use crate::output::{PartFile, temporary_beside, write_whole};
 use crate::report::Cell;
 use serde_json::json;
 use std::fs::File;
@@ -30,14 +30,14 @@ impl<'a> Tables<'a> {
         renderer: &'a str,
     ) -> Result<Tables<'a>, StudyError> {
         let csv_path = folder.join("study.csv");
-        let failed = |source| output_error(&csv_path, source);
+        let failed = |source| StudyError::output(&csv_path, source);
         let csv_part = temporary_beside(&csv_path).map_err(failed)?;
         let mut csv = csv::Writer::from_writer(csv_part.reopen().map_err(failed)?);
         let mut columns = study.point_columns();
         columns.extend(study.found_columns());
         let names = columns.iter().map(|column| column.name.as_str());
         csv.write_record(names)
-            .map_err(|error| output_error(&csv_path, error.into()))?;
+            .map_err(|error| StudyError::output(&csv_path, error.into()))?;
         Ok(Tables {
             study,
             folder,
@@ -63,10 +63,10 @@ impl<'a> Tables<'a> {
         if cells.len() != self.columns {
             let (found, wanted) = (cells.len(), self.columns);
             let text = format!("a row has {found} columns, not {wanted}");
-            return Err(output_error(&self.csv_path, io::Error::other(text)));
+            return Err(StudyError::output(&self.csv_path, io::Error::other(text)));
         }
         let written = self.csv.write_record(&cells);
-        written.map_err(|error| output_error(&self.csv_path, error.into()))?;
+        written.map_err(|error| StudyError::output(&self.csv_path, error.into()))?;
         #[cfg(feature = "parquet")]
         self.parquet.row(cells)?;
         Ok(())
@@ -76,9 +76,9 @@ impl<'a> Tables<'a> {
     pub fn finish(self) -> Result<Vec<PathBuf>, StudyError> {
         let Tables { csv, csv_path, .. } = self;
         let file = csv.into_inner();
-        file.map_err(|error| output_error(&csv_path, io::Error::other(error.to_string())))?;
+        file.map_err(|error| StudyError::output(&csv_path, io::Error::other(error.to_string())))?;
         let named = self.csv_part.persist(&csv_path);
-        named.map_err(|source| output_error(&csv_path, source))?;
+        named.map_err(|source| StudyError::output(&csv_path, source))?;
         crate::input::note_output(&csv_path);
         let mut files = vec![csv_path];
         #[cfg(feature = "parquet")]
@@ -113,9 +113,4 @@ fn about(study: &Study, renderer: &str) -> Vec<(&'static str, String)> {
         ("version", VERSION.to_owned()),
         ("renderer", renderer.to_owned()),
     ]
-}
-
-pub(super) fn output_error(path: &Path, source: io::Error) -> StudyError {
-    let path = path.to_owned();
-    OutputError { path, source }.into()
 }

@@ -6,11 +6,11 @@
 //! dropped. Whatever else is wrong is refused. When all points are there the last line is added, and
 //! the file, which lies beside its place, is renamed.
 
-use super::lines::{Header, LONGEST_LINE, end_text, is_end, line, text_of};
+use super::lines::{Header, LONGEST_LINE, end_text, index_of, is_end, line, text_of};
 use super::read_shard::verify;
 use super::shard::folder_of;
 use super::{Shard, StudyError, Worker};
-use crate::output::{OutputError, prepare_folder};
+use crate::output::prepare_folder;
 use crate::report::Cell;
 use sha2::{Digest, Sha256};
 use std::fs::{File, OpenOptions, TryLockError};
@@ -133,7 +133,7 @@ impl WorkFile {
             let read = (&mut reader)
                 .take(LONGEST_LINE as u64)
                 .read_until(b'\n', &mut bytes);
-            read.map_err(|source| failed(&self.path, source))?;
+            read.map_err(|source| StudyError::output(&self.path, source))?;
             // What was being written when the process ended has no end of a line.
             let Some(text) = bytes.strip_suffix(b"\n").map(text_of) else {
                 return Ok(kept);
@@ -194,28 +194,19 @@ impl WorkFile {
             .file
             .sync_all()
             .and_then(|()| std::fs::rename(&self.path, whole));
-        renamed.map_err(|source| failed(whole, source))?;
+        renamed.map_err(|source| StudyError::output(whole, source))?;
         // The name as well; where a folder cannot be opened there is nothing to wait for.
         if let Some(folder) = whole.parent().and_then(|folder| File::open(folder).ok()) {
-            folder.sync_all().map_err(|source| failed(whole, source))?;
+            folder
+                .sync_all()
+                .map_err(|source| StudyError::output(whole, source))?;
         }
         Ok(())
     }
 
     fn failed(&self, source: io::Error) -> StudyError {
-        failed(&self.path, source)
+        StudyError::output(&self.path, source)
     }
-}
-
-fn failed(path: &Path, source: io::Error) -> StudyError {
-    let path = path.to_owned();
-    OutputError { path, source }.into()
-}
-
-/// The number of the point that a line is of.
-pub(super) fn index_of(text: &str) -> Option<u64> {
-    let index = text.split(',').next()?;
-    index.parse().ok()
 }
 
 /// Opens a working file, which no other process may have. Where the disk knows no locks, nobody
@@ -224,11 +215,16 @@ fn locked(shard: Shard, path: &Path) -> Result<File, StudyError> {
     let about = std::fs::metadata(path);
     if about.is_ok_and(|about| !about.is_file()) {
         let text = "it is there already and no plain file";
-        return Err(failed(path, io::Error::new(ErrorKind::InvalidInput, text)));
+        return Err(StudyError::output(
+            path,
+            io::Error::new(ErrorKind::InvalidInput, text),
+        ));
     }
     let mut options = OpenOptions::new();
     options.read(true).write(true).create(true).truncate(false);
-    let file = options.open(path).map_err(|source| failed(path, source))?;
+    let file = options
+        .open(path)
+        .map_err(|source| StudyError::output(path, source))?;
     let busy = || StudyError::Busy {
         shard,
         path: path.to_owned(),
@@ -237,13 +233,13 @@ fn locked(shard: Shard, path: &Path) -> Result<File, StudyError> {
         Ok(()) => (),
         Err(TryLockError::WouldBlock) => return Err(busy()),
         Err(TryLockError::Error(error)) if error.kind() == ErrorKind::Unsupported => (),
-        Err(TryLockError::Error(source)) => return Err(failed(path, source)),
+        Err(TryLockError::Error(source)) => return Err(StudyError::output(path, source)),
     }
     // It may have been finished and renamed between the opening and the lock.
     let opened = file
         .try_clone()
         .and_then(same_file::Handle::from_file)
-        .map_err(|source| failed(path, source))?;
+        .map_err(|source| StudyError::output(path, source))?;
     match same_file::Handle::from_path(path) {
         Ok(named) if named == opened => Ok(file),
         _ => Err(busy()),

@@ -15,6 +15,10 @@ pub(crate) const STATUS_STARTED: f32 = 0.5;
 /// Marches that reached the step limit count in multiples of this in a wave's counters (`glsl/wave.glsl`).
 const LIMIT_REACHED: u32 = 4096;
 
+/// The largest square of a place in metres² and of a direction that a wave can have (`glsl/panning.glsl`).
+const MOST_SQUARED_PLACE: f32 = 1e30;
+const MOST_SQUARED_DIRECTION: f32 = 2.0;
+
 /// The texture that holds a number of waves: rows of `width`, wave by wave.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Grid {
@@ -47,7 +51,7 @@ pub enum Fate {
     Listener,
     /// It is neither heard nor dead after the last iteration.
     Travelling,
-    /// Its place or direction is no number: something went wrong, and it is heard nowhere.
+    /// Its place or direction is no number, or one that cannot be: something went wrong, and it is heard nowhere.
     NotFinite,
 }
 
@@ -87,7 +91,10 @@ pub struct Wave {
 impl Wave {
     /// What became of it.
     pub fn fate(&self) -> Fate {
-        match self.position.is_finite() && self.direction.is_finite() {
+        // Comparisons with NaN are false.
+        let is_finite = self.position.length_squared() < MOST_SQUARED_PLACE
+            && self.direction.length_squared() < MOST_SQUARED_DIRECTION;
+        match is_finite {
             true => Fate::of(self.status),
             false => Fate::NotFinite,
         }

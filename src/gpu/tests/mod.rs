@@ -2,5 +2,6 @@
 
 mod contexts;
 pub mod foreign_program;
+mod foreign_state;
 mod passes;
 pub mod raw_egl;

@@ -2,10 +2,11 @@
 
 use crate::gpu::tests::foreign_program::ForeignProgram;
 use crate::gpu::tests::raw_egl::{Kind, RawEgl, Switch};
-use crate::gpu::{Api, Context, GpuError, MakeCurrent};
+use crate::gpu::{Api, Context, GpuError, MakeCurrent, SwitchContext};
 use crate::test_common::context;
 use crate::trace::{ArrivalSettings, Counts, Panning};
 use crate::{Scene, Settings, Tracer};
+use std::cell::Cell;
 use std::ffi::{CStr, c_char, c_void};
 use std::rc::Rc;
 use std::sync::Arc;
@@ -116,6 +117,56 @@ fn gpu_a_callers_context_is_left_as_it_was() {
         assert_eq!(program.end_feedback(), feedback, "{kind:?}");
     }
 }
+
+extern "system" fn of_gl_3_3(name: u32) -> *const c_char {
+    match name {
+        glow::VERSION => c"3.3 Mesa".as_ptr(),
+        _ => c"Mesa".as_ptr(),
+    }
+}
+
+extern "system" fn of_es_3_0(name: u32) -> *const c_char {
+    match name {
+        glow::VERSION => c"OpenGL ES 3.0 Mesa".as_ptr(),
+        _ => c"Mesa".as_ptr(),
+    }
+}
+
+/// Protects programs on drivers of the least versions, which have one viewport, one scissor, one way to blend, and
+/// feedback that cannot be paused: all that such a version knows is as it was.
+#[test]
+fn gpu_a_callers_context_of_the_least_version_is_left_as_it_was() {
+    for (kind, version) in [(Kind::Core, of_gl_3_3 as GetString), (Kind::Es, of_es_3_0)] {
+        let program = ForeignProgram::new(kind);
+        program.spoil();
+        program.spoil_no_newer();
+        let is_known = |line: &String| {
+            let is_indexed = ["area ", "mask ", "blending "]
+                .iter()
+                .find_map(|of| line.strip_prefix(of));
+            is_indexed.is_none_or(|rest| rest.starts_with("0:"))
+        };
+        let state: Vec<String> = program.state().into_iter().filter(is_known).collect();
+        let egl = program.egl.clone();
+        let older = move |name: &CStr| match name == c"glGetString" {
+            true => version as *const c_void,
+            false => egl.address(name),
+        };
+        // SAFETY: the context is current, and has all that the version it is said to be of has.
+        let context = unsafe { Context::from_loader(older, MakeCurrent::ByCaller) }.unwrap();
+        let mut tracer = Tracer::new(&context).unwrap();
+        for input in inputs() {
+            frame(&mut tracer, &input);
+            let found = program.state().into_iter().filter(is_known);
+            for (found, expected) in found.zip(&state) {
+                assert_eq!(found, *expected, "{kind:?}");
+            }
+        }
+    }
+}
+
+/// `glGetString`.
+type GetString = extern "system" fn(u32) -> *const c_char;
 
 /// The transform feedback of two drawings in that state with nothing of echomarch between: `[0, 1, 2, 0, 1, 2]`, and on zink
 /// of Mesa 22.3 in the compatibility profile zeros.
@@ -250,7 +301,7 @@ fn gpu_a_callers_context_that_cannot_trace_is_an_error() {
     egl.unbind();
 
     struct Gone;
-    impl crate::gpu::SwitchContext for Gone {
+    impl SwitchContext for Gone {
         fn make_current(&self) -> Result<(), String> {
             Err("the window was closed".into())
         }
@@ -259,9 +310,67 @@ fn gpu_a_callers_context_that_cannot_trace_is_an_error() {
         }
         fn release(&self) {}
     }
+    let nothing = |_: &CStr| std::ptr::null();
+    // SAFETY: the functions never come to be used.
+    let error = unsafe { Context::from_loader(nothing, MakeCurrent::ByCaller) }.unwrap_err();
+    assert!(matches!(error, GpuError::NoFunctions { .. }), "{error}");
     let loader = move |name: &CStr| egl.address(name);
     // SAFETY: the functions never come to be used.
     let error = unsafe { Context::from_loader(loader, MakeCurrent::With(Box::new(Gone))) };
     let error = error.unwrap_err().to_string();
     assert!(error.contains("the window was closed"), "{error}");
+}
+
+/// The functions of a context that goes: from then on it cannot be made current.
+struct Going {
+    switch: Switch,
+    is_gone: Rc<Cell<bool>>,
+}
+
+impl SwitchContext for Going {
+    fn make_current(&self) -> Result<(), String> {
+        match self.is_gone.get() {
+            true => Err("the window was closed".into()),
+            false => self.switch.make_current(),
+        }
+    }
+
+    fn is_current(&self) -> bool {
+        !self.is_gone.get() && self.switch.is_current()
+    }
+
+    fn release(&self) {
+        assert!(!self.is_gone.get(), "a context that is not current");
+        self.switch.release();
+    }
+}
+
+/// Protects a program whose window goes before the tracer: frames are errors, what is dropped calls no function of GL, and
+/// another context of the program's stays current.
+#[test]
+fn gpu_a_callers_context_that_goes_is_an_error_and_no_panic() {
+    let egl = Rc::new(RawEgl::of(Kind::Core));
+    let loader = egl.clone();
+    let loader = move |name: &CStr| loader.address(name);
+    let is_gone = Rc::new(Cell::new(false));
+    let going = Going {
+        switch: Switch(egl.clone()),
+        is_gone: is_gone.clone(),
+    };
+    // SAFETY: the functions are those of the context, which is made current by these functions.
+    let context =
+        unsafe { Context::from_loader(loader, MakeCurrent::With(Box::new(going))) }.unwrap();
+    let mut tracer = Tracer::new(&context).unwrap();
+    let (scene, settings) = &inputs()[0];
+    tracer.frame(scene, settings).unwrap();
+    tracer.frame_begin(scene, settings).unwrap();
+    let other = RawEgl::of(Kind::Core);
+    other.bind();
+    is_gone.set(true);
+    let error = tracer.frame_advance(f64::INFINITY).unwrap_err().to_string();
+    assert!(error.contains("the window was closed"), "{error}");
+    assert!(tracer.frame(scene, settings).is_err());
+    drop((tracer, context));
+    assert!(other.is_current());
+    other.unbind();
 }
