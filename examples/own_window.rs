@@ -19,6 +19,7 @@ use std::error::Error;
 use std::ffi::CString;
 use std::num::NonZeroU32;
 use winit::application::ApplicationHandler;
+use winit::dpi::PhysicalSize;
 use winit::event::WindowEvent;
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
 use winit::raw_window_handle::{HasDisplayHandle, HasWindowHandle};
@@ -92,6 +93,12 @@ impl Game {
         Ok(())
     }
 
+    fn resize(&self, size: PhysicalSize<u32>) {
+        let side = |pixels| NonZeroU32::new(pixels).unwrap_or(NonZeroU32::MIN);
+        self.surface
+            .resize(&self.context, side(size.width), side(size.height));
+    }
+
     /// What the game draws: one colour, which comes and goes.
     fn draw(&self) {
         let light = (self.pictures % 60) as f32 / 60.0;
@@ -158,6 +165,9 @@ impl Program {
 
 impl ApplicationHandler for Program {
     fn resumed(&mut self, events: &ActiveEventLoop) {
+        if self.game.is_some() {
+            return;
+        }
         events.set_control_flow(ControlFlow::Poll);
         match Game::new(events) {
             Ok(game) => self.game = Some(game),
@@ -166,8 +176,10 @@ impl ApplicationHandler for Program {
     }
 
     fn window_event(&mut self, events: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
-        if event == WindowEvent::CloseRequested {
-            self.end(events, Ok(()));
+        match (event, &self.game) {
+            (WindowEvent::CloseRequested, _) => self.end(events, Ok(())),
+            (WindowEvent::Resized(size), Some(game)) => game.resize(size),
+            _ => (),
         }
     }
 

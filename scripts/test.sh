@@ -53,6 +53,10 @@ test_on() {
     fi
     say
     say "tests on another renderer, $(grep -F "gl: $renderer" <<<"$names")"
+    if ! env "${with[@]}" cargo test --locked "$@" --list 2>/dev/null | grep ': test$' >/dev/null; then
+        complain "there is no such test: cargo test $*"
+        return 1
+    fi
     run env "${with[@]}" cargo test --locked "$@"
 }
 
@@ -63,7 +67,7 @@ check_other_implementations() {
     local softpipe="LIBGL_ALWAYS_SOFTWARE=1 GALLIUM_DRIVER=softpipe"
     local threaded=gpu_drops_leave_the_context_of_others_current
     test_on zink "$zink" --lib -- gpu:: kernel:: trace:: --skip "$threaded"
-    test_on zink "$zink mesa_glthread=false" --lib -- "$threaded"
+    test_on zink "$zink mesa_glthread=false" --lib -- "trace::tests::foreign_contexts::$threaded" --exact
     test_on softpipe "$softpipe" --lib -- gpu:: kernel::tests::driver_functions
 }
 

@@ -23,13 +23,14 @@ vec2 cosineSineOfTurn(float share) {
 
 // Of an angle in radians. A quarter turn is taken off in three parts, the first two of so few bits
 // that their multiples are exact (Cody and Waite 1980): right to a few roundings of the angle up to
-// 16384 quarters.
+// 16384 quarters. Of greater angles the direction is lost in rounding, and the length stays 1.
 vec2 cosineSine(float angle) {
+    const float MOST_LEFT = 0.8;   // an eighth of a turn, 0.785, and roundings
     const float QUARTERS_A_RADIAN = 0.6366197723675814;
     const float FIRST = 1.5703125;
     const float SECOND = 4.837512969970703e-4;
     const float THIRD = 7.54978995489188e-8;
     float quarters = floor(QUARTERS_A_RADIAN * angle + 0.5);
     float left = ((angle - quarters * FIRST) - quarters * SECOND) - quarters * THIRD;
-    return cosineSineNear(int(quarters), left);
+    return cosineSineNear(int(quarters), clamp(left, -MOST_LEFT, MOST_LEFT));
 }

@@ -43,7 +43,7 @@ fn new_event_loop() -> Result<EventLoop<()>, String> {
     let (x11, wayland) = (variable("DISPLAY"), variable("WAYLAND_DISPLAY"));
     let mut builder = EventLoop::builder();
     let place = match (x11.is_empty(), wayland.is_empty()) {
-        (true, true) => return Err("DISPLAY is not set".into()),
+        (true, true) => return Err("neither DISPLAY nor WAYLAND_DISPLAY is set".into()),
         (false, _) => {
             builder.with_x11();
             format!("DISPLAY is {x11}")

@@ -76,12 +76,18 @@ impl Context {
     /// renderbuffer; viewport, scissor, blending, colour masks, culling, tests, polygon mode, rasterizer discard,
     /// multisampling, clip distances and the like; of the texture units 0 to 3 and 31 what is bound, samplers included;
     /// buffers for pixels, texels and queries; how pixels are stored; transform feedback, which is paused. The caller need
-    /// not set anything before a call, nor after it. Three things are his affair:
+    /// not set anything before a call, nor after it. Four things the caller has to see to:
     ///
-    /// - GL's errors that he has not asked for are forgotten by a call.
+    /// - GL's errors that were not asked for are forgotten by a call.
+    /// - What is bound is not deleted before a call: GL cannot bind it again after it.
     /// - Queries that count (samples, primitives, time) count this crate's drawing too, and conditional rendering
     ///   may skip it: both are to be ended first. So is transform feedback of OpenGL 3.3, which cannot be paused.
     /// - In the compatibility profile `glPixelTransfer` and pixel maps are to be as they are at first.
+    ///
+    /// Keeping and putting back takes some 90 questions to the driver a call, for which a driver that works on a thread of
+    /// its own has to be waited for. State by index that only extensions have (`ARB_viewport_array` below OpenGL 4.1,
+    /// `EXT_draw_buffers_indexed` below OpenGL ES 3.2) becomes that of index 0. With EGL the API that is bound where no
+    /// context is current may be another one after a call.
     ///
     /// ```no_run
     /// use echomarch::gpu::{Context, MakeCurrent};

@@ -1,7 +1,7 @@
 //! The state of a context that the caller made: kept before a call, set to what passes need, put back after it.
 //!
-//! Listed is what this crate changes, and what its drawing, uploads and read-backs depend on. Whoever changes more state in
-//! this module's siblings adds it here; `tests/foreign_state.rs` asks for all of it, and `trace/tests/caller_contexts.rs` compares.
+//! Listed is what this crate changes, and what its drawing, uploads and read-backs depend on. Where other files of
+//! this module change more state, it is added here; `tests/foreign_state.rs` asks for all of it, and `trace/tests/caller_contexts.rs` compares.
 
 use std::cell::Cell;
 use std::ffi::c_void;
@@ -332,7 +332,7 @@ impl CallerState {
         };
         // SAFETY: as in `put_back`; the functions with an index are there where there are several draw buffers.
         unsafe {
-            // Without an index first: Mesa's thread for GL answers what it heard last in this form.
+            // Without an index first: Mesa's glthread answers glIsEnabled(GL_BLEND) from the last call in this form.
             switch(gl, glow::BLEND, first.is_blended);
             let [red, green, blue, alpha] = first.mask;
             gl.color_mask(red, green, blue, alpha);

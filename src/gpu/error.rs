@@ -13,7 +13,7 @@ pub enum GpuError {
     NoEglLibrary,
     /// The libEGL that is found first is not one.
     #[error(
-        "libEGL is not what it should be ({reason}): see that the right one is found first (LD_LIBRARY_PATH), or use the API osmesa"
+        "the first libEGL that is found is incomplete ({reason}): see that the right one is found first (LD_LIBRARY_PATH), or use the API osmesa"
     )]
     StrangeEglLibrary {
         /// What it lacks.

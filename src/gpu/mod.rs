@@ -21,7 +21,7 @@
 //! its own context current first.
 //!
 //! # Cost
-//! Making a context current that already is costs one comparison of pointers. Switching between contexts flushes
+//! Making a context current that already is costs a question to its library. Switching between contexts flushes
 //! the one left. Making a context takes some milliseconds with Mesa's llvmpipe. Reading texels back waits for all the
 //! drawing asked for before. glGetError is asked after each pass in debug builds, or where the environment has
 //! `ECHOMARCH_GL_CHECK=1`; after creation and read-back always.

@@ -67,7 +67,7 @@ impl Cut {
         let old = self.of.as_ref().filter(|cut| cut.scene == name);
         let height = scene.listener.position.y;
         let level = (height / LEVEL).round() as i32;
-        // What is shown only grows, lest the plan slide about under whoever walks.
+        // What is shown only grows, so that the plan stands still while one walks.
         let bounds = match old {
             Some(cut) if holds(cut.bounds, scene) => cut.bounds,
             Some(cut) => around(cut.bounds, Bounds::of(scene, height)),

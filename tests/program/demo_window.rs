@@ -440,7 +440,10 @@ fn a_run_ends_after_its_frames() {
 /// Protects machines without a display: one sentence, exit code 1, and what there is instead.
 #[test]
 fn a_missing_display_is_told_in_one_sentence() {
-    for (name, reason) in [("", "DISPLAY is not set"), (":4711", "DISPLAY is :4711")] {
+    for (name, reason) in [
+        ("", "DISPLAY nor WAYLAND_DISPLAY is set"),
+        (":4711", "DISPLAY is :4711"),
+    ] {
         let output = command().arg("demo").env("DISPLAY", name).output().unwrap();
         assert_eq!(output.status.code(), Some(1));
         let told = stderr(&output);

@@ -92,9 +92,10 @@ fn save(browser: &Browser, downloads: &Path) -> PathBuf {
     loop {
         let new = saved().into_iter().find(|path| !before.contains(path));
         if let Some(new) = new.filter(|path| is_complete(path)) {
-            // The browser has yet to take it for saved: one that ends before that deletes it.
-            std::thread::sleep(Duration::from_secs(1));
-            return new;
+            // A copy: a browser that ends before it takes its file for saved deletes that.
+            let kept = new.with_extension("kept");
+            fs::copy(&new, &kept).unwrap();
+            return kept;
         }
         assert!(
             began.elapsed() < Duration::from_secs(300),

@@ -12,14 +12,17 @@ use crate::gpu::GpuError;
 /// Names under which the library is looked for. Glutin, which opens displays, takes the first that is there as well.
 const NAMES: [&str; 2] = ["libEGL.so.1", "libEGL.so"];
 
-/// Functions without which a library of that name is none: calls of a function that is missing end the program.
-const NEEDED: [&CStr; 17] = [
+/// Functions that a libEGL must have, those that glutin calls among them: calls of a function that is missing end the program.
+const NEEDED: [&CStr; 23] = [
     c"eglBindAPI",
     c"eglChooseConfig",
     c"eglCreateContext",
     c"eglCreatePbufferSurface",
+    c"eglCreateWindowSurface",
     c"eglDestroyContext",
     c"eglDestroySurface",
+    c"eglGetConfigAttrib",
+    c"eglGetConfigs",
     c"eglGetCurrentContext",
     c"eglGetCurrentDisplay",
     c"eglGetCurrentSurface",
@@ -30,6 +33,9 @@ const NEEDED: [&CStr; 17] = [
     c"eglMakeCurrent",
     c"eglQueryAPI",
     c"eglQueryString",
+    c"eglQuerySurface",
+    c"eglSwapBuffers",
+    c"eglSwapInterval",
     c"eglTerminate",
 ];
 

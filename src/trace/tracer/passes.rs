@@ -49,7 +49,7 @@ impl Targets {
     }
 }
 
-/// The passes. None is waited for, and their times are the callers' affair.
+/// The passes. None is waited for, and the callers take their times.
 impl Tracer {
     pub(super) fn targets(&self) -> Result<&Targets, TraceError> {
         self.targets.as_ref().ok_or(TraceError::NothingTraced)

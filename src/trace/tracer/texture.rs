@@ -7,10 +7,10 @@ use crate::gpu::glow;
 use crate::scene::Scene;
 
 /// What each wave of a frame gives to either ear, as a texture: for whoever draws with the tracer's context, which
-/// [`Context::from_glow`](crate::gpu::Context::from_glow) makes one of his own.
+/// [`Context::from_glow`](crate::gpu::Context::from_glow) makes one of the caller's own.
 ///
 /// Wave number n is the texel (n mod `width`, n / `width`), of four floats: shares to the left and to the right, which are 0
-/// for a wave that is not heard, else 1 together; two more that are this crate's own affair. Texels beyond the last wave
+/// for a wave that is not heard, else 1 together; two more that this crate alone uses. Texels beyond the last wave
 /// are to be left out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
