@@ -30,6 +30,7 @@ readonly -a NEEDED_TO_TEST=(
     "command:chromedriver chromium-driver   steers it"
     "command:Xvfb         xvfb              a display without a screen, for the window"
     "command:xdotool      xdotool           presses the window's keys"
+    "command:sox          sox               reads the WAV files that were written"
     "command:python3      python3           writes the report of a renderer"
     "icd:lvp              mesa-vulkan-drivers Vulkan in software, under OpenGL of another kind (zink)"
 )

@@ -126,23 +126,13 @@ impl Traits {
         if is_gl && is_from(4, 4) {
             buffers.push((glow::QUERY_BUFFER, glow::QUERY_BUFFER_BINDING));
         }
-        let by_draw_buffer = is_gl || is_from(3, 2);
-        let clamps: &[u32] = match (is_gl, is_compatible) {
-            (true, true) => &[
-                glow::CLAMP_READ_COLOR,
-                CLAMP_VERTEX_COLOR,
-                CLAMP_FRAGMENT_COLOR,
-            ],
-            (true, false) => &[glow::CLAMP_READ_COLOR],
-            (false, _) => &[],
-        };
         Traits {
             is_gl,
             capabilities,
             pixel_store,
             buffers,
-            clamps,
-            draw_buffers: match by_draw_buffer {
+            clamps: clamps_of(is_gl, is_compatible),
+            draw_buffers: match is_gl || is_from(3, 2) {
                 true => number(glow::MAX_DRAW_BUFFERS).max(0) as u32,
                 false => 0,
             },
@@ -161,6 +151,19 @@ impl Traits {
                 )
             },
         }
+    }
+}
+
+/// What clamps colours: of OpenGL alone, vertices and fragments in the compatibility profile alone.
+fn clamps_of(is_gl: bool, is_compatible: bool) -> &'static [u32] {
+    match (is_gl, is_compatible) {
+        (true, true) => &[
+            glow::CLAMP_READ_COLOR,
+            CLAMP_VERTEX_COLOR,
+            CLAMP_FRAGMENT_COLOR,
+        ],
+        (true, false) => &[glow::CLAMP_READ_COLOR],
+        (false, _) => &[],
     }
 }
 

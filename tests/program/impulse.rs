@@ -3,6 +3,7 @@
 use crate::common::cli::{argument, json, refuse, stderr, stdout, succeed};
 use serde_json::Value;
 use std::path::Path;
+use std::process::Command;
 
 /// A room whose walls differ by band, with two sources and two listeners, one behind a wall.
 const HALL: &str = r#"Scene(
@@ -273,5 +274,30 @@ fn the_text_names_figures_and_paths() {
         "over room/",
     ] {
         assert!(text.contains(word), "{word}: {text}");
+    }
+}
+
+/// Protects files for other programs: sox reads channels, rate, length and samples of each format as they were written.
+#[test]
+fn files_open_in_sox() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = hall(folder.path());
+    for (format, channels) in [("mono", "1"), ("stereo", "2"), ("ambisonic", "4")] {
+        let wav = folder.path().join(format!("{format}.wav"));
+        let pair = ["--source", "flute", "--listener", "stalls"];
+        let call = ["impulse", &file, "--waves", "4096", "--seconds", "0.5"];
+        let out = ["--format", format, "-o", argument(&wav), "--quiet"];
+        succeed(&[&call[..], &pair, &out].concat());
+        let told = |what: &str| {
+            let answer = Command::new("soxi").arg(what).arg(&wav).output();
+            let answer = answer.expect("sox is missing: install the Debian package sox");
+            assert!(answer.status.success(), "{format}, {what}");
+            String::from_utf8(answer.stdout).unwrap().trim().to_owned()
+        };
+        assert_eq!(told("-c"), channels, "{format}");
+        assert_eq!(told("-r"), "48000", "{format}");
+        assert_eq!(told("-e"), "Floating Point PCM", "{format}");
+        let frames = hound::WavReader::open(&wav).unwrap().duration();
+        assert_eq!(told("-s"), frames.to_string(), "{format}");
     }
 }
