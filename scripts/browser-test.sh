@@ -20,6 +20,8 @@ source scripts/lib.sh
 
 page="$PWD/target/page-tested"
 provide_packages "${NEEDED_TO_TEST[@]}"
+# Nothing but what is built now is tested.
+rm -rf "$page"
 run scripts/browser.sh -o "$page"
 # One browser at a time: each draws with the processor.
 export ECHOMARCH_PAGE="$page"

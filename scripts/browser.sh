@@ -7,11 +7,11 @@ usage() {
     cat <<'END'
 usage: scripts/browser.sh [-o DIR] [--serve [PORT]]
 
-Builds the page to DIR (target/page). With --serve gives it out at http://localhost:PORT/ (8000)
-until it is ended.
+Builds the page to DIR (target/page): a new or empty folder, or one that this script has made. With --serve
+gives it out at http://localhost:PORT/ (8000) until it is ended, by python3.
 
-Where the installed Rust has no wasm32-unknown-unknown it is added by rustup; where rustup cannot, Debian's
-compiler for browsers is unpacked beneath target/tools and used for the page alone.
+Where the installed Rust has no wasm32-unknown-unknown it is added by rustup; where that cannot be done,
+Debian's compiler for browsers is unpacked beneath target/tools and used for the page alone.
 END
 }
 
@@ -52,7 +52,29 @@ readonly MANIFEST=examples/browser/Cargo.toml
 readonly BUILT=target/browser
 readonly DEBIAN=target/tools/rustc-web
 readonly DEBIAN_PACKAGES=(rustc-web libstd-rust-web-dev rust-web-src)
+# In a folder that this script has made: the files that it has put there, one a line.
+readonly MARKER=.echomarch-page
 out="${out:-$PWD/target/page}"
+
+# What is half made goes, however the script ends.
+temporary=()
+clean_up() {
+    ((${#temporary[@]} == 0)) || rm -rf -- "${temporary[@]}"
+}
+trap clean_up EXIT
+
+# Refuses a folder with files of someone else.
+check_out() {
+    [[ -e "$out" ]] || return 0
+    if [[ ! -d "$out" ]]; then
+        complain "$out is a file: name a folder with -o"
+        exit 2
+    fi
+    if [[ ! -f "$out/$MARKER" && -n "$(ls -A "$out")" ]]; then
+        complain "$out holds files that this script has not made: name a new or an empty folder with -o"
+        exit 2
+    fi
+}
 
 # Whether the installed compiler has a standard library for browsers.
 has_wasm() {
@@ -68,19 +90,36 @@ unpack_debian() {
         complain "no standard library for $WASM: run rustup target add $WASM"
         return 1
     fi
-    local folder package packages
+    local folder unpacked package packages
     folder="$(mktemp -d)"
+    mkdir -p "$(dirname "$DEBIAN")"
+    unpacked="$(mktemp -d "$DEBIAN.XXXXXX")"
+    temporary+=("$folder" "$unpacked")
     # The libraries' packages have versions in their names: those that the newest compiler asks for.
     packages="$(apt-cache depends --recurse --no-recommends --no-suggests --no-conflicts --no-breaks \
         --no-replaces --no-enhances "${DEBIAN_PACKAGES[@]}" |
         grep -E '^(rustc-web|rust-web-src|libstd-rust-web.*|libllvm[0-9]+|libz3-4)$' | sort -u)"
     # shellcheck disable=SC2086 # A list of names.
     (cd "$folder" && run apt-get download $packages)
-    mkdir -p "$DEBIAN"
     for package in "$folder"/*.deb; do
-        run dpkg -x "$package" "$DEBIAN"
+        run dpkg -x "$package" "$unpacked"
     done
-    rm -r "$folder"
+    # Only a whole compiler has this name.
+    rm -rf "$DEBIAN"
+    mv "$unpacked" "$DEBIAN"
+}
+
+# The folder of Debian's compiler with the libraries of this machine's architecture.
+debian_libraries() {
+    local library
+    for library in "$DEBIAN"/usr/lib/*-linux-gnu*/libLLVM*.so*; do
+        if [[ -e "$library" ]]; then
+            realpath "$(dirname "$library")"
+            return 0
+        fi
+    done
+    complain "Debian's compiler for browsers in $DEBIAN has no libLLVM: remove the folder and run again"
+    return 1
 }
 
 # Sets `cargo_wasm` to what builds for browsers.
@@ -92,28 +131,41 @@ choose_compiler() {
     if command -v rustup >/dev/null && run rustup target add "$WASM" && has_wasm; then
         return 0
     fi
-    say "rustup cannot add $WASM: Debian's compiler for browsers is taken"
+    say "this Rust has no standard library for $WASM, and no rustup that can add it: Debian's compiler is taken"
     provide_packages "command:wasm-ld lld links what is compiled for browsers"
     unpack_debian
-    local root="$PWD/$DEBIAN/usr"
-    cargo_wasm=(env "LD_LIBRARY_PATH=$root/lib/x86_64-linux-gnu" "RUSTC=$root/bin/rustc"
+    local root="$PWD/$DEBIAN/usr" libraries
+    libraries="$(debian_libraries)"
+    cargo_wasm=(env "LD_LIBRARY_PATH=$libraries" "RUSTC=$root/bin/rustc"
         # Its standard library is built from source with it, which stable compilers do only so.
         RUSTC_BOOTSTRAP=1 CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_LINKER=wasm-ld
         cargo -Zbuild-std=std,panic_abort)
 }
 
-# The page, its wasm and the JavaScript that loads it, in a new folder that then takes the old one's place.
+# The page, its wasm and the JavaScript that loads it, in place of the files that were put there before.
 assemble() {
-    local parts="$out.new"
-    rm -rf "$parts"
-    mkdir -p "$parts"
+    local parts file
+    mkdir -p "$out"
+    parts="$(mktemp -d)"
+    temporary+=("$parts")
     cp examples/browser/page/* "$parts"
     run cargo run --release --locked --quiet --manifest-path "$MANIFEST" --target-dir "$BUILT" -p bindgen -- \
         "$BUILT/$WASM/release/echomarch_browser.wasm" "$parts/pkg"
-    rm -rf "$out"
-    mv "$parts" "$out"
+    (cd "$parts" && find . -type f ! -name "$MARKER" -printf '%P\n' | sort >"$MARKER")
+    if [[ -f "$out/$MARKER" ]]; then
+        while IFS= read -r file; do
+            rm -f -- "$out/$file"
+        done <"$out/$MARKER"
+    fi
+    cp -R "$parts/." "$out"
+    chmod 755 "$out"
 }
 
+check_out
+if [[ -n "$port" ]] && ! command -v python3 >/dev/null; then
+    complain "--serve needs python3: install it, or give $out out by another web server"
+    exit 2
+fi
 need_cargo build
 choose_compiler
 run "${cargo_wasm[@]}" build --release --locked --manifest-path "$MANIFEST" --target "$WASM" \
@@ -125,6 +177,7 @@ say
 say "$out: $(stat -c %s "$wasm") bytes of wasm, $(gzip -9 -c "$wasm" | wc -c) with gzip"
 if [[ -n "$port" ]]; then
     say "http://localhost:$port/"
+    clean_up
     exec python3 -m http.server --directory "$out" --bind 127.0.0.1 "$port"
 fi
 say "to see it: scripts/browser.sh --serve"
