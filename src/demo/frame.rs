@@ -9,12 +9,10 @@ use super::report::FrameTimes;
 use crate::picture::{RgbaImage, save_png};
 use crate::stats::{mean, median};
 use crate::trace::Settings;
-use crate::walkthrough::Drawn;
+use crate::walkthrough::{Drawn, PATH_ITERATIONS};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// Iterations that the paths are followed for at the most.
-const PATH_ITERATIONS: u32 = 16;
 /// Frames from one set of paths to the next.
 const PATHS_EVERY: u64 = 6;
 /// The share of a frame's time that waves are given which do not fit it.

@@ -20,6 +20,12 @@ pub(super) trait Backend {
     /// Makes no context current on this thread. The context is the current one.
     fn release(&self);
 
+    /// Whether the library itself says that the context is lost: a browser does, whose calls then do nothing and report
+    /// no error.
+    fn is_lost(&self) -> bool {
+        false
+    }
+
     /// The parameter that holds the driver's name for the device.
     fn renderer_parameter(&self, _gl: &glow::Context) -> u32 {
         glow::RENDERER

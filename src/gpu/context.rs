@@ -293,6 +293,11 @@ impl Context {
             }
             last = next();
         }
+        if self.inner.backend.is_lost() {
+            return Err(GpuError::ContextLost {
+                reason: format!("the browser has taken it away, before or in {what}"),
+            });
+        }
         match first {
             // After a reset calls do nothing, and most of them report no error.
             glow::NO_ERROR => self.check_not_lost(),
@@ -316,12 +321,17 @@ impl Context {
     }
 
     /// Asks the driver whether it has lost the context, where it can tell: of contexts that were made to be told
-    /// (`egl::new_context`).
+    /// (`egl::new_context`), and of a browser's.
     ///
     /// # Errors
     /// [`GpuError::ContextLost`] if it has.
     pub(super) fn check_not_lost(&self) -> Result<(), GpuError> {
         current::make(&self.inner.backend).map_err(|reason| GpuError::ContextLost { reason })?;
+        if self.inner.backend.is_lost() {
+            return Err(GpuError::ContextLost {
+                reason: "the browser has taken it away".into(),
+            });
+        }
         // SAFETY: the context is current, and has the extension that the function is of.
         let status = self.inner.driver.reset_status.map(|ask| unsafe { ask() });
         match status {

@@ -19,7 +19,7 @@ const RENDERER_INFO: &str = "WEBGL_debug_renderer_info";
 const UNMASKED_RENDERER_WEBGL: u32 = 0x9246;
 
 /// A context of the browser's: always current.
-struct Page;
+struct Page(WebGl2RenderingContext);
 
 impl Context {
     /// Takes over a context that the page made: `canvas.getContext("webgl2", { antialias: false })`. A canvas in the
@@ -28,7 +28,8 @@ impl Context {
     /// # Errors
     /// [`GpuError::MissingExtension`] where the browser has no `EXT_color_buffer_float`; [`GpuError::NoContext`].
     pub fn from_webgl2(context: WebGl2RenderingContext) -> Result<Context, GpuError> {
-        Context::from_backend_with(Rc::new(Page), Api::Gles, |_| {
+        let page = Rc::new(Page(context.clone()));
+        Context::from_backend_with(page, Api::Gles, |_| {
             // It asks for all extensions that it knows, that of float targets among them.
             Ok(glow::Context::from_webgl2_context(context))
         })
@@ -45,6 +46,10 @@ impl Backend for Page {
     }
 
     fn release(&self) {}
+
+    fn is_lost(&self) -> bool {
+        self.0.is_context_lost()
+    }
 
     fn renderer_parameter(&self, gl: &glow::Context) -> u32 {
         use glow::HasContext;

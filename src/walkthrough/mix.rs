@@ -14,8 +14,9 @@ pub(crate) const NOISE_SEED: u64 = 1;
 /// sound. What is too loud then is limited.
 const GAIN_DB: f32 = 12.0;
 
-/// Samples in which the volume glides: 5 ms at 48 kHz, too long for a click.
-const VOLUME_GLIDE: f32 = 240.0;
+/// Seconds in which the sound fades to silence before something else is played, and back from it; and in which the
+/// volume glides from 0 to 1. Both fades take as long as the window's cross-fade of 20 ms.
+const FADE_S: f32 = 0.01;
 
 /// A player of the sources of a scene, each with its own sound: as `spec` where that is a file or a sine, else each
 /// with another voice or noise.
@@ -90,17 +91,55 @@ impl HeardMessage {
 }
 
 /// Mixes what is heard into slices: in full as [`Ears`](super::Ears) hear it, or the balance of one sound.
+///
+/// What comes in place of something else (a scene, a sound, what is listened to, a panning law) fades in after that has
+/// faded out: nothing clicks.
+#[derive(Debug)]
 pub struct Mix {
+    rate_hz: u32,
+    voices: Voices,
     listen: Listen,
     mixer: Mixer,
     pan: f32,
+    /// What is played once all is silent.
+    wanted: Wanted,
+    /// Samples of the fade: 0 in silence, `fade_length` where all is heard.
+    fade: usize,
+    fade_length: usize,
+    volume: f32,
+    /// What the volume glides to.
+    wanted_volume: f32,
+    mono: Vec<f32>,
+}
+
+/// The sounds of a scene.
+#[derive(Debug)]
+struct Voices {
+    /// The one sound of the balance.
     sound: Sound,
     player: Player,
     remote: PlayerRemote,
-    mono: Vec<f32>,
-    volume: f32,
-    /// What the volume glides to.
-    wanted: f32,
+}
+
+/// What is to be played.
+#[derive(Debug)]
+struct Wanted {
+    /// Of another scene or another sound.
+    voices: Option<Voices>,
+    listen: Listen,
+    law: PanningLaw,
+}
+
+impl Voices {
+    fn new(scene: &Scene, spec: &SoundSpec, rate_hz: u32) -> Result<Voices, AudioError> {
+        let sound = Sound::load(spec, rate_hz)?;
+        let (player, remote) = player(scene, spec, rate_hz);
+        Ok(Voices {
+            sound,
+            player,
+            remote,
+        })
+    }
 }
 
 impl Mix {
@@ -109,36 +148,50 @@ impl Mix {
     /// # Errors
     /// As [`Sound::load`].
     pub fn new(scene: &Scene, spec: &SoundSpec, rate_hz: u32) -> Result<Mix, AudioError> {
-        let (player, remote) = player(scene, spec, rate_hz);
+        let law = PanningLaw::for_profile(Profile::Hybrid);
+        let listen = Listen::Full;
         Ok(Mix {
-            listen: Listen::Full,
-            mixer: Mixer::new(PanningLaw::for_profile(Profile::Hybrid)),
+            rate_hz,
+            voices: Voices::new(scene, spec, rate_hz)?,
+            listen,
+            mixer: Mixer::new(law),
             pan: 0.0,
-            sound: Sound::load(spec, rate_hz)?,
-            player,
-            remote,
-            mono: Vec::new(),
+            wanted: Wanted {
+                voices: None,
+                listen,
+                law,
+            },
+            fade: 0,
+            fade_length: ((FADE_S * rate_hz as f32) as usize).max(1),
             volume: 0.0,
-            wanted: 0.5,
+            wanted_volume: 0.5,
+            mono: Vec::new(),
         })
+    }
+
+    /// Another scene or another sound, which is silent until something is heard of it: what is told by
+    /// [`hear`](Mix::hear) from now on is of this one.
+    ///
+    /// # Errors
+    /// As [`Sound::load`]; then the one before goes on.
+    pub fn set_scene(&mut self, scene: &Scene, spec: &SoundSpec) -> Result<(), AudioError> {
+        self.wanted.voices = Some(Voices::new(scene, spec, self.rate_hz)?);
+        Ok(())
     }
 
     /// What is listened to from now on.
     pub fn set_listen(&mut self, listen: Listen) {
-        self.listen = listen;
+        self.wanted.listen = listen;
     }
 
     /// Loudness, 0 to 1.
     pub fn set_volume(&mut self, volume: f32) {
-        self.wanted = volume.clamp(0.0, 1.0);
+        self.wanted_volume = volume.clamp(0.0, 1.0);
     }
 
     /// The balance, −1 to 1, as waves of that profile give it.
     pub fn set_pan(&mut self, profile: Profile, pan: f32) {
-        let law = PanningLaw::for_profile(profile);
-        if law != self.mixer.law() {
-            self.mixer = Mixer::new(law);
-        }
+        self.wanted.law = PanningLaw::for_profile(profile);
         self.pan = pan;
     }
 
@@ -148,28 +201,151 @@ impl Mix {
             echoes: message.echoes,
             late: message.late,
         };
-        let heard = parts.heard(self.remote.spec());
-        self.remote.hear(message.source, heard, message.glide_s)
+        let voices = self.wanted.voices.as_mut().unwrap_or(&mut self.voices);
+        let heard = parts.heard(voices.remote.spec());
+        voices.remote.hear(message.source, heard, message.glide_s)
     }
 
     /// Overwrites the interleaved samples of both channels with the next ones.
     pub fn fill(&mut self, stereo: &mut [f32]) {
+        let (mut rest, odd) = stereo.split_at_mut(stereo.len() / 2 * 2);
+        odd.fill(0.0);
+        while !rest.is_empty() {
+            if self.fade == 0 {
+                self.change_over();
+            }
+            let is_ending = self.is_to_change();
+            let frames = match is_ending {
+                true => self.fade.min(rest.len() / 2),
+                false => rest.len() / 2,
+            };
+            let (block, later) = rest.split_at_mut(2 * frames);
+            self.play(block);
+            self.apply_volume(block, is_ending);
+            rest = later;
+        }
+    }
+
+    /// Whether what is played is not what is wanted. A law is not heard but in the balance.
+    fn is_to_change(&self) -> bool {
+        let is_heard = self.listen == Listen::Balance;
+        self.wanted.voices.is_some()
+            || self.listen != self.wanted.listen
+            || is_heard && self.mixer.law() != self.wanted.law
+    }
+
+    /// Plays from now on what is wanted.
+    fn change_over(&mut self) {
+        if let Some(voices) = self.wanted.voices.take() {
+            self.voices = voices;
+        }
+        self.listen = self.wanted.listen;
+        self.mixer = Mixer::new(self.wanted.law);
+    }
+
+    /// Overwrites a block with the next samples, as loud as they come.
+    fn play(&mut self, stereo: &mut [f32]) {
         match self.listen {
             Listen::Full => {
                 stereo.fill(0.0);
-                self.player.add(stereo);
+                self.voices.player.add(stereo);
             }
             Listen::Balance => {
                 self.mono.resize(stereo.len() / 2, 0.0);
-                self.sound.fill(&mut self.mono);
+                self.voices.sound.fill(&mut self.mono);
                 self.mixer.mix(&self.mono, self.pan, stereo);
             }
         }
+    }
+
+    fn apply_volume(&mut self, stereo: &mut [f32], is_ending: bool) {
+        let step = 1.0 / self.fade_length as f32;
         let (pairs, _) = stereo.as_chunks_mut::<2>();
         for pair in pairs {
-            self.volume +=
-                (self.wanted - self.volume).clamp(-1.0 / VOLUME_GLIDE, 1.0 / VOLUME_GLIDE);
-            *pair = pair.map(|sample| sample * self.volume);
+            self.fade = match is_ending {
+                true => self.fade - 1,
+                false => (self.fade + 1).min(self.fade_length),
+            };
+            self.volume += (self.wanted_volume - self.volume).clamp(-step, step);
+            let gain = self.volume * self.fade as f32 * step;
+            *pair = pair.map(|sample| sample * gain);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const RATE_HZ: u32 = 48_000;
+
+    /// The largest difference from one sample to the next in so many blocks; `last` is the sample before them.
+    fn largest_step(mix: &mut Mix, blocks: usize, last: &mut [f32; 2]) -> f32 {
+        let mut largest: f32 = 0.0;
+        let mut stereo = [0.0; 1024];
+        for _ in 0..blocks {
+            mix.fill(&mut stereo);
+            for pair in stereo.as_chunks::<2>().0 {
+                largest = largest.max((pair[0] - last[0]).abs().max((pair[1] - last[1]).abs()));
+                *last = *pair;
+            }
+        }
+        largest
+    }
+
+    /// Protects ears from clicks: a change of scene, sound, law or of what is listened to makes no larger step from
+    /// one sample to the next than the tone itself and its fade make.
+    #[test]
+    fn no_change_clicks() {
+        /// By how much a fade of 480 samples adds to the step of a tone of 220 Hz, which is 1/35 of its amplitude.
+        const FADING: f32 = 1.1;
+        /// Enough blocks of 512 frames for a change and both of its fades.
+        const BLOCKS: usize = 6;
+        let scene = Scene::builtin("corner").unwrap();
+        let tone: SoundSpec = "sine:220".parse().unwrap();
+        let mut mix = Mix::new(&scene, &tone, RATE_HZ).unwrap();
+        mix.set_listen(Listen::Balance);
+        mix.set_pan(Profile::Hybrid, 0.3);
+        let mut last = [0.0; 2];
+        let first = largest_step(&mut mix, BLOCKS, &mut last);
+        let steady = largest_step(&mut mix, BLOCKS, &mut last);
+        assert!(steady > 0.0 && first <= FADING * steady, "{first} {steady}");
+        let mut check = |mix: &mut Mix, what: &str| {
+            let step = largest_step(mix, BLOCKS, &mut last);
+            assert!(step <= FADING * steady, "{what}: {step}, {steady}");
+        };
+        mix.set_pan(Profile::Thesis, 0.3);
+        check(&mut mix, "another law");
+        mix.set_pan(Profile::Hybrid, 0.3);
+        check(&mut mix, "and back");
+        mix.set_scene(&scene, &tone).unwrap();
+        check(&mut mix, "another scene");
+        mix.set_listen(Listen::Full);
+        check(&mut mix, "full");
+        mix.set_listen(Listen::Balance);
+        check(&mut mix, "balance");
+    }
+
+    /// Protects what is told of a new scene while the old one fades: it is the new one's.
+    #[test]
+    fn what_is_heard_while_a_scene_fades_is_of_the_next() {
+        let scene = Scene::builtin("corner").unwrap();
+        let noise = SoundSpec::Noise { seed: 1 };
+        let mut mix = Mix::new(&scene, &noise, RATE_HZ).unwrap();
+        let mut stereo = vec![0.0; 4096];
+        mix.fill(&mut stereo);
+        mix.set_scene(&scene, &noise).unwrap();
+        let spec = played(&scene, RATE_HZ);
+        let late = vec![1.0; 2 * (spec.longest_s * f64::from(RATE_HZ)) as usize];
+        let message = HeardMessage {
+            source: 0,
+            echoes: Vec::new(),
+            late: Some(late),
+            glide_s: 0.0,
+        };
+        assert!(mix.hear(message));
+        let mut heard = vec![0.0; RATE_HZ as usize];
+        mix.fill(&mut heard);
+        assert!(heard.iter().any(|sample| *sample != 0.0));
     }
 }

@@ -2,12 +2,13 @@
 //!
 //! | file | what it does |
 //! | --- | --- |
-//! | `visit` | one walk through a scene: time passes, waves are traced, the picture and the plan are drawn |
+//! | `visit` | one walk through a scene, for the page: time passes, waves are traced, the picture and the plan are drawn |
 //! | `world`, `walk` | the scene as it stands, where one stands in it |
 //! | `values` | its named values |
 //! | `view` | what the listener sees |
 //! | `plan`, `paths` | the scene from above, and the waves that are shown in it |
-//! | `hearing`, `ears`, `mix` | what is heard in full, told in numbers, and mixed into slices |
+//! | `hearing` | what is heard in full |
+//! | `ears`, `mix` | for the page: that told in numbers, and mixed into slices |
 //!
 //! Nothing here knows a window, a clock of its own, or a thread: a [`MoveInput`] and seconds go in.
 
@@ -29,11 +30,9 @@ pub(crate) use hearing::{EarsStatus, Found, Hearing, QUIETEST_DB};
 pub use mix::{HeardMessage, Mix};
 #[cfg(all(feature = "demo", feature = "audio"))]
 pub(crate) use mix::{NOISE_SEED, player};
-pub(crate) use paths::Paths;
+pub(crate) use paths::{PATH_ITERATIONS, Paths};
 #[cfg(feature = "demo")]
-pub(crate) use plan::Cut;
-#[cfg(feature = "demo")]
-pub(crate) use plan::way;
+pub(crate) use plan::{Cut, STUB, way};
 #[cfg(feature = "demo")]
 pub(crate) use values::ValueSlider;
 #[cfg(feature = "demo")]
@@ -43,4 +42,5 @@ pub(crate) use view::View;
 pub(crate) use view::shader_text as view_text;
 pub use visit::{Plan, Visit, Way};
 pub use walk::{BODY, MoveInput, Walker};
+pub use world::Standing;
 pub(crate) use world::World;

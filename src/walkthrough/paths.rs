@@ -11,6 +11,8 @@ const SHOWN: MostKept = MostKept {
     heard: 16,
     others: 48,
 };
+/// Iterations that the paths are followed for at the most.
+pub(crate) const PATH_ITERATIONS: u32 = 16;
 /// Waves that are traced at a time to find heard ones: about a millisecond of them.
 const AT_A_TIME: u32 = 2048;
 /// The same in the profile `thesis`, whose waves take some dozen times as long.

@@ -10,6 +10,9 @@ const PIXELS: usize = 220;
 /// A change of the listener's height that cuts the scene anew, in metres.
 const LEVEL: f32 = 0.25;
 
+/// Length of a dead wave's stub, as a share of the plan's width.
+pub(crate) const STUB: f32 = 0.12;
+
 /// Air, in red, green and blue.
 const AIR: [f32; 3] = [30.0, 36.0, 42.0];
 /// What the three colours of a surface's hue are turned by, in radians.
@@ -137,17 +140,17 @@ fn shade(pixels: f32, object: u32) -> [u8; 3] {
 }
 
 /// What became of one wave of `states`, as [`Tracer::paths`](crate::Tracer::paths) gives them, and the places where it
-/// was until then; a dead one goes on for `stub` metres.
+/// was until then; a dead one, or one that is not finite, goes on for `stub` metres.
 pub fn way(states: &[Vec<Wave>], wave: usize, source: Vec3, stub: f32) -> (Fate, Vec<Vec3>) {
     let mut points = vec![source];
     let mut heading = states[0][wave].start_direction;
     for waves in &states[1..] {
         let state = &waves[wave];
         match state.fate() {
-            Fate::Dead | Fate::NotFinite => {
+            fate @ (Fate::Dead | Fate::NotFinite) => {
                 let last = points[points.len() - 1];
                 points.push(last + stub * heading);
-                return (Fate::Dead, points);
+                return (fate, points);
             }
             Fate::Listener => {
                 points.push(state.position);

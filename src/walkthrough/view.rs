@@ -47,7 +47,12 @@ const EVALUATIONS_PER_PIXEL: f64 = 30.0;
 const PROGRAMS_KEPT: NonZeroUsize = NonZeroUsize::new(4).unwrap();
 
 /// What the picture shows: the same again is not drawn again.
-type Shown = (Scene, [u32; 2]);
+struct Shown {
+    scene: Scene,
+    /// Pixels of the coarse picture, and of the window.
+    size: [u32; 2],
+    full: [u32; 2],
+}
 
 /// Draws the picture and keeps what can be used again.
 pub struct View {
@@ -112,6 +117,14 @@ impl View {
         })
     }
 
+    /// Compiles the program that draws the scene, and draws nothing.
+    ///
+    /// # Errors
+    /// As [`draw`](View::draw).
+    pub fn check(&mut self, scene: &Scene) -> Result<(), Error> {
+        self.program(scene).map(drop)
+    }
+
     /// Draws the scene as its listener sees it, at `scale` of the window's size, and puts
     /// it into the window; `refines` says that it may be drawn finer where all stands still.
     ///
@@ -129,7 +142,10 @@ impl View {
         let scale = scale.min(foreseen_scale(scene, [width, height]));
         let side = |pixels: u32| ((pixels as f32 * scale).round() as u32).clamp(1, pixels.max(1));
         let size = [side(width), side(height)];
-        let same = |(shown, at): &Shown| *at == size && is_seen_alike(shown, scene);
+        let full = [width, height];
+        let same = |shown: &Shown| {
+            (shown.size, shown.full) == (size, full) && is_seen_alike(&shown.scene, scene)
+        };
         let anew = !self.shown.as_ref().is_some_and(same);
         let mut drawn = Drawn {
             size,
@@ -150,12 +166,15 @@ impl View {
                 0..size[1],
             )?;
             self.mark_end(Marked::Coarse)?;
-            self.shown = Some((scene.clone(), size));
+            self.shown = Some(Shown {
+                scene: scene.clone(),
+                size,
+                full,
+            });
             (self.still, self.refined) = (0, 0);
         } else {
             self.still += 1;
         }
-        let full = [width, height];
         let bears = pixels_foreseen(scene, REFINED) >= f64::from(LEAST_ROWS * width);
         let refines = refines && bears && self.still > STILL && scale < 1.0;
         if refines && self.refined < height {

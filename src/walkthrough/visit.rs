@@ -1,19 +1,14 @@
 //! One walk through a scene.
 
-use super::plan::{Cut, PlanImage, way};
-use super::{MoveInput, Paths, View, World};
+use super::paths::{PATH_ITERATIONS, Paths};
+use super::plan::{Cut, PlanImage, STUB, way};
+use super::{MoveInput, View, Walker, World};
 use crate::error::Error;
 use crate::gpu::Context;
 use crate::picture::Bounds;
 use crate::scene::Scene;
 use crate::trace::{Fate, Frame, Settings, Tracer};
 use glam::Vec3;
-
-/// Iterations that the paths are followed for at the most.
-const PATH_ITERATIONS: u32 = 16;
-
-/// Length of a dead wave's stub, as a share of the plan's width.
-const STUB: f32 = 0.12;
 
 /// A walk through a scene on one context: time passes, waves are traced, the picture and the plan are drawn. Who
 /// shows it calls [`pass`](Visit::pass), [`trace`](Visit::trace) and [`draw`](Visit::draw) once a picture.
@@ -40,9 +35,8 @@ pub struct Visit {
     view: View,
     paths: Paths,
     cut: Cut,
-    /// What the frame under way is traced with, and whether that has gone since.
-    under_way: Settings,
-    is_stale: bool,
+    /// What the frame under way is traced in and with, or the last one; none where a frame is wanted anyway.
+    traced: Option<(Scene, Settings)>,
     heard: Option<Frame>,
 }
 
@@ -74,17 +68,18 @@ impl Visit {
     pub fn new(context: &Context, scene: Scene) -> Result<Visit, Error> {
         let mut tracer = Tracer::new(context)?;
         let settings = Settings::default();
+        let mut view = View::new(context)?;
         tracer.check(&scene, &settings)?;
+        view.check(&scene)?;
         Ok(Visit {
             world: World::of(scene),
             path_tracer: tracer.with_shared_programs()?,
             tracer,
-            view: View::new(context)?,
+            view,
             paths: Paths::default(),
             cut: Cut::default(),
-            under_way: settings.clone(),
             settings,
-            is_stale: false,
+            traced: None,
             heard: None,
         })
     }
@@ -93,26 +88,48 @@ impl Visit {
     /// the time and values that were set stay.
     ///
     /// # Errors
-    /// As [`Tracer::check`]; then all stays as it was.
+    /// As [`Tracer::check`], and those of the picture's program; then all stays as it was.
     pub fn set_scene(&mut self, scene: Scene) -> Result<(), Error> {
-        self.tracer.check(&scene, &self.settings)?;
-        if scene.name == self.world.name {
-            self.world.change(scene);
-        } else {
-            self.world = World::of(scene);
+        if scene.name != self.world.name {
+            return self.open_scene(scene);
         }
+        self.check_scene(&scene)?;
+        self.world.change(scene);
+        self.forget();
+        Ok(())
+    }
+
+    /// Begins anew in a scene, whatever its name: nobody has walked in it, and nothing was set.
+    ///
+    /// # Errors
+    /// As [`set_scene`](Visit::set_scene); then all stays as it was.
+    pub fn open_scene(&mut self, scene: Scene) -> Result<(), Error> {
+        self.check_scene(&scene)?;
+        self.world = World::of(scene);
+        self.forget();
+        Ok(())
+    }
+
+    /// Checks that waves can be traced in a scene, and that it can be seen.
+    fn check_scene(&mut self, scene: &Scene) -> Result<(), Error> {
+        self.tracer.check(scene, &self.settings)?;
+        self.view.check(scene)
+    }
+
+    /// What was seen and heard is of another scene.
+    fn forget(&mut self) {
         self.view.forget();
         self.paths.forget();
-        self.is_stale = true;
-        Ok(())
+        self.traced = None;
+        self.heard = None;
     }
 
     /// How waves are traced from now on.
     ///
     /// # Errors
-    /// As [`Settings::validate`]; then all stays as it was.
+    /// As [`Tracer::check`] of the present scene; then all stays as it was.
     pub fn set_settings(&mut self, settings: Settings) -> Result<(), Error> {
-        settings.validate()?;
+        self.tracer.check(&self.world.now, &settings)?;
         self.settings = settings;
         Ok(())
     }
@@ -143,14 +160,24 @@ impl Visit {
     }
 
     /// Puts the listener there, its gaze in radians.
-    pub fn stand(&mut self, walker: super::Walker) {
+    pub fn stand(&mut self, walker: Walker) {
         self.world.stand(walker);
+    }
+
+    /// Where the listener walked to; none before that has begun.
+    pub fn walker(&self) -> Option<Walker> {
+        self.world.walker
     }
 
     /// Puts the source there, in world metres.
     pub fn put_source(&mut self, position: Vec3) {
         self.world.source = Some(position);
         self.world.now.source.position = position;
+    }
+
+    /// Where the source was put, in world metres: as it is carried, too; none where it is still on its path.
+    pub fn placed_source(&self) -> Option<Vec3> {
+        self.world.source
     }
 
     /// Picks the source up, or puts it down.
@@ -190,24 +217,41 @@ impl Visit {
         Ok(self.world.set(name, value)?)
     }
 
-    /// Traces waves for about so many milliseconds: begins a frame where none is under way, or goes on with it.
-    /// The frame, if it is there.
+    /// Traces waves for about so many milliseconds: goes on with the frame under way, or begins one where what is heard
+    /// has changed since the last one began. The frame, if one has come: none comes where nothing changes, since it
+    /// would be the last one again.
     ///
     /// # Errors
-    /// As [`Tracer::frame`].
+    /// As [`Tracer::frame`]; then a frame is begun anew at the next call.
     pub fn trace(&mut self, milliseconds: f64) -> Result<Option<Frame>, Error> {
-        let came = self.tracer.frame_poll()?.filter(|_| !self.is_stale);
+        let traced = self.trace_on(milliseconds);
+        if traced.is_err() {
+            self.traced = None;
+        }
+        traced
+    }
+
+    fn trace_on(&mut self, milliseconds: f64) -> Result<Option<Frame>, Error> {
+        // A frame that was begun for another scene is not heard.
+        let came = self.tracer.frame_poll()?.filter(|_| self.traced.is_some());
         if let Some(frame) = &came {
             self.heard = Some(frame.clone());
         }
-        let has_changed = self.is_stale || self.under_way != self.settings;
-        if has_changed || !self.tracer.is_frame_pending() {
+        if self.is_frame_due() {
             self.tracer.frame_begin(&self.world.now, &self.settings)?;
-            self.under_way = self.settings.clone();
-            self.is_stale = false;
+            self.traced = Some((self.world.now.clone(), self.settings.clone()));
         }
         self.tracer.frame_advance(milliseconds)?;
         Ok(came)
+    }
+
+    /// Whether a frame is to be begun: one under way is heard first, but for other settings.
+    fn is_frame_due(&self) -> bool {
+        let Some((scene, settings)) = &self.traced else {
+            return true;
+        };
+        let is_under_way = self.tracer.is_frame_pending();
+        *settings != self.settings || !is_under_way && *scene != self.world.now
     }
 
     /// Draws what the listener sees over the window or canvas of the context, of that size in pixels, at a share of
@@ -247,5 +291,77 @@ impl Visit {
         let follow = |wave| way(states, wave, scene.source.position, stub);
         let ways = (0..waves).map(follow);
         Ok(ways.map(|(fate, points)| Way { fate, points }).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::ContextOptions;
+
+    fn visit(scene: &str) -> Visit {
+        let context = Context::headless(&ContextOptions::default()).unwrap();
+        let mut visit = Visit::new(&context, Scene::builtin(scene).unwrap()).unwrap();
+        let settings = Settings::default().with_waves(1024);
+        visit.set_settings(settings).unwrap();
+        visit
+    }
+
+    /// The next frame; none where none has come after many calls.
+    fn next_frame(visit: &mut Visit) -> Option<Frame> {
+        const CALLS: usize = 1000;
+        let mut came = |_| visit.trace(f64::INFINITY).unwrap();
+        (0..CALLS).find_map(&mut came)
+    }
+
+    /// Protects a machine's work: no frame is traced that would be the last one again, and each that would not is.
+    #[test]
+    fn only_what_has_changed_is_traced() {
+        let mut visit = visit("corner");
+        let first = next_frame(&mut visit).unwrap();
+        visit.pass(&MoveInput::default(), 1.0);
+        assert!(next_frame(&mut visit).is_none());
+        visit.look(0.5, 0.0);
+        let turned = next_frame(&mut visit).unwrap();
+        assert_eq!(turned.counts, first.counts);
+        assert_ne!(turned.panning, first.panning);
+        let settings = visit.settings().clone().with_waves(2048);
+        visit.set_settings(settings).unwrap();
+        assert!(next_frame(&mut visit).is_some());
+    }
+
+    /// Protects a walk from settings and scenes that cannot be traced: they are refused, and all goes on.
+    #[test]
+    fn what_cannot_be_traced_is_refused_and_the_walk_goes_on() {
+        let mut visit = visit("corner");
+        let before = visit.settings().clone();
+        let too_many = before.clone().with_waves(u32::MAX);
+        assert!(visit.set_settings(too_many).is_err());
+        assert_eq!(*visit.settings(), before);
+        let mut empty = Scene::builtin("cave").unwrap();
+        empty.listener.radius = f32::NAN;
+        assert!(visit.set_scene(empty).is_err());
+        assert_eq!(visit.scene().name, "corner");
+        assert!(next_frame(&mut visit).is_some());
+    }
+
+    /// Protects another scene from counts of the one before, and a link from what was done before it was followed.
+    #[test]
+    fn a_scene_that_is_opened_begins_anew() {
+        let mut visit = visit("corner");
+        assert!(next_frame(&mut visit).is_some());
+        visit.put_source(Vec3::ONE);
+        visit.look(0.5, 0.0);
+        assert_eq!(visit.placed_source(), Some(Vec3::ONE));
+        visit.set_scene(Scene::builtin("corner").unwrap()).unwrap();
+        assert!(visit.frame().is_none());
+        assert!(visit.walker().is_some() && visit.placed_source().is_some());
+        visit.open_scene(Scene::builtin("corner").unwrap()).unwrap();
+        assert!(visit.walker().is_none() && visit.placed_source().is_none());
+        visit.pass(&MoveInput::default(), 0.0);
+        assert_eq!(
+            visit.scene().listener,
+            Scene::builtin("corner").unwrap().listener
+        );
     }
 }

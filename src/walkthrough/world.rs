@@ -30,6 +30,48 @@ pub struct World {
     pub carrying: bool,
 }
 
+/// How a scene stands while one walks in it, apart from the scene itself.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Standing {
+    /// Named values that are set otherwise than in its text, in the unit of that.
+    pub values: Vec<(String, f32)>,
+    /// Seconds on its paths.
+    pub seconds: f64,
+    /// Where the listener walked to, once that has begun.
+    pub walker: Option<Walker>,
+    /// Where the first source was put, once it was picked up, in world metres.
+    pub source: Option<Vec3>,
+}
+
+impl Standing {
+    /// The scene that was read from a text, as it stands.
+    ///
+    /// # Errors
+    /// As [`Scene::set_value`].
+    pub fn scene(&self, base: &Scene) -> Result<Scene, SceneError> {
+        let mut base = base.clone();
+        for (name, value) in &self.values {
+            base.set_value(name, *value)?;
+        }
+        Ok(placed(&base, self.seconds, self.walker, self.source))
+    }
+}
+
+/// The scene at a time, with the listener and the first source where they were put.
+fn placed(base: &Scene, seconds: f64, walker: Option<Walker>, source: Option<Vec3>) -> Scene {
+    let mut scene = match base.duration() > 0.0 {
+        true => base.at(seconds),
+        false => base.clone(),
+    };
+    if let Some(walker) = walker {
+        walker.place(&mut scene.listener);
+    }
+    if let Some(source) = source {
+        scene.source.position = source;
+    }
+    scene
+}
+
 impl World {
     /// Loads a scene.
     ///
@@ -127,24 +169,16 @@ impl World {
         if !self.paused {
             self.seconds += seconds;
         }
-        self.now = if self.moves() {
-            self.base.at(self.looped())
-        } else {
-            self.base.clone()
-        };
-        if let Some(walker) = &self.walker {
-            walker.place(&mut self.now.listener);
-        }
+        self.now = placed(&self.base, self.looped(), self.walker, self.source);
         if !input.is_rest() {
             let mut walker = Walker::of(&self.now.listener);
             walker.walk(&self.now, input, seconds as f32);
             self.stand(walker);
         }
         if self.carrying {
-            self.source = Some(carried(&self.now));
-        }
-        if let Some(source) = self.source {
+            let source = carried(&self.now);
             self.now.source.position = source;
+            self.source = Some(source);
         }
     }
 

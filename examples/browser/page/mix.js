@@ -3,51 +3,99 @@
 import init, { MixOfPage } from "./pkg/echomarch_browser.js";
 
 const ready = init();
-let rate, player, ears, mix = null, scene = 0;
+let rate = 0;
+let player = null;
+let ears = null;
+let mix = null;
+// The number of the scene that is played.
+let playing = 0;
 let choices = { listen: "full", volume: 0.5, profile: "hybrid", pan: 0 };
-let trouble = null;
+// What the mix had no room for, by source: it is told once something was played.
+const waiting = new Map();
+
+// Calls a function; what it throws ends the sound, and the page is told why.
+function guarded(act) {
+  try {
+    act();
+  } catch (error) {
+    postMessage({ failed: error.message });
+  }
+}
 
 function choose() {
-  mix?.set_listen(choices.listen);
-  mix?.set_volume(choices.volume);
-  mix?.set_pan(choices.profile, choices.pan);
+  if (!mix) return;
+  mix.set_listen(choices.listen);
+  mix.set_volume(choices.volume);
+  mix.set_pan(choices.profile, choices.pan);
 }
 
 function block(frames) {
   const samples = mix ? mix.fill(frames) : new Float32Array(2 * frames);
   player.postMessage(samples, [samples.buffer]);
+  for (const [source, heard] of waiting) {
+    if (!tell(heard)) break;
+    waiting.delete(source);
+  }
+}
+
+function tell(heard) {
+  return mix.hear(heard.source, heard.echoes, heard.late, heard.glide);
+}
+
+function hear(heard) {
+  // What was heard of a scene before this one is of no use.
+  if (heard.scene !== playing) return;
+  const before = waiting.get(heard.source);
+  // A late part is heard until there is another.
+  if (before && !heard.late) heard.late = before.late;
+  if (before || !tell(heard)) waiting.set(heard.source, heard);
 }
 
 function begin(data) {
-  ({ rate, player, ears } = data);
-  player.onmessage = ({ data: frames }) => block(frames);
-  // What was heard of a scene before this one is of no use.
-  ears.onmessage = ({ data: heard }) => {
-    if (heard.scene === scene) mix?.hear(heard.source, heard.echoes, heard.late, heard.glide);
-  };
+  rate = data.rate;
+  player = data.player;
+  ears = data.ears;
+  player.onmessage = ({ data: frames }) => guarded(() => block(frames));
+  ears.onmessage = ({ data: heard }) => guarded(() => hear(heard));
 }
 
-function play({ scene: number, text, name, sound }) {
+// Plays a scene, or goes on with the one before where that cannot be; the page is told which.
+function play({ scene, text, name, sound }) {
+  let trouble = "";
   try {
-    const next = new MixOfPage(text, name, sound, rate);
-    mix?.free();
-    [mix, scene] = [next, number];
+    if (mix) {
+      mix.set_scene(text, name, sound);
+    } else {
+      mix = new MixOfPage(text, name, sound, rate);
+    }
+    playing = scene;
+    waiting.clear();
     choose();
     // The ears are told by this way, so that they say nothing of it before there is something to play it.
     ears.postMessage({ scene, text, name });
-    trouble = null;
   } catch (error) {
-    trouble = error.message;
+    trouble = `The sound stays as it was: ${error.message}`;
   }
-  postMessage({ trouble });
+  postMessage({ answered: scene, playing, trouble });
 }
 
-onmessage = async ({ data }) => {
-  await ready;
-  if (data.player) begin(data);
-  else if (data.text !== undefined) play(data);
-  else {
-    choices = { ...choices, ...data };
-    choose();
+async function take(data) {
+  try {
+    await ready;
+  } catch (error) {
+    postMessage({ failed: error.message });
+    return;
   }
-};
+  guarded(() => {
+    if (data.player) {
+      begin(data);
+    } else if (data.text !== undefined) {
+      play(data);
+    } else {
+      choices = data;
+      choose();
+    }
+  });
+}
+
+onmessage = ({ data }) => take(data);

@@ -3,59 +3,100 @@
 import init, { Page, scene_text, scenes } from "./pkg/echomarch_browser.js";
 import { listenTo } from "./keys.js";
 import * as link from "./link.js";
+import { Listening } from "./listening.js";
+import { Messages } from "./messages.js";
+import { showFrame, showLevels, showSources, showTimes } from "./panel.js";
 import { Plan } from "./plan.js";
-import { Sound } from "./sound.js";
 
 // Milliseconds of a picture that waves are traced for.
 const WAVES_MS = 8;
 // Pictures from one plan to the next.
 const PLAN_EVERY = 6;
+// Pictures from one change of their size to the next.
+const ADAPT_EVERY = 20;
 // Milliseconds from one picture to the next that are held: more makes the picture coarser, less finer.
-const HELD_MS = [22, 40];
+const SHORT_MS = 22;
+const LONG_MS = 40;
+// Milliseconds that pass in the scene from one picture to the next at the most: one that is held up does not leap.
+const LONGEST_MS = 250;
 // Shares of the canvas' size that the picture is drawn at.
 const SCALES = [0.15, 0.2, 0.3, 0.4, 0.55, 0.75, 1];
 // Milliseconds until a text that is being written is read, and until a change is in the link.
 const WRITTEN_MS = 400;
 const LINKED_MS = 500;
+// Milliseconds until a picture is tried again that could not be drawn.
+const AGAIN_MS = 500;
 // Numbers of waves that can be chosen.
 const WAVES = Array.from({ length: 11 }, (_, power) => 1024 << power);
+// How the errors begin after which nothing is known of the program's state.
+const PANICKED = "panicked at";
 
 const $ = (id) => document.getElementById(id);
 const canvas = $("picture");
-const state = { ...link.usual, source: null };
-let page, plan, keys, sound = null, levels = [-120, -120], gaps = 0, heardInFull = [], earTimes = [NaN, NaN];
-let scale = 2, pictures = 0, last = performance.now(), between = 30, ways = new Float32Array();
-let spent = { waves: 0, picture: 0, plan: 0 }, linked = 0, stood = "";
+const messages = new Messages($("message"));
 
-function say(text) {
-  $("message").textContent = text;
-  $("message").hidden = !text;
-}
+// What is chosen.
+const state = {
+  scene: link.usual.scene,
+  profile: link.usual.profile,
+  waves: link.usual.waves,
+  iterations: link.usual.iterations,
+  listen: link.usual.listen,
+  sound: link.usual.sound,
+  volume: link.usual.volume,
+  text: null,
+  values: {},
+};
+let gl = null;
+let page = null;
+let plan = null;
+let keys = null;
+let listening = null;
 
-// Why the page cannot work, if it cannot.
-function lacking(gl) {
+// Pictures so far, when the last one was drawn (none after a rest), and milliseconds from one to the next.
+let pictures = 0;
+let last = null;
+let between = 30;
+let scale = 2;
+let spent = { waves: 0, picture: 0, plan: 0 };
+let linked = 0;
+
+// Why the page cannot work; nothing where it can.
+function lacking() {
   if (!gl) return "This page needs WebGL 2, which this browser does not have or has switched off.";
   if (!gl.getExtension("EXT_color_buffer_float")) {
-    return "This page needs the WebGL extension EXT_color_buffer_float (drawing into textures of floats), which this graphics driver does not have.";
+    return "This page needs the WebGL extension EXT_color_buffer_float (drawing into textures of floats), " +
+      "which this graphics driver does not have.";
   }
-  return null;
+  return "";
 }
 
-const builtIn = () => scene_text(state.scene) ?? "";
-const text = () => state.text ?? builtIn();
+function builtIn() {
+  return scene_text(state.scene) ?? "";
+}
 
-// Reads the text as the scene; says why not, and leaves all as it was, where it is none.
-function take() {
+function text() {
+  return state.text ?? builtIn();
+}
+
+// Reads the text as the scene; says why not, and leaves all as it was, where it is none. `isAnew` says that the walk
+// begins anew, though the scene may have the same name.
+function take(isAnew) {
+  const read = { text: text(), name: state.scene };
   try {
-    page.set_scene(text(), state.scene);
-    showError("");
-    playAgain();
-    showValues();
-    return true;
+    if (isAnew) {
+      page.open_scene(read.text, read.name);
+    } else {
+      page.set_scene(read.text, read.name);
+    }
   } catch (error) {
     showError(error.message);
     return false;
   }
+  showError("");
+  showValues();
+  listening.play(read);
+  return true;
 }
 
 function showError(message) {
@@ -64,198 +105,223 @@ function showError(message) {
   if (message) $("editor").open = true;
 }
 
-function playAgain() {
-  stood = "";
-  sound?.play(text(), state.scene, state.sound);
-}
-
-function trace() {
+// Sets how waves are traced; says why not, and leaves all as it was, where that cannot be.
+function trace(wanted) {
+  let why = link.wrongNumber("waves", wanted.waves) || link.wrongNumber("iterations", wanted.iterations);
   try {
-    page.set_settings(state.profile, state.waves, state.iterations);
-    say("");
+    if (!why) page.set_settings(wanted.profile, wanted.waves, wanted.iterations);
   } catch (error) {
-    say(error.message);
+    why = error.message;
+  }
+  if (!why) {
+    state.profile = wanted.profile;
+    state.waves = wanted.waves;
+    state.iterations = wanted.iterations;
+  }
+  messages.say("settings", why && `The waves stay as they were: ${why}.`);
+  showSettings();
+  return !why;
+}
+
+function showSettings() {
+  const waves = $("waves");
+  if (!namesOf("waves").includes(String(state.waves))) {
+    const larger = Array.from(waves.options).find((option) => Number(option.value) > state.waves);
+    waves.add(new Option(state.waves, state.waves), larger ?? null);
+  }
+  $("profile").value = state.profile;
+  waves.value = state.waves;
+  $("iterations").value = state.iterations;
+}
+
+function chooseSettings() {
+  messages.say("link", "");
+  trace({
+    profile: $("profile").value,
+    waves: Number($("waves").value),
+    iterations: Number($("iterations").value),
+  });
+  listening.hear();
+}
+
+// A built-in scene that was chosen; where it cannot be shown the one before stays.
+function chooseScene(name) {
+  messages.say("link", "");
+  const before = { scene: state.scene, text: state.text, values: state.values };
+  state.scene = name;
+  state.text = null;
+  state.values = {};
+  if (take(true)) {
+    $("text").value = builtIn();
+  } else {
+    Object.assign(state, before);
+    $("scene").value = state.scene;
   }
 }
 
-// A scene that was chosen; where it stays the same only its text is read again.
-function change(to) {
-  Object.assign(state, to);
-  if (take()) {
-    if (state.text === null) $("text").value = builtIn();
-  }
+// What can be chosen by a list.
+function namesOf(list) {
+  return Array.from($(list).options, (option) => option.value);
 }
 
-// All that a link says.
+// All that a link says, from the beginning.
 function follow(fragment) {
-  const said = link.read(fragment);
-  const known = scenes().includes(said.scene);
-  Object.assign(state, said, { scene: known ? said.scene : link.usual.scene });
-  for (const name of ["scene", "profile", "iterations", "listen", "sound", "volume"]) $(name).value = state[name];
-  if (!WAVES.includes(state.waves)) $("waves").add(new Option(state.waves, state.waves));
-  $("waves").value = state.waves;
-  $("text").value = text();
-  trace();
-  if (take()) {
-    for (const [name, value] of Object.entries(state.values)) setValue(name, value);
-    if (state.listener) page.stand(...state.listener);
-    if (state.source) page.put_source(...state.source);
-    showValues();
+  const choices = {};
+  for (const list of ["scene", "profile", "listen", "sound"]) {
+    choices[list] = namesOf(list);
   }
-  if (!known) say(`There is no scene "${said.scene}": ${state.scene} is shown.`);
-  hear();
+  const { settings, wrong } = link.read(fragment, choices);
+  state.scene = settings.scene;
+  state.text = settings.text;
+  state.values = {};
+  state.listen = settings.listen;
+  state.sound = settings.sound;
+  state.volume = settings.volume;
+  $("scene").value = state.scene;
+  $("sound").value = state.sound;
+  $("volume").value = state.volume;
+  $("text").value = text();
+  listening.showListen();
+  // What cannot be traced in the scene before may well be in this one.
+  const isSet = trace(settings);
+  if (take(true)) {
+    if (!isSet) trace(settings);
+    stay(settings, wrong);
+  }
+  messages.say("link", wrong.length > 0 ? `In the link: ${wrong.join("; ")}.` : "");
+  listening.hear();
 }
 
+// The values of a link, and where listener and source stand by it; adds to `wrong` what cannot be.
+function stay(settings, wrong) {
+  for (const [name, value] of Object.entries(settings.values)) {
+    const why = setValue(name, value);
+    if (why) wrong.push(why);
+  }
+  if (settings.listener) page.stand(...settings.listener);
+  if (settings.source) page.put_source(...settings.source);
+  showValues();
+}
+
+// Sets a named value; why not, if it cannot be.
 function setValue(name, value) {
   try {
     page.set_value(name, value);
-    state.values[name] = value;
   } catch (error) {
-    say(error.message);
+    return error.message;
   }
+  state.values[name] = value;
+  return "";
 }
 
 // A slider for each named value of the scene.
 function showValues() {
-  const [names, numbers] = [page.value_names(), page.values()];
+  const names = page.value_names();
+  const numbers = page.values();
   const rows = names.map((name, index) => {
     const [value, least, most] = numbers.slice(3 * index, 3 * index + 3);
-    const [label, slider] = [document.createElement("label"), document.createElement("input")];
+    const label = document.createElement("label");
+    const slider = document.createElement("input");
     Object.assign(slider, { type: "range", min: least, max: most, step: (most - least) / 200, value });
-    slider.oninput = () => setValue(name, Number(slider.value));
+    slider.oninput = () => messages.say("values", setValue(name, Number(slider.value)));
     label.append(name, slider);
     return label;
   });
   $("values").replaceChildren(...rows);
-}
-
-// Tells the sound what is listened to.
-function hear() {
-  const pan = page.frame()[5] ?? 0;
-  const listen = state.profile === "thesis" ? "balance" : state.listen;
-  sound?.listen(listen, state.volume, state.profile, pan);
-}
-
-async function startSound() {
-  if (sound) {
-    const stopped = sound.context.state === "running";
-    await (stopped ? sound.context.suspend() : sound.context.resume());
-    $("play").textContent = stopped ? "Play sound" : "Stop sound";
-    return;
+  for (const name of Object.keys(state.values)) {
+    if (!names.includes(name)) delete state.values[name];
   }
-  $("play").disabled = true;
-  try {
-    sound = await Sound.start(told);
-    $("play").textContent = "Stop sound";
-    playAgain();
-    hear();
-  } catch (error) {
-    say(`no sound: ${error.message}`);
-  }
-  $("play").disabled = false;
+  messages.say("values", "");
 }
 
-// What the sound's workers say.
-function told(data) {
-  if (data.failed) {
-    say(data.failed);
-    [state.listen, $("listen").value] = ["balance", "balance"];
-    hear();
-  }
-  if (data.trouble !== undefined && data.trouble !== null) say(data.trouble);
-  if (data.levels) [levels, gaps] = [data.levels, data.gaps];
-  if (data.sources) [heardInFull, earTimes] = [data.sources, [data.trace, data.late]];
-}
-
-// Sends the scene as it stands to the ears, if it has changed.
-function stand() {
-  if (!sound || state.listen !== "full") return;
-  const listener = page.listener();
-  const sources = page.sources();
-  const values = page.values();
-  const standing = {
-    names: page.value_names(),
-    values: values.filter((_, index) => index % 3 === 0),
-    seconds: page.seconds(), listener, source: sources.slice(0, 3), profile: state.profile, waves: state.waves,
-  };
-  const now = [sound.scene, listener, sources, values, state.profile, state.waves].join();
-  if (now === stood) return;
-  stood = now;
-  sound.stand(standing);
+// Milliseconds since the last picture; none for the first one, and after the page was hidden.
+function passedUntil(now) {
+  const passed = last === null ? 0 : now - last;
+  if (last !== null) between += 0.1 * (passed - between);
+  last = now;
+  return Math.min(passed, LONGEST_MS);
 }
 
 function picture(now) {
-  const passed = now - last;
-  last = now;
-  between += 0.1 * (passed - between);
-  page.pass(keys.moves(), keys.runs, passed / 1000);
+  page.pass(keys.moves(), keys.runs, passedUntil(now) / 1000);
   const began = performance.now();
-  if (page.trace(WAVES_MS)) hear();
+  if (page.trace(WAVES_MS)) listening.hear();
   const traced = performance.now();
   resize();
   const isNew = page.draw(canvas.width, canvas.height, SCALES[scale]);
   const drawn = performance.now();
-  if (pictures % PLAN_EVERY === 0) drawPlan();
+  const isPlanDue = pictures % PLAN_EVERY === 0;
+  if (isPlanDue) drawPlan();
   spent = { waves: traced - began, picture: drawn - traced, plan: performance.now() - drawn };
-  stand();
-  if (pictures % PLAN_EVERY === 0) show();
-  if (isNew && pictures % 20 === 0) adapt();
+  listening.stand();
+  if (isPlanDue) show();
+  if (isNew && pictures % ADAPT_EVERY === 0) adapt();
   if (now - linked > LINKED_MS) writeLink(now);
   pictures += 1;
 }
 
+// Draws a picture, and asks for the next one. One that cannot be drawn is told and tried again: another scene may
+// have come until then.
 function loop(now) {
+  if (gl.isContextLost()) return;
   try {
     picture(now);
-    requestAnimationFrame(loop);
+    messages.say("picture", "");
   } catch (error) {
-    say(`The page has stopped: ${error.message}`);
+    if (gl.isContextLost()) return;
+    if (error.message.startsWith(PANICKED)) {
+      messages.say("picture", `The page has stopped, load it again: ${error.message}`);
+      return;
+    }
+    messages.say("picture", `This picture cannot be drawn: ${error.message}`);
+    setTimeout(() => requestAnimationFrame(loop), AGAIN_MS);
+    return;
   }
+  requestAnimationFrame(loop);
 }
 
 function resize() {
-  const [width, height] = [canvas.clientWidth, canvas.clientHeight].map((side) => Math.max(1, Math.round(side * devicePixelRatio)));
-  if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
+  const width = Math.max(1, Math.round(canvas.clientWidth * devicePixelRatio));
+  const height = Math.max(1, Math.round(canvas.clientHeight * devicePixelRatio));
+  if (canvas.width === width && canvas.height === height) return;
+  canvas.width = width;
+  canvas.height = height;
 }
 
 function drawPlan() {
   const seen = page.plan();
-  ways = page.ways();
-  plan.draw(seen, ways, page.listener(), page.radius(), page.sources());
+  plan.draw(seen, page.ways(), page.listener(), page.radius(), page.sources());
   seen.free();
 }
 
 // Coarser where pictures come too slowly, finer where there is time.
 function adapt() {
-  if (between > HELD_MS[1]) scale = Math.max(0, scale - 1);
-  else if (between < HELD_MS[0]) scale = Math.min(SCALES.length - 1, scale + 1);
+  if (between > LONG_MS) {
+    scale = Math.max(0, scale - 1);
+  } else if (between < SHORT_MS) {
+    scale = Math.min(SCALES.length - 1, scale + 1);
+  }
 }
 
 function show() {
   const frame = page.frame();
-  if (frame.length) {
-    const [hits, dead, travelling, , , pan] = frame;
-    [$("hits").textContent, $("dead").textContent, $("travelling").textContent] = [hits, dead, travelling];
-    $("pan").textContent = pan.toFixed(3);
-  }
-  [$("left").value, $("right").value] = levels;
-  const told = [];
-  for (let i = 0; i < heardInFull.length; i += 3) {
-    const [level, paths, direct] = heardInFull.slice(i, i + 3);
-    told.push(Number.isNaN(level) ? "nothing arrives" : `G ${level.toFixed(1)} dB, ${paths} paths${direct ? "" : ", hidden"}`);
-  }
-  $("full").textContent = state.listen === "full" && state.profile !== "thesis" && sound ? told.join("; ") || "–" : "–";
-  const row = (name, value) => `<tr><th>${name}</th><td>${Number.isFinite(value) ? value.toFixed(1) : "–"} ms</td></tr>`;
-  $("times").innerHTML = row("from picture to picture", between) + row("waves, until they are heard", frame[6]) +
-    row("calls: waves", spent.waves) + row("calls: picture", spent.picture) + row("plan and paths", spent.plan) +
-    row("heard in full: trace", earTimes[0]) + row("heard in full: late part", earTimes[1]) +
-    `<tr><th>gaps in the sound</th><td>${gaps}</td></tr>`;
-  $("size").textContent = `${canvas.width} × ${canvas.height}, at ${Math.round(100 * SCALES[scale])} % while anything moves`;
+  showFrame(frame);
+  showLevels(listening.levels);
+  showSources(listening.isFull() ? listening.sources : []);
+  const { trace, late } = listening.times;
+  showTimes({ ...spent, between, frame: frame[6], ears: trace, late, gaps: listening.gaps });
+  const share = Math.round(100 * SCALES[scale]);
+  $("size").textContent = `${canvas.width} × ${canvas.height}, at ${share} % while anything moves`;
 }
 
-// The link of what is chosen and where one stands.
+// The link of what is chosen and, where one has walked or put the source somewhere, of both places.
 function address() {
-  return link.write({ ...state, listener: page.listener(), source: state.source });
+  const placed = page.placed_source();
+  return link.write({
+    ...state,
+    listener: page.has_walked() ? page.listener() : null,
+    source: placed.length > 0 ? placed : null,
+  });
 }
 
 function writeLink(now) {
@@ -265,66 +331,68 @@ function writeLink(now) {
 }
 
 function connect() {
-  for (const name of scenes()) $("scene").add(new Option(name, name));
-  for (const waves of WAVES) $("waves").add(new Option(waves, waves));
+  for (const name of scenes()) {
+    $("scene").add(new Option(name, name));
+  }
+  for (const waves of WAVES) {
+    $("waves").add(new Option(waves, waves));
+  }
   $("scene").onchange = (event) => {
-    change({ scene: event.target.value, text: null, source: null, values: {} });
+    chooseScene(event.target.value);
     canvas.focus();
   };
-  const traced = (name, of) => ($(name).onchange = (event) => {
-    state[name] = of(event.target.value);
-    trace();
-    hear();
-  });
-  traced("profile", String);
-  traced("waves", Number);
-  traced("iterations", Number);
-  traced("listen", String);
+  $("profile").onchange = chooseSettings;
+  $("waves").onchange = chooseSettings;
+  $("iterations").onchange = chooseSettings;
+  $("listen").onchange = (event) => {
+    state.listen = event.target.value;
+    listening.hear();
+  };
   $("sound").onchange = (event) => {
     state.sound = event.target.value;
-    playAgain();
+    listening.play(listening.shown);
   };
   $("volume").oninput = (event) => {
     state.volume = Number(event.target.value);
-    hear();
+    listening.hear();
   };
-  $("play").onclick = startSound;
+  $("play").onclick = () => listening.playOrStop();
   let waiting = 0;
   $("text").oninput = () => {
     clearTimeout(waiting);
-    waiting = setTimeout(() => {
-      const written = $("text").value;
-      state.text = written === builtIn() ? null : written;
-      take();
-    }, WRITTEN_MS);
+    waiting = setTimeout(readWritten, WRITTEN_MS);
   };
   addEventListener("hashchange", () => follow(location.hash));
+  // Hidden, a page draws nothing, and nothing passes in its scene.
+  document.addEventListener("visibilitychange", () => {
+    last = null;
+  });
+}
+
+function readWritten() {
+  const written = $("text").value;
+  state.text = written === builtIn() ? null : written;
+  take(false);
 }
 
 // What a key asks for once.
 const asked = {
-  KeyF() {
-    page.pick_up_or_put_down();
-    state.source = Array.from(page.sources().slice(0, 3));
-  },
+  KeyF: () => page.pick_up_or_put_down(),
   KeyP: () => page.pause_or_go_on(),
   Space: () => page.pause_or_go_on(),
-  Home: () => startOver(),
-  Backspace: () => startOver(),
-  KeyV: () => choose("listen", state.listen === "full" ? "balance" : "full"),
+  Home: () => page.start_over(),
+  Backspace: () => page.start_over(),
+  KeyV: () => {
+    if (listening.hasEars) choose("listen", state.listen === "full" ? "balance" : "full");
+  },
   Digit1: () => choose("profile", "thesis"),
   Digit2: () => choose("profile", "march"),
   Digit3: () => choose("profile", "hybrid"),
-  BracketLeft: () => choose("waves", Math.max(WAVES[0], state.waves / 2)),
-  BracketRight: () => choose("waves", Math.min(WAVES.at(-1), state.waves * 2)),
-  Comma: () => choose("iterations", Math.max(1, state.iterations - 1)),
-  Period: () => choose("iterations", state.iterations + 1),
+  BracketLeft: () => choose("waves", WAVES.findLast((waves) => waves < state.waves) ?? state.waves),
+  BracketRight: () => choose("waves", WAVES.find((waves) => waves > state.waves) ?? state.waves),
+  Comma: () => choose("iterations", Math.max(link.LIMITS.iterations.least, state.iterations - 1)),
+  Period: () => choose("iterations", Math.min(link.LIMITS.iterations.most, state.iterations + 1)),
 };
-
-function startOver() {
-  page.start_over();
-  state.source = null;
-}
 
 function choose(name, value) {
   $(name).value = value;
@@ -332,12 +400,19 @@ function choose(name, value) {
 }
 
 async function begin() {
-  const gl = canvas.getContext("webgl2", { antialias: false, depth: false, alpha: false });
-  const why = lacking(gl);
-  if (why) return say(why);
-  canvas.addEventListener("webglcontextlost", () => say("The graphics driver has taken the context away: load the page again."));
+  gl = canvas.getContext("webgl2", { antialias: false, depth: false, alpha: false });
+  const why = lacking();
+  if (why) {
+    messages.say("page", why);
+    return;
+  }
+  canvas.addEventListener("webglcontextlost", () => {
+    messages.say("picture", "The graphics driver has taken the context away: load the page again.");
+  });
   await init();
-  page = new Page(gl, scene_text(link.usual.scene), link.usual.scene);
+  page = new Page(gl, builtIn(), state.scene);
+  listening = new Listening(page, state, messages);
+  listening.play({ text: builtIn(), name: state.scene });
   plan = new Plan($("plan"));
   keys = listenTo(canvas, asked, (right, up) => page.look(right, up));
   connect();
@@ -346,7 +421,7 @@ async function begin() {
   canvas.focus();
   requestAnimationFrame(loop);
   // For tests and for whoever looks closer at it.
-  window.echomarch = { page, state, sound: () => sound, levels: () => levels, address };
+  window.echomarch = { page, state, sound: () => listening.sound, levels: () => listening.levels, address };
 }
 
-begin().catch((error) => say(`The page cannot start: ${error.message}`));
+begin().catch((error) => messages.say("page", `The page cannot start: ${error.message}`));

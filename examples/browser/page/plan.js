@@ -1,7 +1,11 @@
 // The plan: the scene from above, source, listener, and the ways of waves.
 
 // Of waves by what became of them: dead, travelling, at the listener.
-const STYLES = [["#28be9573", 0.8], ["#96a0aa38", 0.8], ["#ff802c", 1.4]];
+const STYLES = [
+  { colour: "#28be9573", width: 0.8 },
+  { colour: "#96a0aa38", width: 0.8 },
+  { colour: "#ff802c", width: 1.4 },
+];
 
 // Height of the plan at the most, in the page's pixels.
 const MOST_HEIGHT = 250;
@@ -40,9 +44,11 @@ export class Plan {
 
   ways(to, ways, at) {
     for (const fate of [0, 1, 2]) {
-      [to.strokeStyle, to.lineWidth] = [STYLES[fate][0], STYLES[fate][1] * devicePixelRatio];
+      to.strokeStyle = STYLES[fate].colour;
+      to.lineWidth = STYLES[fate].width * devicePixelRatio;
       for (let i = 0; i < ways.length; ) {
-        const [of, points] = [ways[i], ways[i + 1]];
+        const of = ways[i];
+        const points = ways[i + 1];
         i += 2;
         if (of === fate) {
           to.beginPath();
@@ -68,7 +74,8 @@ export class Plan {
     to.beginPath();
     to.moveTo(...place);
     to.lineTo(place[0] + Math.sin(yaw) * (size + 9 * one), place[1] - Math.cos(yaw) * (size + 9 * one));
-    [to.strokeStyle, to.lineWidth] = ["#56b4e9", 2 * one];
+    to.strokeStyle = "#56b4e9";
+    to.lineWidth = 2 * one;
     to.stroke();
     dot(place, 3 * one, "#56b4e9");
     for (let i = 0; i < sources.length; i += 3) {

@@ -4,60 +4,93 @@
 const AHEAD = 4096;
 // Frames that are asked for at once.
 const BLOCK = 512;
+// Frames in which the sound fades before a gap and after it: 5 ms at 48 kHz.
+const FADE = 240;
 // Seconds between two levels told.
 const TOLD_EVERY = 0.1;
 
-registerProcessor("player", class extends AudioWorkletProcessor {
+class PlayerOfBlocks extends AudioWorkletProcessor {
   constructor() {
     super();
+    this.mix = null;
     this.blocks = [];
+    // The next sample in the first block, and the frames that all blocks still have.
     this.at = 0;
+    this.inHand = 0;
+    // Frames that were asked for and not played yet.
     this.asked = 0;
-    this.hasBegun = false;
+    // Frames of the fade: 0 in silence, FADE where all is heard.
+    this.fade = 0;
+    this.isPlaying = false;
     this.gaps = 0;
-    this.sums = [0, 0];
+    this.left = 0;
+    this.right = 0;
     this.frames = 0;
-    this.port.onmessage = ({ data }) => {
-      this.mix = data.mix;
-      this.mix.onmessage = ({ data: block }) => this.blocks.push(block);
+    this.port.onmessage = ({ data }) => this.begin(data.mix);
+  }
+
+  begin(mix) {
+    this.mix = mix;
+    mix.onmessage = ({ data: block }) => {
+      this.blocks.push(block);
+      this.inHand += block.length / 2;
     };
   }
 
   // Asks for what is missing.
   ask() {
-    for (; this.mix && this.asked < AHEAD; this.asked += BLOCK) this.mix.postMessage(BLOCK);
+    if (!this.mix) return;
+    while (this.asked < AHEAD) {
+      this.mix.postMessage(BLOCK);
+      this.asked += BLOCK;
+    }
   }
 
-  process(_, [[left, right]]) {
+  process(inputs, outputs) {
+    const [left, right] = outputs[0];
     this.ask();
-    for (let i = 0; i < left.length; i++) {
-      const block = this.blocks[0];
-      if (!block) {
-        this.gaps += this.hasBegun ? 1 : 0;
-        break;
-      }
-      this.hasBegun = true;
-      [left[i], right[i]] = [block[this.at], block[this.at + 1]];
-      this.at += 2;
-      this.asked -= 1;
-      if (this.at >= block.length) {
-        this.blocks.shift();
-        this.at = 0;
-      }
+    let frame = 0;
+    while (frame < left.length && this.inHand > 0) {
+      this.play(left, right, frame);
+      frame += 1;
     }
+    const hasGap = frame < left.length;
+    if (hasGap && this.isPlaying) this.gaps += 1;
+    this.isPlaying = !hasGap;
     this.tell(left, right);
     return true;
   }
 
+  // Plays the next frame. What is in hand fades out, so that it is silent where it ends.
+  play(left, right, frame) {
+    const block = this.blocks[0];
+    this.fade += this.fade < Math.min(FADE, this.inHand) ? 1 : 0;
+    this.fade = Math.min(this.fade, this.inHand - 1);
+    const gain = this.fade / FADE;
+    left[frame] = gain * block[this.at];
+    right[frame] = gain * block[this.at + 1];
+    this.at += 2;
+    this.inHand -= 1;
+    this.asked -= 1;
+    if (this.at >= block.length) {
+      this.blocks.shift();
+      this.at = 0;
+    }
+  }
+
   tell(left, right) {
-    for (let i = 0; i < left.length; i++) {
-      this.sums[0] += left[i] ** 2;
-      this.sums[1] += right[i] ** 2;
+    for (let frame = 0; frame < left.length; frame++) {
+      this.left += left[frame] ** 2;
+      this.right += right[frame] ** 2;
     }
     this.frames += left.length;
     if (this.frames < TOLD_EVERY * sampleRate) return;
-    const levels = this.sums.map((sum) => 10 * Math.log10(sum / this.frames + 1e-12));
-    this.port.postMessage({ levels, gaps: this.gaps });
-    [this.sums, this.frames] = [[0, 0], 0];
+    const level = (sum) => 10 * Math.log10(sum / this.frames + 1e-12);
+    this.port.postMessage({ levels: [level(this.left), level(this.right)], gaps: this.gaps });
+    this.left = 0;
+    this.right = 0;
+    this.frames = 0;
   }
-});
+}
+
+registerProcessor("player", PlayerOfBlocks);

@@ -4,7 +4,7 @@ use crate::{scene, settings, thrown};
 use echomarch::Scene;
 use echomarch::glam::Vec3;
 use echomarch::gpu::Context;
-use echomarch::walkthrough::{Ears, HeardMessage, Walker};
+use echomarch::walkthrough::{Ears, HeardMessage, Standing, Walker};
 use wasm_bindgen::prelude::*;
 use web_sys::WebGl2RenderingContext;
 
@@ -60,23 +60,13 @@ impl EarsOfPage {
         let Some(base) = &self.base else {
             return Ok(Vec::new());
         };
-        let mut scene = base.clone();
-        for (name, value) in names.iter().zip(values) {
-            scene.set_value(name, *value).map_err(thrown)?;
-        }
-        let mut scene = scene.at(seconds);
-        if let [x, y, z, yaw, pitch] = *listener {
-            let position = Vec3::new(x, y, z);
-            let walker = Walker {
-                position,
-                yaw,
-                pitch,
-            };
-            walker.place(&mut scene.listener);
-        }
-        if let [x, y, z, ..] = *source {
-            scene.source.position = Vec3::new(x, y, z);
-        }
+        let standing = Standing {
+            values: names.into_iter().zip(values.iter().copied()).collect(),
+            seconds,
+            walker: walker(listener),
+            source: position(source),
+        };
+        let scene = standing.scene(base).map_err(thrown)?;
         let settings = settings(profile, waves, 1)?;
         let heard = self
             .ears
@@ -131,4 +121,23 @@ impl HeardByPage {
     pub fn glide_s(&self) -> f64 {
         self.message.glide_s
     }
+}
+
+fn position(numbers: &[f32]) -> Option<Vec3> {
+    let [x, y, z, ..] = *numbers else {
+        return None;
+    };
+    Some(Vec3::new(x, y, z))
+}
+
+fn walker(numbers: &[f32]) -> Option<Walker> {
+    let [_, _, _, yaw, pitch] = *numbers else {
+        return None;
+    };
+    let position = position(numbers)?;
+    Some(Walker {
+        position,
+        yaw,
+        pitch,
+    })
 }

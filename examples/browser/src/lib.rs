@@ -32,7 +32,7 @@ pub fn scene_text(name: &str) -> Option<String> {
     Scene::builtin_text(name).map(str::to_owned)
 }
 
-/// What a panic says goes to the console, before it stops the page.
+/// What a panic says is thrown as an error, which page and workers show.
 #[wasm_bindgen(start)]
 pub fn start() {
     std::panic::set_hook(Box::new(|panic| {

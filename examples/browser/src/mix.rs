@@ -16,9 +16,14 @@ impl MixOfPage {
     /// The sounds of a scene's sources at so many samples a second.
     #[wasm_bindgen(constructor)]
     pub fn new(text: &str, name: &str, sound: &str, rate_hz: u32) -> Result<MixOfPage, JsError> {
-        let spec: SoundSpec = sound.parse().map_err(thrown)?;
-        let mix = Mix::new(&scene(text, name)?, &spec, rate_hz).map_err(thrown)?;
+        let mix = Mix::new(&scene(text, name)?, &sound_of(sound)?, rate_hz).map_err(thrown)?;
         Ok(MixOfPage { mix })
+    }
+
+    /// Another scene or another sound; what was played fades out first.
+    pub fn set_scene(&mut self, text: &str, name: &str, sound: &str) -> Result<(), JsError> {
+        let (scene, sound) = (scene(text, name)?, sound_of(sound)?);
+        self.mix.set_scene(&scene, &sound).map_err(thrown)
     }
 
     /// What is listened to: `full` or `balance`.
@@ -38,7 +43,8 @@ impl MixOfPage {
         Ok(())
     }
 
-    /// Glides to what is heard of a source.
+    /// Glides to what is heard of a source; false, and nothing changes, if too much is under way: it has to be told
+    /// again.
     pub fn hear(
         &mut self,
         source: u32,
@@ -60,4 +66,8 @@ impl MixOfPage {
         self.mix.fill(&mut stereo);
         stereo
     }
+}
+
+fn sound_of(name: &str) -> Result<SoundSpec, JsError> {
+    name.parse().map_err(thrown)
 }

@@ -54,6 +54,11 @@ impl Page {
         self.visit.set_scene(scene(text, name)?).map_err(thrown)
     }
 
+    /// Begins anew in a scene: nobody has walked in it, and nothing was set.
+    pub fn open_scene(&mut self, text: &str, name: &str) -> Result<(), JsError> {
+        self.visit.open_scene(scene(text, name)?).map_err(thrown)
+    }
+
     /// How waves are traced from now on.
     pub fn set_settings(&mut self, of: &str, waves: u32, iterations: u32) -> Result<(), JsError> {
         let settings = settings(of, waves, iterations)?;
@@ -101,6 +106,11 @@ impl Page {
         vec![x, y, z, listener.yaw, listener.pitch]
     }
 
+    /// Whether the listener has walked or looked round, and is not where the scene has it.
+    pub fn has_walked(&self) -> bool {
+        self.visit.walker().is_some()
+    }
+
     /// Radius of the listener's sphere in metres.
     pub fn radius(&self) -> f32 {
         self.visit.scene().listener.radius
@@ -125,6 +135,12 @@ impl Page {
         sources
             .flat_map(|source| source.position.to_array())
             .collect()
+    }
+
+    /// Where the first source was put, or is carried, in metres; nothing where it is on its path.
+    pub fn placed_source(&self) -> Vec<f32> {
+        let placed = self.visit.placed_source();
+        placed.map_or_else(Vec::new, |position| position.to_array().to_vec())
     }
 
     /// Puts the first source there.
@@ -160,14 +176,14 @@ impl Page {
         self.visit.set_value(name, value).map_err(thrown)
     }
 
-    /// Traces waves for about so many milliseconds; whether another frame is there.
+    /// Traces waves for about so many milliseconds, where what is heard has changed; whether another frame is there.
     pub fn trace(&mut self, milliseconds: f64) -> Result<bool, JsError> {
         let frame = self.visit.trace(milliseconds).map_err(thrown)?;
         Ok(frame.is_some())
     }
 
     /// The last frame: waves at the listener, dead ones, travelling ones, left, right, pan, milliseconds from its
-    /// beginning to its result; empty before the first.
+    /// beginning to its result; empty before the first of a scene.
     pub fn frame(&self) -> Vec<f64> {
         let Some(frame) = self.visit.frame() else {
             return Vec::new();

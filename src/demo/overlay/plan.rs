@@ -5,7 +5,7 @@ use super::{HudState, style};
 use crate::picture::Bounds;
 use crate::scene::Scene;
 use crate::trace::{Fate, Wave};
-use crate::walkthrough::{Cut, way};
+use crate::walkthrough::{Cut, STUB, way};
 use egui::{
     Color32, ColorImage, Context, Pos2, Rect, Sense, Shape, Stroke, TextureHandle, TextureOptions,
     Ui, Vec2,
@@ -14,8 +14,6 @@ use glam::Vec3;
 
 /// Height of the plan's box, in points: the same for every scene.
 const HEIGHT: f32 = 210.0;
-/// Length of a dead wave's stub, as a share of the plan's width.
-const STUB: f32 = 0.12;
 
 /// The plan, kept while what it shows stands still.
 #[derive(Default)]
@@ -113,7 +111,12 @@ fn path_shapes(
     ];
     let mut shapes = Vec::new();
     for (fate, colour, width) in styles {
-        for (_, points) in followed.iter().filter(|(of, _)| *of == fate) {
+        let is_drawn_so = |of: &Fate| match of {
+            // What is not finite has ended too.
+            Fate::NotFinite => fate == Fate::Dead,
+            of => *of == fate,
+        };
+        for (_, points) in followed.iter().filter(|(of, _)| is_drawn_so(of)) {
             let points = points.iter().map(|&point| place(point)).collect();
             shapes.push(Shape::line(points, Stroke::new(width, colour)));
         }
