@@ -137,6 +137,15 @@ impl Browser<'_> {
         self.ask("POST", "/url", Some(&json!({ "url": url })));
     }
 
+    /// Runs a script in every page that is loaded from now on, before the page's own.
+    pub fn before_load(&self, script: &str) {
+        let command = json!({
+            "cmd": "Page.addScriptToEvaluateOnNewDocument",
+            "params": { "source": script },
+        });
+        self.ask("POST", "/goog/cdp/execute", Some(&command));
+    }
+
     fn element(&self, css: &str) -> String {
         let wanted = json!({ "using": "css selector", "value": css });
         let found = self.ask("POST", "/element", Some(&wanted));
