@@ -293,11 +293,6 @@ impl Context {
             }
             last = next();
         }
-        if self.inner.backend.is_lost() {
-            return Err(GpuError::ContextLost {
-                reason: format!("the browser has taken it away, before or in {what}"),
-            });
-        }
         match first {
             // After a reset calls do nothing, and most of them report no error.
             glow::NO_ERROR => self.check_not_lost(),
@@ -305,10 +300,14 @@ impl Context {
             glow::CONTEXT_LOST => Err(GpuError::ContextLost {
                 reason: format!("GL_CONTEXT_LOST in {what}"),
             }),
-            code => Err(GpuError::Gl {
-                what: what.into(),
-                code: code_name(code),
-            }),
+            code => {
+                // A browser's code for a loss is another one.
+                self.check_not_lost()?;
+                Err(GpuError::Gl {
+                    what: what.into(),
+                    code: code_name(code),
+                })
+            }
         }
     }
 

@@ -30,6 +30,7 @@ pub(crate) use hearing::{EarsStatus, Found, Hearing, QUIETEST_DB};
 pub use mix::{HeardMessage, Mix};
 #[cfg(all(feature = "demo", feature = "audio"))]
 pub(crate) use mix::{NOISE_SEED, player};
+#[cfg(feature = "demo")]
 pub(crate) use paths::{PATH_ITERATIONS, Paths};
 #[cfg(feature = "demo")]
 pub(crate) use plan::{Cut, STUB, way};

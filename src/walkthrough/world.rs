@@ -183,6 +183,7 @@ impl World {
     }
 
     /// Whether anything moves by itself.
+    #[cfg(feature = "demo")]
     pub fn moves(&self) -> bool {
         self.base.duration() > 0.0
     }

@@ -40,6 +40,8 @@ export class Listening {
   // Plays the scene of that text from now on, once there is sound.
   play(shown) {
     this.shown = shown;
+    // What was heard is of the scene before.
+    this.sources = [];
     this.sound?.play(shown.text, shown.name, this.state.sound);
   }
 
