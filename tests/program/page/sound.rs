@@ -3,7 +3,6 @@
 
 use super::{FLAGS, Stage, TIMEOUT, on_page, wait, write_text};
 use crate::browser::Browser;
-use serde_json::Value;
 use std::time::{Duration, Instant};
 
 /// Decibels of either channel of the last 32,768 samples that the page has played (0.7 s at 48 kHz), recorded by its
