@@ -91,6 +91,7 @@ pub mod experiment;
 pub mod gpu;
 mod input;
 mod kernel;
+mod notation_error;
 pub mod offline;
 mod output;
 #[cfg(feature = "picture")]

@@ -27,6 +27,19 @@ pub(crate) fn nearest<'a>(
     (3 * wrong <= nearest.len()).then_some(nearest)
 }
 
+/// Says that there is no such thing, which there are, and which is the nearest: `what` is what it would
+/// be, such as `profile`.
+pub(crate) fn there_is_no(what: &str, typed: &str, known: &[&str]) -> String {
+    let told = format!(
+        "there is no {what} {typed:?}; there are: {}",
+        known.join(", ")
+    );
+    match nearest(typed, known.iter().copied()) {
+        Some(nearest) => format!("{told}; did you mean {nearest}?"),
+        None => told,
+    }
+}
+
 /// The text in one line, for a terminal: what is not seen as it stands (escape codes and other
 /// controls, ends of lines, changes of direction, spaces of no width) is spelled out as in Rust.
 pub(crate) fn in_a_line(text: &str) -> Cow<'_, str> {

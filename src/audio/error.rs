@@ -1,6 +1,7 @@
 //! What can go wrong with sounds and WAV files.
 
 use crate::input::InputError;
+use crate::text::there_is_no;
 use std::io;
 use std::path::PathBuf;
 
@@ -144,7 +145,7 @@ pub enum AudioError {
         spec: String,
     },
     /// A panning law's name that is not known.
-    #[error("unknown panning law `{name}`: write `linear` or `constant-power`")]
+    #[error("{}", there_is_no("panning law", name, &["constant-power", "linear"]))]
     UnknownPanningLaw {
         /// The name that was given.
         name: String,

@@ -1,5 +1,6 @@
 //! What is listened to.
 
+use crate::text::there_is_no;
 use crate::trace::Profile;
 use std::fmt;
 use std::str::FromStr;
@@ -31,7 +32,7 @@ impl FromStr for Listen {
         match name {
             "full" => Ok(Listen::Full),
             "balance" => Ok(Listen::Balance),
-            _ => Err("it must be full or balance".to_owned()),
+            _ => Err(there_is_no("way to listen", name, &["full", "balance"])),
         }
     }
 }

@@ -6,6 +6,7 @@ use super::text::{
     library, link, source,
 };
 use crate::scene::{Scene, Surface};
+use crate::text::there_is_no;
 use serde::Serialize;
 use std::fmt;
 use std::str::FromStr;
@@ -171,9 +172,10 @@ impl FromStr for Directions {
         match name {
             "random" => Ok(Directions::Random),
             "fibonacci" => Ok(Directions::Fibonacci),
-            _ => Err(format!(
-                "there are no directions {name:?}; there are: random, fibonacci"
-            )),
+            _ => {
+                let known = ["random", "fibonacci"];
+                Err(there_is_no("kind of directions", name, &known))
+            }
         }
     }
 }

@@ -67,7 +67,7 @@ impl Scene {
             Some((_, text)) => {
                 Scene::from_embedded(text, &format!("built-in scene {name}"), FIELDS)
             }
-            None => Err(unknown(name)),
+            None => Err(unknown(name, None)),
         }
     }
 
@@ -84,7 +84,12 @@ impl Scene {
     /// # Errors
     /// [`SceneError`]: unknown, unreadable, malformed, or no scene to be heard.
     pub fn load(name_or_file: &str) -> Result<Scene, SceneError> {
-        match named(name_or_file, Some(Path::new(""))) {
+        Scene::load_in(name_or_file, Path::new(""))
+    }
+
+    /// As [`Scene::load`]; files lie in `folder`.
+    pub(crate) fn load_in(name_or_file: &str, folder: &Path) -> Result<Scene, SceneError> {
+        match named(name_or_file, Some(folder)) {
             Named::BuiltIn(scene) => scene,
             Named::File(path) => Scene::from_file(&path),
             Named::Unknown(error) => Err(error),
@@ -106,22 +111,32 @@ pub(super) fn named(name: &str, folder: Option<&Path>) -> Named {
         return Named::BuiltIn(Scene::builtin(name));
     }
     let Some(folder) = folder else {
-        return Named::Unknown(unknown(name));
+        return Named::Unknown(unknown(name, None));
     };
     let (path, place) = (Path::new(name), folder.join(name));
     let looks_like_a_file = path.extension().is_some() || path.components().count() > 1;
     if looks_like_a_file || place.exists() {
         return Named::File(place);
     }
-    Named::Unknown(unknown(name))
+    Named::Unknown(unknown(name, Some(folder)))
 }
 
-fn unknown(name: &str) -> SceneError {
+fn unknown(name: &str, folder: Option<&Path>) -> SceneError {
+    let file = || folder.and_then(|folder| file_of(name, folder));
     SceneError::Unknown {
         name: name.to_owned(),
         builtin: BUILTIN_NAMES.join(", "),
-        nearest: nearest(name),
+        nearest: nearest(name).map(str::to_owned).or_else(file),
     }
+}
+
+/// A scene file that is called so but for its ending: in the folder, or among the examples of a
+/// checkout.
+fn file_of(name: &str, folder: &Path) -> Option<String> {
+    let file = format!("{name}.ron");
+    let example = format!("examples/scenes/{file}");
+    let mut known = [file, example].into_iter();
+    known.find(|file| folder.join(file).is_file())
 }
 
 /// The built-in scene whose name is most like this one, or has it as a word or a beginning.

@@ -10,15 +10,16 @@ pub enum SceneError {
     /// Neither a built-in name nor a file that exists.
     #[error(
         "there is no scene {name:?}: neither a file nor one of the built-in scenes ({builtin}){}",
-        nearest.map_or_else(String::new, |name| format!("; did you mean {name}?"))
+        nearest.as_ref().map_or_else(String::new, |name| format!("; did you mean {name}?"))
     )]
     Unknown {
         /// What was asked for.
         name: String,
         /// The names there are, separated by commas.
         builtin: String,
-        /// The built-in scene whose name is nearly that one, if there is one.
-        nearest: Option<&'static str>,
+        /// The built-in scene whose name is nearly that one, or a file that is called so but for its
+        /// ending, if there is one.
+        nearest: Option<String>,
     },
     /// The file cannot be read.
     #[error("cannot read the scene file {}: {source}{}", path.display(), may_be_meant(source, path))]
@@ -112,6 +113,18 @@ pub enum SceneError {
     /// Two sources or two listeners of one name.
     #[error("scene {scene:?}: two of the {what} are called {name:?}")]
     SameName {
+        /// The scene's name.
+        scene: String,
+        /// `sources` or `listeners`.
+        what: &'static str,
+        /// The name.
+        name: String,
+    },
+    /// A source or a listener is called by the number of another, which has no name of its own.
+    #[error(
+        "scene {scene:?}: one of the {what} is called {name:?}, which is the number of another that has no name: name that one too"
+    )]
+    NameIsNumber {
         /// The scene's name.
         scene: String,
         /// `sources` or `listeners`.

@@ -87,11 +87,7 @@ fn scenes(
 }
 
 fn load(said: &SceneFile, folder: &Path) -> Result<Scene, SceneError> {
-    let scene = match scene_file(&said.of, folder) {
-        None => Scene::builtin(&said.of)?,
-        Some(path) => Scene::from_file(&path)?,
-    };
-    Ok(scene.heard_by(0, 0))
+    Ok(Scene::load_in(&said.of, folder)?.heard_by(0, 0))
 }
 
 /// Numbers of an axis that are tried before work begins; of longer ones the ends, and some between.

@@ -6,11 +6,14 @@
 
 use super::StudyError;
 use crate::input::read_text;
+use crate::notation_error::{STUDY, sentence};
 use crate::scene::BUILTIN_NAMES;
 use crate::text::in_a_line;
 use crate::trace::{Directions, Profile};
-use serde::{Deserialize, Serialize};
+use serde::de::{Error, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
 use std::collections::BTreeMap;
+use std::fmt;
 use std::path::{Path, PathBuf};
 
 /// Bytes of a study file at the most: a list of 20,000 places is 1 MiB.
@@ -56,7 +59,7 @@ pub(super) struct SceneFile {
 
 /// Numbers along an axis of a study.
 #[derive(Clone, Debug, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
+#[serde(rename = "form of numbers", deny_unknown_fields)]
 pub(super) enum Numbers {
     List(Vec<f64>),
     /// So many numbers at even distances, both ends among them.
@@ -75,7 +78,7 @@ pub(super) enum Numbers {
 
 /// Positions of a source or a listener, in metres.
 #[derive(Clone, Debug, Default, Deserialize, PartialEq, Serialize)]
-#[serde(deny_unknown_fields)]
+#[serde(rename = "form of places", deny_unknown_fields)]
 pub(super) enum Places {
     /// Where the scene has it: its first one.
     #[default]
@@ -96,9 +99,9 @@ pub(super) enum Places {
 
 /// Seeds of a study.
 #[derive(Clone, Debug, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
+#[serde(rename = "form of seeds", deny_unknown_fields)]
 pub(super) enum Seeds {
-    List(Vec<u32>),
+    List(#[serde(deserialize_with = "counts")] Vec<u32>),
     /// Whole numbers from `from` on.
     Range {
         from: u32,
@@ -114,15 +117,15 @@ impl Default for Seeds {
 
 /// How waves are traced.
 #[derive(Clone, Debug, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
+#[serde(rename = "form of settings", deny_unknown_fields)]
 pub(super) enum SettingsFile {
     /// All combinations.
     All {
         #[serde(default = "hybrid")]
         profiles: Vec<ProfileFile>,
-        #[serde(default = "usual_waves")]
+        #[serde(default = "usual_waves", deserialize_with = "counts")]
         waves: Vec<u32>,
-        #[serde(default = "usual_iterations")]
+        #[serde(default = "usual_iterations", deserialize_with = "counts")]
         iterations: Vec<u32>,
         #[serde(default = "random")]
         directions: Vec<DirectionsFile>,
@@ -144,7 +147,7 @@ impl Default for SettingsFile {
 
 /// A sweep of `echomarch accuracy`.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]
-#[serde(rename_all = "lowercase")]
+#[serde(rename = "sweep", rename_all = "lowercase")]
 pub(super) enum Sweep {
     Short,
     Quick,
@@ -152,7 +155,7 @@ pub(super) enum Sweep {
 }
 
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]
-#[serde(rename_all = "lowercase")]
+#[serde(rename = "profile", rename_all = "lowercase")]
 pub(super) enum ProfileFile {
     Hybrid,
     March,
@@ -160,7 +163,7 @@ pub(super) enum ProfileFile {
 }
 
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]
-#[serde(rename_all = "lowercase")]
+#[serde(rename = "kind of directions", rename_all = "lowercase")]
 pub(super) enum DirectionsFile {
     Random,
     Fibonacci,
@@ -215,7 +218,7 @@ pub(super) struct ResponseFile {
 
 /// A figure of ISO 3382-1.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
+#[serde(rename = "figure", rename_all = "lowercase")]
 pub(super) enum FigureName {
     Edt,
     T20,
@@ -225,6 +228,57 @@ pub(super) enum FigureName {
     D50,
     Ts,
     G,
+}
+
+/// A whole number, in any form that the command line takes: `65536`, `65_536`, `1e6`.
+struct Count(u32);
+
+impl<'de> Deserialize<'de> for Count {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Count, D::Error> {
+        from.deserialize_any(CountVisitor)
+    }
+}
+
+struct CountVisitor;
+
+impl Visitor<'_> for CountVisitor {
+    type Value = Count;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("a whole number, such as 65536, 65_536 or 1e6")
+    }
+
+    fn visit_u64<E: Error>(self, said: u64) -> Result<Count, E> {
+        let count = u32::try_from(said).map(Count);
+        count.map_err(|_| E::custom(format!("{said} is too large: at most {}", u32::MAX)))
+    }
+
+    fn visit_i64<E: Error>(self, said: i64) -> Result<Count, E> {
+        let refused = |_| {
+            E::custom(format!(
+                "a whole number of 0 or more must stand here, not {said}"
+            ))
+        };
+        u64::try_from(said)
+            .map_err(refused)
+            .and_then(|said| self.visit_u64(said))
+    }
+
+    fn visit_f64<E: Error>(self, said: f64) -> Result<Count, E> {
+        if said.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(&said) {
+            return Ok(Count(said as u32));
+        }
+        Err(E::custom(format!(
+            "a whole number from 0 to {} must stand here, such as 65536, 65_536 or 1e6, not {said}",
+            u32::MAX
+        )))
+    }
+}
+
+/// A list of whole numbers.
+fn counts<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<u32>, D::Error> {
+    let counts = Vec::<Count>::deserialize(from)?;
+    Ok(counts.into_iter().map(|count| count.0).collect())
 }
 
 fn yes() -> bool {
@@ -298,7 +352,7 @@ impl StudyFile {
                 origin: origin.to_owned(),
                 line: error.span.start.line,
                 column: error.span.start.col,
-                message: in_a_line(&error.code.to_string()).into_owned(),
+                message: in_a_line(&sentence(text, &error, STUDY)).into_owned(),
             })
     }
 }

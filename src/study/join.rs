@@ -7,7 +7,7 @@ use super::tables::Tables;
 use super::{BLOCK, Shard, Study, StudyError, VERSION};
 use crate::output::{OutputError, prepare_folder};
 use crate::scene::Scene;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// Shards that are named in one message.
@@ -93,6 +93,9 @@ fn chosen(
     let of = of.or_else(|| most_common(headers().map(|header| header.of)));
     let (of, renderer) = (of.unwrap_or(1), renderer.unwrap_or_default());
     let mut problems = Vec::new();
+    problems.extend(several_counts(
+        headers().filter(ours).map(|header| header.of),
+    ));
     let mut taken: BTreeMap<u32, PathBuf> = BTreeMap::new();
     for (path, header) in found {
         let name = || path.file_name().unwrap_or_default().to_string_lossy();
@@ -134,6 +137,18 @@ fn chosen(
     Err(StudyError::NotWhole {
         folder: folder.to_owned(),
         problems,
+    })
+}
+
+/// What helps where a study was cut into shards in several ways.
+fn several_counts(of: impl Iterator<Item = u32>) -> Option<String> {
+    let counts: BTreeSet<u32> = of.collect();
+    let counts: Vec<String> = counts.iter().map(u32::to_string).collect();
+    (counts.len() > 1).then(|| {
+        format!(
+            "there are parts of a study cut into {} shards: remove the files of all but one of these, or take another folder",
+            counts.join(" and into ")
+        )
     })
 }
 

@@ -69,7 +69,11 @@ impl Header {
             (found != wanted).then(|| format!("it is of {what} {found:?}, not {wanted:?}"))
         };
         let number = |header: &Header| format!("{}/{}", header.shard, header.of);
-        differs("study", &self.study, &expected.study)
+        let another = differs("study", &self.study, &expected.study);
+        another
+            .map(|why| {
+                format!("{why}: the study has another text or name now, so take another folder")
+            })
             .or_else(|| differs("version", &self.version, &expected.version))
             .or_else(|| differs("renderer", &self.renderer, &expected.renderer))
             .or_else(|| differs("shard", &number(self), &number(expected)))

@@ -165,6 +165,61 @@ fn every_field_is_checked() {
     );
 }
 
+/// Protects whoever writes a study in other words than it has: none of Rust's are told, and the way
+/// to write it is.
+#[test]
+fn a_study_is_refused_in_its_own_words() {
+    let with = |more: &str| format!("Study(scenes: [Scene(of: \"corner\")], {more})");
+    for (text, told) in [
+        (
+            "",
+            "study:1:1: the file is empty: a study file begins with Study(…)",
+        ),
+        ("Study(scenes: [", "the file ends before Study(…) is closed"),
+        (
+            "Scene(surfaces: [])",
+            "this is a scene; a study names it: Study(scenes: [Scene(of: ",
+        ),
+        (
+            "Study(scenes: [Scene(of: \"crner\")])",
+            "scenes[1]: there is no scene \"crner\"",
+        ),
+        (
+            "Study(scenes: [Scene(of: \"crner\")])",
+            "did you mean corner?",
+        ),
+        (
+            "Study(scenes: [Scene(of: \"corner\", values: {\"door\": 3})])",
+            "a list of numbers must stand here: List([3])",
+        ),
+        (
+            &with("settings: All(profiles: [hybird])"),
+            "there is no profile \"hybird\"; there are: hybrid, march, thesis; did you mean hybrid?",
+        ),
+        (
+            &with("settings: All(waves: [\"4096\"])"),
+            "65536, 65_536 or 1e6",
+        ),
+        (&with("settings: All(waves: [0.5])"), "65536, 65_536 or 1e6"),
+    ] {
+        let said = refusal(text);
+        assert!(said.contains(told), "{text}: {said}");
+    }
+}
+
+/// Protects counts: a study takes the forms of the command line, and they are the same study.
+#[test]
+fn counts_are_written_as_on_the_command_line() {
+    let hash = |waves: &str| {
+        let text =
+            format!("Study(scenes: [Scene(of: \"corner\")], settings: All(waves: [{waves}]))");
+        read(&text).unwrap().hash().to_owned()
+    };
+    assert_eq!(hash("10000"), hash("1e4"));
+    assert_eq!(hash("10000"), hash("10_000"));
+    assert_ne!(hash("10000"), hash("1e5"));
+}
+
 /// Protects from joining what does not belong together: the hash changes with all that decides the
 /// results, and with nothing else.
 #[test]
@@ -288,7 +343,11 @@ fn shards_that_do_not_belong_are_named() {
                 let header = Header::new(&study, Shard::new(2, 3).unwrap(), RENDERER);
                 std::fs::write(second(folder), made_up(&header)).unwrap();
             },
-            &["it is shard 2 of 3, not of 4", "missing: 2"],
+            &[
+                "it is shard 2 of 3, not of 4",
+                "missing: 2",
+                "cut into 3 and into 4 shards: remove",
+            ],
         ),
         (
             &|folder| {

@@ -116,7 +116,11 @@ fn list() -> Vec<DeviceInfo> {
 pub(super) fn find(wanted: Option<&str>) -> Result<Found, LiveError> {
     let host = host();
     let no_device = |error: cpal::Error| LiveError::NoDevice {
-        reason: error.to_string(),
+        reason: match error.kind() {
+            // Its text tells of a device that was asked for, and none was.
+            cpal::ErrorKind::DeviceNotAvailable => "the sound system offers none".to_owned(),
+            _ => error.to_string(),
+        },
     };
     let device = match wanted {
         None => host

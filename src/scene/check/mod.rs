@@ -162,6 +162,7 @@ impl Scene {
     }
 
     fn bad_field(&self, label: &str, why: String) -> SceneError {
+        let why = without_kind(label, why);
         SceneError::BadField {
             scene: self.name.clone(),
             surface: label.to_owned(),
@@ -207,6 +208,15 @@ impl Surface {
             None => format!("surface {number} ({})", self.shape.name()),
         }
     }
+}
+
+/// The sentence without the kind of shape that it begins with, where the surface is called by that.
+fn without_kind(label: &str, why: String) -> String {
+    let kind = label
+        .rsplit_once('(')
+        .and_then(|(_, kind)| kind.strip_suffix(')'));
+    let rest = kind.and_then(|kind| why.strip_prefix(kind)?.strip_prefix(": "));
+    rest.map_or_else(|| why.clone(), str::to_owned)
 }
 
 #[cfg(test)]

@@ -81,10 +81,16 @@ impl Scene {
         what: &'static str,
         names: impl Iterator<Item = &'a Option<String>>,
     ) -> Result<(), SceneError> {
-        match twice(names) {
+        let names: Vec<Option<&String>> = names.map(Option::as_ref).collect();
+        let scene = self.name.clone();
+        if let Some(name) = number_of_another(&names) {
+            let name = name.clone();
+            return Err(SceneError::NameIsNumber { scene, what, name });
+        }
+        match twice(names.into_iter()) {
             None => Ok(()),
             Some(name) => Err(SceneError::SameName {
-                scene: self.name.clone(),
+                scene,
                 what,
                 name: name.clone(),
             }),
@@ -171,10 +177,21 @@ pub(in crate::scene) const NOT_A_ROOM: &str =
 
 /// The first of some names that was there before.
 pub(in crate::scene) fn twice<'a>(
-    names: impl Iterator<Item = &'a Option<String>>,
+    names: impl Iterator<Item = Option<&'a String>>,
 ) -> Option<&'a String> {
     let mut known = HashSet::new();
     names.flatten().find(|name| !known.insert(*name))
+}
+
+/// A name that is the number of another, which has no name and is called by its number.
+fn number_of_another<'a>(names: &[Option<&'a String>]) -> Option<&'a String> {
+    let is_of_another = |(index, name): &(usize, &'a String)| {
+        let other = name.parse::<usize>().ok().and_then(|n| n.checked_sub(1));
+        other.is_some_and(|other| other != *index && names.get(other) == Some(&None))
+    };
+    let named = names.iter().enumerate();
+    let mut named = named.filter_map(|(index, name)| Some((index, (*name)?)));
+    named.find(is_of_another).map(|(_, name)| name)
 }
 
 fn label(what: &str, index: usize, count: usize, name: Option<&str>) -> String {
@@ -204,6 +221,29 @@ mod tests {
         scene.further_listeners.push(Listener::at(-Vec3::Z, 0.3));
         scene.air = Some(Air::default());
         scene
+    }
+
+    /// Protects who is meant by a number: no name is the number of another without a name.
+    #[test]
+    fn no_name_is_the_number_of_another() {
+        let named = |first: Option<&str>, second: Option<&str>| {
+            let mut scene = hall();
+            scene.source.name = first.map(str::to_owned);
+            scene.further_sources[0].name = second.map(str::to_owned);
+            scene.validate().map_err(|refused| refused.to_string())
+        };
+        for (first, second) in [(Some("2"), None), (None, Some("1"))] {
+            let told = named(first, second).unwrap_err();
+            assert!(told.contains("one of the sources is called"), "{told}");
+        }
+        for (first, second) in [
+            (Some("1"), None),
+            (Some("2"), Some("1")),
+            (Some("3"), None),
+            (None, Some("flute")),
+        ] {
+            assert_eq!(named(first, second), Ok(()), "{first:?}, {second:?}");
+        }
     }
 
     /// Protects from numbers that are no shares, no air and no sources, and tells which.

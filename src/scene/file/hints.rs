@@ -6,10 +6,11 @@
 use super::air::AirFile;
 use super::material::MaterialFile;
 use super::placed::{ListenerFile, SourceFile};
+use crate::notation_error::offset;
 use crate::scene::notation::{FixedRadius, Form};
 use crate::scene::shape::{form_of, shape_names};
 use crate::text::nearest;
-use ron::error::{Error, Position, SpannedError};
+use ron::error::{Error, SpannedError};
 
 /// The sentence for an error in this text that is about a shape, an operator, or another part that
 /// has a name and fields.
@@ -64,16 +65,6 @@ fn form_of_sound(name: &str) -> Option<Form> {
         "Listener" => Form::of::<ListenerFile<FixedRadius>>(),
         _ => None,
     }
-}
-
-/// Bytes before a place in a text.
-fn offset(text: &str, place: Position) -> Option<usize> {
-    let mut lines = text.split_inclusive('\n');
-    let above = lines.by_ref().take(place.line.checked_sub(1)?);
-    let start: usize = above.map(str::len).sum();
-    let line = lines.next()?;
-    let at = line.char_indices().nth(place.col.checked_sub(1)?);
-    Some(start + at.map_or(line.len(), |(at, _)| at))
 }
 
 #[cfg(test)]

@@ -19,6 +19,7 @@ mod write;
 use super::check::NOT_A_ROOM;
 use super::{Scene, SceneError};
 use crate::input::read_text;
+use crate::notation_error;
 use crate::scene::notation::{Attached, FixedRadius, Name};
 use crate::text::in_a_line;
 use air::AirFile;
@@ -158,7 +159,7 @@ fn from_ron(files: &Attached, text: &str, error: &ron::error::SpannedError) -> S
     let message = match (&error.code, hints::about_part(text, error)) {
         (_, Some(hint)) => hint,
         (ron::Error::ExceededRecursionLimit, _) => "shapes are nested too deeply here".to_owned(),
-        (code, None) => code.to_string(),
+        (_, None) => notation_error::sentence(text, error, notation_error::SCENE),
     };
     malformed(files, start.line, start.col, &message)
 }

@@ -2,6 +2,7 @@
 
 use super::variant::MarchVariant;
 use super::{MAX_STEPS, TraceError, bad, positive};
+use crate::text::there_is_no;
 use serde::Serialize;
 use std::fmt;
 use std::str::FromStr;
@@ -188,8 +189,8 @@ impl FromStr for Profile {
     fn from_str(name: &str) -> Result<Profile, String> {
         let known = Profile::ALL.iter().find(|p| p.to_string() == name);
         known.copied().ok_or_else(|| {
-            let names = Profile::ALL.map(|p| p.to_string()).join(", ");
-            format!("there is no profile {name:?}; there are: {names}")
+            let names = Profile::ALL.map(|p| p.to_string());
+            there_is_no("profile", name, &names.each_ref().map(String::as_str))
         })
     }
 }

@@ -128,7 +128,7 @@ fn bad_sound_is_refused_at_its_place() {
         (
             "scattering",
             "scatering",
-            "8:43: Unexpected field named `scatering` in `Material`",
+            "8:43: there is no field `scatering` in `Material`",
         ),
         // Names.
         (
@@ -149,7 +149,7 @@ fn bad_sound_is_refused_at_its_place() {
         (
             "floor: ",
             "flor: ",
-            "3:74: Unexpected field named `flor` in `Walls`",
+            "3:74: there is no field `flor` in `Walls`",
         ),
         (
             "(1, 0, 2), material: \"mat\"",

@@ -1,0 +1,292 @@
+//! What is wrong with a text in RON, in the words of scene files and study files.
+//!
+//! RON's own errors speak of structs, enums and identifiers. Whoever writes a scene or a study knows
+//! fields, names, lists and numbers.
+
+use crate::text::{nearest, there_is_no};
+use ron::error::{Error, Position, SpannedError};
+
+/// The units of fields that are lengths, as the sentence on a missing one names them.
+const METRES: [&str; 3] = ["radius", "size", "radii"];
+
+/// A kind of file in RON.
+#[derive(Clone, Copy)]
+pub(crate) struct FileKind {
+    /// What its text begins with: `Scene`.
+    pub outermost: &'static str,
+    /// What such a file is called: `scene`.
+    pub what: &'static str,
+}
+
+pub(crate) const SCENE: FileKind = FileKind {
+    outermost: "Scene",
+    what: "scene",
+};
+
+#[cfg(feature = "experiment")]
+pub(crate) const STUDY: FileKind = FileKind {
+    outermost: "Study",
+    what: "study",
+};
+
+/// The sentence for an error in this text of a file of this kind.
+pub(crate) fn sentence(text: &str, error: &SpannedError, kind: FileKind) -> String {
+    if text.trim().is_empty() {
+        return format!("the file is empty: {}", begins(kind));
+    }
+    match &error.code {
+        Error::Eof => format!("the file ends before {}(…) is closed", kind.outermost),
+        Error::TrailingCharacters => format!(
+            "{}(…) ends before this: is a parenthesis closed too early?",
+            kind.outermost
+        ),
+        Error::ExpectedDifferentStructName { expected, found } => other_name(kind, expected, found),
+        Error::ExpectedNamedStructLike(name) if *name == kind.outermost => begins(kind),
+        code => of_name(code)
+            .or_else(|| of_form(code, Around::of(text, error.span.start)))
+            .or_else(|| of_sign(code))
+            .unwrap_or_else(|| code.to_string()),
+    }
+}
+
+fn begins(kind: FileKind) -> String {
+    format!("a {} file begins with {}(…)", kind.what, kind.outermost)
+}
+
+/// Something has another name than what must stand there.
+fn other_name(kind: FileKind, expected: &str, found: &str) -> String {
+    match (expected == kind.outermost, found) {
+        (true, "Scene") => {
+            "this is a scene; a study names it: Study(scenes: [Scene(of: \"FILE.ron\")])".to_owned()
+        }
+        (true, "Study") => "this is a study: echomarch study FILE.ron runs it".to_owned(),
+        (true, _) => format!("{}, not with {found}", begins(kind)),
+        (false, _) => format!("{expected}(…) must stand here, not {found}"),
+    }
+}
+
+/// Errors of names that the notation has.
+fn of_name(code: &Error) -> Option<String> {
+    let within = |outer: &Option<String>| {
+        outer
+            .as_ref()
+            .map_or(String::new(), |of| format!(" in `{of}`"))
+    };
+    Some(match code {
+        Error::NoSuchStructField {
+            expected,
+            found,
+            outer,
+        } => field_unknown(found, &within(outer), expected),
+        Error::NoSuchEnumVariant {
+            expected,
+            found,
+            outer,
+        } => there_is_no(outer.as_deref().unwrap_or("name"), found, expected),
+        Error::MissingStructField { field, outer } => {
+            let unit = if METRES.contains(field) {
+                " (in metres)"
+            } else {
+                ""
+            };
+            format!("`{field}`{unit} is missing{}", within(outer))
+        }
+        Error::DuplicateStructField { field, outer } => {
+            format!("`{field}` is said twice{}", within(outer))
+        }
+        _ => return None,
+    })
+}
+
+/// Says that a part has no such field, and which it has.
+fn field_unknown(found: &str, within: &str, known: &[&str]) -> String {
+    let told = format!(
+        "there is no field `{found}`{within}; there are: {}",
+        known.join(", ")
+    );
+    match nearest(found, known.iter().copied()) {
+        Some(nearest) => format!("{told}; did you mean {nearest}?"),
+        None => told,
+    }
+}
+
+/// What stands about an error.
+#[derive(Clone, Copy, Default)]
+struct Around<'a> {
+    /// The field whose value is wrong, where the error is at its beginning.
+    field: Option<&'a str>,
+    /// The word, number or text that stands there.
+    found: &'a str,
+}
+
+impl<'a> Around<'a> {
+    fn of(text: &'a str, place: Position) -> Around<'a> {
+        let Some(at) = offset(text, place) else {
+            return Around::default();
+        };
+        let (before, behind) = text.split_at(at);
+        let is_of_word = |c: char| c.is_alphanumeric() || matches!(c, '_' | '.' | '-' | '+');
+        let field = before.trim_end().strip_suffix(':').map(|named| {
+            let begin = named.rfind(|c: char| !is_of_word(c));
+            &named[begin.map_or(0, |at| at + 1)..]
+        });
+        let behind = behind.trim_start();
+        let end = behind.find(|c: char| !is_of_word(c));
+        Around {
+            field: field.filter(|name| !name.is_empty()),
+            found: &behind[..end.unwrap_or(behind.len())],
+        }
+    }
+
+    /// That this must be said otherwise: the field, or what stands here.
+    fn must_be(self, what: &str, example: &str) -> String {
+        match self.field {
+            Some(field) => format!("{field} must be {what}: {field}: {example}"),
+            None => format!("{what} must stand here: {example}"),
+        }
+    }
+}
+
+/// Errors of the form of a value.
+fn of_form(code: &Error, around: Around) -> Option<String> {
+    Some(match code {
+        Error::ExpectedArray => {
+            let example = match around.found {
+                "" => "[…]".to_owned(),
+                found if found.starts_with(char::is_alphabetic) => format!("[{found}(…)]"),
+                found => format!("[{found}]"),
+            };
+            around.must_be("a list in brackets", &example)
+        }
+        Error::ExpectedStructLike => {
+            around.must_be("in parentheses", "(…), as three numbers are: (x, y, z)")
+        }
+        Error::ExpectedNamedStructLike(name) => format!("{name}(…) must stand here"),
+        Error::ExpectedMap => around.must_be("names and values in braces", "{\"name\": …}"),
+        Error::ExpectedString => match around.found {
+            "" => around.must_be("a text in quotes", "\"…\""),
+            found => around.must_be("a text in quotes", &format!("\"{found}\"")),
+        },
+        Error::InvalidIdentifier(_) | Error::SuggestRawIdentifier(_)
+            if around
+                .found
+                .starts_with(|c: char| c.is_ascii_digit() || c == '-') =>
+        {
+            around.must_be("a list of numbers", &format!("List([{}])", around.found))
+        }
+        Error::InvalidIdentifier(_)
+        | Error::SuggestRawIdentifier(_)
+        | Error::ExpectedIdentifier => "a name must stand here".to_owned(),
+        Error::ExpectedDifferentLength { expected, found } => {
+            let wanted: String = expected.chars().filter(char::is_ascii_digit).collect();
+            if wanted.is_empty() {
+                return None;
+            }
+            format!("{wanted} values must stand here, not {found}")
+        }
+        _ => return None,
+    })
+}
+
+/// Errors of numbers and signs.
+fn of_sign(code: &Error) -> Option<String> {
+    let told = match code {
+        Error::ExpectedInteger | Error::InvalidIntegerDigit { .. } => {
+            "a whole number must stand here, such as 65536 or 65_536"
+        }
+        Error::IntegerOutOfBounds => "this whole number is too large, or below 0",
+        Error::ExpectedFloat => "a number must stand here",
+        Error::ExpectedBoolean => "true or false must stand here",
+        Error::ExpectedComma => "a comma or a closing bracket must stand here",
+        Error::ExpectedArrayEnd => "a comma or a closing ] must stand here",
+        Error::ExpectedMapColon => "a colon must stand here",
+        Error::ExpectedMapEnd => "a comma or a closing } must stand here",
+        Error::ExpectedStructLikeEnd | Error::ExpectedOptionEnd => "a closing ) must stand here",
+        Error::ExpectedStringEnd => "a text has no closing quote",
+        Error::UnclosedBlockComment => "a comment /* has no */",
+        _ => return None,
+    };
+    Some(told.to_owned())
+}
+
+/// Bytes before a place in a text.
+pub(crate) fn offset(text: &str, place: Position) -> Option<usize> {
+    let mut lines = text.split_inclusive('\n');
+    let above = lines.by_ref().take(place.line.checked_sub(1)?);
+    let start: usize = above.map(str::len).sum();
+    let line = lines.next()?;
+    let at = line.char_indices().nth(place.col.checked_sub(1)?);
+    Some(start + at.map_or(line.len(), |(at, _)| at))
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::scene::Scene;
+
+    fn told(text: &str) -> String {
+        Scene::from_ron(text, "f").unwrap_err().to_string()
+    }
+
+    /// Protects whoever's file as a whole is wrong: empty, cut, or something else.
+    #[test]
+    fn a_file_that_is_no_scene_is_told_what_it_is() {
+        for (text, sentence) in [
+            ("", "the file is empty: a scene file begins with Scene(…)"),
+            (" \n", "the file is empty"),
+            (
+                "scene()",
+                "a scene file begins with Scene(…), not with scene",
+            ),
+            ("3", "a scene file begins with Scene(…)"),
+            ("Study(scenes: [])", "this is a study: echomarch study"),
+            (
+                "Scene(surfaces: [",
+                "the file ends before Scene(…) is closed",
+            ),
+        ] {
+            assert!(told(text).contains(sentence), "{text}: {}", told(text));
+        }
+        let early = "Scene(surfaces: [], source: Source(), listener: Listener(radius: 1)), x";
+        assert!(told(early).contains("closed too early?"), "{}", told(early));
+    }
+
+    /// Protects whoever writes a value in another form than its field has: no word of Rust.
+    #[test]
+    fn values_of_the_wrong_form_are_told_how_they_are_written() {
+        for (field, sentence) in [
+            (
+                "source: Source(position: [0, -1, 0])",
+                "position must be in parentheses",
+            ),
+            (
+                "source: Source(position: \"0,0,0\")",
+                "position must be in parentheses",
+            ),
+            (
+                "source: Source(position: (0, 0))",
+                "3 values must stand here, not 2",
+            ),
+            (
+                "sources: Source()",
+                "sources must be a list in brackets: sources: [Source(…)]",
+            ),
+            ("name: 12", "name must be a text in quotes: name: \"12\""),
+            (
+                "listener: Listener()",
+                "`radius` (in metres) is missing in `Listener`",
+            ),
+            (
+                "surfcaes: []",
+                "there is no field `surfcaes` in `Scene`; there are: name, ",
+            ),
+            (
+                "name: \"a\", name: \"b\"",
+                "`name` is said twice in `Scene`",
+            ),
+        ] {
+            let said = told(&format!("Scene(surfaces: [],\n {field})"));
+            assert!(said.starts_with("f:2:"), "{said}");
+            assert!(said.contains(sentence), "{field}: {said}");
+        }
+    }
+}
