@@ -1,8 +1,9 @@
 //! A map: the plan of a scene, coloured by a number at each place of a lattice, with a colour bar.
 
+use super::font::{self, write};
 use super::marks::{self, fill, paint};
 use super::plan::{Bounds, Plan};
-use super::scale_bar::{self, rectangle, write};
+use super::scale_bar::{self, rectangle};
 use super::slice::cut;
 use super::{PictureError, shader};
 use crate::error::Error;
@@ -14,6 +15,9 @@ use tiny_skia::{BlendMode, PathBuilder, PixmapMut, Rect};
 
 /// Width of the colour bar's part of the picture, as a share of the plan's width.
 const BAR_SHARE: f32 = 0.2;
+
+/// Height of the title's line, in the plan's unit of strokes.
+const TITLE: f32 = 26.0;
 
 /// Marks on the colour bar, both ends among them.
 const TICKS: u32 = 5;
@@ -33,13 +37,17 @@ pub(crate) struct MapOptions<'a> {
     pub counts: [u32; 2],
     /// The numbers, x first; none where there is none.
     pub values: &'a [Option<f64>],
+    /// What is mapped, and where: it stands above the map.
+    pub title: &'a str,
+    /// Whether 0 is in the middle of the colours, for numbers whose sign says a side.
+    pub around_zero: bool,
     /// What stands behind a number on the colour bar: `dB`, `s`, or nothing.
     pub unit: &'a str,
     /// The colour of a share from 0 to 1 of the way from the least number to the greatest.
     pub colour: fn(f64) -> [u8; 3],
 }
 
-/// Draws a map: places are coloured rectangles, solid is dark, the source is marked. The listener is
+/// Draws a map: places are coloured rectangles, solid is pale as in a plan, the source is marked. The listener is
 /// not: it was everywhere.
 pub(crate) fn map(
     context: &Context,
@@ -62,6 +70,10 @@ pub(crate) fn map(
     let mut picture = cut(context, scene, options.height, &plan)?;
     let places = places(scene, options);
     let ends = ends_of(places.iter().map(|place| place.value));
+    let ends = match options.around_zero {
+        true => ends.map(around_zero),
+        false => ends,
+    };
     if let Some(mut canvas) = PixmapMut::from_bytes(&mut picture, plan.width, plan.height) {
         draw_places(&mut canvas, &plan, options, &places, ends);
         marks::draw_source(&mut canvas, &plan, scene.source.position);
@@ -111,7 +123,13 @@ fn ends_of(values: impl Iterator<Item = Option<f64>> + Clone) -> Option<(f64, f6
     Some((least, numbers.reduce(f64::max)?))
 }
 
-/// Colours every place: multiplied, so that solids stay dark and lines are seen.
+/// Ends as far from 0 as the further one is.
+fn around_zero((least, most): (f64, f64)) -> (f64, f64) {
+    let size = least.abs().max(most.abs());
+    (-size, size)
+}
+
+/// Colours every place: multiplied, so that solids and lines are seen.
 fn draw_places(
     canvas: &mut PixmapMut,
     plan: &Plan,
@@ -147,7 +165,7 @@ fn share(value: f64, least: f64, most: f64) -> f64 {
     if share.is_finite() { share } else { 0.5 }
 }
 
-/// The picture with a colour bar to its right: the greatest number above.
+/// The picture below its title, with a colour bar to its right: the greatest number above.
 fn with_colour_bar(
     picture: &RgbaImage,
     plan: &Plan,
@@ -158,11 +176,12 @@ fn with_colour_bar(
     let dot = (1.6 * unit).round().max(1.0);
     let labels = labels(ends, options.unit);
     let longest = labels.iter().map(String::len).max().unwrap_or(0);
-    let text = dot * (6 * longest) as f32;
+    let text = dot * (font::ADVANCE * longest) as f32;
     let beside = (BAR_SHARE * plan.width as f32).max(text + 52.0 * unit) as u32;
-    let (width, height) = (plan.width + beside, plan.height);
+    let head = (TITLE * unit).round();
+    let (width, height) = (plan.width + beside, plan.height + head as u32);
     let mut whole = RgbaImage::from_pixel(width, height, Rgba([255; 4]));
-    image::imageops::replace(&mut whole, picture, 0, 0);
+    image::imageops::replace(&mut whole, picture, 0, head as i64);
     let Some(mut canvas) = PixmapMut::from_bytes(&mut whole, width, height) else {
         return Err(PictureError::Size {
             width,
@@ -172,7 +191,18 @@ fn with_colour_bar(
         .into());
     };
     let (left, bar) = (plan.width as f32 + 16.0 * unit, 18.0 * unit);
-    let (top, length) = ((16.0 * unit).round(), (height as f32 - 32.0 * unit).round());
+    let top = head + (16.0 * unit).round();
+    let length = (plan.height as f32 - 32.0 * unit).round();
+    let room = width as f32 - 32.0 * unit;
+    let across = options.title.chars().count() * font::ADVANCE;
+    let title_dot = dot.min((room / across.max(1) as f32).floor()).max(1.0);
+    write(
+        &mut canvas,
+        options.title,
+        (16.0 * unit).round(),
+        (head - 7.0 * title_dot) / 2.0,
+        title_dot,
+    );
     for row in 0..length as u32 {
         let colour = (options.colour)(1.0 - f64::from(row) / f64::from(length - 1.0).max(1.0));
         rectangle(&mut canvas, [left, top + row as f32, bar, 1.0], colour, 1.0);
@@ -219,6 +249,7 @@ mod tests {
         );
         assert_eq!(labels((2.0, 2.0))[0], "2.00 dB");
         assert_eq!(ends_of([None].into_iter()), None);
+        assert_eq!(around_zero((-0.25, 0.5)), (-0.5, 0.5));
         assert_eq!(share(1.0, 0.0, 4.0), 0.25);
         assert_eq!(share(2.0, 2.0, 2.0), 0.5);
     }

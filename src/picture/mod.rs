@@ -15,6 +15,7 @@
 //! iteration.
 
 mod error;
+mod font;
 #[cfg(feature = "experiment")]
 mod map;
 mod marks;

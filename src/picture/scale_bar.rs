@@ -1,11 +1,11 @@
 //! The scale bar of a plan: fields of equal length, black and white by turns, and the
-//! whole length in letters of a font of 5 × 7 dots.
+//! whole length in letters.
 
+use super::font::{INK, write};
 use super::marks::{fill, paint};
 use super::plan::Plan;
 use tiny_skia::{PathBuilder, PixmapMut, Rect};
 
-const INK: [u8; 3] = [38, 42, 46];
 const PAPER: [u8; 3] = [255, 255, 255];
 
 /// The longest bar, as a share of the picture's width.
@@ -64,66 +64,6 @@ fn label(metres: f32) -> String {
         format!("{:.0} cm", metres * 100.0)
     } else {
         String::new()
-    }
-}
-
-/// Writes in dots of so many pixels, from the upper left.
-pub(super) fn write(canvas: &mut PixmapMut, text: &str, left: f32, top: f32, dot: f32) {
-    for (place, letter) in text.chars().enumerate() {
-        for (row, bits) in dots(letter).into_iter().enumerate() {
-            for column in (0..5).filter(|column| bits >> (4 - column) & 1 == 1) {
-                let x = left + dot * (6 * place + column) as f32;
-                rectangle(canvas, [x, top + dot * row as f32, dot, dot], INK, 1.0);
-            }
-        }
-    }
-}
-
-/// A letter's seven rows of five dots; those that lengths and colour bars are labelled with.
-fn dots(letter: char) -> [u8; 7] {
-    match letter {
-        '0' => [
-            0b01110, 0b10001, 0b10011, 0b10101, 0b11001, 0b10001, 0b01110,
-        ],
-        '1' => [
-            0b00100, 0b01100, 0b00100, 0b00100, 0b00100, 0b00100, 0b01110,
-        ],
-        '2' => [
-            0b01110, 0b10001, 0b00001, 0b00110, 0b01000, 0b10000, 0b11111,
-        ],
-        '3' => [
-            0b11111, 0b00010, 0b00100, 0b00010, 0b00001, 0b10001, 0b01110,
-        ],
-        '4' => [
-            0b00010, 0b00110, 0b01010, 0b10010, 0b11111, 0b00010, 0b00010,
-        ],
-        '5' => [
-            0b11111, 0b10000, 0b11110, 0b00001, 0b00001, 0b10001, 0b01110,
-        ],
-        '6' => [
-            0b00110, 0b01000, 0b10000, 0b11110, 0b10001, 0b10001, 0b01110,
-        ],
-        '7' => [
-            0b11111, 0b00001, 0b00010, 0b00100, 0b01000, 0b01000, 0b01000,
-        ],
-        '8' => [
-            0b01110, 0b10001, 0b10001, 0b01110, 0b10001, 0b10001, 0b01110,
-        ],
-        '9' => [
-            0b01110, 0b10001, 0b10001, 0b01111, 0b00001, 0b00010, 0b01100,
-        ],
-        '-' => [0, 0, 0, 0b11111, 0, 0, 0],
-        '.' => [0, 0, 0, 0, 0, 0b01100, 0b01100],
-        'B' => [
-            0b11110, 0b10001, 0b10001, 0b11110, 0b10001, 0b10001, 0b11110,
-        ],
-        'c' => [0, 0, 0b01110, 0b10001, 0b10000, 0b10001, 0b01110],
-        'd' => [
-            0b00001, 0b00001, 0b01101, 0b10011, 0b10001, 0b10001, 0b01111,
-        ],
-        's' => [0, 0, 0b01110, 0b10000, 0b01110, 0b00001, 0b11110],
-        'm' => [0, 0, 0b11010, 0b10101, 0b10101, 0b10101, 0b10101],
-        _ => [0; 7],
     }
 }
 

@@ -91,10 +91,12 @@ fn draw(
             ends: lattice.ends,
             counts: lattice.counts,
             values,
+            title: &format!("{}: {}", scene.name, title(&column.name)),
+            around_zero: has_sides(&column.name),
             unit: unit(&column.name),
-            colour: |share| {
-                let colour = ViridisRGB::get_color(share);
-                [colour.0, colour.1, colour.2]
+            colour: match has_sides(&column.name) {
+                true => two_sided,
+                false => viridis,
             },
         };
         let picture = map(worker.tracer().context(), &scene, &options)?;
@@ -176,6 +178,39 @@ fn numbers_column(study: &Study, name: &str) -> Result<(usize, Column), StudyErr
     }
 }
 
+/// What a column is called above its map: `G at 1000 Hz`, `pan`.
+fn title(column: &str) -> String {
+    let words: Vec<&str> = column.split('_').collect();
+    let band = words.last().filter(|last| last.parse::<u32>().is_ok());
+    let figure = words[0].to_uppercase();
+    match (band, words.len()) {
+        (Some(band), 2 | 3) => format!("{figure} at {band} Hz"),
+        _ => words.join(" "),
+    }
+}
+
+/// Whether the sign of a column's numbers says a side: left or right.
+fn has_sides(column: &str) -> bool {
+    column.split('_').any(|word| word == "pan")
+}
+
+/// Viridis: dark blue for the least, yellow for the greatest.
+fn viridis(share: f64) -> [u8; 3] {
+    let colour = ViridisRGB::get_color(share);
+    [colour.0, colour.1, colour.2]
+}
+
+/// From blue on the left over pale yellow for 0 to red on the right.
+fn two_sided(share: f64) -> [u8; 3] {
+    const LEFT: [f64; 3] = [69.0, 117.0, 180.0];
+    const MIDDLE: [f64; 3] = [255.0, 255.0, 191.0];
+    const RIGHT: [f64; 3] = [215.0, 48.0, 39.0];
+    let side = 2.0 * share.clamp(0.0, 1.0) - 1.0;
+    let end = if side < 0.0 { LEFT } else { RIGHT };
+    let mixed = |at: usize| MIDDLE[at] + side.abs() * (end[at] - MIDDLE[at]);
+    [0, 1, 2].map(|at| mixed(at).round() as u8)
+}
+
 /// The unit of a column, as its name says it.
 fn unit(column: &str) -> &'static str {
     let mut words = column.split('_');
@@ -183,5 +218,29 @@ fn unit(column: &str) -> &'static str {
         Some("db") => "dB",
         Some("s") => "s",
         _ => "",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects the reader of a map: what it shows, and which side a colour means.
+    #[test]
+    fn maps_are_titled_and_sides_coloured() {
+        for (column, told) in [
+            ("g_db_1000", "G at 1000 Hz"),
+            ("d50_500", "D50 at 500 Hz"),
+            ("pan", "pan"),
+            ("listener_hits", "listener hits"),
+        ] {
+            assert_eq!(title(column), told);
+        }
+        assert!(has_sides("pan") && !has_sides("g_db_1000"));
+        assert_eq!(two_sided(0.5), [255, 255, 191]);
+        assert_eq!(
+            (two_sided(0.0), two_sided(1.0)),
+            ([69, 117, 180], [215, 48, 39])
+        );
     }
 }
