@@ -15,7 +15,7 @@ use tempfile::NamedTempFile;
 
 /// A file or folder that cannot be written.
 #[derive(Debug, thiserror::Error)]
-#[error("cannot write {}: {source}", path.display())]
+#[error("cannot write {}: {}", path.display(), reason(source))]
 #[non_exhaustive]
 pub struct OutputError {
     /// The file or folder.
@@ -28,6 +28,18 @@ impl OutputError {
     /// Whether the place that was named is to blame, rather than the disk.
     pub fn is_bad_input(&self) -> bool {
         is_bad_place(&self.source)
+    }
+}
+
+/// Why something cannot be written, in the same words whoever found it out.
+fn reason(error: &io::Error) -> String {
+    match error.kind() {
+        io::ErrorKind::AlreadyExists | io::ErrorKind::NotADirectory => {
+            "a folder is needed here, and there is a file".to_owned()
+        }
+        io::ErrorKind::NotFound => "there is no such folder".to_owned(),
+        io::ErrorKind::PermissionDenied => "permission denied".to_owned(),
+        _ => error.to_string(),
     }
 }
 

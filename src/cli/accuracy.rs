@@ -29,7 +29,7 @@ pub struct Arguments {
     /// The panning error that the recommended setting has to stay below
     #[arg(long, default_value_t = 0.02, value_name = "RMS", value_parser = real::<f64>)]
     error: f64,
-    /// Frames of each setting, a seed each
+    /// Frames of each setting, a seed each, 16 to 1000
     #[arg(long, default_value_t = 16, value_name = "N", value_parser = count::<u32>)]
     seeds: u32,
     /// Write accuracy.csv, .json, .md and .svg into this folder

@@ -27,6 +27,9 @@ F1 in the window lists the keys. Scene files and WAV files can be dropped on it.
 Scenes: corner, obstacles, open-field, open-pillars, shoebox, whispering-gallery,
 parabolic-mirrors, colonnade, cave, morphing-room, menger, glasshouse.";
 
+/// The shortest time for which the window can be asked for, in seconds: 0 would be none.
+const SHORTEST_S: f64 = 1e-3;
+
 /// Arguments of `demo`.
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
@@ -224,7 +227,12 @@ fn check(sound: &SoundOptions, window: &WindowOptions, common: &Common) -> anyho
     check_range("--width", f64::from(window.width), 320.0, 16_384.0)?;
     check_range("--height", f64::from(window.height), 180.0, 16_384.0)?;
     check_range("--scale", f64::from(window.scale.unwrap_or(1.0)), 0.05, 1.0)?;
-    check_range("--seconds", window.seconds.unwrap_or(1.0), 0.0, 1e9)?;
+    check_range("--seconds", window.seconds.unwrap_or(1.0), SHORTEST_S, 1e9)?;
+    if window.frames == Some(0) {
+        let text = "--frames must be 1 or more: the window shows one before it closes";
+        return Err(BadInput(text.to_owned()).into());
+    }
+    check_law(sound)?;
     for (file, ending) in [
         (&sound.record, "wav"),
         (&window.save, "ron"),
@@ -235,6 +243,15 @@ fn check(sound: &SoundOptions, window: &WindowOptions, common: &Common) -> anyho
         }
     }
     Ok(())
+}
+
+/// Refuses a law that nothing would be heard by.
+fn check_law(sound: &SoundOptions) -> Result<(), BadInput> {
+    if sound.law.law.is_none() || sound.listen != Some(Listen::Full) {
+        return Ok(());
+    }
+    let text = "--law has no effect on --listen full, where each arrival is panned with constant power: use --listen balance";
+    Err(BadInput(text.to_owned()))
 }
 
 /// Behind the reading of the sound and the scene, which are not to be replaced.
@@ -281,6 +298,14 @@ fn check_device(sound: &SoundOptions) -> anyhow::Result<()> {
     bail!("built without sound: nothing can be played or recorded")
 }
 
+/// So many of something, as it is said of one and of more.
+fn counted(count: u64, what: &str) -> String {
+    match count {
+        1 => format!("1 {what}"),
+        count => format!("{count} {what}s"),
+    }
+}
+
 fn to_output(line: &str) {
     // With nowhere to print to the window still says it.
     let _ = print::line(&text::message(line));
@@ -293,8 +318,11 @@ fn to_errors(line: &str) {
 fn print_text(report: &Report) -> anyhow::Result<()> {
     let times = &report.frame_ms_median;
     print::line(&format!(
-        "{} frames in {:.1} s, {:.1} fps (median), 95 % below {:.1} ms",
-        report.frames, report.seconds, report.fps_median, report.frame_ms_95
+        "{} in {:.1} s, {:.1} fps (median), 95 % below {:.1} ms",
+        counted(report.frames, "frame"),
+        report.seconds,
+        report.fps_median,
+        report.frame_ms_95
     ))?;
     if let Some(errors) = report.gl_errors.filter(|&errors| errors > 0) {
         print::line(&format!("  GL reported errors after {errors} frames"))?;
@@ -322,5 +350,6 @@ fn print_text(report: &Report) -> anyhow::Result<()> {
     if !report.trace_call_is_exact {
         print::line("# source or listener stand elsewhere now; F5 would have saved that:")?;
     }
+    print::line("the same frame without the window:")?;
     print::line(&report.trace_call)
 }

@@ -1,5 +1,6 @@
 //! From an error to one sentence and an exit code.
 
+use super::option_hints;
 use super::print;
 use crate::error::Error;
 use crate::output::OutputError;
@@ -29,19 +30,35 @@ pub fn report(error: &anyhow::Error) -> ExitCode {
 
 /// Prints what is wrong with the arguments, or the help that was asked for. What cannot be
 /// shown as it was typed is told as any other message is.
-pub fn refuse_arguments(error: &clap::Error) -> ExitCode {
+pub fn refuse_arguments(error: &mut clap::Error) -> ExitCode {
     let is_help = matches!(
         error.kind(),
         ErrorKind::DisplayHelp
             | ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand
             | ErrorKind::DisplayVersion
     );
+    if is_help {
+        return print_help(error);
+    }
+    if let Some(text) = option_hints::hint(error) {
+        print::tell(&format!("echomarch: {text}"));
+        return ExitCode::from(BAD_INPUT);
+    }
+    option_hints::drop_misleading(error);
     let text = error.render().to_string();
-    if !is_help && !text::is_showable(&text) {
+    if !text::is_showable(&text) {
         print::tell(&text);
         return ExitCode::from(BAD_INPUT);
     }
     error.exit()
+}
+
+/// Prints help or the version. With `help > /dev/full` that fails as any other output does.
+fn print_help(error: &clap::Error) -> ExitCode {
+    match error.print() {
+        Ok(()) => ExitCode::from(error.exit_code() as u8),
+        Err(unwritten) => report(&print::unwritten(unwritten)),
+    }
 }
 
 fn code(error: &anyhow::Error) -> u8 {

@@ -1,6 +1,7 @@
 //! `echomarch impulse`: impulse responses and room acoustic figures.
 
 mod files;
+mod missing;
 pub(super) mod pairs;
 mod print_out;
 

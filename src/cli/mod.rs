@@ -35,6 +35,7 @@ mod interrupt {
 }
 mod localise;
 mod numbers;
+mod option_hints;
 mod options;
 mod print;
 mod refused_options;
@@ -59,7 +60,7 @@ Examples:
   echomarch cost corner                      what each surface and option costs
   echomarch trace corner                     one frame of a built-in scene
   echomarch trace my.ron --waves 1048576 --json
-  echomarch impulse shoebox -o ir.wav        how the room answers: figures, early paths, a WAV
+  echomarch impulse whispering-gallery       how a room answers: figures, early paths, -o a WAV
   echomarch render open-field -o out.wav     what the listener hears
   echomarch view corner -o view.png          what the listener sees
   echomarch slice corner --paths 200 -o plan.png
@@ -126,7 +127,7 @@ pub fn run() -> ExitCode {
         .and_then(|matches| Ok((Cli::from_arg_matches(&matches)?, matches)));
     let (cli, matches) = match parsed {
         Ok(parsed) => parsed,
-        Err(error) => return exit::refuse_arguments(&error),
+        Err(mut error) => return exit::refuse_arguments(&mut error),
     };
     if let Err(error) = refused_options::check(&matches) {
         return exit::report(&error.into());

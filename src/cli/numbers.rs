@@ -18,10 +18,14 @@ pub fn count<T: TryFrom<u64>>(said: &str) -> Result<T, String> {
 
 /// The whole number that a power of ten such as `1e6` or `2.5e3` stands for.
 fn of_power(text: &str) -> Result<u64, String> {
+    if !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit()) {
+        return Err(format!("{text} is too large"));
+    }
     match text.parse::<f64>() {
         Ok(number) if (0.0..=MOST_EXACT).contains(&number) && number.fract() == 0.0 => {
             Ok(number as u64)
         }
+        Ok(number) if number < 0.0 => Err("it must be a whole number of 0 or more".to_owned()),
         _ => Err("it must be a whole number, such as 65536, 65_536 or 1e6".to_owned()),
     }
 }
@@ -30,6 +34,11 @@ fn of_power(text: &str) -> Result<u64, String> {
 pub fn real<T: FromStr<Err: Display>>(said: &str) -> Result<T, String> {
     let text = ungrouped(said)?;
     text.parse().map_err(|error: T::Err| error.to_string())
+}
+
+/// Rounded to tenths, and 0 without a sign.
+pub fn tenths(value: f64) -> f64 {
+    (10.0 * value).round() / 10.0 + 0.0
 }
 
 /// Without the underscores, each of which must stand between two digits.
@@ -72,6 +81,10 @@ mod tests {
             assert!(count::<u32>(said).is_err(), "{said:?}");
         }
         assert_eq!(count::<u64>("4e10"), Ok(40_000_000_000));
+        let refused = |said| count::<u64>(said).unwrap_err();
+        assert!(refused("18446744073709551616").ends_with("is too large"));
+        assert_eq!(refused("-1"), "it must be a whole number of 0 or more");
+        assert!(refused("44.1k").contains("1e6"));
     }
 
     /// Protects numbers with a point, whose ranges are checked by whoever asked.

@@ -193,7 +193,18 @@ pub fn check_range(what: &str, value: f64, least: f64, most: f64) -> Result<(), 
     if (least..=most).contains(&value) {
         return Ok(());
     }
+    let (least, most) = (plain(least), plain(most));
     Err(BadInput(format!(
         "{what} must be {least} to {most}, not {value}"
     )))
+}
+
+/// A limit as people write it: very small ones as powers of ten.
+fn plain(limit: f64) -> String {
+    /// Below this digits behind the point are hard to count.
+    const SMALL: f64 = 1e-4;
+    match limit != 0.0 && limit.abs() < SMALL {
+        true => format!("{limit:e}"),
+        false => limit.to_string(),
+    }
 }

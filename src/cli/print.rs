@@ -8,8 +8,13 @@ use std::io::Write;
 /// Prints a line, or a table; a reader that has gone away is an error like any other. What
 /// would be no text on a terminal is spelled out.
 pub fn line(text: &str) -> anyhow::Result<()> {
-    writeln!(std::io::stdout(), "{}", text::in_lines(text))?;
-    Ok(())
+    writeln!(std::io::stdout(), "{}", text::in_lines(text)).map_err(unwritten)
+}
+
+/// Says of a failure where it was; the cause stays within.
+pub fn unwritten(error: std::io::Error) -> anyhow::Error {
+    let text = format!("cannot write standard output: {error}");
+    anyhow::Error::new(error).context(text)
 }
 
 /// Tells something on standard error: every message of the program goes through here, and
@@ -29,8 +34,7 @@ pub fn tell_record(json: &str) {
 /// Prints a value as indented JSON.
 pub fn json(value: &impl Serialize) -> anyhow::Result<()> {
     let json = serde_json::to_string_pretty(value)?;
-    writeln!(std::io::stdout(), "{}", text::json(&json))?;
-    Ok(())
+    writeln!(std::io::stdout(), "{}", text::json(&json)).map_err(unwritten)
 }
 
 /// A progress bar on standard error: on a terminal only, and not with `--quiet`.

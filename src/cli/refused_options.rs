@@ -116,6 +116,9 @@ pub fn check(matches: &ArgMatches) -> Result<(), BadInput> {
         let text = format!("--set {twice} is given twice: the first would change nothing");
         return Err(BadInput(text));
     }
+    if let Some(text) = given_twice(given) {
+        return Err(BadInput(text));
+    }
     let rules = IGNORED.iter().filter(|rule| rule.command == path);
     for rule in rules.filter(|rule| (rule.when)(given)) {
         let wanted = |id: &&str| match rule.options {
@@ -143,6 +146,18 @@ fn set_twice(given: &ArgMatches) -> Option<&str> {
     let names: Vec<&str> = sets.map(|(name, _)| name.as_str()).collect();
     let is_again = |at: &usize| names[..*at].contains(&names[*at]);
     (0..names.len()).find(is_again).map(|at| names[at])
+}
+
+/// What says that a value of a list is given a second time, and would be computed twice.
+fn given_twice(given: &ArgMatches) -> Option<String> {
+    let twice = |id: &str| {
+        let raw = given.try_get_raw(id).ok().flatten()?;
+        let values: Vec<_> = raw.map(|value| value.to_string_lossy()).collect();
+        let is_again = |at: &usize| values[..*at].contains(&values[*at]);
+        let at = (0..values.len()).find(is_again)?;
+        Some(format!("--{id} has {:?} twice: once is enough", values[at]))
+    };
+    ["profiles", "map"].into_iter().find_map(twice)
 }
 
 /// Whether an option has this value, by what was typed or without.

@@ -270,8 +270,8 @@ fn report<'a>(
 
 fn print_text(report: &Report) -> anyhow::Result<()> {
     let settings = report.settings;
-    let passes = u64::from(settings.waves) * u64::from(settings.iterations);
-    let share = 100.0 * report.zero_length_passes as f64 / passes as f64;
+    let iterations = u64::from(settings.waves) * u64::from(settings.iterations);
+    let share = 100.0 * report.zero_length_passes as f64 / iterations as f64;
     let time = &report.milliseconds;
     print::line(&format!(
         "{}: {} waves, {} iterations, profile {}, seed {}",
@@ -286,7 +286,7 @@ fn print_text(report: &Report) -> anyhow::Result<()> {
         report.listener_hits, report.dead, report.travelling
     ))?;
     print::line(&format!(
-        "  passes of zero length {} of {passes} ({share:.1} %), step limit reached {}",
+        "  iterations of zero length {} of {iterations} ({share:.1} %), step limit reached {}",
         report.zero_length_passes, report.step_limit_reached
     ))?;
     print::line(&format!(

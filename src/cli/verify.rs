@@ -52,6 +52,9 @@ fn chosen(names: &[String]) -> Result<Vec<Case>, BadInput> {
     if names.is_empty() {
         return Ok(all);
     }
+    if names.iter().any(String::is_empty) {
+        return Err(BadInput("--case needs the name of a case".to_owned()));
+    }
     for name in names {
         if !all.iter().any(|case| case.name.starts_with(name)) {
             return Err(BadInput(no_such_case(name, &all)));
@@ -72,7 +75,9 @@ fn no_such_case(name: &str, all: &[Case]) -> String {
     /// Names that are told: a line of them.
     const TOLD: usize = 5;
     let mut known: Vec<&str> = all.iter().map(|case| case.name.as_str()).collect();
-    known.sort_by(|a, b| strsim::jaro_winkler(b, name).total_cmp(&strsim::jaro_winkler(a, name)));
+    let typed = name.to_lowercase();
+    let likeness = |known: &str| strsim::jaro_winkler(known, &typed);
+    known.sort_by(|a, b| likeness(b).total_cmp(&likeness(a)));
     let nearest = known[..TOLD.min(known.len())].join(", ");
     let count = all.len();
     format!("there is no case {name:?} among the {count}; the nearest are {nearest}")

@@ -5,7 +5,7 @@
 #[non_exhaustive]
 pub enum DemoError {
     /// There is no display to show a window on.
-    #[error("no display: {reason}; headless commands are trace, view, render")]
+    #[error("no display: {reason}; all commands but demo run without one")]
     NoDisplay {
         /// What is missing.
         reason: String,

@@ -21,6 +21,9 @@ pub struct Level {
     pub azimuth: f64,
     /// The same above the plane of the listener's ears, in radians.
     pub elevation: f64,
+    /// How much of a direction there is in it, 0 to 1: the length of that sum against the energy. 1 is
+    /// all from there, 0 is as much from everywhere as from nowhere.
+    pub one_sided: f64,
 }
 
 impl Response {
@@ -29,12 +32,15 @@ impl Response {
     pub fn level(&self, listener: &Listener) -> Option<Level> {
         let g_db = strength_db(bands::mean(&self.energy()))?;
         let delay_s = self.figures.begins_s?;
-        let (azimuth, elevation) = early::comes_from(listener, -self.flow());
+        let flow = self.flow();
+        let (azimuth, elevation) = early::comes_from(listener, -flow);
+        let energy: f64 = self.energy().iter().sum();
         Some(Level {
             g_db,
             delay_s,
             azimuth,
             elevation,
+            one_sided: (flow.length() / energy).min(1.0),
         })
     }
 

@@ -35,6 +35,8 @@ fn doors_open_and_close_what_is_heard() {
     // The listeners look along −x, to the talker.
     let azimuth = between["azimuth_deg"].as_f64().unwrap().abs();
     assert!(azimuth < 30.0, "{azimuth}");
+    let one_sided = between["one_sided"].as_f64().unwrap();
+    assert!((0.1..=1.0).contains(&one_sided), "{one_sided}");
     // 10 m through the air at 20 °C.
     let delay_ms = 1e3 * between["delay_s"].as_f64().unwrap();
     assert!((29.0..31.0).contains(&delay_ms), "{delay_ms}");
@@ -53,6 +55,7 @@ fn levels_are_told_where_they_are_asked_for() {
     let output = succeed(&["trace", "corner", "--levels", "--waves", "4096"]);
     let text = stdout(&output);
     assert!(text.contains("source 1, listener 1: G "), "{text}");
+    assert!(text.contains(" ms, on the whole from "), "{text}");
     let without: Value = json(&["trace", "corner", "--waves", "4096"]);
     assert!(without.get("levels").is_none());
     refuse(

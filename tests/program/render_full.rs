@@ -1,6 +1,6 @@
 //! `echomarch render` in full, as a person types it: loudness, echoes, several sources, bad input.
 
-use crate::common::cli::{argument, json, refuse, stdout, succeed};
+use crate::common::cli::{argument, json, refuse, stderr, stdout, succeed};
 use crate::common::wav::{read_stereo, rms};
 use serde_json::Value;
 use std::path::Path;
@@ -181,7 +181,7 @@ fn what_makes_no_sense_is_refused() {
     for (more, says) in [
         (
             &["--listen", "full", "--law", "linear"][..],
-            "--listen balance",
+            "--law has no effect on --listen full, where each arrival is panned with constant power: use --listen balance",
         ),
         (&["--listen", "balance", "--gain", "3"], "--listen full"),
         (
@@ -190,11 +190,33 @@ fn what_makes_no_sense_is_refused() {
         ),
         (&["--profile", "thesis", "--tail", "1"], "--listen full"),
         (&["--listener", "nobody"], "no listener \"nobody\""),
-        (&["--sound", "drum=noise"], "its sources have no names"),
+        (&["--sound", "drum=noise"], "it has: 1"),
         (&["--tail", "99"], "--tail must be 0.001 to 60"),
         (&["--gain", "500"], "--gain must be"),
         (&["--iterations", "9", "--order", "2"], "--listen full"),
     ] {
         refuse(&[&base, more].concat(), says);
     }
+}
+
+/// Protects whoever types an option of the balance: what it turns the sound into is told.
+#[test]
+fn a_balance_that_an_option_chose_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("a.wav");
+    let file = file.to_str().unwrap();
+    let short = [
+        "render",
+        "corner",
+        "-o",
+        file,
+        "--seconds",
+        "0.05",
+        "--waves",
+        "1024",
+    ];
+    let told = "note: --iterations is of --listen balance alone";
+    let errors = |more: &[&str]| stderr(&succeed(&[&short, more].concat())).to_owned();
+    assert!(errors(&["--iterations", "4"]).contains(told));
+    assert!(!errors(&["--iterations", "4", "--listen", "balance"]).contains(told));
 }

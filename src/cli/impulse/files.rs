@@ -28,7 +28,10 @@ pub fn write(
         write_whole(file, |out| write_echogram(&response.echogram, out))?;
     }
     if let Some(file) = &arguments.plot {
-        let title = format!("{}: {} to {}", pair.scene.name, pair.source, pair.listener);
+        let title = format!(
+            "{}: source {}, listener {}",
+            pair.scene.name, pair.source, pair.listener
+        );
         let svg = decay_plot::svg(&title, response);
         let svg = svg.map_err(|error| anyhow!("cannot draw the plot: {error}"))?;
         write_whole(file, |out| out.write_all(svg.as_bytes()))?;

@@ -1,7 +1,9 @@
 //! What `echomarch impulse` prints.
 
+use super::super::numbers::tenths;
 use super::super::options::Common;
 use super::super::print;
+use super::missing;
 use super::pairs::Pair;
 use crate::acoustics::{BandFigures, Figures, strength_db};
 use crate::bands::{self, BAND_COUNT, BANDS_HZ, Bands};
@@ -12,10 +14,6 @@ use serde::Serialize;
 
 /// Paths that the text names; the JSON has all.
 const PATHS_IN_TEXT: usize = 8;
-
-/// More of the energy than this, if it comes after the response's end, is told: a tenth of what
-/// figures allow.
-const TOLD_CUT_OFF: f64 = 0.001;
 
 /// What is printed as JSON.
 #[derive(Serialize)]
@@ -223,7 +221,7 @@ pub fn text(
         });
         print::line(&Table::of(rows).terminal())?;
         print_paths(scene, response)?;
-        print::line(&format!("  {:.0} ms", response.milliseconds))?;
+        print::line(&format!("  computed in {:.0} ms", response.milliseconds))?;
     }
     Ok(())
 }
@@ -285,11 +283,6 @@ fn print_paths(scene: &Scene, response: &Response) -> anyhow::Result<()> {
     }
 }
 
-/// Rounded, and 0 without a sign.
-fn tenths(value: f64) -> f64 {
-    (10.0 * value).round() / 10.0 + 0.0
-}
-
 /// What a path is mirrored at: surfaces by their names or numbers, and walls of rooms.
 fn mirrors(scene: &Scene, path: &HeardPath) -> Vec<String> {
     let surfaces = path.path.surfaces.iter().zip(wall_names(path));
@@ -316,7 +309,7 @@ pub fn warn(common: &Common, scene: &Scene, heard: &[(Pair, Response)]) {
         if counts.step_limit_reached > 0 {
             let count = counts.step_limit_reached;
             common.note(&format!(
-                "warning: {of}: {count} marches reached the step limit; their waves are dead"
+                "warning: {of}: waves are dead whose march reached the step limit: {count}"
             ));
         }
         if counts.cut_off > 0 {
@@ -338,33 +331,8 @@ pub fn warn(common: &Common, scene: &Scene, heard: &[(Pair, Response)]) {
                 100.0 * response.left_out_share
             ));
         }
-        if let Some(text) = too_short(scene, response) {
+        for text in missing::reasons(scene, response) {
             common.note(&format!("note: {of}: {text}"));
         }
     }
-}
-
-/// Which bands have not decayed when the response ends, and what helps.
-fn too_short(scene: &Scene, response: &Response) -> Option<String> {
-    if response.counts.arrivals == 0 {
-        return None;
-    }
-    let is_short = |share: &Option<f64>| share.is_none_or(|share| share > TOLD_CUT_OFF);
-    let bands = BANDS_HZ.iter().zip(&response.figures.cut_off);
-    let short: Vec<String> = bands
-        .filter(|(_, share)| is_short(share))
-        .map(|(hz, _)| hz.to_string())
-        .collect();
-    if short.is_empty() {
-        return None;
-    }
-    let help = match scene.has_materials() || scene.air.is_some() {
-        true => "more --seconds tell more",
-        false => "nothing absorbs here, see materials and air",
-    };
-    Some(format!(
-        "sound goes on after {:.2} s at {} Hz, so figures are missing (—) or off there: {help}",
-        response.seconds,
-        short.join(", ")
-    ))
 }

@@ -1,7 +1,7 @@
 //! All that is heard: loudness, delays, echoes, reverberation.
 
 use super::super::impulse::pairs;
-use super::super::numbers::{count, real};
+use super::super::numbers::{count, real, tenths};
 use super::super::options::check_range;
 use super::super::print;
 use super::{Job, sounds};
@@ -210,12 +210,13 @@ fn print_text(report: &Report) -> anyhow::Result<()> {
             level(end)
         ))?;
     }
-    let peak = report
-        .peak_db
-        .map_or("silence".to_owned(), |peak| format!("peak {peak:.1} dB"));
+    let peak = report.peak_db.map_or("silence".to_owned(), |peak| {
+        format!("peak {:+.1} dB re full scale", tenths(peak))
+    });
     print::line(&format!(
-        "  {peak} of full scale, with a gain of {:+.1} dB; responses of {:.2} s",
-        report.gain_db, report.tail_s
+        "  {peak}, with a gain of {:+.1} dB; responses of {:.2} s",
+        tenths(report.gain_db),
+        report.tail_s
     ))
 }
 
@@ -226,7 +227,7 @@ fn level(line: &SourceLine) -> String {
         "out of sight"
     };
     match line.g_db {
-        Some(g_db) => format!("G {g_db:+.1} dB, {direct}"),
+        Some(g_db) => format!("G {:+.1} dB, {direct}", tenths(g_db)),
         None => "not heard".to_owned(),
     }
 }

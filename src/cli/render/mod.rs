@@ -48,7 +48,7 @@ pub struct Arguments {
     #[arg(long, value_name = "WHAT")]
     listen: Option<Listen>,
     /// What the sources play: sine:HERTZ, noise, noise:SEED, speech, speech:SEED, or a WAV file
-    /// (looped); NAME=SOUND for one source; repeatable [default: speech, each source another voice]
+    /// (looped); NAME=SOUND for one source, by its name or number; repeatable [default: speech, each source another voice]
     #[arg(long = "sound", value_name = "SOUND")]
     sounds: Vec<SourceSound>,
     /// Length [default: the scene's longest path, or 5]
@@ -63,7 +63,7 @@ pub struct Arguments {
     fps: f64,
     #[command(flatten)]
     full: full::FullOptions,
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "With --listen balance")]
     law: LawOption,
     #[command(flatten)]
     options: TraceOptions,
@@ -72,6 +72,7 @@ pub struct Arguments {
 /// Runs the subcommand.
 pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     let listen = arguments.listen()?;
+    arguments.note_balance(common, listen);
     check_ending(&arguments.output, "wav")?;
     let scene = common.scene_with_values(&arguments.scene)?;
     let job = Job {
@@ -104,7 +105,8 @@ impl Arguments {
         let of_balance = thesis.or_else(|| self.balance_option());
         match (self.listen, of_balance, self.full.given()) {
             (Some(Listen::Full), Some(option), _) => Err(BadInput(format!(
-                "{option} needs --listen balance: all that is heard has its own iterations and levels"
+                "{option} has no effect on --listen full, {}: use --listen balance",
+                why_not_full(option)
             ))),
             (Some(Listen::Balance), _, Some(option)) | (None, Some(_), Some(option)) => {
                 Err(BadInput(format!(
@@ -114,6 +116,21 @@ impl Arguments {
             (Some(listen), ..) => Ok(listen),
             (None, Some(_), None) => Ok(Listen::Balance),
             (None, None, _) => Ok(Listen::Full),
+        }
+    }
+
+    /// Tells when an option, and no `--listen`, has chosen the balance.
+    fn note_balance(&self, common: &Common, listen: Listen) {
+        if self.listen.is_some()
+            || listen == Listen::Full
+            || self.options.profile == Profile::Thesis
+        {
+            return;
+        }
+        if let Some(option) = self.balance_option() {
+            common.note(&format!(
+                "note: {option} is of --listen balance alone, so left against right is all that is rendered"
+            ));
         }
     }
 
@@ -131,6 +148,16 @@ impl Arguments {
         ];
         let found = typed.into_iter().find(|(is_typed, _)| *is_typed);
         found.map(|(_, name)| name)
+    }
+}
+
+/// Why an option of the balance changes nothing when all is heard.
+fn why_not_full(option: &str) -> &'static str {
+    match option {
+        "--law" => "where each arrival is panned with constant power",
+        "--profile thesis" => "as the thesis' waves end at the listener and carry no energy",
+        "--iterations" => "which follows waves for as long as they are heard",
+        _ => "which does not trace by frames of a balance",
     }
 }
 

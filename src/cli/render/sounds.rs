@@ -1,12 +1,14 @@
 //! Which source plays what.
 
 use super::super::exit::BadInput;
+use super::super::impulse::pairs::source_labels;
 use crate::audio::{SAMPLE_RATE, Sound, SoundSpec};
 use crate::error::Error;
 use crate::scene::Scene;
 use std::str::FromStr;
 
-/// A sound for all sources, or `NAME=SOUND` for one. A file's name may hold a `=` too: which it is
+/// A sound for all sources, or `NAME=SOUND` for one, which is called by its number where it has no
+/// name. A file's name may hold a `=` too: which it is
 /// follows from the names of the scene's sources.
 #[derive(Clone, Debug)]
 pub struct SourceSound {
@@ -36,12 +38,12 @@ impl FromStr for SourceSound {
 
 /// What each source of a scene plays: without a choice each speaks with another voice.
 pub fn of_sources(scene: &Scene, typed: &[SourceSound]) -> Result<Vec<SoundSpec>, BadInput> {
-    let names: Vec<Option<&str>> = scene.sources().map(|s| s.name.as_deref()).collect();
+    let names = source_labels(scene);
     let voice = |seed: usize| SoundSpec::Speech { seed: seed as u64 };
     let mut specs: Vec<SoundSpec> = (0..names.len()).map(voice).collect();
     let own = |sound: &SourceSound| {
         let (name, spec) = sound.for_one.clone()?;
-        let source = names.iter().position(|known| *known == Some(&name))?;
+        let source = names.iter().position(|known| *known == name)?;
         Some((source, spec))
     };
     for sound in typed.iter().filter(|sound| own(sound).is_none()) {
@@ -70,14 +72,11 @@ pub fn names(specs: &[SoundSpec]) -> String {
 }
 
 fn unknown_source(scene: &Scene, sound: &SourceSound) -> BadInput {
-    let names: Vec<&str> = scene.sources().filter_map(|s| s.name.as_deref()).collect();
-    let known = match names.is_empty() {
-        true => "its sources have no names".to_owned(),
-        false => format!("it has: {}", names.join(", ")),
-    };
     BadInput(format!(
-        "--sound {:?} is neither a sound nor one for a source of {}; {known}",
-        sound.text, scene.name
+        "--sound {:?} is neither a sound nor one for a source of {:?}; it has: {}",
+        sound.text,
+        scene.name,
+        source_labels(scene).join(", ")
     ))
 }
 
@@ -101,13 +100,15 @@ mod tests {
     fn each_source_has_its_sound() {
         assert_eq!(sounds(&[]).unwrap(), "speech:0, speech:1");
         assert_eq!(sounds(&["noise:3"]).unwrap(), "noise:3");
+        let unnamed = sounds(&["1=noise:7", "flute=noise:3"]).unwrap();
+        assert_eq!(unnamed, "noise:7, noise:3");
         let own = sounds(&["flute=sine:440", "noise:3"]).unwrap();
         assert_eq!(own, "noise:3, sine:440");
         assert_eq!(sounds(&["a=b.wav"]).unwrap(), "a=b.wav");
         assert!(
             sounds(&["drum=noise"])
                 .unwrap_err()
-                .contains("it has: flute")
+                .contains("it has: 1, flute")
         );
         assert!(sounds(&["hum"]).is_err());
     }

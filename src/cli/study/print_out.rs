@@ -38,7 +38,13 @@ pub fn estimate(
         ),
         format!(
             "  in one process here  {}",
-            HumanDuration(Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX))
+            match seconds < 1.0 {
+                true => "less than a second".to_owned(),
+                false => {
+                    let time = Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX);
+                    HumanDuration(time).to_string()
+                }
+            }
         ),
     ];
     if let Some(points) = estimate.points_a_core_hour() {

@@ -16,9 +16,15 @@ pub struct Heard {
     /// These are `null` where nothing arrives.
     g_db: Option<f64>,
     delay_s: Option<f64>,
+    /// Of the mean flow of all energy, not of what arrives first.
     azimuth_deg: Option<f64>,
     elevation_deg: Option<f64>,
+    /// The length of that mean, 0 to 1.
+    one_sided: Option<f64>,
 }
+
+/// A mean direction of a smaller share of the energy is told as none: it is noise of the waves.
+const LEAST_ONE_SIDED: f64 = 0.1;
 
 /// Traces every pair of a source and a listener, as `impulse` does.
 pub fn heard(
@@ -39,6 +45,7 @@ pub fn heard(
             delay_s: level.map(|level| level.delay_s),
             azimuth_deg: level.map(|level| level.azimuth.to_degrees()),
             elevation_deg: level.map(|level| level.elevation.to_degrees()),
+            one_sided: level.map(|level| level.one_sided),
         });
     }
     Ok(all)
@@ -52,12 +59,21 @@ pub fn print(heard: &Heard) -> anyhow::Result<()> {
         heard.delay_s,
         heard.azimuth_deg,
         heard.elevation_deg,
+        heard.one_sided,
     );
-    let (Some(g_db), Some(delay_s), Some(azimuth), Some(elevation)) = numbers else {
+    let (Some(g_db), Some(delay_s), Some(azimuth), Some(elevation), Some(one_sided)) = numbers
+    else {
         return print::line(&format!("{of}: not heard"));
     };
+    let from = match one_sided < LEAST_ONE_SIDED {
+        true => "on the whole from all sides".to_owned(),
+        false => format!(
+            "on the whole from azimuth {azimuth:+.0}°, elevation {elevation:+.0}° ({:.0} % one-sided)",
+            100.0 * one_sided
+        ),
+    };
     print::line(&format!(
-        "{of}: G {g_db:.2} dB, first after {:.3} ms, from azimuth {azimuth:+.1}°, elevation {elevation:+.1}°",
+        "{of}: G {g_db:.2} dB, first after {:.3} ms, {from}",
         delay_s * 1e3
     ))
 }

@@ -91,7 +91,7 @@ pub fn heard(ui: &mut Ui, hud: &HudState) {
     }
     for (name, count) in [
         (
-            "passes of zero length",
+            "iterations of zero length",
             counts.map(|c| c.zero_length_passes),
         ),
         ("step limit reached", counts.map(|c| c.step_limit_reached)),

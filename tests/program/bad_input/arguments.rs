@@ -230,3 +230,89 @@ fn a_refused_run_leaves_an_older_file() {
         b"old"
     );
 }
+
+/// Protects whoever types an option of another command, or one thing twice: the sentence says what
+/// to do, and no tip leads astray.
+#[test]
+fn options_that_are_not_there_are_told_what_helps() {
+    let folder = folder();
+    for (arguments, told) in [
+        (&["trace", "corner", "-o", "x"][..], "--dump-waves FILE.csv"),
+        (
+            &["impulse", "corner", "--iterations", "4"],
+            "followed for --seconds",
+        ),
+        (
+            &["slice", "corner", "--listener", "2"],
+            "the first listener",
+        ),
+        (
+            &["scenes"],
+            "echomarch help lists the commands and the scenes",
+        ),
+        (
+            &["trace", "corner", "--profile", "thsis"],
+            "did you mean thesis?",
+        ),
+        (
+            &["trace", "corner", "--seed", "-1"],
+            "a whole number of 0 or more",
+        ),
+        (
+            &["trace", "corner", "--law", "lin"],
+            "there are: constant-power, linear",
+        ),
+        (
+            &["accuracy", "corner", "--error", "7"],
+            "--error must be 1e-9 to 2, not 7",
+        ),
+        (
+            &["figures", "--profiles", "hybrid,hybrid"],
+            "--profiles has \"hybrid\" twice",
+        ),
+        (&["verify", "--case", ""], "--case needs the name of a case"),
+        (
+            &["verify", "--case", "Sinai"],
+            "the nearest are sinai-billiard",
+        ),
+    ] {
+        let output = refused(folder.path(), arguments);
+        let said = stderr(&output);
+        assert!(said.contains(told), "{arguments:?}: {said}");
+        assert!(!said.contains("as a value"), "{arguments:?}: {said}");
+    }
+    let said = refused(folder.path(), &["view", "corner", "-v"]);
+    assert!(!stderr(&said).contains("as a value"));
+}
+
+/// Protects whoever asks the window for nothing, or for a law that is not heard.
+#[cfg(feature = "demo")]
+#[test]
+fn a_window_of_no_frames_is_refused() {
+    let folder = folder();
+    for (options, told) in [
+        (&["--frames", "0"][..], "--frames must be 1 or more"),
+        (&["--seconds", "0"], "--seconds must be 0.001 to"),
+        (
+            &["--law", "linear", "--listen", "full"],
+            "--law has no effect on --listen full",
+        ),
+    ] {
+        let said = refusal(folder.path(), &[&["demo", "corner"], options].concat());
+        assert!(said.contains(told), "{said}");
+    }
+}
+
+/// Protects scripts: help that cannot be written is a failure, as all other output is.
+#[cfg(target_os = "linux")]
+#[test]
+fn output_that_cannot_be_written_is_told() {
+    for arguments in [&["help"][..], &["trace", "corner", "--waves", "1024"]] {
+        let full = std::fs::File::create("/dev/full").unwrap();
+        let mut program = crate::common::cli::command();
+        let output = program.args(arguments).stdout(full).output().unwrap();
+        assert_eq!(output.status.code(), Some(1), "{arguments:?}");
+        let said = stderr(&output);
+        assert!(said.contains("cannot write standard output: "), "{said}");
+    }
+}

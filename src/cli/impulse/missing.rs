@@ -1,0 +1,120 @@
+//! Why figures are missing from a response, and what helps.
+
+use crate::acoustics::BandFigures;
+use crate::bands::{BAND_COUNT, BANDS_HZ};
+use crate::response::Response;
+use crate::scene::Scene;
+
+/// More of the energy than this, if it comes after the response's end, is told: a tenth of what
+/// figures allow.
+const TOLD_CUT_OFF: f64 = 0.001;
+
+/// Why a band has no time of decay.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Reason {
+    /// The response ends before its sound has decayed.
+    TooShort,
+    /// Nothing arrives so late that clarity could be told: there is no reverberation.
+    NoLateSound,
+    /// Sound decays, and too few waves tell how.
+    TooNoisy,
+}
+
+/// A sentence for each reason why figures are missing, with the bands of which it is true.
+pub fn reasons(scene: &Scene, response: &Response) -> Vec<String> {
+    if response.counts.arrivals == 0 && response.paths.is_empty() {
+        // That nothing arrives is told elsewhere.
+        return Vec::new();
+    }
+    let figures = &response.figures;
+    let of_bands: Vec<Option<Reason>> = (0..BAND_COUNT)
+        .map(|band| reason(&figures.bands[band], figures.cut_off[band]))
+        .collect();
+    let told = |reason: Reason| {
+        let bands = bands(&of_bands, reason)?;
+        Some(sentence(scene, response, reason, &bands))
+    };
+    let all = [Reason::TooShort, Reason::NoLateSound, Reason::TooNoisy];
+    all.into_iter().filter_map(told).collect()
+}
+
+/// Why this band lacks a time of decay; `None` if it has all three.
+fn reason(figures: &BandFigures, cut_off: Option<f64>) -> Option<Reason> {
+    if cut_off.is_none_or(|share| share > TOLD_CUT_OFF) {
+        return Some(Reason::TooShort);
+    }
+    let times = [figures.edt_s, figures.t20_s, figures.t30_s];
+    if times.iter().all(Option::is_some) {
+        return None;
+    }
+    match figures.c80_db {
+        Some(_) => Some(Reason::TooNoisy),
+        None => Some(Reason::NoLateSound),
+    }
+}
+
+/// The bands with this reason, in words; `None` if there are none.
+fn bands(of_bands: &[Option<Reason>], reason: Reason) -> Option<String> {
+    let bands = BANDS_HZ.iter().zip(of_bands);
+    let hertz: Vec<String> = bands
+        .filter(|(_, of)| **of == Some(reason))
+        .map(|(hz, _)| hz.to_string())
+        .collect();
+    match hertz.len() {
+        0 => None,
+        BAND_COUNT => Some("in all bands".to_owned()),
+        _ => Some(format!("at {} Hz", hertz.join(", "))),
+    }
+}
+
+fn sentence(scene: &Scene, response: &Response, reason: Reason, bands: &str) -> String {
+    let seconds = response.seconds;
+    match reason {
+        Reason::TooShort if scene.has_materials() || scene.air.is_some() => format!(
+            "sound goes on after {seconds:.2} s {bands}, so figures are missing (—) or off there: more --seconds tell more"
+        ),
+        Reason::TooShort => format!(
+            "sound goes on after {seconds:.2} s {bands}, so figures are missing (—) or off there: nothing absorbs in this scene; give its surfaces a material (docs/scene-format.md)"
+        ),
+        Reason::NoLateSound => format!(
+            "hardly anything arrives after the first 80 ms {bands}, so there is no decay to tell EDT, T20 and T30 from (—)"
+        ),
+        Reason::TooNoisy => {
+            format!("EDT, T20 or T30 {bands} are too noisy to tell (—): more --waves tell more")
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects the advice: what helps is told by what is missing, and nothing where all is told.
+    #[test]
+    fn each_missing_figure_has_its_reason() {
+        let whole = BandFigures {
+            edt_s: Some(1.0),
+            t20_s: Some(1.0),
+            t30_s: Some(1.0),
+            c80_db: Some(3.0),
+            ..BandFigures::default()
+        };
+        let noisy = BandFigures {
+            t30_s: None,
+            ..whole
+        };
+        let dry = BandFigures::default();
+        assert_eq!(reason(&whole, Some(0.0)), None);
+        assert_eq!(reason(&noisy, Some(0.0)), Some(Reason::TooNoisy));
+        assert_eq!(reason(&dry, Some(0.0)), Some(Reason::NoLateSound));
+        for figures in [whole, noisy, dry] {
+            assert_eq!(reason(&figures, None), Some(Reason::TooShort));
+            assert_eq!(reason(&figures, Some(0.002)), Some(Reason::TooShort));
+        }
+        let mut all = [Some(Reason::TooShort); BAND_COUNT];
+        assert_eq!(bands(&all, Reason::TooShort).unwrap(), "in all bands");
+        all[2..].fill(None);
+        assert_eq!(bands(&all, Reason::TooShort).unwrap(), "at 63, 125 Hz");
+        assert_eq!(bands(&all, Reason::TooNoisy), None);
+    }
+}

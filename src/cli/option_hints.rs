@@ -1,0 +1,82 @@
+//! What is meant by options that a subcommand does not have.
+
+use clap::error::{ContextKind, ContextValue, ErrorKind};
+
+/// An option that is typed at a subcommand which has none such.
+struct Hint {
+    command: &'static str,
+    options: &'static [&'static str],
+    text: &'static str,
+}
+
+const HINTS: &[Hint] = &[
+    Hint {
+        command: "trace",
+        options: &["-o", "--output"],
+        text: "trace writes no file with -o: use --json > FILE.json, or --dump-waves FILE.csv",
+    },
+    Hint {
+        command: "trace",
+        options: &["--source", "--listener"],
+        text: "trace takes the first source and the first listener; --levels tells of every pair, and impulse of one that is chosen",
+    },
+    Hint {
+        command: "slice",
+        options: &["--source", "--listener"],
+        text: "slice takes the first source and the first listener: put another first in the scene file",
+    },
+    Hint {
+        command: "impulse",
+        options: &["--iterations", "--iterations-per-pass"],
+        text: "impulse has no count of iterations: waves are followed for --seconds",
+    },
+    Hint {
+        command: "view",
+        options: &["--waves", "--iterations", "--profile", "--seed"],
+        text: "view follows no waves: it draws what the listener sees",
+    },
+];
+
+/// Words that are typed for a list of the scenes.
+const SCENE_LISTS: [&str; 3] = ["scenes", "list", "scene"];
+
+/// The sentence for what was typed, where one is known to help.
+pub fn hint(error: &clap::Error) -> Option<String> {
+    match error.kind() {
+        ErrorKind::UnknownArgument => {
+            let typed = word(error, ContextKind::InvalidArg)?;
+            let command = std::env::args().skip(1).find(|word| !word.starts_with('-'));
+            of_option(&command?, typed).map(str::to_owned)
+        }
+        ErrorKind::InvalidSubcommand => {
+            let typed = word(error, ContextKind::InvalidSubcommand)?;
+            SCENE_LISTS.contains(&typed).then(|| {
+                format!("there is no command {typed:?}: echomarch help lists the commands and the scenes")
+            })
+        }
+        _ => None,
+    }
+}
+
+/// Takes away the tip to pass an unknown option as a value, which no subcommand here takes.
+pub fn drop_misleading(error: &mut clap::Error) {
+    let Some(ContextValue::StyledStrs(tips)) = error.get(ContextKind::Suggested) else {
+        return;
+    };
+    let is_of_use = |tip: &clap::builder::StyledStr| !tip.to_string().contains("as a value");
+    let kept = tips.iter().filter(|tip| is_of_use(tip)).cloned().collect();
+    error.insert(ContextKind::Suggested, ContextValue::StyledStrs(kept));
+}
+
+fn word(error: &clap::Error, kind: ContextKind) -> Option<&str> {
+    match error.get(kind) {
+        Some(ContextValue::String(word)) => Some(word),
+        _ => None,
+    }
+}
+
+fn of_option(command: &str, typed: &str) -> Option<&'static str> {
+    let hints = HINTS.iter();
+    let mut fitting = hints.filter(|hint| hint.command == command && hint.options.contains(&typed));
+    fitting.next().map(|hint| hint.text)
+}
