@@ -35,7 +35,7 @@ pub(crate) fn sentence(text: &str, error: &SpannedError, kind: FileKind) -> Stri
         return format!("the file is empty: {}", begins(kind));
     }
     match &error.code {
-        Error::Eof => format!("the file ends before {}(…) is closed", kind.outermost),
+        Error::Eof => ends(kind),
         Error::TrailingCharacters => format!(
             "{}(…) ends before this: is a parenthesis closed too early?",
             kind.outermost
@@ -43,6 +43,7 @@ pub(crate) fn sentence(text: &str, error: &SpannedError, kind: FileKind) -> Stri
         Error::ExpectedDifferentStructName { expected, found } => other_name(kind, expected, found),
         Error::ExpectedNamedStructLike(name) if *name == kind.outermost => begins(kind),
         code => of_name(code)
+            .or_else(|| of_end(text, error, kind))
             .or_else(|| of_form(code, Around::of(text, error.span.start)))
             .or_else(|| of_sign(code))
             .unwrap_or_else(|| code.to_string()),
@@ -51,6 +52,17 @@ pub(crate) fn sentence(text: &str, error: &SpannedError, kind: FileKind) -> Stri
 
 fn begins(kind: FileKind) -> String {
     format!("a {} file begins with {}(…)", kind.what, kind.outermost)
+}
+
+fn ends(kind: FileKind) -> String {
+    format!("the file ends before {}(…) is closed", kind.outermost)
+}
+
+/// Whatever a text that is cut off lacks, it lacks because it is cut off.
+fn of_end(text: &str, error: &SpannedError, kind: FileKind) -> Option<String> {
+    let is_of_value = matches!(error.code, Error::Message(_));
+    let at = offset(text, error.span.start)?;
+    (!is_of_value && text[at..].trim().is_empty()).then(|| ends(kind))
 }
 
 /// Something has another name than what must stand there.

@@ -33,6 +33,11 @@ impl OutputError {
 
 /// Why something cannot be written, in the same words whoever found it out.
 fn reason(error: &io::Error) -> String {
+    let is_of_system = error.raw_os_error().is_some();
+    if !is_of_system && error.to_string() != error.kind().to_string() {
+        // A sentence of ours.
+        return error.to_string();
+    }
     match error.kind() {
         io::ErrorKind::AlreadyExists | io::ErrorKind::NotADirectory => {
             "a folder is needed here, and there is a file".to_owned()

@@ -210,13 +210,16 @@ impl Surface {
     }
 }
 
-/// The sentence without the kind of shape that it begins with, where the surface is called by that.
+/// The sentence on a user's field without the kind that the surface is already called by: it begins
+/// with the field's file.
 fn without_kind(label: &str, why: String) -> String {
-    let kind = label
-        .rsplit_once('(')
-        .and_then(|(_, kind)| kind.strip_suffix(')'));
-    let rest = kind.and_then(|kind| why.strip_prefix(kind)?.strip_prefix(": "));
-    rest.map_or_else(|| why.clone(), str::to_owned)
+    match why
+        .strip_prefix("Field: ")
+        .filter(|_| label.ends_with("(Field)"))
+    {
+        Some(rest) => rest.to_owned(),
+        None => why,
+    }
 }
 
 #[cfg(test)]
