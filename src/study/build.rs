@@ -2,7 +2,7 @@
 
 use super::check::{Checker, MOST_POINTS};
 use super::columns::ResponseColumns;
-use super::file::{Keep, ResponseFile, SceneFile, SettingsFile, StudyFile, Sweep, scene_file};
+use super::file::{Keep, ResponseFile, SceneFile, SettingsFile, StudyFile, Sweep};
 use super::{Case, Kept, SceneAxis, Study, StudyError, hash};
 use crate::experiment::accuracy;
 use crate::response::ResponseSettings;
