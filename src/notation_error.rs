@@ -61,7 +61,7 @@ fn ends(kind: FileKind) -> String {
 /// Whatever a text that is cut off lacks, it lacks because it is cut off.
 fn of_end(text: &str, error: &SpannedError, kind: FileKind) -> Option<String> {
     let is_of_value = matches!(error.code, Error::Message(_));
-    let at = offset(text, error.span.start)?;
+    let at = offset(text, error.span.end)?;
     (!is_of_value && text[at..].trim().is_empty()).then(|| ends(kind))
 }
 

@@ -119,7 +119,7 @@ impl Study {
     /// compute(&mut worker, Shard::WHOLE, "out".as_ref(), &mut |_| ())?;
     /// let joined = join(&study, "out".as_ref(), &mut |_, _| ())?;
     /// assert_eq!(joined.points, study.points());
-    /// # Ok::<(), echomarch::Error>(())
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
     /// # Errors
