@@ -3,7 +3,7 @@
 //! RON's own errors speak of structs, enums and identifiers. Whoever writes a scene or a study knows
 //! fields, names, lists and numbers.
 
-use crate::text::{nearest, there_is_no};
+use crate::text::{there_is_no, which_there_are};
 use ron::error::{Error, Position, SpannedError};
 
 /// The units of fields that are lengths, as the sentence on a missing one names them.
@@ -112,14 +112,11 @@ fn of_name(code: &Error) -> Option<String> {
 
 /// Says that a part has no such field, and which it has.
 fn field_unknown(found: &str, within: &str, known: &[&str]) -> String {
-    let told = format!(
-        "there is no field `{found}`{within}; there are: {}",
-        known.join(", ")
-    );
-    match nearest(found, known.iter().copied()) {
-        Some(nearest) => format!("{told}; did you mean {nearest}?"),
-        None => told,
-    }
+    which_there_are(
+        &format!("there is no field `{found}`{within}"),
+        found,
+        known,
+    )
 }
 
 /// What stands about an error.

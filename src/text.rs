@@ -30,10 +30,12 @@ pub(crate) fn nearest<'a>(
 /// Says that there is no such thing, which there are, and which is the nearest: `what` is what it would
 /// be, such as `profile`.
 pub(crate) fn there_is_no(what: &str, typed: &str, known: &[&str]) -> String {
-    let told = format!(
-        "there is no {what} {typed:?}; there are: {}",
-        known.join(", ")
-    );
+    which_there_are(&format!("there is no {what} {typed:?}"), typed, known)
+}
+
+/// What was refused, which there are instead, and which of them is the nearest to what was typed.
+pub(crate) fn which_there_are(refused: &str, typed: &str, known: &[&str]) -> String {
+    let told = format!("{refused}; there are: {}", known.join(", "));
     match nearest(typed, known.iter().copied()) {
         Some(nearest) => format!("{told}; did you mean {nearest}?"),
         None => told,

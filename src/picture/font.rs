@@ -1,6 +1,6 @@
 //! A font of 5 × 7 dots, for the few words that plans and maps carry.
 
-use super::scale_bar::rectangle;
+use super::marks::rectangle;
 use tiny_skia::PixmapMut;
 
 /// The colour of letters.

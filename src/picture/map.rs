@@ -1,9 +1,9 @@
 //! A map: the plan of a scene, coloured by a number at each place of a lattice, with a colour bar.
 
 use super::font::{self, write};
-use super::marks::{self, fill, paint};
+use super::marks::{self, fill, paint, rectangle};
 use super::plan::{Bounds, Plan};
-use super::scale_bar::{self, rectangle};
+use super::scale_bar;
 use super::slice::cut;
 use super::{PictureError, shader};
 use crate::error::Error;

@@ -6,8 +6,8 @@ use super::plan::Plan;
 use crate::scene::{Path as KeyPath, Scene};
 use glam::{Vec2, Vec3};
 use tiny_skia::{
-    Color, FillRule, LineCap, LineJoin, Paint, Path, PathBuilder, PixmapMut, Stroke, StrokeDash,
-    Transform,
+    Color, FillRule, LineCap, LineJoin, Paint, Path, PathBuilder, PixmapMut, Rect, Stroke,
+    StrokeDash, Transform,
 };
 
 /// The listener and its path.
@@ -115,5 +115,18 @@ pub(super) fn stroke(canvas: &mut PixmapMut, path: Option<Path>, paint: &Paint, 
 pub(super) fn fill(canvas: &mut PixmapMut, path: Option<Path>, paint: &Paint) {
     if let Some(path) = path {
         canvas.fill_path(&path, paint, FillRule::Winding, Transform::identity(), None);
+    }
+}
+
+/// Fills a rectangle: left, top, width, height.
+pub(super) fn rectangle(
+    canvas: &mut PixmapMut,
+    [x, y, w, h]: [f32; 4],
+    colour: [u8; 3],
+    opacity: f32,
+) {
+    if let Some(rect) = Rect::from_xywh(x, y, w, h) {
+        let path = PathBuilder::from_rect(rect);
+        fill(canvas, Some(path), &paint(colour, opacity));
     }
 }

@@ -2,9 +2,9 @@
 //! whole length in letters.
 
 use super::font::{INK, write};
-use super::marks::{fill, paint};
+use super::marks::rectangle;
 use super::plan::Plan;
-use tiny_skia::{PathBuilder, PixmapMut, Rect};
+use tiny_skia::PixmapMut;
 
 const PAPER: [u8; 3] = [255, 255, 255];
 
@@ -64,19 +64,6 @@ fn label(metres: f32) -> String {
         format!("{:.0} cm", metres * 100.0)
     } else {
         String::new()
-    }
-}
-
-/// Fills a rectangle: left, top, width, height.
-pub(super) fn rectangle(
-    canvas: &mut PixmapMut,
-    [x, y, w, h]: [f32; 4],
-    colour: [u8; 3],
-    opacity: f32,
-) {
-    if let Some(rect) = Rect::from_xywh(x, y, w, h) {
-        let path = PathBuilder::from_rect(rect);
-        fill(canvas, Some(path), &paint(colour, opacity));
     }
 }
 
