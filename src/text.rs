@@ -33,6 +33,14 @@ pub(crate) fn there_is_no(what: &str, typed: &str, known: &[&str]) -> String {
     which_there_are(&format!("there is no {what} {typed:?}"), typed, known)
 }
 
+/// What was refused, and the nearest to what was typed; which there are where none is near.
+pub(crate) fn nearest_or_all(refused: &str, typed: &str, known: &[&str]) -> String {
+    match nearest(typed, known.iter().copied()) {
+        Some(nearest) => format!("{refused}; did you mean {nearest}?"),
+        None => format!("{refused}; there are {}", known.join(", ")),
+    }
+}
+
 /// What was refused, which there are instead, and which of them is the nearest to what was typed.
 pub(crate) fn which_there_are(refused: &str, typed: &str, known: &[&str]) -> String {
     let told = format!("{refused}; there are: {}", known.join(", "));

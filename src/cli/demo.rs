@@ -250,8 +250,7 @@ fn check_law(sound: &SoundOptions) -> Result<(), BadInput> {
     if sound.law.law.is_none() || sound.listen != Some(Listen::Full) {
         return Ok(());
     }
-    let text = "--law has no effect on --listen full, where each arrival is panned with constant power: use --listen balance";
-    Err(BadInput(text.to_owned()))
+    Err(super::render::no_effect_in_full("--law"))
 }
 
 /// Behind the reading of the sound and the scene, which are not to be replaced.

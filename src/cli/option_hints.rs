@@ -2,41 +2,6 @@
 
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 
-/// An option that is typed at a subcommand which has none such.
-struct Hint {
-    command: &'static str,
-    options: &'static [&'static str],
-    text: &'static str,
-}
-
-const HINTS: &[Hint] = &[
-    Hint {
-        command: "trace",
-        options: &["-o", "--output"],
-        text: "trace writes no file with -o: use --json > FILE.json, or --dump-waves FILE.csv",
-    },
-    Hint {
-        command: "trace",
-        options: &["--source", "--listener"],
-        text: "trace takes the first source and the first listener; --levels tells of every pair, and impulse of one that is chosen",
-    },
-    Hint {
-        command: "slice",
-        options: &["--source", "--listener"],
-        text: "slice takes the first source and the first listener: put another first in the scene file",
-    },
-    Hint {
-        command: "impulse",
-        options: &["--iterations", "--iterations-per-pass"],
-        text: "impulse has no count of iterations: waves are followed for --seconds",
-    },
-    Hint {
-        command: "view",
-        options: &["--waves", "--iterations", "--profile", "--seed"],
-        text: "view follows no waves: it draws what the listener sees",
-    },
-];
-
 /// Words that are typed for a list of the scenes.
 const SCENE_LISTS: [&str; 3] = ["scenes", "list", "scene"];
 
@@ -75,8 +40,24 @@ fn word(error: &clap::Error, kind: ContextKind) -> Option<&str> {
     }
 }
 
+/// What is meant by an option that this subcommand does not have.
 fn of_option(command: &str, typed: &str) -> Option<&'static str> {
-    let hints = HINTS.iter();
-    let mut fitting = hints.filter(|hint| hint.command == command && hint.options.contains(&typed));
-    fitting.next().map(|hint| hint.text)
+    Some(match (command, typed) {
+        ("trace", "-o" | "--output") => {
+            "trace writes no file with -o: use --json > FILE.json, or --dump-waves FILE.csv"
+        }
+        ("trace", "--source" | "--listener") => {
+            "trace takes the first source and the first listener; --levels tells of every pair, and impulse of one that is chosen"
+        }
+        ("slice", "--source" | "--listener") => {
+            "slice takes the first source and the first listener: put another first in the scene file"
+        }
+        ("impulse", "--iterations" | "--iterations-per-pass") => {
+            "impulse has no count of iterations: waves are followed for --seconds"
+        }
+        ("view", "--waves" | "--iterations" | "--profile" | "--seed") => {
+            "view follows no waves: it draws what the listener sees"
+        }
+        _ => return None,
+    })
 }

@@ -88,8 +88,7 @@ enum Then {
     StaysCallers,
     /// One of the caller's is made not current, as it was; one of echomarch's that was current is so again.
     Goes {
-        /// Once it is current.
-        entered: Option<Rc<dyn Backend>>,
+        entered: Rc<dyn Backend>,
         before: Option<Rc<dyn Backend>>,
     },
 }
@@ -108,22 +107,17 @@ pub(super) fn enter(context: &Rc<dyn Backend>) -> Result<Entered, String> {
     };
     let (foreign, then) = match context.owner() {
         Owner::Echomarch => (foreign(), Then::Stays),
-        Owner::Caller if !context.is_current() => (
-            foreign(),
-            Then::Goes {
-                entered: None,
-                before: known,
-            },
-        ),
+        Owner::Caller if !context.is_current() => {
+            let (foreign, entered) = (foreign(), context.clone());
+            let before = known;
+            (foreign, Then::Goes { entered, before })
+        }
         Owner::Caller | Owner::KeptCurrentByCaller => (None, Then::StaysCallers),
     };
-    // Dropped if the context cannot be made current: then there is nothing of it to release.
-    let mut answer = Entered { foreign, then };
+    // Dropped if the context cannot be made current, which puts back what was so before.
+    let entered = Entered { foreign, then };
     make(context)?;
-    if let Then::Goes { entered, .. } = &mut answer.then {
-        *entered = Some(context.clone());
-    }
-    Ok(answer)
+    Ok(entered)
 }
 
 impl Drop for Entered {
@@ -134,7 +128,8 @@ impl Drop for Entered {
             Then::StaysCallers => forget(),
             Then::Goes { entered, before } => {
                 forget();
-                if let Some(entered) = entered {
+                // It is not where it could not be made so.
+                if entered.is_current() {
                     entered.release();
                 }
                 // Where that fails the next use of it tells.

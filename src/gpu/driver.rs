@@ -162,11 +162,11 @@ fn check_version(backend: &dyn Backend) -> Result<(), String> {
     }
 }
 
-/// Whether a version has numbers where they stand in every version: `4.6 …`, `OpenGL ES 3.2 …`.
+/// Whether a version has two numbers where they stand in every version: `4.6 …`, `OpenGL ES 3.2 …`.
 #[cfg(not(target_arch = "wasm32"))]
 fn has_numbers(version: &str) -> bool {
     let numbers = version.rsplit(" ES ").next().unwrap_or(version);
-    let mut parts = numbers.split([' ', '.']);
+    let mut parts = numbers.split(' ').next().unwrap_or_default().split('.');
     let is_number = |part: Option<&str>| part.is_some_and(|part| part.parse::<u32>().is_ok());
     is_number(parts.next()) && is_number(parts.next()) && version.is_ascii()
 }
@@ -188,6 +188,7 @@ mod tests {
         for version in [
             "",
             "4",
+            "4 6",
             "OpenGL ES",
             "four.five",
             "OpenGL ES x.2",

@@ -15,34 +15,21 @@ pub(crate) struct Entered {
 /// A context of the caller's, and what is to be put back there.
 struct CallersEntered {
     context: Context,
-    /// None within another call.
+    /// None within another call, and where no state is touched.
     state: Option<CallerState>,
 }
 
 impl Entered {
-    /// Keeps the state of the context where it is the caller's.
-    pub(super) fn with_state(context: &Context, current: current::Entered) -> Entered {
+    /// Counts the call where the context is the caller's; the state of such a one is kept if it is to be put back, and
+    /// this is no call within another.
+    fn new(context: &Context, current: current::Entered, keeps_state: bool) -> Entered {
         let callers = context.caller_part().map(|part| {
             let before = part.entered.replace(part.entered.get() + 1);
-            let state = (before == 0).then(|| CallerState::keep(context.gl(), &part.traits));
+            let state =
+                (keeps_state && before == 0).then(|| CallerState::keep(context.gl(), &part.traits));
             CallersEntered {
                 context: context.clone(),
                 state,
-            }
-        });
-        Entered {
-            _callers: callers,
-            _current: current,
-        }
-    }
-
-    /// For the freeing of objects, which are bound nowhere any more outside of calls: no state is touched.
-    pub(super) fn without_state(context: &Context, current: current::Entered) -> Entered {
-        let callers = context.caller_part().map(|part| {
-            part.entered.set(part.entered.get() + 1);
-            CallersEntered {
-                context: context.clone(),
-                state: None,
             }
         });
         Entered {
@@ -72,13 +59,14 @@ impl Context {
     /// # Errors
     /// [`GpuError::ContextLost`] if it cannot be made current.
     pub(crate) fn enter(&self) -> Result<Entered, GpuError> {
-        Ok(Entered::with_state(self, self.make_current()?))
+        Ok(Entered::new(self, self.make_current()?, true))
     }
 
-    /// Frees objects with the context current. Where it cannot be made current it is gone, and its objects with it.
+    /// Frees objects with the context current; they are bound nowhere outside of calls, so that no state is touched. Where
+    /// the context cannot be made current it is gone, and its objects with it.
     pub(super) fn free(&self, delete: impl FnOnce(&glow::Context)) {
         if let Ok(current) = self.make_current() {
-            let _entered = Entered::without_state(self, current);
+            let _entered = Entered::new(self, current, false);
             delete(self.gl());
         }
     }

@@ -104,10 +104,7 @@ impl Arguments {
         let thesis = (self.options.profile == Profile::Thesis).then_some("--profile thesis");
         let of_balance = thesis.or_else(|| self.balance_option());
         match (self.listen, of_balance, self.full.given()) {
-            (Some(Listen::Full), Some(option), _) => Err(BadInput(format!(
-                "{option} has no effect on --listen full, {}: use --listen balance",
-                why_not_full(option)
-            ))),
+            (Some(Listen::Full), Some(option), _) => Err(no_effect_in_full(option)),
             (Some(Listen::Balance), _, Some(option)) | (None, Some(_), Some(option)) => {
                 Err(BadInput(format!(
                     "{option} needs --listen full: a balance has no loudness and no echoes"
@@ -151,14 +148,17 @@ impl Arguments {
     }
 }
 
-/// Why an option of the balance changes nothing when all is heard.
-fn why_not_full(option: &str) -> &'static str {
-    match option {
+/// Refuses an option of the balance, which changes nothing when all is heard, and says why.
+pub(super) fn no_effect_in_full(option: &str) -> BadInput {
+    let why = match option {
         "--law" => "where each arrival is panned with constant power",
         "--profile thesis" => "as the thesis' waves end at the listener and carry no energy",
         "--iterations" => "which follows waves for as long as they are heard",
         _ => "which does not trace by frames of a balance",
-    }
+    };
+    BadInput(format!(
+        "{option} has no effect on --listen full, {why}: use --listen balance"
+    ))
 }
 
 impl Job<'_> {

@@ -5,7 +5,7 @@ use crate::scene::air::{HUMIDITIES, PRESSURES, TEMPERATURES};
 use crate::scene::{
     BUILTIN_MATERIALS, Listener, Material, Path, Scene, SceneError, Source, Surface,
 };
-use crate::text::nearest;
+use crate::text::nearest_or_all;
 use glam::Vec3;
 use std::collections::HashSet;
 use std::ops::RangeInclusive;
@@ -148,11 +148,7 @@ impl Scene {
             let mut all: Vec<&str> = self.materials.keys().map(String::as_str).collect();
             let built_in = BUILTIN_MATERIALS.iter().map(|known| known.name);
             all.extend(built_in.filter(|name| !self.materials.contains_key(*name)));
-            let told = format!("there is no material {name:?}");
-            match nearest(name, all.iter().copied()) {
-                Some(nearest) => format!("{told}; did you mean {nearest}?"),
-                None => format!("{told}; there are {}", all.join(", ")),
-            }
+            nearest_or_all(&format!("there is no material {name:?}"), name, &all)
         })
     }
 

@@ -9,7 +9,7 @@ use super::placed::{ListenerFile, SourceFile};
 use crate::notation_error::offset;
 use crate::scene::notation::{FixedRadius, Form};
 use crate::scene::shape::{form_of, shape_names};
-use crate::text::nearest;
+use crate::text::nearest_or_all;
 use ron::error::{Error, SpannedError};
 
 /// The sentence for an error in this text that is about a shape, an operator, or another part that
@@ -34,10 +34,7 @@ pub(super) fn about_part(text: &str, error: &SpannedError) -> Option<String> {
 
 fn no_such_shape(found: &str) -> String {
     let told = format!("there is no shape or operator `{found}`");
-    match nearest(found, shape_names().iter().copied()) {
-        Some(nearest) => format!("{told}; did you mean {nearest}?"),
-        None => format!("{told}; there are {}", shape_names().join(", ")),
-    }
+    nearest_or_all(&told, found, shape_names())
 }
 
 /// How the part is written whose name stands before the error.
