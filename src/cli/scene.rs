@@ -55,7 +55,7 @@ pub struct SceneAtTime {
     #[command(flatten)]
     pub scene: SceneArguments,
     /// Seconds on the paths of source, listener and surfaces; without it all stand where the
-    /// scene puts them
+    /// scene puts them. Where nothing moves it changes nothing, and a warning says so
     #[arg(long, allow_negative_numbers = true, value_name = "SECONDS", value_parser = real::<f64>)]
     time: Option<f64>,
 }

@@ -59,6 +59,7 @@ pub(crate) fn map(
     let mut shown = scene.clone();
     // The plan holds the lattice and the source, wherever the scene's own listener is.
     shown.listener.position = from.lerp(to, 0.5);
+    shown.further_listeners.clear();
     let lattice = Bounds {
         min: Vec2::new(from.x.min(to.x), from.z.min(to.z)),
         max: Vec2::new(from.x.max(to.x), from.z.max(to.z)),
@@ -76,7 +77,7 @@ pub(crate) fn map(
     };
     if let Some(mut canvas) = PixmapMut::from_bytes(&mut picture, plan.width, plan.height) {
         draw_places(&mut canvas, &plan, options, &places, ends);
-        marks::draw_source(&mut canvas, &plan, scene.source.position);
+        marks::draw_source_mark(&mut canvas, &plan, scene.source.position, 1.0);
         scale_bar::draw(&mut canvas, &plan);
     }
     with_colour_bar(&picture, &plan, options, ends)

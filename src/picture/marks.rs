@@ -1,9 +1,9 @@
-//! Listener, source and their key-framed paths, drawn on a plan.
+//! Listeners, sources and their key-framed paths, drawn on a plan.
 //!
 //! The colours are those of Okabe and Ito, which people with any colour vision tell apart.
 
 use super::plan::Plan;
-use crate::scene::{Path as KeyPath, Scene};
+use crate::scene::{Listener, Path as KeyPath, Scene, Source};
 use glam::{Vec2, Vec3};
 use tiny_skia::{
     Color, FillRule, LineCap, LineJoin, Paint, Path, PathBuilder, PixmapMut, Rect, Stroke,
@@ -14,60 +14,86 @@ use tiny_skia::{
 const BLUE: [u8; 3] = [0, 114, 178];
 /// The source and its path.
 const ORANGE: [u8; 3] = [230, 159, 0];
+/// The path of a source: darker, as its lines are thin.
+const SOURCE_PATH: [u8; 3] = [176, 116, 0];
+/// The ground of letters.
+pub(super) const PAPER: [u8; 3] = [255, 255, 255];
+/// Opacity of the ground of letters.
+pub(super) const PLATE: f32 = 0.82;
 /// Outlines and the gaze.
 const INK: [u8; 3] = [38, 42, 46];
 
-/// Draws the marks of `scene`.
+/// How strong the marks of further sources and listeners are: no wave is drawn from or to them.
+const FURTHER: f32 = 0.4;
+
+/// Draws the marks of `scene`: the first source and the first listener over the others.
 pub(super) fn draw(canvas: &mut PixmapMut, plan: &Plan, scene: &Scene) {
-    draw_key_path(canvas, plan, &scene.source.path, [176, 116, 0]);
-    draw_key_path(canvas, plan, &scene.listener.path, BLUE);
-    draw_listener(canvas, plan, scene);
-    draw_source(canvas, plan, scene.source.position);
+    for listener in scene.further_listeners.iter().rev() {
+        draw_listener(canvas, plan, listener, FURTHER);
+    }
+    for source in scene.further_sources.iter().rev() {
+        draw_source(canvas, plan, source, FURTHER);
+    }
+    draw_listener(canvas, plan, &scene.listener, 1.0);
+    draw_source(canvas, plan, &scene.source, 1.0);
 }
 
-fn draw_key_path(canvas: &mut PixmapMut, plan: &Plan, path: &KeyPath, colour: [u8; 3]) {
+fn draw_key_path(
+    canvas: &mut PixmapMut,
+    plan: &Plan,
+    path: &KeyPath,
+    colour: [u8; 3],
+    opacity: f32,
+) {
     let unit = plan.stroke();
     let points: Vec<Vec2> = path.keys().iter().map(|k| plan.pixel(k.position)).collect();
     let dashes = Stroke {
         dash: StrokeDash::new(vec![7.0 * unit, 5.0 * unit], 0.0),
         ..round(2.0 * unit)
     };
-    stroke(canvas, polyline(&points), &paint(colour, 1.0), &dashes);
+    stroke(canvas, polyline(&points), &paint(colour, opacity), &dashes);
     for &point in &points {
         let dot = PathBuilder::from_circle(point.x, point.y, 3.0 * unit);
-        fill(canvas, dot, &paint(colour, 1.0));
+        fill(canvas, dot, &paint(colour, opacity));
     }
 }
 
-fn draw_listener(canvas: &mut PixmapMut, plan: &Plan, scene: &Scene) {
+fn draw_listener(canvas: &mut PixmapMut, plan: &Plan, listener: &Listener, opacity: f32) {
+    draw_key_path(canvas, plan, &listener.path, BLUE, opacity);
     let unit = plan.stroke();
-    let listener = &scene.listener;
     let centre = plan.pixel(listener.position);
     let radius = plan.pixels(listener.radius);
+    let blue = paint(BLUE, opacity);
     let circle = PathBuilder::from_circle(centre.x, centre.y, radius);
-    fill(canvas, circle.clone(), &paint(BLUE, 0.16));
-    stroke(canvas, circle, &paint(BLUE, 1.0), &round(2.4 * unit));
+    fill(canvas, circle.clone(), &paint(BLUE, 0.16 * opacity));
+    stroke(canvas, circle, &blue, &round(2.4 * unit));
     // The gaze as seen from above: shorter when it rises or falls.
     let gaze = super::plan::flat(listener.forward());
     let tip = centre + gaze * (radius + 16.0 * unit);
     let shaft = polyline(&[centre, tip]);
-    stroke(canvas, shaft, &paint(BLUE, 1.0), &round(2.4 * unit));
+    stroke(canvas, shaft, &blue, &round(2.4 * unit));
     if let Some(ahead) = gaze.try_normalize() {
         let barb = |side: f32| tip - 10.0 * unit * ahead + side * 6.5 * unit * ahead.perp();
         let head = polyline(&[barb(1.0), tip, barb(-1.0)]);
-        stroke(canvas, head, &paint(BLUE, 1.0), &round(2.4 * unit));
+        stroke(canvas, head, &blue, &round(2.4 * unit));
     }
     let dot = PathBuilder::from_circle(centre.x, centre.y, 3.2 * unit);
-    fill(canvas, dot, &paint(BLUE, 1.0));
+    fill(canvas, dot, &blue);
 }
 
-/// Draws a source.
-pub(super) fn draw_source(canvas: &mut PixmapMut, plan: &Plan, position: Vec3) {
+/// Draws a source and its key-framed path.
+fn draw_source(canvas: &mut PixmapMut, plan: &Plan, source: &Source, opacity: f32) {
+    draw_key_path(canvas, plan, &source.path, SOURCE_PATH, opacity);
+    draw_source_mark(canvas, plan, source.position, opacity);
+}
+
+/// Draws where a source is.
+pub(super) fn draw_source_mark(canvas: &mut PixmapMut, plan: &Plan, position: Vec3, opacity: f32) {
     let unit = plan.stroke();
     let centre = plan.pixel(position);
     let dot = PathBuilder::from_circle(centre.x, centre.y, 7.0 * unit);
-    fill(canvas, dot.clone(), &paint(ORANGE, 1.0));
-    stroke(canvas, dot, &paint(INK, 1.0), &round(1.8 * unit));
+    fill(canvas, dot.clone(), &paint(ORANGE, opacity));
+    stroke(canvas, dot, &paint(INK, opacity), &round(1.8 * unit));
 }
 
 /// A line through points in pixels; `None` for fewer than two, or for none finite.

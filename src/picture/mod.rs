@@ -19,6 +19,7 @@ mod font;
 #[cfg(feature = "experiment")]
 mod map;
 mod marks;
+mod names;
 mod plan;
 mod png;
 mod scale_bar;

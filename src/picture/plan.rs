@@ -2,7 +2,7 @@
 
 use super::PictureError;
 use crate::scene::shape::{Cuboid, Cylinder, Room, Sphere};
-use crate::scene::{Node, Scene, Surface};
+use crate::scene::{Node, Path, Scene, Surface};
 use glam::{DMat3, Vec2, Vec3};
 use std::f32::consts::TAU;
 
@@ -33,18 +33,16 @@ pub struct Bounds {
 
 impl Bounds {
     /// The part that holds everything bounded that a cut at `height` (world y, metres)
-    /// meets, the source, the listener and their paths, with a margin; and where a field has
+    /// meets, the sources, the listeners and their paths, with a margin; and where a field has
     /// no end, as rock about a cave, the walls that the listener sees about it.
     pub fn of(scene: &Scene, height: f32) -> Bounds {
-        let (source, listener) = (&scene.source, &scene.listener);
-        let room_for_a_mark = 0.5 * listener.radius;
-        let mut bounds = Bounds::around(source.position, room_for_a_mark);
-        bounds.add(Bounds::around(listener.position, listener.radius));
-        for key in source.path.keys() {
-            bounds.add(Bounds::around(key.position, room_for_a_mark));
+        let mut bounds = Bounds::around(scene.listener.position, scene.listener.radius);
+        for source in scene.sources() {
+            let room_for_a_mark = 0.5 * scene.listener.radius;
+            bounds.add_moving(source.position, &source.path, room_for_a_mark);
         }
-        for key in listener.path.keys() {
-            bounds.add(Bounds::around(key.position, listener.radius));
+        for listener in scene.listeners() {
+            bounds.add_moving(listener.position, &listener.path, listener.radius);
         }
         for surface in &scene.surfaces {
             if let Some(extent) = extent(surface, height) {
@@ -64,6 +62,14 @@ impl Bounds {
         Bounds {
             min: centre - radius,
             max: centre + radius,
+        }
+    }
+
+    /// Adds what stands or moves, with so much room about it.
+    fn add_moving(&mut self, position: Vec3, path: &Path, room: f32) {
+        let keys = path.keys().iter().map(|key| key.position);
+        for point in keys.chain([position]) {
+            self.add(Bounds::around(point, room));
         }
     }
 

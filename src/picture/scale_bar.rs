@@ -2,11 +2,9 @@
 //! whole length in letters.
 
 use super::font::{INK, write};
-use super::marks::rectangle;
+use super::marks::{PAPER, PLATE, rectangle};
 use super::plan::Plan;
 use tiny_skia::PixmapMut;
-
-const PAPER: [u8; 3] = [255, 255, 255];
 
 /// The longest bar, as a share of the picture's width.
 const LONGEST: f32 = 0.25;
@@ -27,7 +25,7 @@ pub(super) fn draw(canvas: &mut PixmapMut, plan: &Plan) {
         width + label_width + 24.0 * unit,
         bar + 14.0 * unit,
     ];
-    rectangle(canvas, plate, PAPER, 0.82);
+    rectangle(canvas, plate, PAPER, PLATE);
     rectangle(canvas, [left, bottom - bar, width, bar], INK, 1.0);
     let field = width / fields as f32;
     let edge = (1.2 * unit).max(0.5);

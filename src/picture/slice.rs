@@ -1,7 +1,7 @@
 //! The plan of a scene.
 
 use super::plan::{Bounds, Plan};
-use super::{PictureError, marks, scale_bar, shader, wave_paths};
+use super::{PictureError, marks, names, scale_bar, shader, wave_paths};
 use crate::error::Error;
 use crate::gpu::Context;
 use crate::scene::Scene;
@@ -43,9 +43,10 @@ impl Default for SliceOptions {
     }
 }
 
-/// The scene cut at a height and seen from above: x to the right, z downwards. Listener,
-/// source, their key-framed paths and the paths of waves are drawn over it, wherever
-/// they are in height.
+/// The scene cut at a height and seen from above: x to the right, z downwards. Listeners,
+/// sources, their key-framed paths and the paths of waves are drawn over it, wherever
+/// they are in height. Paths of waves lead from the first source to the first listener; further ones are
+/// paler.
 ///
 /// # Errors
 /// [`Error::Picture`] for a size or bounds that cannot be, [`Error::Scene`] and
@@ -76,6 +77,7 @@ pub fn slice(
         wave_paths::draw(&mut canvas, &plan, scene, &paths);
         wave_paths::draw(&mut canvas, &plan, scene, &options.also);
         marks::draw(&mut canvas, &plan, scene);
+        names::draw(&mut canvas, &plan, scene);
         if options.scale_bar {
             scale_bar::draw(&mut canvas, &plan);
         }

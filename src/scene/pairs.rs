@@ -16,6 +16,16 @@ impl Scene {
         once(&self.listener).chain(&self.further_listeners)
     }
 
+    /// What reports call the sources, in order: each by its name, or by its number from 1.
+    pub fn source_labels(&self) -> Vec<String> {
+        labels(self.sources().map(|source| source.name.as_deref()))
+    }
+
+    /// What reports call the listeners, in order: each by its name, or by its number from 1.
+    pub fn listener_labels(&self) -> Vec<String> {
+        labels(self.listeners().map(|listener| listener.name.as_deref()))
+    }
+
     pub(super) fn sources_mut(&mut self) -> impl Iterator<Item = &mut Source> {
         once(&mut self.source).chain(&mut self.further_sources)
     }
@@ -101,6 +111,14 @@ impl Scene {
     pub fn air_attenuation(&self) -> Bands {
         self.air.map_or([0.0; BAND_COUNT], |air| air.attenuation())
     }
+}
+
+fn labels<'a>(names: impl Iterator<Item = Option<&'a str>>) -> Vec<String> {
+    let label = |(index, name): (usize, Option<&str>)| match name {
+        Some(name) => name.to_owned(),
+        None => (index + 1).to_string(),
+    };
+    names.enumerate().map(label).collect()
 }
 
 #[cfg(test)]

@@ -93,14 +93,13 @@ impl Cut {
     }
 }
 
-/// Whether source and listener lie in what is shown.
+/// Whether all sources and listeners lie in what is shown.
 fn holds(bounds: Bounds, scene: &Scene) -> bool {
-    [scene.source.position, scene.listener.position]
-        .iter()
-        .all(|p| {
-            (bounds.min.x..=bounds.max.x).contains(&p.x)
-                && (bounds.min.y..=bounds.max.y).contains(&p.z)
-        })
+    let sources = scene.sources().map(|source| source.position);
+    let listeners = scene.listeners().map(|listener| listener.position);
+    sources.chain(listeners).all(|p| {
+        (bounds.min.x..=bounds.max.x).contains(&p.x) && (bounds.min.y..=bounds.max.y).contains(&p.z)
+    })
 }
 
 fn around(a: Bounds, b: Bounds) -> Bounds {

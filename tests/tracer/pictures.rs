@@ -13,7 +13,7 @@ use echomarch::picture::{
     Bounds, RgbaImage, SliceOptions, ViewOptions, first_person, save_png, slice,
 };
 use echomarch::scene::{Key, Path as KeyPath};
-use echomarch::{Error, Scene, Tracer};
+use echomarch::{Error, Listener, Scene, Source, Tracer};
 use glam::{Quat, Vec2, Vec3};
 use std::path::{Path, PathBuf};
 
@@ -134,6 +134,50 @@ fn a_mirrored_scene_gives_a_mirrored_slice() {
     image::imageops::flip_horizontal_in_place(&mut drawn);
     let expected = slice(&mut tracer, &scene, &options).unwrap();
     assert_alike(&drawn, &expected, "mirrored-slice");
+}
+
+/// Protects plans of several sources and listeners: all are shown, those that no wave is drawn from or to paler, and
+/// named.
+#[test]
+fn a_slice_shows_all_sources_and_listeners() {
+    let mut tracer = tracer(Api::Gl);
+    let mut scene = Scene::builtin("shoebox").unwrap();
+    let options = SliceOptions {
+        width: 400,
+        bounds: Some(square(8.0)),
+        scale_bar: false,
+        ..SliceOptions::default()
+    };
+    let alone = slice(&mut tracer, &scene, &options).unwrap();
+    let [source, listener] = [Vec3::new(-3.1, 0.0, 6.3), Vec3::new(4.3, 0.0, -6.1)];
+    scene
+        .further_sources
+        .push(Source::at(source).named("flute"));
+    scene.further_listeners.push(Listener::at(listener, 0.5));
+    let all = slice(&mut tracer, &scene, &options).unwrap();
+    let pixel = |place: Vec3| ((place.x + 8.0) * 25.0, (place.z + 8.0) * 25.0);
+    let changed = |place: Vec3, right: f32, half: f32| {
+        let (x, y) = pixel(place);
+        let (x, half) = (x + right, half as i32);
+        let around = (-half..=half).flat_map(|dx| (-half..=half).map(move |dy| (dx, dy)));
+        let at = around.map(|(dx, dy)| ((x as i32 + dx) as u32, (y as i32 + dy) as u32));
+        at.filter(|&(x, y)| alone.get_pixel(x, y) != all.get_pixel(x, y))
+            .count()
+    };
+    let marks = [changed(source, 0.0, 2.0), changed(listener, 0.0, 2.0)];
+    assert_eq!(marks, [25, 25], "both are filled");
+    let names = [changed(source, 14.0, 6.0), changed(listener, 20.0, 6.0)];
+    assert!(
+        names.iter().all(|&dots| dots > 5),
+        "both are named: {names:?}"
+    );
+    let (x, y) = pixel(source);
+    let [red, green, blue, _] = all.get_pixel(x as u32, y as u32).0;
+    assert!(red > green && green > blue, "a source is orange");
+    // Without bounds, they are in the picture too.
+    scene.further_sources[0].position.x = 40.0;
+    let shown = Bounds::of(&scene, scene.listener.position.y);
+    assert!(shown.max.x > 40.0, "{shown:?}");
 }
 
 /// Protects the user from a picture of nothing, and the renderer from what it cannot draw.

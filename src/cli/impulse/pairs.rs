@@ -18,7 +18,7 @@ pub fn chosen(
     source: Option<&str>,
     listener: Option<&str>,
 ) -> Result<Vec<Pair>, BadInput> {
-    let (sources, listeners) = (source_labels(scene), listener_labels(scene));
+    let (sources, listeners) = (scene.source_labels(), scene.listener_labels());
     let from = choose("source", &sources, source)?;
     let to = choose("listener", &listeners, listener)?;
     let both = from
@@ -32,18 +32,9 @@ pub fn chosen(
     Ok(both.map(pair).collect())
 }
 
-/// What the sources are called.
-pub fn source_labels(scene: &Scene) -> Vec<String> {
-    labels(scene.sources().map(|source| source.name.as_deref()))
-}
-
-fn listener_labels(scene: &Scene) -> Vec<String> {
-    labels(scene.listeners().map(|listener| listener.name.as_deref()))
-}
-
 /// The index of the listener that was chosen by name or number; the first without a choice.
 pub fn listener(scene: &Scene, wanted: Option<&str>) -> Result<usize, BadInput> {
-    let chosen = choose("listener", &listener_labels(scene), wanted)?;
+    let chosen = choose("listener", &scene.listener_labels(), wanted)?;
     Ok(chosen[0])
 }
 
@@ -53,14 +44,6 @@ pub fn too_many(scene: &Scene, count: usize) -> String {
         "files hold one source and one listener, and {} has {count} such pairs: choose by --source and --listener",
         scene.name
     )
-}
-
-fn labels<'a>(names: impl Iterator<Item = Option<&'a str>>) -> Vec<String> {
-    let label = |(index, name): (usize, Option<&str>)| match name {
-        Some(name) => name.to_owned(),
-        None => (index + 1).to_string(),
-    };
-    names.enumerate().map(label).collect()
 }
 
 /// The indices that are meant: a name counts before a number.
@@ -95,7 +78,7 @@ mod tests {
     /// Protects the choice by name and by number, and what is said of a wrong one.
     #[test]
     fn names_count_before_numbers() {
-        let labels = labels([Some("2"), None, Some("flute")].into_iter());
+        let labels = ["2", "2", "flute"].map(str::to_owned);
         assert_eq!(choose("source", &labels, None).unwrap(), [0, 1, 2]);
         // The second one without a name is "2" as well: the name wins.
         assert_eq!(choose("source", &labels, Some("2")).unwrap(), [0]);

@@ -167,7 +167,7 @@ fn settings(job: &Job) -> anyhow::Result<(Vec<String>, FullSettings)> {
     let mut settings = FullSettings::new(response);
     settings.listener = pairs::listener(&job.scene, options.listener.as_deref())?;
     settings.seed = seed.into();
-    Ok((pairs::source_labels(&job.scene), settings))
+    Ok((job.scene.source_labels(), settings))
 }
 
 fn source_lines(names: &[String], sources: &[offline::HeardSource]) -> Vec<SourceLine> {

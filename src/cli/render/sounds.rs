@@ -1,7 +1,6 @@
 //! Which source plays what.
 
 use super::super::exit::BadInput;
-use super::super::impulse::pairs::source_labels;
 use crate::audio::{SAMPLE_RATE, Sound, SoundSpec};
 use crate::error::Error;
 use crate::scene::Scene;
@@ -38,7 +37,7 @@ impl FromStr for SourceSound {
 
 /// What each source of a scene plays: without a choice each speaks with another voice.
 pub fn of_sources(scene: &Scene, typed: &[SourceSound]) -> Result<Vec<SoundSpec>, BadInput> {
-    let names = source_labels(scene);
+    let names = scene.source_labels();
     let voice = |seed: usize| SoundSpec::Speech { seed: seed as u64 };
     let mut specs: Vec<SoundSpec> = (0..names.len()).map(voice).collect();
     let own = |sound: &SourceSound| {
@@ -76,7 +75,7 @@ fn unknown_source(scene: &Scene, sound: &SourceSound) -> BadInput {
         "--sound {:?} is neither a sound nor one for a source of {:?}; it has: {}",
         sound.text,
         scene.name,
-        source_labels(scene).join(", ")
+        scene.source_labels().join(", ")
     ))
 }
 

@@ -37,7 +37,7 @@ fn keys(ui: &mut Ui) {
         Grid::new(title)
             .num_columns(2)
             .min_col_width(92.0)
-            .spacing([10.0, 1.0])
+            .spacing([10.0, 0.0])
             .show(ui, |ui| {
                 for (key, what) in keys {
                     ui.label(RichText::new(*key).strong());

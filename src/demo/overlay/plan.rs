@@ -3,7 +3,7 @@
 
 use super::{HudState, style};
 use crate::picture::Bounds;
-use crate::scene::Scene;
+use crate::scene::{Listener, Scene};
 use crate::trace::{Fate, Wave};
 use crate::walkthrough::{Cut, STUB, way};
 use egui::{
@@ -68,25 +68,59 @@ impl Plan {
     }
 }
 
-/// Listener with its gaze and sphere, and the source.
+/// How strong the marks of listeners are that do not hear.
+const FURTHER: f32 = 0.4;
+
+/// The sources, the listener that hears, and paler the others; names where there are several of a kind.
 fn marks(painter: &egui::Painter, scene: &Scene, scale: f32, place: impl Fn(Vec3) -> Pos2) {
-    let listener = &scene.listener;
-    let at = place(listener.position);
-    let radius = (scale * listener.radius).max(3.0);
-    painter.circle(
-        at,
-        radius,
-        style::LISTENER.gamma_multiply(0.25),
-        Stroke::new(1.0, style::LISTENER),
+    for listener in &scene.further_listeners {
+        let at = place(listener.position);
+        listener_mark(painter, listener, at, scale, FURTHER);
+    }
+    listener_mark(
+        painter,
+        &scene.listener,
+        place(scene.listener.position),
+        scale,
+        1.0,
     );
-    let (sin, cos) = listener.yaw.sin_cos();
+    for source in scene.sources() {
+        let at = place(source.position);
+        painter.circle_filled(at, 6.5, style::SOURCE.gamma_multiply(0.3));
+        painter.circle(at, 3.5, style::SOURCE, Stroke::new(1.0, Color32::BLACK));
+    }
+    let name = |at: Vec3, beside: f32, name: String| {
+        let at = place(at) + Vec2::new(beside + 3.0, 0.0);
+        let font = egui::FontId::proportional(9.0);
+        painter.text(at, egui::Align2::LEFT_CENTER, name, font, style::TEXT);
+    };
+    if !scene.further_sources.is_empty() {
+        for (source, label) in scene.sources().zip(scene.source_labels()) {
+            name(source.position, 6.5, label);
+        }
+    }
+    if !scene.further_listeners.is_empty() {
+        for (listener, label) in scene.listeners().zip(scene.listener_labels()) {
+            name(listener.position, radius_of(listener, scale), label);
+        }
+    }
+}
+
+/// A listener with its gaze and sphere.
+fn listener_mark(painter: &egui::Painter, of: &Listener, at: Pos2, scale: f32, opacity: f32) {
+    let colour = style::LISTENER.gamma_multiply(opacity);
+    let radius = radius_of(of, scale);
+    let line = Stroke::new(1.0, colour);
+    painter.circle(at, radius, colour.gamma_multiply(0.25), line);
+    let (sin, cos) = of.yaw.sin_cos();
     let gaze = Vec2::new(sin, -cos);
-    painter.arrow(at, gaze * (radius + 9.0), Stroke::new(2.0, style::LISTENER));
-    painter.circle_filled(at, 3.0, style::LISTENER);
-    let source = place(scene.source.position);
-    let halo = style::SOURCE.gamma_multiply(0.3);
-    painter.circle_filled(source, 6.5, halo);
-    painter.circle(source, 3.5, style::SOURCE, Stroke::new(1.0, Color32::BLACK));
+    painter.arrow(at, gaze * (radius + 9.0), Stroke::new(2.0, colour));
+    painter.circle_filled(at, 3.0, colour);
+}
+
+/// Radius of a listener's mark, in points.
+fn radius_of(listener: &Listener, scale: f32) -> f32 {
+    (scale * listener.radius).max(3.0)
 }
 
 /// One line for each wave; those that reached the listener lie on top.

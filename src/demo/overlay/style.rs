@@ -77,6 +77,8 @@ pub fn set_style(context: &Context) {
         style.spacing.slider_width = 96.0;
         style.spacing.button_padding = Vec2::new(5.0, 1.0);
         style.interaction.selectable_labels = false;
+        // What is cut off shows that it can be scrolled before the pointer is there.
+        style.spacing.scroll.dormant_handle_opacity = 0.7;
     });
 }
 

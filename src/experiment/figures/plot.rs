@@ -67,8 +67,8 @@ fn entries(curves: &[Curve]) -> Vec<(String, Stroke)> {
 
 fn times_of(table: &FigureTable) -> Vec<Curve> {
     let mut curves = vec![
-        thesis_curve(table, "thesis, GT 330M", MOBILE, |row| row.thesis.mobile_ms),
-        thesis_curve(table, "thesis, HD 3650; its hits", DESKTOP, |row| {
+        thesis_curve(table, "printed, mobile", MOBILE, |row| row.thesis.mobile_ms),
+        thesis_curve(table, "printed, desktop; printed hits", DESKTOP, |row| {
             row.thesis.desktop_ms
         }),
     ];
@@ -85,7 +85,7 @@ fn times_of(table: &FigureTable) -> Vec<Curve> {
 /// On both of its machines the thesis counts the same.
 fn hits_of(table: &FigureTable) -> Vec<Curve> {
     let hits = |row: &FigureRow| row.thesis.listener_hits as f64;
-    let mut curves = vec![thesis_curve(table, "thesis", DESKTOP, hits)];
+    let mut curves = vec![thesis_curve(table, "printed", DESKTOP, hits)];
     curves.extend(our_curves(table, |row| row.counts.listener_hits as f64));
     curves
 }

@@ -51,13 +51,13 @@ impl Row for Line<'_> {
                 row.counts.step_limit_reached
             }),
             Column::for_programs("pan", |line: &Line| line.row.pan),
-            ms("thesis_mobile_ms", "thesis mobile", |row| {
+            ms("thesis_mobile_ms", "printed mobile", |row| {
                 row.thesis.mobile_ms
             }),
-            ms("thesis_desktop_ms", "thesis desktop", |row| {
+            ms("thesis_desktop_ms", "printed desktop", |row| {
                 row.thesis.desktop_ms
             }),
-            count("thesis_listener_hits", "thesis hits", |row| {
+            count("thesis_listener_hits", "printed hits", |row| {
                 row.thesis.listener_hits
             }),
             Column::new("standard_errors", "se", |line: &Line| {
