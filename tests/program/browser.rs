@@ -27,7 +27,22 @@ pub struct Browser<'a> {
 }
 
 impl Driver {
+    /// Chromedriver asks for the same free port on IPv4 and IPv6, and ends where another program has one of the two:
+    /// then it is started again.
     pub fn start() -> Driver {
+        const STARTS: usize = 8;
+        let mut said = String::new();
+        for _ in 0..STARTS {
+            match Driver::start_once() {
+                Ok(driver) => return driver,
+                Err(why) => said = why,
+            }
+        }
+        panic!("chromedriver did not start {STARTS} times; the last time it said: {said}");
+    }
+
+    /// The driver, or what it said before it ended.
+    fn start_once() -> Result<Driver, String> {
         let mut process = Command::new("chromedriver")
             .arg("--port=0")
             .stdout(Stdio::piped())
@@ -35,14 +50,18 @@ impl Driver {
             .spawn()
             .expect("no chromedriver: install chromium and chromium-driver");
         let lines = BufReader::new(process.stdout.take().unwrap()).lines();
-        let port = lines
-            .map_while(Result::ok)
-            .find_map(|line| {
-                let (_, rest) = line.split_once("started successfully on port ")?;
-                rest.trim_end_matches('.').parse().ok()
-            })
-            .expect("chromedriver says no port");
-        Driver { process, port }
+        let mut said = Vec::new();
+        for line in lines.map_while(Result::ok) {
+            let port = line
+                .split_once("started successfully on port ")
+                .and_then(|(_, rest)| rest.trim_end_matches('.').parse().ok());
+            if let Some(port) = port {
+                return Ok(Driver { process, port });
+            }
+            said.push(line);
+        }
+        let _ = process.wait();
+        Err(said.join("\n"))
     }
 
     /// A browser that keeps its data in `profile` and its downloads in `downloads`; without graphics.

@@ -79,6 +79,7 @@ pub fn set_style(context: &Context) {
         style.interaction.selectable_labels = false;
         // What is cut off shows that it can be scrolled before the pointer is there.
         style.spacing.scroll.dormant_handle_opacity = 0.7;
+        style.spacing.scroll.floating_allocated_width = 4.0;
     });
 }
 
