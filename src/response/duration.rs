@@ -20,6 +20,10 @@ const SHORTEST_S: f64 = 0.1;
 /// The share of the energy that may be left: 60 dB, the definition of the reverberation time.
 const LEFT: f64 = 1e-6;
 
+/// The share of their energy until which the waves are followed. What comes after it is at most a thousandth of
+/// what may be left, where the listener hears its share of it.
+const FOLLOWED: f64 = 1e-3 * LEFT;
+
 /// Bins of time in which the decay is looked at, in seconds.
 const BIN_S: f64 = 0.01;
 
@@ -35,7 +39,7 @@ pub(super) fn needed(
     tracer.arrivals(
         scene,
         &few,
-        &ArrivalSettings::new(LONGEST_S),
+        &ArrivalSettings::new(LONGEST_S).with_least_energy(FOLLOWED),
         &mut |arrival| {
             let bin = (arrival.length_m / medium.speed / BIN_S) as usize;
             if bin >= bins.len() {

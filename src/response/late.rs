@@ -25,6 +25,11 @@ pub(super) const COMMON_ERROR: f64 = 0.003;
 /// How far the sphere reaches in distances of a room's wall.
 const BEHIND_WALLS: f32 = 2.0;
 
+/// Crossings that a wave has in a chunk, on average. A chunk costs as much as ten iterations, and a wave that crosses
+/// oftener than is recorded (four times) is drawn once more: in a room of 8 × 3 × 5 m a response of 65,536 waves takes
+/// 0.38, 0.36, 0.35, 0.33 and 0.32 s with 8, 12, 16, 24 and 32 iterations in a chunk, which are 0.6 to 2.6 crossings.
+const CROSSINGS_IN_CHUNK: f64 = 2.0;
+
 /// Iterations of a chunk at the least.
 const LEAST_ITERATIONS: u32 = 8;
 
@@ -54,13 +59,12 @@ pub(super) fn arrivals(
             early.push(arrival);
         }
     };
-    tracer.arrivals(scene, &settings.trace, &few, &mut keep)?;
+    let counts = tracer.arrivals(scene, &settings.trace, &few, &mut keep)?;
     let mut wide = scene.clone();
     wide.listener.radius = radius_m;
     let mut how = how.clone();
-    // A larger sphere is crossed oftener, and what a chunk records of a wave has a limit.
-    let fewer = (how.iterations_in_chunk as f32 * share) as u32;
-    how.iterations_in_chunk = fewer.clamp(LEAST_ITERATIONS, how.iterations_in_chunk);
+    let crossings = f64::from(1.0 / share) * crossings_an_iteration(&counts);
+    how.iterations_in_chunk = iterations_in_chunk(crossings, how.iterations_in_chunk);
     let mut late = |arrival: Arrival| {
         if !arrival.is_early {
             take(arrival);
@@ -68,6 +72,17 @@ pub(super) fn arrivals(
     };
     let counts = tracer.arrivals(&wide, &settings.trace, &how, &mut late)?;
     Ok((counts, early))
+}
+
+/// How often a wave has crossed the listener in an iteration, on average.
+fn crossings_an_iteration(counts: &ArrivalCounts) -> f64 {
+    counts.arrivals as f64 / (counts.waves as f64 * f64::from(counts.iterations)).max(1.0)
+}
+
+/// Iterations of a chunk in which a wave has so many crossings an iteration, `most` at the most.
+fn iterations_in_chunk(crossings: f64, most: u32) -> u32 {
+    let fit = CROSSINGS_IN_CHUNK / crossings.max(CROSSINGS_IN_CHUNK / f64::from(most));
+    (fit as u32).max(LEAST_ITERATIONS).min(most)
 }
 
 /// Radius of the sphere in metres, at least that of the listener.
@@ -113,5 +128,20 @@ mod tests {
         assert_eq!(radius(vec![room.clone()], Vec3::X * 4.9), 0.3);
         assert!((radius(vec![room, wall], Vec3::X * 0.65) - 0.6).abs() < 1e-5);
         assert_eq!(radius(vec![hollow], Vec3::ZERO), 0.3);
+    }
+
+    /// Protects the time that late arrivals take: a chunk has some crossings, and is neither endless nor empty.
+    #[test]
+    fn chunks_are_short_where_waves_cross_often() {
+        for (crossings, iterations) in [(0.0, 64), (0.01, 64), (0.1, 20), (0.25, 8), (3.0, 8)] {
+            assert_eq!(
+                iterations_in_chunk(crossings, 64),
+                iterations,
+                "{crossings}"
+            );
+        }
+        // Where loops allow fewer than it should have.
+        assert_eq!(iterations_in_chunk(0.01, 20), 20);
+        assert_eq!(iterations_in_chunk(3.0, 5), 5);
     }
 }

@@ -3,7 +3,7 @@
 use super::duration;
 use crate::acoustics::{AcousticsError, MAX_SECONDS};
 use crate::error::Error;
-use crate::scene::{Node, Scene, Surface};
+use crate::scene::{Scene, Surface};
 use crate::trace::{ArrivalSettings, Profile, Settings, TraceError, Tracer};
 
 /// How a [`Response`](super::Response) is traced.
@@ -82,13 +82,7 @@ impl ResponseSettings {
 
     /// The order of exact paths in this scene.
     pub(super) fn order_in(&self, scene: &Scene) -> u32 {
-        let is_flat = |surface: &Surface| {
-            let node = &surface.shape.node;
-            matches!(
-                node,
-                Node::Plane(_) | Node::HalfSpace(_) | Node::Cuboid(_) | Node::Room(_)
-            )
-        };
+        let is_flat = |surface: &Surface| surface.shape.is_flat();
         self.order
             .unwrap_or(match scene.surfaces.iter().all(is_flat) {
                 true => ORDER_AT_PLANES,
@@ -124,5 +118,42 @@ impl ResponseSettings {
             .into());
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::shape::{Cuboid, HalfSpace, Plane, Prism, Room, Sphere};
+    use crate::{Listener, Source};
+    use glam::{Vec2, Vec3};
+
+    /// Protects the usual order: exact paths of six reflections among planes, however they are put together, and of three
+    /// where a surface is curved.
+    #[test]
+    fn paths_among_planes_have_more_reflections() {
+        let size = Vec3::splat(4.0);
+        let flat = [
+            Surface::new(Plane),
+            Surface::new(HalfSpace {
+                normal: Vec3::Y,
+                offset: -2.0,
+            }),
+            Surface::new(Cuboid { size }),
+            Surface::new(Room { size }),
+            Surface::new(Prism {
+                corners: [Vec2::ZERO, Vec2::X, Vec2::Y],
+                depth: 1.0,
+            }),
+        ];
+        let ball = Surface::new(Sphere { radius: 1.0 });
+        let order = |surfaces: &[Surface], settings: ResponseSettings| {
+            let (source, listener) = (Source::at(Vec3::X), Listener::at(Vec3::Z, 0.3));
+            settings.order_in(&Scene::new("order", surfaces.to_vec(), source, listener))
+        };
+        assert_eq!(order(&flat, ResponseSettings::default()), ORDER_AT_PLANES);
+        let curved = [&flat[..], &[ball]].concat();
+        assert_eq!(order(&curved, ResponseSettings::default()), ORDER_AT_CURVES);
+        assert_eq!(order(&curved, ResponseSettings::default().with_order(9)), 9);
     }
 }

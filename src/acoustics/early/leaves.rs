@@ -9,8 +9,8 @@ use crate::scene::shape::{
 };
 use glam::{DMat3, DVec2, DVec3};
 
-/// Adds the sheets that the shape can have at the point that is searched; of what it has not in
-/// closed form nothing.
+/// Offers the sheets of the shape that can be at the point that is searched; of what it has not in closed form
+/// nothing.
 pub(super) fn add(search: &mut Search, node: &Node, way: Way) {
     let p = way.frame.place(search.point);
     let is_itself = way.level == 0.0;
@@ -110,7 +110,7 @@ fn rod(search: &mut Search, radius: f32, way: Way) {
 
 fn torus(search: &mut Search, ring: f64, tube: f64, way: Way) {
     if tube > 0.0 {
-        search.add(Form::Torus { ring, tube }, way, None);
+        search.offer(Form::Torus { ring, tube }, way, None);
     }
 }
 

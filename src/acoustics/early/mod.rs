@@ -171,10 +171,7 @@ impl EarlyPaths {
     /// Whether all of these reflections are at planes, so that a path over them is found whatever
     /// wave named them.
     pub fn are_flat(&self, vertices: &[Vertex]) -> bool {
-        let sheets = vertices.iter().map(|vertex| self.surfaces.sheet(vertex));
-        sheets
-            .into_iter()
-            .all(|sheet| sheet.is_ok_and(|sheet| sheet.is_flat()))
+        vertices.iter().all(|vertex| self.surfaces.is_flat(vertex))
     }
 
     /// The paths of all candidates, and the direct sound where nothing is in its way; none from or to

@@ -79,20 +79,33 @@ impl<'a> Search<'a> {
             normal: seen * (way.sign / scale),
             offset: (offset - normal.dot(way.frame.shift)) * (way.sign / scale),
         };
-        self.add(form, way, wall);
+        self.offer(form, way, wall);
     }
 
     pub fn quadric(&mut self, quadric: Quadratic, way: Way) {
-        self.add(Form::Quadric(quadric), way, None);
+        self.offer(Form::Quadric(quadric), way, None);
     }
 
-    pub fn add(&mut self, form: Form<'a>, way: Way, wall: Option<u8>) {
-        self.found.push(Sheet {
-            form,
-            frame: way.frame,
-            sign: way.sign,
-            id: way.id,
-            wall,
-        });
+    /// Adds a sheet of a leaf if it has the surface at the point.
+    pub fn offer(&mut self, form: Form<'a>, way: Way, wall: Option<u8>) {
+        let sheet = sheet(form, way, wall);
+        let at = sheet.at(self.point);
+        if at.is_some_and(|at| at.distance.abs() <= self.touch) {
+            self.found.push(sheet);
+        }
+    }
+
+    pub fn add(&mut self, form: Form<'a>, way: Way) {
+        self.found.push(sheet(form, way, None));
+    }
+}
+
+fn sheet(form: Form<'_>, way: Way, wall: Option<u8>) -> Sheet<'_> {
+    Sheet {
+        form,
+        frame: way.frame,
+        sign: way.sign,
+        id: way.id,
+        wall,
     }
 }

@@ -90,6 +90,15 @@ impl Surfaces {
         best.ok_or(NotExact)
     }
 
+    /// Whether the sheet that was met at `vertex` is a plane.
+    pub fn is_flat(&self, vertex: &Vertex) -> bool {
+        let index = (vertex.surface as usize).wrapping_sub(1);
+        let is_box = |(shape, _): &(Shape, Frame)| shape.is_flat();
+        // Without a search where there is nothing else.
+        self.surfaces.get(index).is_some_and(is_box)
+            || self.sheet(vertex).is_ok_and(|sheet| sheet.is_flat())
+    }
+
     /// The place on the surface with this number next to a world point, by steps along the
     /// gradient of its value; `None` where they lead nowhere.
     pub fn onto(&self, surface: u32, point: DVec3) -> Option<Vertex> {

@@ -7,7 +7,7 @@
 use super::differences::Differenced;
 use super::leaves;
 use super::search::{Search, Way};
-use super::sheet::{Form, Sheet};
+use super::sheet::Form;
 use crate::scene::shape::{Elongate, Mirror, Repeat};
 use crate::scene::{Node, Shape};
 use glam::{DMat3, DVec3};
@@ -128,7 +128,7 @@ impl<'a> Search<'a> {
             return;
         }
         let differenced = Differenced::new(shape, way.level, self.largest);
-        self.add(Form::Differenced(differenced), way, None);
+        self.add(Form::Differenced(differenced), way);
     }
 
     fn leaf(&mut self, shape: &'a Shape, way: Way) {
@@ -138,13 +138,6 @@ impl<'a> Search<'a> {
         }
         let before = self.found.len();
         leaves::add(self, &shape.node, way);
-        let (point, touch) = (self.point, self.touch);
-        let is_here = |sheet: &Sheet| sheet.at(point).is_some_and(|at| at.distance.abs() <= touch);
-        let mut index = 0;
-        self.found.retain(|sheet| {
-            index += 1;
-            index <= before || is_here(sheet)
-        });
         if self.found.len() == before {
             self.differenced(shape, way);
         }

@@ -124,6 +124,14 @@ impl Shape {
         )
     }
 
+    /// Whether it is one shape all of whose faces are planes.
+    pub(crate) fn is_flat(&self) -> bool {
+        matches!(
+            self.node,
+            Node::Plane(_) | Node::HalfSpace(_) | Node::Cuboid(_) | Node::Room(_) | Node::Prism(_)
+        )
+    }
+
     /// The tree, if it is no [basic](Shape::is_basic) shape.
     pub(crate) fn field(&self) -> Option<&Shape> {
         (!self.is_basic()).then_some(self)

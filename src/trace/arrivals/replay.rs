@@ -4,7 +4,7 @@ use super::super::Grid;
 use super::ArrivalCounts;
 use super::events::{EventTable, Events};
 use crate::acoustics::Arrival;
-use crate::bands::{BAND_COUNT, Bands};
+use crate::bands::{self, BAND_COUNT, Bands};
 use glam::DVec3;
 use std::ops::Range;
 
@@ -24,6 +24,8 @@ pub struct Replay {
     pub density: f64,
     /// What reflections do; none where nothing absorbs or scatters.
     pub events: Option<EventTable>,
+    /// The share of their energy that the waves of a block must have together to be followed.
+    pub least_energy: f64,
 }
 
 /// A wave that is drawn once more, because it crosses the listener oftener than is recorded.
@@ -216,6 +218,27 @@ impl Block {
         })
     }
 
+    /// What is left of the energy of a wave of this number.
+    fn energy(&self, number: usize) -> Bands {
+        let left = self.energies.get(number).copied();
+        left.unwrap_or([1.0; BAND_COUNT])
+    }
+
+    /// Whether the waves that travel have more than a share of the energy of all waves at the source, in some band.
+    pub fn has_energy(&self, share: f64) -> bool {
+        if self.energies.is_empty() || share == 0.0 {
+            return true;
+        }
+        let mut all = [0.0; BAND_COUNT];
+        for (number, wave) in self.waves.iter().enumerate() {
+            if wave.fate == Fate::Travelling {
+                bands::add(&mut all, &self.energies[number]);
+            }
+        }
+        let least = share * self.waves.len() as f64;
+        all.iter().any(|energy| *energy > least)
+    }
+
     /// Metres that each wave had flown which was cut off.
     pub fn cut_off_m(&self) -> impl Iterator<Item = f64> + '_ {
         let travelling = |wave: &&WaveSoFar| wave.fate == Fate::Travelling;
@@ -234,10 +257,7 @@ impl Block {
                 Fate::Flown => &mut counts.flown,
             } += 1;
             if matches!(wave.fate, Fate::Travelling | Fate::Flown) {
-                let left = self.energies.get(number).copied();
-                let left = left.unwrap_or([1.0; BAND_COUNT]);
-                let sums = counts.energy_under_way.iter_mut().zip(left);
-                sums.for_each(|(sum, left)| *sum += left);
+                bands::add(&mut counts.energy_under_way, &self.energy(number));
             }
         }
     }

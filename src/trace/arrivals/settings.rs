@@ -17,6 +17,9 @@ pub struct ArrivalSettings {
     /// Iterations of a wave at the most, 1 … [`MAX_ITERATIONS`], however short its way was until
     /// then: by default as many as that.
     pub iterations: u32,
+    /// Waves are followed no longer than all of a block together have more than this share of the energy
+    /// that they started with, in some band: 0 by default.
+    pub(crate) least_energy: f64,
     /// Iterations in a chunk at the most.
     pub(crate) iterations_in_chunk: u32,
     /// Crossings that a pass records of a wave at the most.
@@ -32,6 +35,7 @@ impl ArrivalSettings {
             seconds,
             early_order: 3,
             iterations: MAX_ITERATIONS,
+            least_energy: 0.0,
             iterations_in_chunk: ITERATIONS_IN_CHUNK,
             records: RECORDS,
             outputs: u32::MAX,
@@ -47,6 +51,12 @@ impl ArrivalSettings {
     /// The same with another limit of iterations.
     pub fn with_iterations(mut self, iterations: u32) -> ArrivalSettings {
         self.iterations = iterations;
+        self
+    }
+
+    /// The same for waves that are followed until only this share of their energy is left.
+    pub(crate) fn with_least_energy(mut self, share: f64) -> ArrivalSettings {
+        self.least_energy = share;
         self
     }
 

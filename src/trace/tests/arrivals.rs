@@ -4,6 +4,7 @@
 use crate::acoustics::Arrival;
 use crate::gpu::{Api, Context};
 use crate::reference::ExactScene;
+use crate::scene::Material;
 use crate::scene::shape::{Cylinder, Room, Sphere, Torus};
 use crate::test_common::{builtin, context, for_each_api};
 use crate::trace::{ArrivalCounts, ArrivalSettings};
@@ -303,4 +304,43 @@ fn records_and_chunks_change_nothing() {
             }
         }
     });
+}
+
+/// Protects what is foretold of a decay: who follows waves until their energy is gone gets the same arrivals as who
+/// follows them to the end, but for those that have nothing left to bring.
+#[test]
+fn waves_are_followed_until_their_energy_is_gone() {
+    let context = context(Api::Gl);
+    let mut tracer = Tracer::new(&context).unwrap();
+    let mut scene = builtin("shoebox");
+    let settings = Settings::hybrid().with_waves(2000);
+    let to_the_end = ArrivalSettings {
+        iterations_in_chunk: 4,
+        ..ArrivalSettings::new(10.0)
+    };
+    let until = to_the_end.clone().with_least_energy(1e-6);
+    // Nothing absorbs: they are followed all the same.
+    let (all, counts) = arrivals(&mut tracer, &scene, &settings, &to_the_end);
+    assert_eq!(
+        arrivals(&mut tracer, &scene, &settings, &until),
+        (all, counts)
+    );
+    for surface in &mut scene.surfaces {
+        surface.material = Some("half".to_owned());
+    }
+    scene
+        .materials
+        .insert("half".into(), Material::absorbing(0.5));
+    let (all, counts) = arrivals(&mut tracer, &scene, &settings, &to_the_end);
+    let (most, fewer) = arrivals(&mut tracer, &scene, &settings, &until);
+    assert!(
+        2 * fewer.iterations < counts.iterations,
+        "{fewer:?} {counts:?}"
+    );
+    assert!(fewer.energy_under_way.iter().all(|energy| *energy <= 1e-6));
+    let energy = |of: &[Arrival]| of.iter().map(|arrival| arrival.energy[4]).sum::<f64>();
+    assert!(energy(&most) < energy(&all), "waves have something left");
+    // The listener's share of what is left varies: few of 2,000 waves cross it.
+    let left = (energy(&all) - energy(&most)) / energy(&all);
+    assert!(left < 1e-5, "{left}");
 }

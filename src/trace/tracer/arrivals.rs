@@ -218,8 +218,8 @@ impl Tracer {
             let chunk = targets.chunk(&listed, part.iterations);
             counts.arrivals += block.replay(&run.replay, &chunk, take);
             match next {
-                Some(next) => part = next,
-                None => break,
+                Some(next) if block.has_energy(run.replay.least_energy) => part = next,
+                _ => break,
             }
         }
         block.count(counts);
@@ -362,5 +362,6 @@ fn replay(scene: &Scene, settings: &Settings, how: &ArrivalSettings, of: Materia
         chord_unit: 4.0 * f64::from(scene.listener.radius),
         density,
         events: EventTable::of(of),
+        least_energy: how.least_energy,
     }
 }
