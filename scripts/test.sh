@@ -60,13 +60,13 @@ test_on() {
     run env "${with[@]}" cargo test --locked "$@"
 }
 
-# zink on lavapipe is OpenGL by way of Vulkan. One test is run without Mesa's thread for GL there: docs/portability.md
-# says why. softpipe is slow and takes the smallest tests.
+# zink on lavapipe is OpenGL by way of Vulkan. There tests run one after the other, and one of them without Mesa's thread
+# for GL: docs/portability.md says why. softpipe is slow and takes the smallest tests.
 check_other_implementations() {
     local zink="LIBGL_ALWAYS_SOFTWARE=1 MESA_LOADER_DRIVER_OVERRIDE=zink"
     local softpipe="LIBGL_ALWAYS_SOFTWARE=1 GALLIUM_DRIVER=softpipe"
     local threaded=gpu_drops_leave_the_context_of_others_current
-    test_on zink "$zink" --lib -- gpu:: kernel:: trace:: --skip "$threaded"
+    test_on zink "$zink" --lib -- --test-threads=1 gpu:: kernel:: trace:: --skip "$threaded"
     test_on zink "$zink mesa_glthread=false" --lib -- "trace::tests::foreign_contexts::$threaded" --exact
     test_on softpipe "$softpipe" --lib -- gpu:: kernel::tests::driver_functions
 }
