@@ -2,10 +2,10 @@
 //! measured (8 × 3 × 5 m, absorption 0.2): `response_cost WAVES ORDER SEEDS`. `scripts/peers/compute_rir.py` is that
 //! program.
 
-use echomarch::acoustics::{BandFigures, Echogram, Figures, Tap};
-use echomarch::glam::{DVec3, Vec3};
+use echomarch::acoustics::{BandFigures, Figures};
+use echomarch::glam::Vec3;
 use echomarch::gpu::{Context, ContextOptions};
-use echomarch::reference::{ImageSource, ShoeboxEnergies};
+use echomarch::reference::ShoeboxEnergies;
 use echomarch::response::{Response, ResponseSettings};
 use echomarch::scene::{Material, shape::Room};
 use echomarch::{Listener, Scene, Settings, Source, Surface, Tracer};
@@ -51,26 +51,12 @@ fn scene() -> Scene {
     scene
 }
 
-/// The figures by image sources.
+/// The figures by image sources, in all bands the same.
 fn truth() -> Option<BandFigures> {
-    const TAPS_ORDER: u32 = 12;
-    const CELL_S: f64 = 1e-4;
     const SECONDS: f64 = 1.0;
     let [size, source, listener] = [SIZE, SOURCE, LISTENER].map(|place| place.as_dvec3());
     let exact = ShoeboxEnergies::new(size, source, listener, &[[ABSORPTION; 8]; 6])?;
-    let direct_s = exact.direct_m() / SPEED;
-    let tap = |image: &ImageSource| Tap {
-        seconds: image.length_m / SPEED,
-        energy: image.energy,
-        direction: image.direction,
-    };
-    let taps: Vec<Tap> = exact.images(TAPS_ORDER).iter().map(tap).collect();
-    let late = exact.energies_by_length(CELL_S * SPEED, SECONDS * SPEED, Some(TAPS_ORDER));
-    let mut echogram = Echogram::with_edge_at(direct_s, CELL_S, 1).ok()?;
-    for (cell, energy) in late.energies.iter().enumerate() {
-        echogram.add(0, late.middle_m(cell) / SPEED, energy, DVec3::ZERO);
-    }
-    let figures = Figures::new(&taps, &echogram, Some(direct_s), SECONDS);
+    let figures = Figures::of_image_sources(&exact, SPEED, SECONDS).ok()?;
     figures.bands.into_iter().next()
 }
 

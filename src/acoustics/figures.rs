@@ -1,6 +1,7 @@
 //! Room acoustic figures by octave band (ISO 3382-1:2009), and how wrong the waves make them.
 
 mod decay;
+mod image_sources;
 mod pieces;
 #[cfg(test)]
 mod tests;

@@ -1,9 +1,9 @@
 //! Responses of scenes against image sources and closed forms.
 
-use echomarch::acoustics::{BandFigures, Echogram, Figures, Tap};
+use echomarch::acoustics::{BandFigures, Figures};
 use echomarch::bands::{BAND_COUNT, Bands};
-use echomarch::glam::{DVec3, Vec3};
-use echomarch::reference::{ImageSource, ShoeboxEnergies};
+use echomarch::glam::Vec3;
+use echomarch::reference::ShoeboxEnergies;
 use echomarch::response::{Response, ResponseSettings};
 use echomarch::scene::Material;
 use echomarch::scene::shape::{Room, Sphere};
@@ -52,26 +52,12 @@ impl Shoebox {
         scene
     }
 
-    /// By image sources: those of up to 12 reflections as taps, all others in cells of 0.1 ms.
+    /// By image sources.
     fn truth(&self, seconds: f64) -> Figures {
-        const TAPS_ORDER: u32 = 12;
-        const CELL_S: f64 = 1e-4;
         let [size, source, listener] =
             [self.size, self.source, self.listener].map(|v| v.as_dvec3());
         let exact = ShoeboxEnergies::new(size, source, listener, &self.absorption).unwrap();
-        let direct_s = exact.direct_m() / SPEED;
-        let tap = |image: &ImageSource| Tap {
-            seconds: image.length_m / SPEED,
-            energy: image.energy,
-            direction: image.direction,
-        };
-        let taps: Vec<Tap> = exact.images(TAPS_ORDER).iter().map(tap).collect();
-        let late = exact.energies_by_length(CELL_S * SPEED, seconds * SPEED, Some(TAPS_ORDER));
-        let mut echogram = Echogram::with_edge_at(direct_s, CELL_S, 1).unwrap();
-        for (cell, energy) in late.energies.iter().enumerate() {
-            echogram.add(0, late.middle_m(cell) / SPEED, energy, DVec3::ZERO);
-        }
-        Figures::new(&taps, &echogram, Some(direct_s), seconds)
+        Figures::of_image_sources(&exact, SPEED, seconds).unwrap()
     }
 }
 

@@ -15,10 +15,6 @@ const SPEED: f64 = 343.0;
 /// room is longer, and T30 needs 45 dB of decay.
 const RECORD: f64 = 1.3;
 
-/// The truth has all images of so many reflections as taps, and the others in cells of 0.1 ms.
-const TRUE_TAPS_ORDER: u32 = 12;
-const TRUE_CELL_S: f64 = 1e-4;
-
 /// No absorption by the air.
 const AIRLESS: Bands = [0.0; BAND_COUNT];
 
@@ -117,15 +113,7 @@ fn longest_decay_s(room: &Room) -> f64 {
 }
 
 fn truth(exact: &ShoeboxEnergies, seconds: f64) -> Figures {
-    let direct_s = exact.direct_m() / SPEED;
-    let taps: Vec<Tap> = exact.images(TRUE_TAPS_ORDER).iter().map(tap).collect();
-    let (cell_m, length_m) = (TRUE_CELL_S * SPEED, seconds * SPEED);
-    let late = exact.energies_by_length(cell_m, length_m, Some(TRUE_TAPS_ORDER));
-    let mut echogram = Echogram::with_edge_at(direct_s, TRUE_CELL_S, 1).expect("a good bin");
-    for (cell, energy) in late.energies.iter().enumerate() {
-        echogram.add(0, late.middle_m(cell) / SPEED, energy, DVec3::ZERO);
-    }
-    Figures::new(&taps, &echogram, Some(direct_s), seconds)
+    Figures::of_image_sources(exact, SPEED, seconds).expect("a near source")
 }
 
 /// Follows waves for so many metres, and hands over what arrives later than the taps.

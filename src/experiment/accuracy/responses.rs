@@ -6,20 +6,20 @@
 //! and strength (ISO 3382-1:2009, annex A, table A.1).
 
 use super::report::{AccuracyReport, ResponseRow};
-use crate::acoustics::{BandFigures, Echogram, Figures, Tap};
+use crate::acoustics::{BandFigures, Figures};
 use crate::bands::{BAND_COUNT, Bands};
 use crate::error::Error;
 use crate::experiment::plot::{
     HYBRID, LogAxis, MARCH, Panel, Point, Stroke, THESIS, chart, draw_legend, draw_line,
 };
-use crate::reference::{ImageSource, ShoeboxEnergies};
+use crate::reference::ShoeboxEnergies;
 use crate::report::{Column, PlotError, Row};
 use crate::response::{Response, ResponseSettings};
 use crate::scene::shape::Room;
 use crate::scene::{Listener, Material, Scene, Source, Surface};
 use crate::stats::median;
 use crate::trace::{Profile, Settings, Tracer};
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 use plotters::prelude::*;
 
 /// Numbers of waves.
@@ -63,27 +63,13 @@ fn room() -> Scene {
     scene
 }
 
-/// By image sources: those of up to twelve reflections as taps, all others in cells of 0.1 ms.
+/// By image sources.
 fn truth(speed: f64) -> Result<Figures, Error> {
-    const TAPS_ORDER: u32 = 12;
-    const CELL_S: f64 = 1e-4;
     let [size, source, listener] = [SIZE, SOURCE, LISTENER].map(|v| v.as_dvec3());
     let Some(exact) = ShoeboxEnergies::new(size, source, listener, &absorption()) else {
         unreachable!("the room is a room");
     };
-    let direct_s = exact.direct_m() / speed;
-    let tap = |image: &ImageSource| Tap {
-        seconds: image.length_m / speed,
-        energy: image.energy,
-        direction: image.direction,
-    };
-    let taps: Vec<Tap> = exact.images(TAPS_ORDER).iter().map(tap).collect();
-    let late = exact.energies_by_length(CELL_S * speed, SECONDS * speed, Some(TAPS_ORDER));
-    let mut echogram = Echogram::with_edge_at(direct_s, CELL_S, 1)?;
-    for (cell, energy) in late.energies.iter().enumerate() {
-        echogram.add(0, late.middle_m(cell) / speed, energy, DVec3::ZERO);
-    }
-    Ok(Figures::new(&taps, &echogram, Some(direct_s), SECONDS))
+    Ok(Figures::of_image_sources(&exact, speed, SECONDS)?)
 }
 
 /// Calls of `step` in [`measure`].
