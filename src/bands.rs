@@ -24,7 +24,7 @@ pub fn mean(bands: &Bands) -> f64 {
 /// What the air leaves of energies on a way of `length_m` metres: exp(−`air_per_m` × length) of each
 /// (ISO 9613-1 gives the attenuation in decibels: m = α ln 10 / 10).
 pub(crate) fn through_air(energy: &Bands, air_per_m: &Bands, length_m: f64) -> Bands {
-    // Most scenes have no air that takes anything, and some 10⁶ arrivals come by here.
+    // The factor is 1 without air, and a response has about a million arrivals.
     if *air_per_m == [0.0; BAND_COUNT] {
         return *energy;
     }

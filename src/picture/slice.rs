@@ -45,8 +45,8 @@ impl Default for SliceOptions {
 
 /// The scene cut at a height and seen from above: x to the right, z downwards. Listeners,
 /// sources, their key-framed paths and the paths of waves are drawn over it, wherever
-/// they are in height. Paths of waves lead from the first source to the first listener; further ones are
-/// paler.
+/// they are in height. Waves are those of the first source and the first listener; further sources and
+/// listeners are paler.
 ///
 /// # Errors
 /// [`Error::Picture`] for a size or bounds that cannot be, [`Error::Scene`] and

@@ -5,7 +5,7 @@ use crate::acoustics::early::{Candidates, EarlyPaths, Ends, Missed, NoPath, Spec
 use crate::acoustics::{Arrival, Tap};
 use crate::bands::{self, BAND_COUNT, Bands};
 use crate::error::Error;
-use crate::scene::{Listener, Node, Scene};
+use crate::scene::{Listener, Scene, Shape};
 use crate::sphere::lattice;
 use glam::{DVec3, Vec3};
 
@@ -191,9 +191,8 @@ const FLAT_SEARCH: u64 = 1 << 14;
 /// Whether paths over planes are looked for in all directions: where something is flat, and all else
 /// is met in closed form. To march a field in `f64` takes a thousand times as long.
 fn flat_search_pays(scene: &Scene) -> bool {
-    let nodes = || scene.surfaces.iter().map(|surface| &surface.shape);
-    nodes().all(|shape| shape.is_basic())
-        && nodes().any(|shape| !matches!(shape.node, Node::Sphere(_) | Node::Cylinder(_)))
+    let mut shapes = scene.surfaces.iter().map(|surface| &surface.shape);
+    shapes.clone().all(Shape::is_basic) && shapes.any(Shape::is_flat)
 }
 
 /// Adds the sequences of planes that an even lattice of directions meets.

@@ -59,6 +59,17 @@ impl Way {
         }
     }
 
+    /// The sheet of this form at the end of the way.
+    fn sheet(self, form: Form<'_>, wall: Option<u8>) -> Sheet<'_> {
+        Sheet {
+            form,
+            frame: self.frame,
+            sign: self.sign,
+            id: self.id,
+            wall,
+        }
+    }
+
     /// The branch of 64 bits.
     pub fn branch_of_bits(self, bits: u64) -> Way {
         self.branch(bits.rotate_left(20) >> 1)
@@ -86,26 +97,17 @@ impl<'a> Search<'a> {
         self.offer(Form::Quadric(quadric), way, None);
     }
 
-    /// Adds a sheet of a leaf if it has the surface at the point.
+    /// Adds a sheet of a leaf if the point lies on it.
     pub fn offer(&mut self, form: Form<'a>, way: Way, wall: Option<u8>) {
-        let sheet = sheet(form, way, wall);
+        let sheet = way.sheet(form, wall);
         let at = sheet.at(self.point);
         if at.is_some_and(|at| at.distance.abs() <= self.touch) {
             self.found.push(sheet);
         }
     }
 
+    /// Adds a sheet on which the point lies.
     pub fn add(&mut self, form: Form<'a>, way: Way) {
-        self.found.push(sheet(form, way, None));
-    }
-}
-
-fn sheet(form: Form<'_>, way: Way, wall: Option<u8>) -> Sheet<'_> {
-    Sheet {
-        form,
-        frame: way.frame,
-        sign: way.sign,
-        id: way.id,
-        wall,
+        self.found.push(way.sheet(form, None));
     }
 }

@@ -93,9 +93,9 @@ impl Surfaces {
     /// Whether the sheet that was met at `vertex` is a plane.
     pub fn is_flat(&self, vertex: &Vertex) -> bool {
         let index = (vertex.surface as usize).wrapping_sub(1);
-        let is_box = |(shape, _): &(Shape, Frame)| shape.is_flat();
-        // Without a search where there is nothing else.
-        self.surfaces.get(index).is_some_and(is_box)
+        let has_planes_alone = |(shape, _): &(Shape, Frame)| shape.is_flat();
+        // Among planes alone the sheet need not be searched.
+        self.surfaces.get(index).is_some_and(has_planes_alone)
             || self.sheet(vertex).is_ok_and(|sheet| sheet.is_flat())
     }
 

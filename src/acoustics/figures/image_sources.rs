@@ -17,7 +17,7 @@ impl Figures {
     /// such a room can be held against them.
     ///
     /// # Errors
-    /// [`AcousticsError`] where the direct sound arrives too late for an echogram.
+    /// As [`Echogram::with_edge_at`]; bins of 0.1 ms and one batch are in its range.
     pub fn of_image_sources(
         room: &ShoeboxEnergies,
         speed_m_per_s: f64,

@@ -24,8 +24,6 @@ pub struct Replay {
     pub density: f64,
     /// What reflections do; none where nothing absorbs or scatters.
     pub events: Option<EventTable>,
-    /// The share of their energy that the waves of a block must have together to be followed.
-    pub least_energy: f64,
 }
 
 /// A wave that is drawn once more, because it crosses the listener oftener than is recorded.

@@ -17,8 +17,8 @@ pub struct ArrivalSettings {
     /// Iterations of a wave at the most, 1 … [`MAX_ITERATIONS`], however short its way was until
     /// then: by default as many as that.
     pub iterations: u32,
-    /// Waves are followed no longer than all of a block together have more than this share of the energy
-    /// that they started with, in some band: 0 by default.
+    /// Waves are followed while those of a block together have more than this share of the energy that they
+    /// started with, in some band: 0 by default.
     pub(crate) least_energy: f64,
     /// Iterations in a chunk at the most.
     pub(crate) iterations_in_chunk: u32,

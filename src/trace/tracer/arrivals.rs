@@ -38,6 +38,8 @@ struct Run {
     iterations: u32,
     /// Those of a chunk.
     iterations_in_chunk: u32,
+    /// The waves of a block are followed while they have more than this share of their energy.
+    least_energy: f64,
 }
 
 /// A chunk to be drawn.
@@ -155,6 +157,7 @@ impl Tracer {
             materials: kernel::material_values(scene, &materials, &text),
             replay: replay(scene, &settings, how, materials),
             iterations: how.iterations,
+            least_energy: how.least_energy,
             frame,
             program,
         })
@@ -218,7 +221,8 @@ impl Tracer {
             let chunk = targets.chunk(&listed, part.iterations);
             counts.arrivals += block.replay(&run.replay, &chunk, take);
             match next {
-                Some(next) if block.has_energy(run.replay.least_energy) => part = next,
+                // Where they have not, the chunk that is being drawn is not read.
+                Some(next) if block.has_energy(run.least_energy) => part = next,
                 _ => break,
             }
         }
@@ -362,6 +366,5 @@ fn replay(scene: &Scene, settings: &Settings, how: &ArrivalSettings, of: Materia
         chord_unit: 4.0 * f64::from(scene.listener.radius),
         density,
         events: EventTable::of(of),
-        least_energy: how.least_energy,
     }
 }
