@@ -55,6 +55,7 @@ build_tests() {
 tests_pass() {
     local limited=(timeout "$LONGEST_S")
     "${limited[@]}" "$UNITS" trace::tests::gpu_against_cpu &&
+        "${limited[@]}" "$UNITS" trace::tests::arrivals &&
         "${limited[@]}" "$UNITS" kernel::tests:: trace::tests::field_waves \
             trace::tests::loop_budget &&
         "${limited[@]}" "$SURFACES" &&

@@ -33,12 +33,11 @@ void addLength(float t) {
     rest += t - whole;
 }
 
-// Records where the flight from p along d, t long, crosses the listener. (A wave that begins or
-// ends within crosses as much of it as it flies through.)
+// Records where the flight from p along d, t long, crosses the listener, whose centre is where coordinates
+// begin. (A wave that begins or ends within crosses as much of it as it flies through.)
 void crossListener(vec3 p, vec3 d, float t, float iteration) {
-    vec3 offset = p - listener.xyz;
-    float along = dot(offset, d);
-    vec3 aside = offset - along * d;
+    float along = dot(p, d);
+    vec3 aside = p - along * d;
     float halfChord = sqrt(max(squaredListenerRadius - dot(aside, aside), 0.0));
     float enters = max(-along - halfChord, 0.0);
     float leaves = min(halfChord - along, t);

@@ -8,18 +8,18 @@ float listenerDistance(vec3 p) {
     return length(p - listener.xyz) - listener.w;
 }
 
+// The two below are of the profiles whose coordinates begin at the listener's centre.
+
 // Distance to the listener if a wave along d can still meet it: one that it recedes from is
 // never met, and a wave that starts inside has arrived.
 float sdListenerDirected(vec3 p, vec3 d) {
     const float NEVER = 1e30;
-    vec3 offset = p - listener.xyz;
-    float nearest = length(offset) - listener.w;
-    return nearest > 0.0 && dot(offset, d) >= 0.0 ? NEVER : nearest;
+    float nearest = length(p) - listener.w;
+    return nearest > 0.0 && dot(p, d) >= 0.0 ? NEVER : nearest;
 }
 
 // Where a ray intersects the listener; a wave that starts inside has arrived.
 float hitListener(vec3 p, vec3 d) {
-    vec3 offset = p - listener.xyz;
-    float t = hitBall(offset, d, squaredListenerRadius);
-    return dot(offset, offset) <= squaredListenerRadius ? 0.0 : t;
+    float t = hitBall(p, d, squaredListenerRadius);
+    return dot(p, p) <= squaredListenerRadius ? 0.0 : t;
 }

@@ -15,7 +15,7 @@ pub const BATCHES: RangeInclusive<usize> = 1..=256;
 
 /// An echogram has at most so many bins: 65 s at 1 ms, 80 MiB with 16 batches. What is later is
 /// summed without its time ([`Echogram::beyond`]).
-const MAX_BINS: usize = 1 << 16;
+pub(super) const MAX_BINS: usize = 1 << 16;
 
 /// What arrives at a listener against time: energy, and energy × direction, by octave band.
 ///

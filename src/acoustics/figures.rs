@@ -107,6 +107,19 @@ pub struct Figures {
     pub begins_s: Option<f64>,
 }
 
+/// Errors that all waves have in common, one standard deviation each.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CommonErrors {
+    /// Of T20 and T30, as a share of them.
+    pub decay_share: f64,
+    /// Of EDT, as a share of it.
+    pub early_decay_share: f64,
+    /// Of C50 and C80, in decibels.
+    pub clarity_db: f64,
+    /// Of G, in decibels.
+    pub strength_db: f64,
+}
+
 /// The figures as a list, so that they can be computed with.
 const FIGURE_COUNT: usize = 8;
 
@@ -167,16 +180,22 @@ impl Figures {
         figures
     }
 
-    /// The same with an error of decay times besides, as a share of them, that all waves have in common.
-    pub(crate) fn with_common_error(mut self, share: f64) -> Figures {
+    /// The same with errors besides that all waves have in common.
+    pub(crate) fn with_common_errors(mut self, common: &CommonErrors) -> Figures {
         for (band, error) in self.bands.iter().zip(&mut self.errors) {
-            let times = [band.edt_s, band.t20_s, band.t30_s];
-            let errors = [&mut error.edt_s, &mut error.t20_s, &mut error.t30_s];
-            for (time_s, error_s) in times.into_iter().zip(errors) {
-                *error_s = error_s
-                    .zip(time_s)
-                    .map(|(e, time_s)| e.hypot(share * time_s));
-            }
+            let add = |error: &mut Option<f64>, common: Option<f64>| {
+                *error = error.zip(common).map(|(error, common)| error.hypot(common));
+            };
+            let share = |time_s: Option<f64>, share: f64| time_s.map(|time_s| share * time_s);
+            add(
+                &mut error.edt_s,
+                share(band.edt_s, common.early_decay_share),
+            );
+            add(&mut error.t20_s, share(band.t20_s, common.decay_share));
+            add(&mut error.t30_s, share(band.t30_s, common.decay_share));
+            add(&mut error.c50_db, Some(common.clarity_db));
+            add(&mut error.c80_db, Some(common.clarity_db));
+            add(&mut error.g_db, Some(common.strength_db));
         }
         self
     }

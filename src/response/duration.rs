@@ -1,6 +1,6 @@
 //! How long a response is, where no one says it.
 
-use super::Medium;
+use super::{Medium, late};
 use crate::acoustics::MAX_SECONDS;
 use crate::bands::{self, BAND_COUNT, Bands};
 use crate::error::Error;
@@ -36,8 +36,10 @@ pub(super) fn needed(
     let medium = Medium::of(scene);
     let mut bins: Vec<Bands> = Vec::new();
     let few = settings.clone().with_waves(settings.waves.min(WAVES));
+    // The end of a decay is what few waves bring.
+    let wide = late::widened(scene);
     tracer.arrivals(
-        scene,
+        &wide,
         &few,
         &ArrivalSettings::new(LONGEST_S).with_least_energy(FOLLOWED),
         &mut |arrival| {

@@ -8,19 +8,26 @@
 //! at the most. The energy is the mean over the part of the sphere that is open, and the times are those
 //! of paths to its centre, as in the listener itself.
 
-use super::ResponseSettings;
-use crate::acoustics::Arrival;
+use super::importance::{self, Importance, Pilot};
+use super::{Medium, ResponseSettings};
+use crate::acoustics::{Arrival, CommonErrors, Echogram};
 use crate::error::Error;
 use crate::scene::{Node, Scene, Surface};
-use crate::trace::{ArrivalCounts, ArrivalSettings, Tracer};
+use crate::trace::{ArrivalCounts, ArrivalSettings, Settings, Tracer, WavesToFollow};
 
 /// Radius in metres. In random rooms (docs/acoustics.md) T30 is 2.5 times as exact with it as with
 /// 0.3 m, and what the mean over the sphere is off cannot be told from noise yet; with 1.5 m it can.
 const RADIUS_M: f32 = 1.0;
 
-/// What the mean over the sphere leaves decay times off, as a share: in a room of 4.4 × 3 × 4.3 m T30
-/// was 0.2 to 0.4 % off in all bands.
-pub(super) const COMMON_ERROR: f64 = 0.003;
+/// What the mean over the sphere leaves figures off, one standard deviation: in a room of 4.4 × 3 × 4.3 m T30
+/// was 0.2 to 0.4 % off in all bands, in one of 3.1 × 8.5 × 6.4 m C80 0.02 to 0.03 dB, in one of 24.8 × 2.5 × 3.8 m
+/// EDT up to 0.8 % and C80 up to 0.04 dB.
+pub(super) const COMMON_ERRORS: CommonErrors = CommonErrors {
+    decay_share: 0.003,
+    early_decay_share: 0.005,
+    clarity_db: 0.02,
+    strength_db: 0.003,
+};
 
 /// How far the sphere reaches in distances of a room's wall.
 const BEHIND_WALLS: f32 = 2.0;
@@ -33,22 +40,23 @@ const CROSSINGS_IN_CHUNK: f64 = 2.0;
 /// Iterations of a chunk at the least.
 const LEAST_ITERATIONS: u32 = 8;
 
-/// Follows the waves, gives what stays a statistic to `take`, and tells the early arrivals: these are
+/// Follows the waves, adds what stays a statistic to the echogram, and tells the early arrivals: these are
 /// counted in the listener itself.
 pub(super) fn arrivals(
     tracer: &mut Tracer,
     scene: &Scene,
     settings: &ResponseSettings,
     how: &ArrivalSettings,
-    take: &mut dyn FnMut(Arrival),
+    echogram: &mut Echogram,
 ) -> Result<(ArrivalCounts, Vec<Arrival>), Error> {
+    let medium = Medium::of(scene);
     let mut early = Vec::new();
     let radius_m = radius_m(scene);
     let share = (scene.listener.radius / radius_m).powi(2);
     if share >= 1.0 {
         let mut sort = |arrival: Arrival| match arrival.is_early {
             true => early.push(arrival),
-            false => take(arrival),
+            false => medium.add(echogram, &arrival),
         };
         let counts = tracer.arrivals(scene, &settings.trace, how, &mut sort)?;
         return Ok((counts, early));
@@ -60,18 +68,73 @@ pub(super) fn arrivals(
         }
     };
     let counts = tracer.arrivals(scene, &settings.trace, &few, &mut keep)?;
-    let mut wide = scene.clone();
-    wide.listener.radius = radius_m;
+    let wide = widened(scene);
     let mut how = how.clone();
     let crossings = f64::from(1.0 / share) * crossings_an_iteration(&counts);
     how.iterations_in_chunk = iterations_in_chunk(crossings, how.iterations_in_chunk);
-    let mut late = |arrival: Arrival| {
-        if !arrival.is_early {
-            take(arrival);
-        }
+    let late = LateWaves {
+        tracer,
+        scene: &wide,
+        how: &how,
+        medium,
+        echogram,
     };
-    let counts = tracer.arrivals(&wide, &settings.trace, &how, &mut late)?;
-    Ok((counts, early))
+    Ok((late.follow_all(settings)?, early))
+}
+
+/// Waves whose late arrivals are added to an echogram.
+struct LateWaves<'a> {
+    tracer: &'a mut Tracer,
+    scene: &'a Scene,
+    how: &'a ArrivalSettings,
+    medium: Medium,
+    echogram: &'a mut Echogram,
+}
+
+impl LateWaves<'_> {
+    /// Follows all waves. The first ones tell whether the others start evenly.
+    fn follow_all(mut self, settings: &ResponseSettings) -> Result<ArrivalCounts, Error> {
+        let trace = &settings.trace;
+        let first_waves = importance::first_waves(trace);
+        if first_waves == 0 {
+            return self.follow(trace, WavesToFollow::Numbers(0..trace.waves), None);
+        }
+        let before = self.echogram.clone();
+        let mut pilot = Pilot::new(first_waves, self.how.seconds);
+        let numbers = WavesToFollow::Numbers(0..first_waves);
+        let first = self.follow(trace, numbers, Some(&mut pilot))?;
+        let few = trace.clone().with_waves(first_waves);
+        let directions = self.tracer.start_directions(&few)?;
+        let Some(importance) = Importance::of(pilot, &directions, trace.waves) else {
+            let numbers = WavesToFollow::Numbers(first_waves..trace.waves);
+            return Ok(first.and(&self.follow(trace, numbers, None)?));
+        };
+        *self.echogram = before;
+        let others = trace.clone().with_waves(trace.waves - first_waves);
+        let starts = importance.starts(others.waves, settings.batches, trace.seed);
+        self.follow(&others, WavesToFollow::Starts(&starts), None)
+    }
+
+    fn follow(
+        &mut self,
+        trace: &Settings,
+        waves: WavesToFollow,
+        mut pilot: Option<&mut Pilot>,
+    ) -> Result<ArrivalCounts, Error> {
+        let (medium, echogram) = (&self.medium, &mut *self.echogram);
+        let mut take = |arrival: Arrival| {
+            if arrival.is_early {
+                return;
+            }
+            medium.add(echogram, &arrival);
+            if let Some(pilot) = &mut pilot {
+                let seconds = arrival.length_m / medium.speed;
+                pilot.add(arrival.wave, seconds, &medium.heard(&arrival));
+            }
+        };
+        self.tracer
+            .arrivals_of(self.scene, trace, self.how, &waves, &mut take)
+    }
 }
 
 /// How often a wave has crossed the listener in an iteration, on average.
@@ -83,6 +146,13 @@ fn crossings_an_iteration(counts: &ArrivalCounts) -> f64 {
 fn iterations_in_chunk(crossings: f64, most: u32) -> u32 {
     let fit = CROSSINGS_IN_CHUNK / crossings;
     (fit as u32).max(LEAST_ITERATIONS).min(most)
+}
+
+/// The scene with the sphere as its listener.
+pub(super) fn widened(scene: &Scene) -> Scene {
+    let mut wide = scene.clone();
+    wide.listener.radius = radius_m(scene);
+    wide
 }
 
 /// Radius of the sphere in metres, at least that of the listener.

@@ -10,6 +10,7 @@
 
 mod duration;
 mod early;
+mod importance;
 mod late;
 mod level;
 mod settings;
@@ -67,7 +68,7 @@ pub struct Response {
     /// end, in seconds: the figures hold until then.
     pub followed_s: Option<f64>,
     /// What became of the waves; where late ones are counted in a larger sphere than the listener, of
-    /// these.
+    /// these. Where they start unevenly the first ones are not among them.
     pub counts: ArrivalCounts,
     /// Milliseconds that all of it took, without compiling.
     pub milliseconds: f64,
@@ -92,9 +93,7 @@ impl Response {
         let first_s = medium.direct_s;
         let mut echogram = Echogram::with_edge_at(first_s, settings.bin_s, settings.batches)?;
         let how = ArrivalSettings::new(seconds).with_early_order(order);
-        let (counts, mut early) = late::arrivals(tracer, scene, settings, &how, &mut |arrival| {
-            medium.add(&mut echogram, &arrival);
-        })?;
+        let (counts, mut early) = late::arrivals(tracer, scene, settings, &how, &mut echogram)?;
         // They come by chunks of iterations.
         early.sort_by_key(|arrival| arrival.wave);
         let starts = start_directions(tracer, &settings.trace, &early)?;
@@ -108,7 +107,7 @@ impl Response {
         let ends_s = followed_s.unwrap_or(seconds);
         let figures = Figures::new(&taps(&paths), &echogram, direct_s(&paths), ends_s);
         let figures = match late::radius_m(scene) > scene.listener.radius {
-            true => figures.with_common_error(late::COMMON_ERROR),
+            true => figures.with_common_errors(&late::COMMON_ERRORS),
             false => figures,
         };
         Ok(Response {

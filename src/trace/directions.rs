@@ -1,6 +1,7 @@
 //! Start directions on the CPU: the turn of a lattice, and those that a caller gives.
 
 use super::TraceError;
+use super::waves::STATUS_DEAD;
 use crate::rng::{hash, unit_interval};
 use glam::{DQuat, Quat, Vec3};
 use std::f64::consts::TAU;
@@ -31,6 +32,20 @@ pub(super) fn unit_directions(directions: &[Vec3]) -> Result<Vec<Vec3>, TraceErr
             })
     };
     directions.iter().map(unit).collect()
+}
+
+/// The first and the second texture of waves that start in these directions, from one position with one status; the
+/// texels beyond the last wave have none.
+pub(super) fn start_texels(
+    start: [f32; 4],
+    directions: impl Iterator<Item = Vec3>,
+    texels: usize,
+) -> [Vec<[f32; 4]>; 2] {
+    let mut headings: Vec<[f32; 4]> = directions.map(|d| d.extend(0.0).to_array()).collect();
+    let mut origins = vec![start; headings.len()];
+    origins.resize(texels, [0.0, 0.0, 0.0, STATUS_DEAD]);
+    headings.resize(texels, [0.0; 4]);
+    [origins, headings]
 }
 
 #[cfg(test)]

@@ -123,6 +123,38 @@ fn a_shoebox_answers_as_its_image_sources_do() {
     }
 }
 
+/// Protects the end of an uneven decay, where sound goes to and fro between two hard walls when the others have
+/// absorbed all else: each band's T30 is told, and is right.
+#[test]
+fn the_end_of_an_uneven_decay_is_told() {
+    let mut tracer = tracer();
+    let mut room = Shoebox::new(
+        Vec3::new(9.4, 7.2, 12.1),
+        Vec3::new(-3.0, 1.1, 2.5),
+        Vec3::new(2.0, -1.3, -4.0),
+        0.0,
+    );
+    let [hard, soft] = [0.1, 0.6].map(|mean: f64| -> Bands {
+        std::array::from_fn(|band| mean * (0.8 + 0.06 * band as f64))
+    });
+    room.absorption = [soft, soft, soft, soft, hard, hard];
+    let settings = ResponseSettings::default().with_trace(Settings::default().with_waves(1 << 18));
+    let response = Response::trace(&mut tracer, &room.scene(), &settings).unwrap();
+    let (truth, found) = (room.truth(response.seconds), &response.figures);
+    for band in 0..BAND_COUNT {
+        let truth = truth.bands[band].t30_s.expect("the decay is long enough");
+        let (t30_s, error) = found.bands[band]
+            .t30_s
+            .zip(found.errors[band].t30_s)
+            .unwrap_or_else(|| panic!("band {band} is not told: {truth} s"));
+        let off = (t30_s - truth).abs();
+        assert!(
+            off < 0.03 * truth && off < 4.0 * error,
+            "{t30_s} ± {error}, {truth}"
+        );
+    }
+}
+
 /// Protects early paths: all images of up to three reflections of a room, with their delays, levels by
 /// band and directions.
 #[test]

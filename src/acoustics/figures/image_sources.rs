@@ -1,28 +1,33 @@
 //! The figures of a rectangular room by its image sources.
 
 use super::{Figures, Tap};
-use crate::acoustics::{AcousticsError, Echogram};
+use crate::acoustics::echogram::MAX_BINS;
+use crate::acoustics::{AcousticsError, Echogram, MAX_SECONDS};
 use crate::reference::{ImageSource, ShoeboxEnergies};
 use glam::DVec3;
 
 /// Reflections of the image sources that are told one by one; with more the decay is smooth.
 const TAPS_ORDER: u32 = 12;
 
-/// Seconds in which all further image sources are added up.
-const CELL_S: f64 = 1e-4;
+/// Seconds in which all further image sources are added up: the shortest of which an echogram of the record has
+/// enough. Each divides 10 ms, so that the limits of clarity are edges.
+const CELLS_S: [f64; 4] = [1e-4, 2e-4, 5e-4, 1e-3];
 
 impl Figures {
     /// The exact figures of a rectangular room, for `seconds` after the source's impulse and a speed of sound in metres
-    /// a second: image sources of up to twelve reflections one by one, all others in cells of 0.1 ms. What is found of
-    /// such a room can be held against them.
+    /// a second: image sources of up to twelve reflections one by one, all others in cells of 0.1 ms (up to 1 ms in
+    /// records of more than 6.5 s). What is found of such a room can be held against them.
     ///
     /// # Errors
-    /// As [`Echogram::with_edge_at`]; bins of 0.1 ms and one batch are in its range.
+    /// [`AcousticsError::BadLength`] for more than [`MAX_SECONDS`](crate::acoustics::MAX_SECONDS).
     pub fn of_image_sources(
         room: &ShoeboxEnergies,
         speed_m_per_s: f64,
         seconds: f64,
     ) -> Result<Figures, AcousticsError> {
+        let fits = |cell_s: &&f64| seconds <= **cell_s * MAX_BINS as f64;
+        let cell_s = CELLS_S.iter().find(fits).filter(|_| seconds <= MAX_SECONDS);
+        let cell_s = *cell_s.ok_or(AcousticsError::BadLength { seconds })?;
         let direct_s = room.direct_m() / speed_m_per_s;
         let tap = |image: &ImageSource| Tap {
             seconds: image.length_m / speed_m_per_s,
@@ -30,13 +35,36 @@ impl Figures {
             direction: image.direction,
         };
         let taps: Vec<Tap> = room.images(TAPS_ORDER).iter().map(tap).collect();
-        let [cell_m, length_m] = [CELL_S, seconds].map(|seconds| seconds * speed_m_per_s);
+        let [cell_m, length_m] = [cell_s, seconds].map(|seconds| seconds * speed_m_per_s);
         let late = room.energies_by_length(cell_m, length_m, Some(TAPS_ORDER));
-        let mut echogram = Echogram::with_edge_at(direct_s, CELL_S, 1)?;
+        let mut echogram = Echogram::with_edge_at(direct_s, cell_s, 1)?;
         for (cell, energy) in late.energies.iter().enumerate() {
             let seconds = late.middle_m(cell) / speed_m_per_s;
             echogram.add(0, seconds, energy, DVec3::ZERO);
         }
         Ok(Figures::new(&taps, &echogram, Some(direct_s), seconds))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bands::BAND_COUNT;
+
+    /// Protects the decay times of long records, whose cells are more than an echogram has bins: a longer record tells
+    /// the same.
+    #[test]
+    fn long_records_are_whole() {
+        let size = DVec3::new(30.0, 12.0, 24.0);
+        let (source, listener) = (DVec3::new(-8.0, 1.0, 5.0), DVec3::new(9.0, -1.0, -6.0));
+        let room = ShoeboxEnergies::new(size, source, listener, &[[0.08; BAND_COUNT]; 6]);
+        let room = room.expect("source and listener are in the room");
+        let [short, long] = [6.5, 7.0].map(|seconds| {
+            let figures = Figures::of_image_sources(&room, 343.0, seconds).expect("of that length");
+            figures.bands[0].t30_s.expect("a decay of 45 dB")
+        });
+        assert!((long / short - 1.0).abs() < 1e-3, "{short} {long}");
+        let refused = Figures::of_image_sources(&room, 343.0, 61.0);
+        assert_eq!(refused, Err(AcousticsError::BadLength { seconds: 61.0 }));
     }
 }

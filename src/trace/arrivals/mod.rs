@@ -11,6 +11,7 @@
 //! | --- | --- |
 //! | `events.rs` | what reflections leave of a wave's energy |
 //! | `settings.rs` | what is asked for, and what came of it |
+//! | `starts.rs` | which waves are followed, and how they start |
 //! | `volume.rs` | the open volume of the listener's sphere |
 //! | `targets.rs` | textures, and what is read back of them |
 //! | `replay.rs` | from records to arrivals |
@@ -19,12 +20,14 @@
 mod events;
 mod replay;
 mod settings;
+mod starts;
 mod targets;
 mod volume;
 
 pub(super) use events::EventTable;
 pub(super) use replay::{Block, Listed, Replay};
 pub use settings::{ArrivalCounts, ArrivalSettings};
+pub(crate) use starts::{Start, WavesToFollow};
 pub(super) use targets::{ArrivalTargets, LISTED_AT_MOST, listed_rows};
 pub(super) use volume::open_volume;
 

@@ -70,7 +70,7 @@ pub struct Block {
     first: u32,
     grid: Grid,
     waves: Vec<WaveSoFar>,
-    /// What is left of their energies, where anything is lost.
+    /// What is left of their energies, where these are not always 1.
     energies: Vec<Bands>,
     /// Rows that have waves which are followed.
     pub rows: Range<u32>,
@@ -92,19 +92,19 @@ pub struct Chunk<'a> {
 }
 
 impl Block {
-    /// Waves at the source: those of the grid, from this number on.
-    pub fn new(first: u32, grid: Grid, has_events: bool) -> Block {
+    /// Waves at the source: those of the grid, from this number on, with the energies that they start with; none
+    /// where all start with 1 and lose nothing.
+    pub fn new(first: u32, grid: Grid, energies: Vec<Bands>) -> Block {
         let start = WaveSoFar {
             length: 0.0,
             fate: Fate::Travelling,
             is_mirrored: true,
         };
-        let waves = grid.waves as usize;
         Block {
             first,
             grid,
-            waves: vec![start; waves],
-            energies: vec![[1.0; BAND_COUNT]; if has_events { waves } else { 0 }],
+            waves: vec![start; grid.waves as usize],
+            energies,
             rows: 0..grid.height,
             iterations: 0,
         }

@@ -3,7 +3,7 @@
 use super::super::TraceError;
 use super::super::settings::MAX_ITERATIONS;
 use super::{ITERATIONS_IN_CHUNK, RECORDS};
-use crate::bands::Bands;
+use crate::bands::{self, Bands};
 
 /// How arrivals are traced, beside [`Settings`](crate::Settings): of these the waves, their
 /// directions and the algorithm count.
@@ -112,4 +112,20 @@ pub struct ArrivalCounts {
     pub energy_under_way: Bands,
     /// Volume of the listener's sphere that is not in a solid, in m³.
     pub open_volume_m3: f64,
+}
+
+impl ArrivalCounts {
+    /// Those of other waves of the same settings besides.
+    pub(crate) fn and(mut self, others: &ArrivalCounts) -> ArrivalCounts {
+        self.waves += others.waves;
+        self.arrivals += others.arrivals;
+        self.gone += others.gone;
+        self.step_limit_reached += others.step_limit_reached;
+        self.flown += others.flown;
+        self.cut_off += others.cut_off;
+        self.followed_m = self.followed_m.min(others.followed_m);
+        self.iterations = self.iterations.max(others.iterations);
+        bands::add(&mut self.energy_under_way, &others.energy_under_way);
+        self
+    }
 }

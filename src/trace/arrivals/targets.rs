@@ -1,7 +1,9 @@
 //! The textures that the passes of arrivals draw to, and what is read back of them.
 
 use super::super::Grid;
+use super::super::directions::start_texels;
 use super::replay::{Chunk, Listed};
+use super::starts::Start;
 use crate::gpu::{AsyncRead, Context, GpuError, RenderTarget, Texture};
 use crate::kernel::ArrivalsText;
 
@@ -79,6 +81,16 @@ impl ArrivalTargets {
     /// Whether the outputs of such a text go to these textures.
     pub fn is_for(&self, text: &ArrivalsText) -> bool {
         (self.text.has_words, self.text.records) == (text.has_words, text.records)
+    }
+
+    /// Puts waves to where they start: position and status, which they share, and directions.
+    pub fn upload_starts(&self, start: [f32; 4], starts: &[Start]) -> Result<(), GpuError> {
+        let texels = (self.grid.width * self.grid.height) as usize;
+        let directions = starts.iter().map(|start| start.direction);
+        let [origins, directions] = start_texels(start, directions, texels);
+        let [first, second] = self.current();
+        first.upload(origins.as_flattened())?;
+        second.upload(directions.as_flattened())
     }
 
     /// Where the waves stand at the start of a chunk.

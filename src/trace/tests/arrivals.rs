@@ -7,7 +7,7 @@ use crate::reference::ExactScene;
 use crate::scene::Material;
 use crate::scene::shape::{Cylinder, Room, Sphere, Torus};
 use crate::test_common::{builtin, context, for_each_api};
-use crate::trace::{ArrivalCounts, ArrivalSettings};
+use crate::trace::{ArrivalCounts, ArrivalSettings, Start, WavesToFollow};
 use crate::{Listener, Node, Scene, Settings, Shape, Source, Surface, Tracer};
 use glam::{DVec3, Vec3};
 
@@ -301,6 +301,56 @@ fn records_and_chunks_change_nothing() {
                 // Of a chord 2^-17 of four radii are rounded away.
                 let chords = (a.energy[0] - b.energy[0]).abs() / unit;
                 assert!(chords < 1e-4, "{a:?} {b:?}");
+            }
+        }
+    });
+}
+
+/// Protects waves that are followed in parts, and those whose starts are given: both are the waves that all are. A weight
+/// is the energy with which a wave starts.
+#[test]
+fn parts_and_given_starts_are_the_same_waves() {
+    for_each_api(|context| {
+        let mut tracer = Tracer::new(context).unwrap();
+        let mut scene = builtin("shoebox");
+        let how = ArrivalSettings::new(0.3);
+        let settings = Settings::hybrid().with_waves(3000);
+        let starts = tracer.start_directions(&settings).unwrap();
+        for absorption in [0.0, 0.3] {
+            let material = Material::absorbing(absorption);
+            scene.materials.insert("wall".into(), material);
+            for surface in &mut scene.surfaces {
+                surface.material = Some("wall".to_owned());
+            }
+            let (all, counts) = arrivals(&mut tracer, &scene, &settings, &how);
+            let mut of = |waves: WavesToFollow| {
+                let mut some = Vec::new();
+                let mut take = |arrival: Arrival| some.push(arrival);
+                let counts = tracer.arrivals_of(&scene, &settings, &how, &waves, &mut take);
+                some.sort_by_key(|arrival| arrival.wave);
+                (some, counts.unwrap())
+            };
+            let parts = [0..700, 700..3000].map(|numbers| of(WavesToFollow::Numbers(numbers)));
+            let together = parts[0].1.and(&parts[1].1);
+            assert_eq!(parts.map(|(some, _)| some).concat(), all);
+            assert_eq!(
+                (together.arrivals, together.flown),
+                (counts.arrivals, counts.flown)
+            );
+            let weighted = |weight: f64| -> Vec<Start> {
+                let start = |direction: &Vec3| Start {
+                    direction: *direction,
+                    weight,
+                };
+                starts.iter().map(start).collect()
+            };
+            let (given, same) = of(WavesToFollow::Starts(&weighted(1.0)));
+            assert_eq!((&given, same), (&all, counts));
+            let (twice, _) = of(WavesToFollow::Starts(&weighted(2.0)));
+            assert_eq!(twice.len(), all.len());
+            for (twice, once) in twice.iter().zip(&all) {
+                assert_eq!(twice.energy, once.energy.map(|energy| 2.0 * energy));
+                assert_eq!(twice.length_m, once.length_m);
             }
         }
     });

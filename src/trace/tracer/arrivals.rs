@@ -2,7 +2,7 @@
 
 use super::super::arrivals::{
     ArrivalCounts, ArrivalSettings, ArrivalTargets, Block, EventTable, LISTED_AT_MOST, Listed,
-    Replay, WAVES_IN_BLOCK, listed_rows, open_volume,
+    Replay, Start, WAVES_IN_BLOCK, WavesToFollow, listed_rows, open_volume,
 };
 use super::super::limits::check_uniforms;
 use super::super::programs::march_options;
@@ -10,6 +10,7 @@ use super::super::{Algorithm, Grid, MAX_ITERATIONS, Profile, Settings, TraceErro
 use super::Tracer;
 use super::prepared::{FramePrograms, PreparedFrame};
 use crate::acoustics::Arrival;
+use crate::bands::{BAND_COUNT, Bands};
 use crate::error::Error;
 use crate::gpu::{Context, Program, RenderTarget};
 use crate::kernel::{self, ArrivalsText, Materials};
@@ -45,6 +46,8 @@ struct Run {
 /// A chunk to be drawn.
 struct Part {
     first_wave: u32,
+    /// Whether the waves' starts are in the textures from which a chunk starts.
+    is_uploaded: bool,
     first_iteration: u32,
     iterations: u32,
     rows: Range<u32>,
@@ -57,6 +60,7 @@ impl Part {
         let left = run.iterations - first_iteration;
         (left > 0 && !rows.is_empty()).then(|| Part {
             first_wave: self.first_wave,
+            is_uploaded: self.is_uploaded,
             first_iteration,
             iterations: left.min(run.iterations_in_chunk),
             rows,
@@ -98,6 +102,20 @@ impl Tracer {
         how: &ArrivalSettings,
         take: &mut dyn FnMut(Arrival),
     ) -> Result<ArrivalCounts, Error> {
+        let all = WavesToFollow::Numbers(0..settings.waves);
+        self.arrivals_of(scene, settings, how, &all, take)
+    }
+
+    /// The same for some of the waves, each of which has its share of the energy of all, or for as many
+    /// whose starts are given.
+    pub(crate) fn arrivals_of(
+        &mut self,
+        scene: &Scene,
+        settings: &Settings,
+        how: &ArrivalSettings,
+        waves: &WavesToFollow,
+        take: &mut dyn FnMut(Arrival),
+    ) -> Result<ArrivalCounts, Error> {
         let _entered = self.context.enter()?;
         self.aside(|tracer| {
             let run = tracer.prepare_arrivals(scene, settings, how)?;
@@ -106,12 +124,13 @@ impl Tracer {
                 ..ArrivalCounts::default()
             };
             let mut cut_off_m = Vec::new();
-            for first in (0..settings.waves).step_by(WAVES_IN_BLOCK as usize) {
-                let block = tracer.arrivals_of_block(&run, first, &mut counts, take)?;
+            for numbers in waves.blocks(WAVES_IN_BLOCK) {
+                let starts = waves.starts(&numbers);
+                let block = tracer.arrivals_of_block(&run, numbers, starts, &mut counts, take)?;
                 cut_off_m.extend(block.cut_off_m());
             }
             let waves = f64::from(settings.waves);
-            counts.followed_m = followed_m(cut_off_m, settings.waves);
+            counts.followed_m = followed_m(cut_off_m, counts.waves);
             counts.energy_under_way = counts.energy_under_way.map(|energy| energy / waves);
             Ok(counts)
         })
@@ -185,7 +204,8 @@ impl Tracer {
     fn arrivals_of_block(
         &mut self,
         run: &Run,
-        first_wave: u32,
+        numbers: Range<u32>,
+        starts: Option<&[Start]>,
         counts: &mut ArrivalCounts,
         take: &mut dyn FnMut(Arrival),
     ) -> Result<Block, Error> {
@@ -193,15 +213,17 @@ impl Tracer {
             return Err(TraceError::NothingTraced.into());
         };
         let grid = Grid {
-            waves: targets
-                .grid
-                .waves
-                .min(run.frame.settings.waves - first_wave),
+            waves: numbers.len() as u32,
             ..targets.grid
         };
-        let mut block = Block::new(first_wave, grid, run.replay.events.is_some());
+        if let Some(starts) = starts {
+            targets.upload_starts(run.frame.start(), starts)?;
+        }
+        let energies = start_energies(run, starts, numbers.len());
+        let mut block = Block::new(numbers.start, grid, energies);
         let mut part = Part {
-            first_wave,
+            first_wave: numbers.start,
+            is_uploaded: starts.is_some(),
             first_iteration: 0,
             iterations: run.iterations_in_chunk.min(run.iterations),
             rows: 0..grid.waves.div_ceil(grid.width),
@@ -301,7 +323,8 @@ impl Tracer {
         program.set_texture("uOrigins", 0, origins);
         program.set_texture("uDirections", 1, directions);
         self.scene_data.bind(program, 2);
-        program.set_i32("uIsStart", i32::from(part.first_iteration == 0));
+        let is_start = part.first_iteration == 0 && !part.is_uploaded;
+        program.set_i32("uIsStart", i32::from(is_start));
         program.set_u32("uStartIteration", part.first_iteration);
         program.set_u32("uFirstWave", part.first_wave);
         program.set_i32("uIterationsInChunk", part.iterations as i32);
@@ -318,10 +341,22 @@ impl Tracer {
 const CUT_OFF_UNTOLD: usize = 1000;
 
 /// Metres within which all waves were followed but for these, from the ways of those that were cut off.
-fn followed_m(mut cut_off_m: Vec<f64>, waves: u32) -> f64 {
+fn followed_m(mut cut_off_m: Vec<f64>, waves: u64) -> f64 {
     cut_off_m.sort_by(f64::total_cmp);
     let next = cut_off_m.get(waves as usize / CUT_OFF_UNTOLD);
     next.copied().unwrap_or(f64::INFINITY)
+}
+
+/// The energies of waves at the source, where they do not all stay 1.
+fn start_energies(run: &Run, starts: Option<&[Start]>, waves: usize) -> Vec<Bands> {
+    if let Some(starts) = starts {
+        let energy = |start: &Start| [start.weight; BAND_COUNT];
+        return starts.iter().map(energy).collect();
+    }
+    match run.replay.events.is_some() {
+        true => vec![[1.0; BAND_COUNT]; waves],
+        false => Vec::new(),
+    }
 }
 
 /// Iterations of a chunk. Where the turns of loops limit them, the loop over words has its turns

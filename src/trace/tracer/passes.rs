@@ -1,8 +1,8 @@
 //! The passes of a frame, and the textures that they draw to.
 
+use super::super::directions::start_texels;
 use super::super::limits::check_waves;
 use super::super::sum::Sum;
-use super::super::waves::STATUS_DEAD;
 use super::super::{Grid, Settings, TraceError};
 use super::Tracer;
 use super::prepared::{EVALUATIONS_PER_DRAW, FramePrograms, PreparedFrame, set_direction_uniforms};
@@ -106,13 +106,7 @@ impl Tracer {
         directions: &[Vec3],
     ) -> Result<(), Error> {
         let texels = (frame.grid.width * frame.grid.height) as usize;
-        let mut origins = vec![frame.start(); directions.len()];
-        origins.resize(texels, [0.0, 0.0, 0.0, STATUS_DEAD]);
-        let mut headings: Vec<[f32; 4]> = directions
-            .iter()
-            .map(|direction| direction.extend(0.0).to_array())
-            .collect();
-        headings.resize(texels, [0.0; 4]);
+        let [origins, headings] = start_texels(frame.start(), directions.iter().copied(), texels);
         let current = self.pairs()?.current();
         current.first.upload(origins.as_flattened())?;
         current.second.upload(headings.as_flattened())?;

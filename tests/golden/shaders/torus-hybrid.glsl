@@ -3,7 +3,6 @@
 // options
 #define MARCHES_FIELDS 1
 
-// glsl/common/listener.glsl
 // glsl/common/no_hit.glsl
 // glsl/common/ball.glsl
 // glsl/common/listener.glsl
