@@ -116,12 +116,12 @@ impl Case {
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments: Vec<String> = std::env::args().collect();
-    let number = |place: usize, otherwise: f64| {
-        let given = arguments.get(place).and_then(|text| text.parse().ok());
-        given.unwrap_or(otherwise)
+    let number = |place: usize, otherwise: f64| match arguments.get(place) {
+        Some(text) => text.parse(),
+        None => Ok(otherwise),
     };
-    let (waves, rooms) = (number(1, 262_144.0) as u32, number(2, 14.0) as u32);
-    let (seed, least, most) = (number(3, 1.0) as u64, number(4, 0.02), number(5, 0.9));
+    let (waves, rooms) = (number(1, 262_144.0)? as u32, number(2, 14.0)? as u32);
+    let (seed, least, most) = (number(3, 1.0)? as u64, number(4, 0.02)?, number(5, 0.9)?);
     let mut tracer = Tracer::new(&Context::headless(&ContextOptions::default())?)?;
     println!("renderer: {}", tracer.context().renderer());
     let mut random = Rng::with_seed(seed);

@@ -2,21 +2,11 @@
 # Builds examples/browser and tests it in a headless browser, on Chromium's software renderer.
 set -euo pipefail
 
-case "${1:-}" in
-"") ;;
--h | --help)
-    echo "usage: scripts/browser-test.sh"
-    exit 0
-    ;;
-*)
-    echo "usage: scripts/browser-test.sh" >&2
-    exit 2
-    ;;
-esac
-
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 # shellcheck source=scripts/lib.sh
 source scripts/lib.sh
+
+take_no_options "usage: scripts/browser-test.sh" "$@"
 
 page="$PWD/target/page-tested"
 provide_packages "${NEEDED_TO_TEST[@]}"

@@ -43,6 +43,21 @@ complain() {
     printf '%s\n' "$*" >&2
 }
 
+# Prints the usage ($1) where the first of the options asks for it, and refuses every other one.
+take_no_options() {
+    case "${2:-}" in
+    "") ;;
+    -h | --help)
+        say "$1"
+        exit 0
+        ;;
+    *)
+        complain "$1"
+        exit 2
+        ;;
+    esac
+}
+
 # Whether the loader knows a library of that name.
 has_library() {
     local cache

@@ -4,26 +4,12 @@
 # tables must be the very bytes of a run in one process.
 set -euo pipefail
 
-usage() {
-    echo "usage: scripts/slurm-test.sh     (ECHOMARCH names a program that is built already)"
-}
+# shellcheck source=scripts/lib.sh
+source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 
-case "${1:-}" in
-"") ;;
--h | --help)
-    usage
-    exit 0
-    ;;
-*)
-    usage >&2
-    exit 2
-    ;;
-esac
-
+take_no_options "usage: scripts/slurm-test.sh     (ECHOMARCH names a program that is built already)" "$@"
 program="${ECHOMARCH:+$(realpath "$ECHOMARCH")}"
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
-# shellcheck source=scripts/lib.sh
-source scripts/lib.sh
 # Daemons lie in /usr/sbin, which is not in every user's PATH.
 export PATH="$PATH:/usr/sbin:/sbin"
 provide_packages \

@@ -3,21 +3,11 @@
 # tests, package. No graphics card is needed; OpenGL is (llvmpipe will do).
 set -euo pipefail
 
-case "${1:-}" in
-"") ;;
--h | --help)
-    echo "usage: scripts/test.sh"
-    exit 0
-    ;;
-*)
-    echo "usage: scripts/test.sh" >&2
-    exit 2
-    ;;
-esac
-
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 # shellcheck source=scripts/lib.sh
 source scripts/lib.sh
+
+take_no_options "usage: scripts/test.sh" "$@"
 
 # Everything that the package has to hold, and what it must not.
 check_package() {

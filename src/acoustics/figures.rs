@@ -120,6 +120,14 @@ pub(crate) struct CommonErrors {
     pub strength_db: f64,
 }
 
+impl CommonErrors {
+    /// Of D50: what that of C50 makes of it, as C50 is 10 lg(D50 / (1 − D50)).
+    fn definition(&self, d50: f64) -> f64 {
+        let change_in_db = 10.0 / (std::f64::consts::LN_10 * d50 * (1.0 - d50));
+        self.clarity_db / change_in_db
+    }
+}
+
 /// The figures as a list, so that they can be computed with.
 const FIGURE_COUNT: usize = 8;
 
@@ -195,6 +203,7 @@ impl Figures {
             add(&mut error.t30_s, share(band.t30_s, common.decay_share));
             add(&mut error.c50_db, Some(common.clarity_db));
             add(&mut error.c80_db, Some(common.clarity_db));
+            add(&mut error.d50, band.d50.map(|d50| common.definition(d50)));
             add(&mut error.g_db, Some(common.strength_db));
         }
         self

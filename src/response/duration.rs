@@ -36,7 +36,7 @@ pub(super) fn needed(
     let medium = Medium::of(scene);
     let mut bins: Vec<Bands> = Vec::new();
     let few = settings.clone().with_waves(settings.waves.min(WAVES));
-    // The end of a decay is what few waves bring.
+    // More of the few waves that carry the end of the decay cross the larger sphere.
     let wide = late::widened(scene);
     tracer.arrivals(
         &wide,

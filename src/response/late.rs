@@ -13,7 +13,7 @@ use super::{Medium, ResponseSettings};
 use crate::acoustics::{Arrival, CommonErrors, Echogram};
 use crate::error::Error;
 use crate::scene::{Node, Scene, Surface};
-use crate::trace::{ArrivalCounts, ArrivalSettings, Settings, Tracer, WavesToFollow};
+use crate::trace::{ArrivalCounts, ArrivalSettings, Followed, Settings, Tracer, WavesToFollow};
 
 /// Radius in metres. In random rooms (docs/acoustics.md) T30 is 2.5 times as exact with it as with
 /// 0.3 m, and what the mean over the sphere is off cannot be told from noise yet; with 1.5 m it can.
@@ -92,35 +92,37 @@ struct LateWaves<'a> {
 }
 
 impl LateWaves<'_> {
-    /// Follows all waves. The first ones tell whether the others start evenly.
+    /// Follows all waves. The pilot waves tell whether the others start evenly.
     fn follow_all(mut self, settings: &ResponseSettings) -> Result<ArrivalCounts, Error> {
         let trace = &settings.trace;
-        let first_waves = importance::first_waves(trace);
-        if first_waves == 0 {
-            return self.follow(trace, WavesToFollow::Numbers(0..trace.waves), None);
+        let pilot_waves = importance::pilot_waves(self.scene, trace);
+        if pilot_waves == 0 {
+            let all = WavesToFollow::Numbers(0..trace.waves);
+            return Ok(self.follow(trace, &all, None)?.counts());
         }
         let before = self.echogram.clone();
-        let mut pilot = Pilot::new(first_waves, self.how.seconds);
-        let numbers = WavesToFollow::Numbers(0..first_waves);
-        let first = self.follow(trace, numbers, Some(&mut pilot))?;
-        let few = trace.clone().with_waves(first_waves);
+        let mut pilot = Pilot::new(pilot_waves, self.how.seconds);
+        let numbers = WavesToFollow::Numbers(0..pilot_waves);
+        let first = self.follow(trace, &numbers, Some(&mut pilot))?;
+        let few = trace.clone().with_waves(pilot_waves);
         let directions = self.tracer.start_directions(&few)?;
         let Some(importance) = Importance::of(pilot, &directions, trace.waves) else {
-            let numbers = WavesToFollow::Numbers(first_waves..trace.waves);
-            return Ok(first.and(&self.follow(trace, numbers, None)?));
+            let numbers = WavesToFollow::Numbers(pilot_waves..trace.waves);
+            return Ok(first.and(self.follow(trace, &numbers, None)?).counts());
         };
         *self.echogram = before;
-        let others = trace.clone().with_waves(trace.waves - first_waves);
-        let starts = importance.starts(others.waves, settings.batches, trace.seed);
-        self.follow(&others, WavesToFollow::Starts(&starts), None)
+        let waves = trace.waves - pilot_waves;
+        let of = |numbers| importance.starts(numbers, waves, settings.batches, trace.seed);
+        let starts = WavesToFollow::Starts { waves, of: &of };
+        Ok(self.follow(trace, &starts, None)?.counts())
     }
 
     fn follow(
         &mut self,
         trace: &Settings,
-        waves: WavesToFollow,
+        waves: &WavesToFollow,
         mut pilot: Option<&mut Pilot>,
-    ) -> Result<ArrivalCounts, Error> {
+    ) -> Result<Followed, Error> {
         let (medium, echogram) = (&self.medium, &mut *self.echogram);
         let mut take = |arrival: Arrival| {
             if arrival.is_early {
@@ -133,7 +135,7 @@ impl LateWaves<'_> {
             }
         };
         self.tracer
-            .arrivals_of(self.scene, trace, self.how, &waves, &mut take)
+            .arrivals_of(self.scene, trace, self.how, waves, &mut take)
     }
 }
 

@@ -68,7 +68,7 @@ pub struct Response {
     /// end, in seconds: the figures hold until then.
     pub followed_s: Option<f64>,
     /// What became of the waves; where late ones are counted in a larger sphere than the listener, of
-    /// these. Where they start unevenly the first ones are not among them.
+    /// these. With importance sampling the pilot waves are not counted.
     pub counts: ArrivalCounts,
     /// Milliseconds that all of it took, without compiling.
     pub milliseconds: f64,

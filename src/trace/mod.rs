@@ -31,7 +31,7 @@ mod waves;
 
 pub use crate::kernel::Directions;
 pub use arrivals::{ArrivalCounts, ArrivalSettings};
-pub(crate) use arrivals::{Start, WavesToFollow};
+pub(crate) use arrivals::{Followed, Start, WavesToFollow};
 #[cfg(any(test, feature = "experiment"))]
 pub(crate) use budget::Budget;
 pub use error::TraceError;

@@ -1,29 +1,32 @@
 //! Start directions by importance: more waves where those start that bring the end of the decay.
 //!
 //! Between two hard walls sound goes to and fro long after all other sound has been absorbed, and the end of the decay
-//! is what a few waves in ten thousand bring. So the first waves of a response ([`Pilot`]) tell how
-//! much waves of each direction matter. Where there are enough of those that matter the others start as evenly as
-//! the first ones. Where there are too few, half of the others start where these did and half evenly, each with the
-//! weight that makes up for it: sums stay without bias, and no wave has a weight of more than about 2. The first ones are
-//! dropped then, as they have decided where the others start.
+//! is what a few waves in ten thousand bring. So the first waves of a response, the pilot waves, tell how much each
+//! direction brings after each moment ([`Pilot`]). If at least [`ENOUGH_WAVES`] effective waves carry each part of the
+//! decay, or if one half of the pilot waves does not tell of directions what the other half tells, the remaining waves
+//! start evenly. Otherwise half of them are drawn by importance and half evenly, and each has the weight that makes up
+//! for it. Then the pilot waves are dropped, as they have decided where the others start, and sums have no bias. (Where
+//! the others start evenly the pilot waves count, though they have decided so: the bias of that is small.)
 
 mod cells;
 mod pilot;
 
 pub(super) use pilot::Pilot;
 
+use crate::kernel::Materials;
 use crate::rng::{hash, unit_interval};
+use crate::scene::Scene;
 use crate::trace::{Directions, Settings, Start};
 use cells::Cells;
 use glam::Vec3;
 use std::f64::consts::PI;
-use std::ops::RangeInclusive;
+use std::ops::{Range, RangeInclusive};
 
-/// One wave of so many is a first one.
+/// One wave of so many is a pilot wave.
 const ONE_OF: u32 = 8;
 
-/// The least and the greatest number of first waves: from fewer nothing can be known, and more are not needed.
-const FIRST_WAVES: RangeInclusive<u32> = 1024..=65_536;
+/// The least and the greatest number of pilot waves: from fewer nothing can be known, and more are not needed.
+const PILOT_WAVES: RangeInclusive<u32> = 1024..=65_536;
 
 /// So many waves of one energy are enough behind what comes after each moment: a level is then 0.06 dB off, and a
 /// decay time, told from 30 dB, 0.3 %.
@@ -32,20 +35,26 @@ const ENOUGH_WAVES: f64 = 5000.0;
 /// The share of waves that start evenly.
 const EVEN_SHARE: f64 = 0.5;
 
-/// First waves in a cell on average: what is known of a direction is blurred over a cell and those about it.
+/// How much directions must differ for waves to be drawn by importance: the mean of its square over the square of its
+/// mean, which is how much the variance could fall. With 2 the half that is drawn makes up for what the half that
+/// starts evenly and the pilot waves lack.
+const LEAST_UNEVENNESS: f64 = 2.0;
+
+/// Pilot waves in a cell on average: what is known of a direction is blurred over a cell and those about it.
 const WAVES_IN_CELL: f64 = 4.0;
 
-/// How many first waves there are; none where the waves are too few, and where their directions are a lattice, which
-/// is even as a whole alone.
-pub(super) fn first_waves(trace: &Settings) -> u32 {
-    let first = (trace.waves / ONE_OF).min(*FIRST_WAVES.end());
-    match FIRST_WAVES.contains(&first) && trace.directions == Directions::Random {
-        true => first,
+/// How many pilot waves there are. None where the waves are too few, where their directions are a lattice, which
+/// is even as a whole alone, and where something scatters: there the direction of a start tells little.
+pub(super) fn pilot_waves(scene: &Scene, trace: &Settings) -> u32 {
+    let waves = (trace.waves / ONE_OF).min(*PILOT_WAVES.end());
+    let is_random = trace.directions == Directions::Random;
+    match PILOT_WAVES.contains(&waves) && is_random && !Materials::of(scene).scatter() {
+        true => waves,
         false => 0,
     }
 }
 
-/// Where waves start, after the first ones.
+/// Where waves start, after the pilot waves.
 pub(super) struct Importance {
     cells: Cells,
     /// Probability of each cell and those before it.
@@ -53,29 +62,25 @@ pub(super) struct Importance {
 }
 
 impl Importance {
-    /// As the first ones of so many waves tell, which started in these directions; `None` where waves may start evenly.
-    pub fn of(pilot: Pilot, starts: &[Vec3], waves: u32) -> Option<Importance> {
-        let pilots = starts.len() as f64;
-        let importance = pilot.importance(ENOUGH_WAVES * pilots / f64::from(waves))?;
-        let cells = Cells::about(pilots / WAVES_IN_CELL);
-        let mut wanted = vec![0.0; cells.count()];
-        for (start, importance) in starts.iter().zip(&importance) {
-            let cell = cells.of(start.as_dvec3());
-            let near: Vec<usize> = cells.about_cell(cell).collect();
-            // As much in its own cell as in all about it.
-            wanted[cell] += importance;
-            for cell in &near {
-                wanted[*cell] += importance / near.len() as f64;
-            }
+    /// As the pilot waves of so many waves tell, which started in these directions; `None` where waves may start evenly.
+    pub fn of(pilot: Pilot, directions: &[Vec3], waves: u32) -> Option<Importance> {
+        let pilot_waves = directions.len() as f64;
+        let importance = pilot.importance(ENOUGH_WAVES * pilot_waves / f64::from(waves))?;
+        let cells = Cells::about(pilot_waves / WAVES_IN_CELL);
+        let mut halves = [0, 1].map(|_| vec![0.0; cells.count()]);
+        for (wave, (direction, importance)) in directions.iter().zip(&importance).enumerate() {
+            add_about(&mut halves[wave % 2], cells, *direction, *importance);
         }
-        let all: f64 = wanted.iter().sum();
-        if all <= 0.0 {
+        if unevenness(&halves) < LEAST_UNEVENNESS {
             return None;
         }
+        let [even, odd] = halves;
+        let wanted = even.iter().zip(&odd).map(|(even, odd)| even + odd);
+        let all: f64 = wanted.clone().sum();
         let mut sum = 0.0;
-        let cumulative = wanted.iter().enumerate().map(|(cell, wanted)| {
-            let even = cells.direction(cell, [0.5; 2]).1 / (4.0 * PI);
-            sum += EVEN_SHARE * even + (1.0 - EVEN_SHARE) * wanted / all;
+        let cumulative = wanted.enumerate().map(|(cell, wanted)| {
+            let evenly = cells.direction(cell, [0.5; 2]).1 / (4.0 * PI);
+            sum += EVEN_SHARE * evenly + (1.0 - EVEN_SHARE) * wanted / all;
             sum
         });
         Some(Importance {
@@ -84,18 +89,19 @@ impl Importance {
         })
     }
 
-    /// Starts of so many waves, by seed. Each batch of them (wave by wave in turns) is spread over all cells.
-    pub fn starts(&self, waves: u32, batches: usize, seed: u32) -> Vec<Start> {
-        let numbers = hash(u64::from(seed));
-        let all = self.total();
-        let start = |wave: usize| {
+    /// Starts of some of so many waves, by seed. Each batch of all of them (wave by wave in turns) is spread over all
+    /// cells.
+    pub fn starts(&self, numbers: Range<u32>, waves: u32, batches: usize, seed: u32) -> Vec<Start> {
+        let stream = hash(u64::from(seed));
+        let start = |wave: u32| {
             let random =
-                |which: usize| unit_interval(hash(numbers.wrapping_add((3 * wave + which) as u64)));
+                |which: u64| unit_interval(hash(stream.wrapping_add(3 * u64::from(wave) + which)));
+            let wave = wave as usize;
             let in_batch = (waves as usize - wave % batches).div_ceil(batches);
             let share = ((wave / batches) as f64 + random(0)) / in_batch as f64;
-            self.start(share * all, [random(1), random(2)])
+            self.start(share * self.total(), [random(1), random(2)])
         };
-        (0..waves as usize).map(start).collect()
+        numbers.map(start).collect()
     }
 
     /// 1 but for the sizes of cells, which are those at their middles.
@@ -116,15 +122,34 @@ impl Importance {
         let (direction, steradians) = self.cells.direction(cell, place);
         Start {
             direction: direction.as_vec3(),
-            weight: steradians / (4.0 * PI * probability),
+            weight: (steradians / (4.0 * PI * probability)) as f32,
         }
     }
+}
+
+/// Adds the importance of a wave: half in its own cell, half in that and all about it.
+fn add_about(sums: &mut [f64], cells: Cells, direction: Vec3, importance: f64) {
+    let cell = cells.of(direction.as_dvec3());
+    let near: Vec<usize> = cells.about_cell(cell).collect();
+    sums[cell] += importance;
+    for cell in &near {
+        sums[*cell] += importance / near.len() as f64;
+    }
+}
+
+/// The mean over the cells of the importance squared, over the square of its mean: of one half of the waves times the
+/// other, so that what is drawn by chance is not in it. 1 where all directions matter the same.
+fn unevenness([even, odd]: &[Vec<f64>; 2]) -> f64 {
+    let both: f64 = even.iter().zip(odd).map(|(even, odd)| even * odd).sum();
+    let sum = |half: &[f64]| half.iter().sum::<f64>();
+    both * even.len() as f64 / (sum(even) * sum(odd)).max(f64::MIN_POSITIVE)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::bands::BAND_COUNT;
+    use crate::scene::Material;
     use crate::sphere::lattice;
     use glam::DVec3;
 
@@ -155,14 +180,14 @@ mod tests {
     #[test]
     fn weights_make_up_for_uneven_directions() {
         const MANY: u32 = 1 << 18;
-        let starts = importance_of_few().starts(MANY, 16, 7);
-        let heaviest = starts.iter().map(|start| start.weight).fold(0.0, f64::max);
+        let starts = importance_of_few().starts(0..MANY, MANY, 16, 7);
+        let heaviest = starts.iter().map(|start| start.weight).fold(0.0, f32::max);
         assert!(heaviest < 2.2, "{heaviest}");
         let share = |part: &dyn Fn(DVec3) -> bool| {
             let inside = starts
                 .iter()
                 .filter(|start| part(start.direction.as_dvec3()));
-            inside.map(|start| start.weight).sum::<f64>() / f64::from(MANY)
+            inside.map(|start| f64::from(start.weight)).sum::<f64>() / f64::from(MANY)
         };
         let part = 1.0 - (1.0_f64 - 0.08 * 0.08).sqrt();
         // Some 20,000 waves: 0.7 %.
@@ -179,7 +204,7 @@ mod tests {
     #[test]
     fn more_waves_start_where_they_matter() {
         const BATCHES: usize = 16;
-        let starts = importance_of_few().starts(WAVES, BATCHES, 7);
+        let starts = importance_of_few().starts(0..WAVES, WAVES, BATCHES, 7);
         let mut found = [0; BATCHES];
         for (wave, start) in starts.iter().enumerate() {
             found[wave % BATCHES] += usize::from(is_important(start.direction.as_dvec3()));
@@ -193,19 +218,37 @@ mod tests {
         );
     }
 
-    /// Protects lattices, which are even as a whole alone, and runs of few waves.
+    /// Protects waves from being drawn by chance: who brings much is no one's direction here.
+    #[test]
+    fn importance_that_does_not_repeat_is_none() {
+        let directions: Vec<Vec3> = lattice(4096).map(|d| d.as_vec3()).collect();
+        let mut pilot = Pilot::new(4096, 1.0);
+        for wave in 0..4096 {
+            pilot.add(wave, 0.1, &[1.0; BAND_COUNT]);
+        }
+        for number in 0..64 {
+            let wave = (hash(number) % 4096) as u32;
+            pilot.add(wave, 0.9, &[1.0; BAND_COUNT]);
+        }
+        assert!(Importance::of(pilot, &directions, WAVES).is_none());
+    }
+
+    /// Protects lattices, which are even as a whole alone, runs of few waves, and scenes that scatter.
     #[test]
     fn some_waves_tell_nothing_of_others() {
-        let first = |waves: u32, directions| {
-            first_waves(
-                &Settings::default()
-                    .with_waves(waves)
-                    .with_directions(directions),
-            )
+        let mut scene = Scene::builtin("shoebox").expect("a built-in scene");
+        let of = |scene: &Scene, waves: u32, directions| {
+            let trace = Settings::default().with_waves(waves);
+            pilot_waves(scene, &trace.with_directions(directions))
         };
-        assert_eq!(first(1 << 18, Directions::Random), 1 << 15);
-        assert_eq!(first(1 << 24, Directions::Random), 1 << 16);
-        assert_eq!(first(8191, Directions::Random), 0);
-        assert_eq!(first(1 << 18, Directions::Fibonacci), 0);
+        assert_eq!(of(&scene, 1 << 18, Directions::Random), 1 << 15);
+        assert_eq!(of(&scene, 1 << 24, Directions::Random), 1 << 16);
+        assert_eq!(of(&scene, 8191, Directions::Random), 0);
+        assert_eq!(of(&scene, 1 << 18, Directions::Fibonacci), 0);
+        let mut rough = Material::absorbing(0.1);
+        rough.scattering[3] = 0.2;
+        scene.materials.insert("rough".to_owned(), rough);
+        scene.surfaces[0].material = Some("rough".to_owned());
+        assert_eq!(of(&scene, 1 << 18, Directions::Random), 0);
     }
 }

@@ -1,4 +1,4 @@
-//! What the first waves tell of the others: in which directions those start that bring the end of a decay.
+//! What pilot waves tell of the others: in which directions those start that bring the end of a decay.
 
 use crate::bands::{BAND_COUNT, Bands};
 
@@ -14,10 +14,13 @@ const FIRST_MOMENT: f64 = 0.01;
 /// what is still to come there decides its end.
 const LEAST_LEFT: f64 = 3e-5;
 
-/// Energies of waves that come after each of the moments, by band.
+/// A number for each moment and band.
+type Moments<T> = [[T; BAND_COUNT]; MOMENTS];
+
+/// What each pilot wave brings, by moment and band.
 pub struct Pilot {
     seconds: f64,
-    waves: Vec<[[f32; BAND_COUNT]; MOMENTS]>,
+    waves: Vec<Moments<f32>>,
 }
 
 impl Pilot {
@@ -42,35 +45,51 @@ impl Pilot {
     /// *Methods of reducing sample size in Monte Carlo computations*, 1953). `None` where each sum is what at least
     /// `enough` waves bring.
     pub fn importance(mut self, enough: f64) -> Option<Vec<f64>> {
-        for wave in &mut self.waves {
-            add_later(wave);
-        }
-        let mut importance = vec![0.0; self.waves.len()];
+        let (sums, squares) = self.sum_to_come();
+        // 1 / sum², where figures are told from the sum.
+        let mut factors = [[0.0; BAND_COUNT]; MOMENTS];
         let mut fewest = f64::INFINITY;
-        for band in 0..BAND_COUNT {
-            let all = self.sums(0, band).0;
-            for moment in 0..MOMENTS {
-                let (sum, squares) = self.sums(moment, band);
-                if sum <= LEAST_LEFT * all {
-                    break;
-                }
-                // So many waves of one energy would be as noisy (L. Kish, *Survey Sampling*, 1965, section 11.7).
-                fewest = fewest.min(sum * sum / squares);
-                for (importance, wave) in importance.iter_mut().zip(&self.waves) {
-                    *importance += (f64::from(wave[moment][band]) / sum).powi(2);
+        for moment in 0..MOMENTS {
+            for band in 0..BAND_COUNT {
+                let sum = sums[moment][band];
+                if sum > LEAST_LEFT * sums[0][band] {
+                    factors[moment][band] = sum.powi(-2);
+                    // So many waves of one energy would be as noisy (L. Kish, *Survey Sampling*, 1965, section 11.7).
+                    fewest = fewest.min(sum * sum / squares[moment][band]);
                 }
             }
         }
-        (fewest < enough).then(|| importance.into_iter().map(f64::sqrt).collect())
+        if fewest >= enough {
+            return None;
+        }
+        let square = |(energy, factor): (&f32, &f64)| f64::from(*energy).powi(2) * factor;
+        let importance = |wave: &Moments<f32>| {
+            let energies = wave.as_flattened().iter();
+            energies
+                .zip(factors.as_flattened())
+                .map(square)
+                .sum::<f64>()
+                .sqrt()
+        };
+        Some(self.waves.iter().map(importance).collect())
     }
 
-    /// The energy of all waves after a moment in a band, and the sum of the squares.
-    fn sums(&self, moment: usize, band: usize) -> (f64, f64) {
-        let of = |wave: &[[f32; BAND_COUNT]; MOMENTS]| f64::from(wave[moment][band]);
-        let energies = self.waves.iter().map(of);
-        energies.fold((0.0, 0.0), |(sum, squares), energy| {
-            (sum + energy, squares + energy * energy)
-        })
+    /// Makes of what each wave brings between moments what it brings after each; the sums of that over all waves, and
+    /// those of its squares.
+    fn sum_to_come(&mut self) -> (Moments<f64>, Moments<f64>) {
+        let mut sums = [[0.0; BAND_COUNT]; MOMENTS];
+        let mut squares = sums;
+        for wave in &mut self.waves {
+            add_later(wave);
+            for moment in 0..MOMENTS {
+                for band in 0..BAND_COUNT {
+                    let energy = f64::from(wave[moment][band]);
+                    sums[moment][band] += energy;
+                    squares[moment][band] += energy * energy;
+                }
+            }
+        }
+        (sums, squares)
     }
 }
 
@@ -81,7 +100,7 @@ fn last_moment(share: f64) -> usize {
 }
 
 /// Makes what comes between moments what comes after each.
-fn add_later(wave: &mut [[f32; BAND_COUNT]; MOMENTS]) {
+fn add_later(wave: &mut Moments<f32>) {
     for moment in (1..MOMENTS).rev() {
         let later = wave[moment];
         for (sum, later) in wave[moment - 1].iter_mut().zip(later) {

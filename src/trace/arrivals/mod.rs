@@ -26,6 +26,7 @@ mod volume;
 
 pub(super) use events::EventTable;
 pub(super) use replay::{Block, Listed, Replay};
+pub(crate) use settings::Followed;
 pub use settings::{ArrivalCounts, ArrivalSettings};
 pub(crate) use starts::{Start, WavesToFollow};
 pub(super) use targets::{ArrivalTargets, LISTED_AT_MOST, listed_rows};

@@ -70,6 +70,8 @@ pub struct Block {
     first: u32,
     grid: Grid,
     waves: Vec<WaveSoFar>,
+    /// The energy with which all start, in each band.
+    energy_at_start: f64,
     /// What is left of their energies, where these are not always 1.
     energies: Vec<Bands>,
     /// Rows that have waves which are followed.
@@ -100,9 +102,15 @@ impl Block {
             fate: Fate::Travelling,
             is_mirrored: true,
         };
+        let at_start = energies.iter().map(|energy| energy[0]).sum();
         Block {
             first,
             grid,
+            energy_at_start: if energies.is_empty() {
+                f64::from(grid.waves)
+            } else {
+                at_start
+            },
             waves: vec![start; grid.waves as usize],
             energies,
             rows: 0..grid.height,
@@ -233,7 +241,7 @@ impl Block {
                 bands::add(&mut all, &self.energies[number]);
             }
         }
-        let least = share * self.waves.len() as f64;
+        let least = share * self.energy_at_start;
         all.iter().any(|energy| *energy > least)
     }
 

@@ -7,6 +7,7 @@ use crate::reference::ExactScene;
 use crate::scene::Material;
 use crate::scene::shape::{Cylinder, Room, Sphere, Torus};
 use crate::test_common::{builtin, context, for_each_api};
+use crate::trace::arrivals::WAVES_IN_BLOCK;
 use crate::trace::{ArrivalCounts, ArrivalSettings, Start, WavesToFollow};
 use crate::{Listener, Node, Scene, Settings, Shape, Source, Surface, Tracer};
 use glam::{DVec3, Vec3};
@@ -323,30 +324,38 @@ fn parts_and_given_starts_are_the_same_waves() {
                 surface.material = Some("wall".to_owned());
             }
             let (all, counts) = arrivals(&mut tracer, &scene, &settings, &how);
-            let mut of = |waves: WavesToFollow| {
+            let mut of = |waves: &WavesToFollow| {
                 let mut some = Vec::new();
                 let mut take = |arrival: Arrival| some.push(arrival);
-                let counts = tracer.arrivals_of(&scene, &settings, &how, &waves, &mut take);
+                let followed = tracer.arrivals_of(&scene, &settings, &how, waves, &mut take);
                 some.sort_by_key(|arrival| arrival.wave);
-                (some, counts.unwrap())
+                (some, followed.unwrap())
             };
-            let parts = [0..700, 700..3000].map(|numbers| of(WavesToFollow::Numbers(numbers)));
-            let together = parts[0].1.and(&parts[1].1);
-            assert_eq!(parts.map(|(some, _)| some).concat(), all);
+            let [(first, few), (others, many)] =
+                [0..700, 700..3000].map(|numbers| of(&WavesToFollow::Numbers(numbers)));
+            assert_eq!([first, others].concat(), all);
+            let together = few.and(many).counts();
             assert_eq!(
                 (together.arrivals, together.flown),
                 (counts.arrivals, counts.flown)
             );
-            let weighted = |weight: f64| -> Vec<Start> {
+            let mut weighted = |weight: f32| {
                 let start = |direction: &Vec3| Start {
                     direction: *direction,
                     weight,
                 };
-                starts.iter().map(start).collect()
+                let give = |numbers: std::ops::Range<u32>| {
+                    let numbers = numbers.start as usize..numbers.end as usize;
+                    starts[numbers].iter().map(start).collect()
+                };
+                let (arrivals, followed) = of(&WavesToFollow::Starts {
+                    waves: settings.waves,
+                    of: &give,
+                });
+                (arrivals, followed.counts())
             };
-            let (given, same) = of(WavesToFollow::Starts(&weighted(1.0)));
-            assert_eq!((&given, same), (&all, counts));
-            let (twice, _) = of(WavesToFollow::Starts(&weighted(2.0)));
+            assert_eq!(weighted(1.0), (all.clone(), counts));
+            let (twice, _) = weighted(2.0);
             assert_eq!(twice.len(), all.len());
             for (twice, once) in twice.iter().zip(&all) {
                 assert_eq!(twice.energy, once.energy.map(|energy| 2.0 * energy));
@@ -354,6 +363,37 @@ fn parts_and_given_starts_are_the_same_waves() {
             }
         }
     });
+}
+
+/// Protects runs of more waves than are followed at a time: each block has the starts of its own numbers.
+#[test]
+fn given_starts_go_on_from_block_to_block() {
+    let context = context(Api::Gl);
+    let mut tracer = Tracer::new(&context).unwrap();
+    let scene = builtin("shoebox");
+    let how = ArrivalSettings::new(0.05);
+    let settings = Settings::hybrid().with_waves(WAVES_IN_BLOCK + 500);
+    let starts = tracer.start_directions(&settings).unwrap();
+    let (all, _) = arrivals(&mut tracer, &scene, &settings, &how);
+    let give = |numbers: std::ops::Range<u32>| {
+        let start = |wave: u32| Start {
+            direction: starts[wave as usize],
+            weight: 1.0,
+        };
+        numbers.map(start).collect()
+    };
+    let waves = WavesToFollow::Starts {
+        waves: settings.waves,
+        of: &give,
+    };
+    let mut given = Vec::new();
+    let mut take = |arrival: Arrival| given.push(arrival);
+    tracer
+        .arrivals_of(&scene, &settings, &how, &waves, &mut take)
+        .unwrap();
+    given.sort_by_key(|arrival| arrival.wave);
+    assert!(all.iter().any(|arrival| arrival.wave >= WAVES_IN_BLOCK));
+    assert_eq!(given, all);
 }
 
 /// Protects what is foretold of a decay: who follows waves until their energy is gone gets the same arrivals as who

@@ -1,8 +1,8 @@
 //! Arrivals: the passes that take waves past a transparent listener.
 
 use super::super::arrivals::{
-    ArrivalCounts, ArrivalSettings, ArrivalTargets, Block, EventTable, LISTED_AT_MOST, Listed,
-    Replay, Start, WAVES_IN_BLOCK, WavesToFollow, listed_rows, open_volume,
+    ArrivalCounts, ArrivalSettings, ArrivalTargets, Block, EventTable, Followed, LISTED_AT_MOST,
+    Listed, Replay, Start, WAVES_IN_BLOCK, WavesToFollow, listed_rows, open_volume,
 };
 use super::super::limits::check_uniforms;
 use super::super::programs::march_options;
@@ -103,11 +103,11 @@ impl Tracer {
         take: &mut dyn FnMut(Arrival),
     ) -> Result<ArrivalCounts, Error> {
         let all = WavesToFollow::Numbers(0..settings.waves);
-        self.arrivals_of(scene, settings, how, &all, take)
+        let followed = self.arrivals_of(scene, settings, how, &all, take)?;
+        Ok(followed.counts())
     }
 
-    /// The same for some of the waves, each of which has its share of the energy of all, or for as many
-    /// whose starts are given.
+    /// Follows some of the waves, or waves whose starts are given.
     pub(crate) fn arrivals_of(
         &mut self,
         scene: &Scene,
@@ -115,10 +115,14 @@ impl Tracer {
         how: &ArrivalSettings,
         waves: &WavesToFollow,
         take: &mut dyn FnMut(Arrival),
-    ) -> Result<ArrivalCounts, Error> {
+    ) -> Result<Followed, Error> {
+        let settings = match waves {
+            WavesToFollow::Numbers(_) => settings.clone(),
+            WavesToFollow::Starts { waves, .. } => settings.clone().with_waves(*waves),
+        };
         let _entered = self.context.enter()?;
         self.aside(|tracer| {
-            let run = tracer.prepare_arrivals(scene, settings, how)?;
+            let run = tracer.prepare_arrivals(scene, &settings, how)?;
             let mut counts = ArrivalCounts {
                 open_volume_m3: open_volume(scene),
                 ..ArrivalCounts::default()
@@ -126,13 +130,13 @@ impl Tracer {
             let mut cut_off_m = Vec::new();
             for numbers in waves.blocks(WAVES_IN_BLOCK) {
                 let starts = waves.starts(&numbers);
+                let starts = starts.as_deref();
                 let block = tracer.arrivals_of_block(&run, numbers, starts, &mut counts, take)?;
                 cut_off_m.extend(block.cut_off_m());
             }
             let waves = f64::from(settings.waves);
-            counts.followed_m = followed_m(cut_off_m, counts.waves);
             counts.energy_under_way = counts.energy_under_way.map(|energy| energy / waves);
-            Ok(counts)
+            Ok(Followed { counts, cut_off_m })
         })
     }
 
@@ -182,15 +186,15 @@ impl Tracer {
         })
     }
 
-    /// Makes the textures where there are none of that size and kind.
+    /// Makes the textures where there are none of that kind for as many waves.
     fn provide_arrival_targets(
         &mut self,
         settings: &Settings,
         text: &ArrivalsText,
     ) -> Result<(), Error> {
         let grid = Grid::new(settings.waves.min(WAVES_IN_BLOCK));
-        let is_same = |known: &ArrivalTargets| known.grid == grid && known.is_for(text);
-        if !self.arrival_targets.as_ref().is_some_and(is_same) {
+        let will_do = |known: &ArrivalTargets| known.grid.waves >= grid.waves && known.is_for(text);
+        if !self.arrival_targets.as_ref().is_some_and(will_do) {
             // The old textures have gone before the new ones come.
             self.arrival_targets = None;
             let targets = ArrivalTargets::new(&self.context, grid, text.clone())?;
@@ -336,21 +340,10 @@ impl Tracer {
     }
 }
 
-/// One wave in so many may be cut off without a word: a thousandth of the energy at the most is then
-/// missing, as early as they ended.
-const CUT_OFF_UNTOLD: usize = 1000;
-
-/// Metres within which all waves were followed but for these, from the ways of those that were cut off.
-fn followed_m(mut cut_off_m: Vec<f64>, waves: u64) -> f64 {
-    cut_off_m.sort_by(f64::total_cmp);
-    let next = cut_off_m.get(waves as usize / CUT_OFF_UNTOLD);
-    next.copied().unwrap_or(f64::INFINITY)
-}
-
 /// The energies of waves at the source, where they do not all stay 1.
 fn start_energies(run: &Run, starts: Option<&[Start]>, waves: usize) -> Vec<Bands> {
     if let Some(starts) = starts {
-        let energy = |start: &Start| [start.weight; BAND_COUNT];
+        let energy = |start: &Start| [f64::from(start.weight); BAND_COUNT];
         return starts.iter().map(energy).collect();
     }
     match run.replay.events.is_some() {
