@@ -62,13 +62,14 @@ impl FullSettings {
             return Ok(seconds);
         }
         let moments = if scene.duration() > 0.0 { MOMENTS } else { 1 };
+        let response = self.response.clone().with_longest(self.longest_s);
         let mut longest: f64 = 0.0;
         for moment in 0..moments {
             let time = scene.duration() * f64::from(moment) / f64::from(MOMENTS - 1);
             let now = scene.at(time);
             for source in 0..scene.sources().count() {
                 let pair = now.heard_by(source, self.listener);
-                longest = longest.max(self.response.seconds_needed(tracer, &pair)?);
+                longest = longest.max(response.seconds_needed(tracer, &pair)?);
             }
         }
         Ok(longest.min(self.longest_s))

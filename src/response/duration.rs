@@ -11,9 +11,6 @@ use crate::trace::{ArrivalSettings, Settings, Tracer};
 /// them tell a time within some per cent.
 const WAVES: u32 = 4096;
 
-/// The longest response that is not asked for, in seconds: beyond it few halls can be heard.
-const LONGEST_S: f64 = 10.0;
-
 /// The shortest, in seconds: one block of a sound.
 const SHORTEST_S: f64 = 0.1;
 
@@ -27,11 +24,13 @@ const FOLLOWED: f64 = 1e-3 * LEFT;
 /// Bins of time in which the decay is looked at, in seconds.
 const BIN_S: f64 = 0.01;
 
-/// Seconds after which the energy still to come is at most [`LEFT`] of all, in every band.
+/// Seconds after which the energy still to come is at most [`LEFT`] of all, in every band; `longest_s` at the most, but
+/// no less than the direct sound takes.
 pub(super) fn needed(
     tracer: &mut Tracer,
     scene: &Scene,
     settings: &Settings,
+    longest_s: f64,
 ) -> Result<f64, Error> {
     let medium = Medium::of(scene);
     let mut bins: Vec<Bands> = Vec::new();
@@ -41,7 +40,7 @@ pub(super) fn needed(
     tracer.arrivals(
         &wide,
         &few,
-        &ArrivalSettings::new(LONGEST_S).with_least_energy(FOLLOWED),
+        &ArrivalSettings::new(longest_s).with_least_energy(FOLLOWED),
         &mut |arrival| {
             let bin = (arrival.length_m / medium.speed / BIN_S) as usize;
             if bin >= bins.len() {
@@ -53,6 +52,7 @@ pub(super) fn needed(
     )?;
     // Few waves may miss a small or distant listener.
     Ok(end(&bins)
+        .min(longest_s)
         .max(medium.direct_s + SHORTEST_S)
         .min(MAX_SECONDS))
 }
@@ -67,7 +67,7 @@ fn end(bins: &[Bands]) -> f64 {
     for (index, bin) in bins.iter().enumerate().rev() {
         bands::add(&mut to_come, bin);
         if (0..BAND_COUNT).any(|band| to_come[band] > LEFT * all[band]) {
-            return ((index + 1) as f64 * BIN_S).clamp(SHORTEST_S, LONGEST_S);
+            return ((index + 1) as f64 * BIN_S).max(SHORTEST_S);
         }
     }
     SHORTEST_S
@@ -92,6 +92,5 @@ mod tests {
             .collect();
         assert!((end(&bins) - 2.0).abs() <= 2.0 * BIN_S, "{}", end(&bins));
         assert_eq!(end(&[]), SHORTEST_S);
-        assert_eq!(end(&[[1.0; BAND_COUNT]; 2000]), LONGEST_S);
     }
 }

@@ -7,6 +7,9 @@
 //! for walls of a `Room`, beyond which is nothing; of these it reaches as far behind one as that is away,
 //! at the most. The energy is the mean over the part of the sphere that is open, and the times are those
 //! of paths to its centre, as in the listener itself.
+//!
+//! Late arrivals may come from fewer waves than exact paths are found by: their noise is heard as noise, while a path
+//! that no wave finds is missing.
 
 use super::importance::{self, Importance, Pilot};
 use super::{Medium, ResponseSettings};
@@ -51,9 +54,9 @@ pub(super) fn arrivals(
 ) -> Result<(ArrivalCounts, Vec<Arrival>), Error> {
     let medium = Medium::of(scene);
     let mut early = Vec::new();
-    let radius_m = radius_m(scene);
-    let share = (scene.listener.radius / radius_m).powi(2);
-    if share >= 1.0 {
+    let share = (scene.listener.radius / radius_m(scene)).powi(2);
+    let trace = settings.late_trace();
+    if share >= 1.0 && trace == settings.trace {
         let mut sort = |arrival: Arrival| match arrival.is_early {
             true => early.push(arrival),
             false => medium.add(echogram, &arrival),
@@ -79,7 +82,7 @@ pub(super) fn arrivals(
         medium,
         echogram,
     };
-    Ok((late.follow_all(settings)?, early))
+    Ok((late.follow_all(&trace, settings.batches)?, early))
 }
 
 /// Waves whose late arrivals are added to an echogram.
@@ -93,8 +96,7 @@ struct LateWaves<'a> {
 
 impl LateWaves<'_> {
     /// Follows all waves. The pilot waves tell whether the others start evenly.
-    fn follow_all(mut self, settings: &ResponseSettings) -> Result<ArrivalCounts, Error> {
-        let trace = &settings.trace;
+    fn follow_all(mut self, trace: &Settings, batches: usize) -> Result<ArrivalCounts, Error> {
         let pilot_waves = importance::pilot_waves(self.scene, trace);
         if pilot_waves == 0 {
             let all = WavesToFollow::Numbers(0..trace.waves);
@@ -112,7 +114,7 @@ impl LateWaves<'_> {
         };
         *self.echogram = before;
         let waves = trace.waves - pilot_waves;
-        let of = |numbers| importance.starts(numbers, waves, settings.batches, trace.seed);
+        let of = |numbers| importance.starts(numbers, waves, batches, trace.seed);
         let starts = WavesToFollow::Starts { waves, of: &of };
         Ok(self.follow(trace, &starts, None)?.counts())
     }

@@ -15,6 +15,11 @@ pub struct ResponseSettings {
     /// How long the waves are followed; `None` until the energy of every band has fallen by 60 dB,
     /// as a few waves foretell it.
     pub seconds: Option<f64>,
+    /// The longest record where `seconds` is `None`, in seconds: 10 by default, as few halls can be heard longer.
+    pub longest_s: f64,
+    /// Waves that late arrivals come from; `None`, and a number larger than that of all waves, take all. Exact paths
+    /// are found by all waves.
+    pub late_waves: Option<u32>,
     /// Reflections of an exact path at the most, 0 to [`MAX_ORDER`]. `None` takes 6 where all surfaces
     /// are flat, else 3. Where walls absorb half of the sound, a decay of 35 dB is some dozen echoes of
     /// up to six reflections, and each is met by few waves. At curved surfaces up to 512 waves
@@ -35,12 +40,17 @@ pub const MAX_ORDER: u32 = 16;
 const ORDER_AT_PLANES: u32 = 6;
 const ORDER_AT_CURVES: u32 = 3;
 
+/// The usual longest record that is not asked for, in seconds.
+const USUAL_LONGEST_S: f64 = 10.0;
+
 impl Default for ResponseSettings {
     /// 65,536 waves of the profile `hybrid`, exact paths of the usual order.
     fn default() -> ResponseSettings {
         ResponseSettings {
             trace: Settings::default(),
             seconds: None,
+            longest_s: USUAL_LONGEST_S,
+            late_waves: None,
             order: None,
             bin_s: 1e-3,
             batches: 16,
@@ -61,6 +71,18 @@ impl ResponseSettings {
         self
     }
 
+    /// The same with records of at most so many seconds where no one says how long they are.
+    pub fn with_longest(mut self, seconds: f64) -> ResponseSettings {
+        self.longest_s = seconds;
+        self
+    }
+
+    /// The same with late arrivals from so many of the waves.
+    pub fn with_late_waves(mut self, waves: u32) -> ResponseSettings {
+        self.late_waves = Some(waves);
+        self
+    }
+
     /// The same with exact paths of up to so many reflections.
     pub fn with_order(mut self, order: u32) -> ResponseSettings {
         self.order = Some(order);
@@ -68,7 +90,7 @@ impl ResponseSettings {
     }
 
     /// How long a response in this scene is: `seconds`, or until the energy of every band has fallen by
-    /// 60 dB as a few waves foretell it.
+    /// 60 dB as a few waves foretell it, `longest_s` at the most.
     ///
     /// # Errors
     /// As [`Response::trace`](super::Response::trace).
@@ -76,8 +98,15 @@ impl ResponseSettings {
         self.validate()?;
         match self.seconds {
             Some(seconds) => Ok(seconds),
-            None => duration::needed(tracer, scene, &self.trace),
+            None => duration::needed(tracer, scene, &self.trace, self.longest_s),
         }
+    }
+
+    /// How waves are traced whose late arrivals count.
+    pub(super) fn late_trace(&self) -> Settings {
+        let waves = self.trace.waves;
+        let late = self.late_waves.map_or(waves, |late| late.min(waves));
+        self.trace.clone().with_waves(late)
     }
 
     /// The order of exact paths in this scene.
@@ -103,7 +132,8 @@ impl ResponseSettings {
             let profile = profile.to_string();
             return Err(TraceError::NoArrivals { profile }.into());
         }
-        if let Some(seconds) = self.seconds {
+        self.late_trace().validate()?;
+        for seconds in self.seconds.into_iter().chain([self.longest_s]) {
             ArrivalSettings::new(seconds).validate()?;
             if seconds > MAX_SECONDS {
                 return Err(AcousticsError::BadLength { seconds }.into());
@@ -127,6 +157,28 @@ mod tests {
     use crate::scene::shape::{Cuboid, HalfSpace, Plane, Prism, Room, Sphere};
     use crate::{Listener, Source};
     use glam::{Vec2, Vec3};
+
+    /// Protects what is traced: lengths and numbers of waves out of range are refused.
+    #[test]
+    fn bad_numbers_are_refused() {
+        let settings = ResponseSettings::default();
+        assert!(settings.validate().is_ok());
+        for bad in [
+            settings.clone().with_late_waves(0),
+            settings.clone().with_longest(0.0),
+            settings.clone().with_longest(f64::NAN),
+            settings.clone().with_longest(2.0 * MAX_SECONDS),
+            settings.clone().with_seconds(2.0 * MAX_SECONDS),
+            settings.clone().with_order(MAX_ORDER + 1),
+        ] {
+            assert!(bad.validate().is_err(), "{bad:?}");
+        }
+        // More than all waves are all.
+        assert_eq!(
+            settings.clone().with_late_waves(1 << 30).late_trace(),
+            settings.trace
+        );
+    }
 
     /// Protects the usual order: exact paths of six reflections among planes, however they are put together, and of three
     /// where a surface is curved.

@@ -18,6 +18,13 @@ use std::time::Duration;
 /// needs no more.
 const MOST_WAVES: u32 = 16_384;
 
+/// Waves that late arrivals come from at the least. With fewer, the energy of 10 ms is that of a few arrivals, and the
+/// late part is rough.
+const LEAST_LATE_WAVES: u32 = 1024;
+
+/// Seconds that a look should take: with more of them echoes lag behind who walks.
+const LOOK_S: f64 = 0.25;
+
 /// Reflections of exact paths.
 const ORDER: u32 = 3;
 
@@ -77,6 +84,8 @@ pub struct Hearing {
     scene: Option<Scene>,
     /// Responses are so long, and when that was found.
     length: Option<(f64, Instant)>,
+    /// Waves that late arrivals come from: as many as a look has time for.
+    late_waves: u32,
     last_look: Instant,
     last_late: Option<Instant>,
 }
@@ -106,6 +115,7 @@ impl Hearing {
             tracer: Tracer::new(context)?,
             scene: None,
             length: None,
+            late_waves: LEAST_LATE_WAVES,
             last_look: Instant::now(),
             last_late: None,
         })
@@ -140,7 +150,10 @@ impl Hearing {
         let glide_s = since.clamp(SHORTEST_GLIDE_S, LONGEST_GLIDE_S);
         let is_late_due = is_waited_for || self.late_is_due();
         let seconds = self.length_s(scene, settings)?;
-        let how = response_settings(settings).with_seconds(seconds);
+        let how = response_settings(settings)
+            .with_seconds(seconds)
+            .with_late_waves(self.late_waves);
+        let tracing = Instant::now();
         let axes = ListenerAxes::of(&scene.listener)?;
         let mut status = EarsStatus {
             curve_s: seconds,
@@ -166,6 +179,7 @@ impl Hearing {
         status.curve = in_decibels(&curve);
         status.late_ms = 1e3 * on_late.as_secs_f64();
         status.trace_ms = 1e3 * began.elapsed().as_secs_f64() - status.late_ms;
+        self.late_waves = late_waves(self.late_waves, tracing.elapsed());
         self.last_look = Instant::now();
         if is_late_due {
             self.last_late = Some(self.last_look);
@@ -186,7 +200,8 @@ impl Hearing {
         {
             return Ok(seconds);
         }
-        let settings = response_settings(settings);
+        let few = settings.clone().with_waves(self.late_waves);
+        let settings = response_settings(&few).with_longest(LONGEST_S);
         let mut longest: f64 = 0.0;
         for source in 0..scene.sources().count() {
             let pair = scene.heard_by(source, 0);
@@ -196,6 +211,12 @@ impl Hearing {
         self.length = Some((seconds, Instant::now()));
         Ok(seconds)
     }
+}
+
+/// How many waves the next late part comes from, after a look with so many took so long.
+fn late_waves(before: u32, took: Duration) -> u32 {
+    let fit = f64::from(before) * LOOK_S / took.as_secs_f64();
+    (fit as u32).clamp(LEAST_LATE_WAVES, MOST_WAVES)
 }
 
 fn response_settings(chosen: &Settings) -> ResponseSettings {
@@ -237,4 +258,20 @@ fn in_decibels(curve: &[f64]) -> Vec<f32> {
     let largest = curve.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
     let decibels = |energy: &f64| (10.0 * (energy / largest).log10()).max(QUIETEST_DB) as f32;
     curve.iter().map(decibels).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects who walks from waiting seconds for echoes, and the late part from being rougher than it must be.
+    #[test]
+    fn late_waves_follow_the_time_of_looks() {
+        let after = |before, seconds| late_waves(before, Duration::from_secs_f64(seconds));
+        assert_eq!(after(8192, LOOK_S), 8192);
+        assert_eq!(after(8192, 2.0 * LOOK_S), 4096);
+        assert_eq!(after(2048, 0.5 * LOOK_S), 4096);
+        assert_eq!(after(2048, 0.0), MOST_WAVES);
+        assert_eq!(after(MOST_WAVES, 60.0), LEAST_LATE_WAVES);
+    }
 }

@@ -190,6 +190,49 @@ fn early_paths_are_the_image_sources() {
     }
 }
 
+/// Protects live sound that has time for few late waves: exact paths stay, to the bit, and the level stays right,
+/// also in a hollow ball, which gathers sound.
+#[test]
+fn fewer_late_waves_bring_the_same_energy() {
+    let mut tracer = tracer();
+    let shoebox = Shoebox::new(
+        Vec3::new(8.0, 3.0, 5.0),
+        Vec3::new(-2.0, 0.1, -1.5),
+        Vec3::new(2.0, -0.3, 1.5),
+        0.2,
+    );
+    let mut ball = shoebox.scene();
+    ball.surfaces = vec![Surface::new(
+        echomarch::Shape::from(Sphere { radius: 5.0 }).complement(),
+    )];
+    ball.surfaces[0].material = Some("wall 0".to_owned());
+    for scene in [shoebox.scene(), ball] {
+        let all = ResponseSettings::default().with_seconds(2.0).with_order(2);
+        let few = all.clone().with_late_waves(1 << 13);
+        let [all, few] = [all, few].map(|settings| Response::trace(&mut tracer, &scene, &settings));
+        let (all, few) = (all.unwrap(), few.unwrap());
+        assert!(8 * few.counts.waves <= all.counts.waves + (1 << 13));
+        let paths = |response: &Response| {
+            response
+                .paths
+                .iter()
+                .map(|path| path.energy)
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(paths(&all), paths(&few));
+        for band in 0..BAND_COUNT {
+            let g_db = |response: &Response| response.figures.bands[band].g_db.unwrap();
+            let errors = [&all, &few].map(|response| response.figures.errors[band].g_db.unwrap());
+            let off_db = (g_db(&all) - g_db(&few)).abs();
+            assert!(
+                off_db < 4.0 * errors[0].hypot(errors[1]),
+                "{band}: {off_db} dB, {errors:?}"
+            );
+            assert!(errors[1] < 0.2, "{errors:?}");
+        }
+    }
+}
+
 /// Protects the open field: the direct sound alone, 1/r², and silence behind a wall that absorbs all.
 #[test]
 fn in_the_open_there_is_the_direct_sound_alone() {
