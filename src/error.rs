@@ -1,8 +1,8 @@
 //! The one error type that everything public returns.
 
-pub use crate::input::InputError;
+pub use crate::file_input::InputError;
 #[cfg(feature = "picture")]
-pub use crate::output::OutputError;
+pub use crate::file_output::OutputError;
 
 use crate::acoustics::AcousticsError;
 #[cfg(feature = "sofa")]

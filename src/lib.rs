@@ -88,12 +88,12 @@ pub mod demo;
 pub mod error;
 #[cfg(feature = "experiment")]
 pub mod experiment;
+mod file_input;
+mod file_output;
 pub mod gpu;
-mod input;
 mod kernel;
 mod notation_error;
 pub mod offline;
-mod output;
 #[cfg(feature = "picture")]
 pub mod picture;
 mod platform;
@@ -103,7 +103,7 @@ pub mod report;
 pub mod response;
 mod rng;
 pub mod scene;
-mod sphere;
+mod sphere_directions;
 #[cfg(any(feature = "experiment", feature = "demo"))]
 mod stats;
 #[cfg(feature = "experiment")]

@@ -1,6 +1,6 @@
 //! What can go wrong with sounds and WAV files.
 
-use crate::input::InputError;
+use crate::file_input::InputError;
 use crate::text::there_is_no;
 use std::io;
 use std::path::PathBuf;
@@ -179,7 +179,7 @@ impl AudioError {
     /// than this program or the disk that it writes to.
     pub fn is_bad_input(&self) -> bool {
         match self {
-            Self::WriteWav { source, .. } => crate::output::is_bad_place(source),
+            Self::WriteWav { source, .. } => crate::file_output::is_bad_place(source),
             Self::Resample { .. } => false,
             _ => true,
         }

@@ -8,7 +8,7 @@ use hound::{SampleFormat, WavReader};
 use super::AudioError;
 use super::rate::check_rate;
 use super::resample::length_after;
-use crate::input::{InputError, InputFile};
+use crate::file_input::{InputError, InputFile};
 
 /// Bytes of a WAV file at the most: [`MOST_SAMPLES`] in stereo, 32 bits each.
 const LARGEST_FILE: u64 = 2 * 4 * MOST_SAMPLES;

@@ -8,8 +8,8 @@ use hound::{SampleFormat, WavSpec};
 
 use super::{AudioError, SAMPLE_RATE};
 #[cfg(feature = "audio")]
-use crate::output::visible_part_beside;
-use crate::output::{PartFile, followed, temporary_beside};
+use crate::file_output::visible_part_beside;
+use crate::file_output::{PartFile, followed, temporary_beside};
 
 /// Bytes of a sample.
 const SAMPLE_BYTES: u64 = 4;

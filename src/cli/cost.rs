@@ -6,7 +6,7 @@ use super::print;
 use super::report::{print_report, with_progress};
 use super::scene::SceneArguments;
 use crate::experiment::cost::{self, CostOptions};
-use crate::output::{check_file, write_whole};
+use crate::file_output::{check_file, write_whole};
 use crate::report::Report;
 use clap::Args;
 use std::path::PathBuf;

@@ -3,7 +3,7 @@
 use super::option_hints;
 use super::print;
 use crate::error::Error;
-use crate::output::OutputError;
+use crate::file_output::OutputError;
 use crate::study::StudyError;
 use crate::text;
 use clap::error::ErrorKind;

@@ -14,7 +14,7 @@ use crate::acoustics::hrir::HrirSet;
 use crate::acoustics::{AcousticsError, Format, MAX_SECONDS, RATES_HZ};
 use crate::audio::SAMPLE_RATE;
 use crate::error::Error;
-use crate::output::check_file;
+use crate::file_output::check_file;
 use crate::response::{MAX_ORDER, Response, ResponseSettings};
 use crate::trace::{Algorithm, Directions, Profile, Settings};
 use clap::{Args, ValueEnum};

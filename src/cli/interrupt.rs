@@ -4,7 +4,7 @@
 //! The temporary files are removed, and the exit code is 128 and the signal's number, as a
 //! shell reports it. The window ends as if it had been closed.
 
-use crate::output::remove_parts;
+use crate::file_output::remove_parts;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use signal_hook::iterator::Signals;
 use std::io;

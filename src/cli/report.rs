@@ -2,7 +2,7 @@
 
 use super::options::Common;
 use super::print;
-use crate::output::{check_file, prepare_folder, write_whole};
+use crate::file_output::{check_file, prepare_folder, write_whole};
 use crate::report::Report;
 use crate::trace::Tracer;
 use anyhow::anyhow;

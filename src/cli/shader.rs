@@ -3,8 +3,8 @@
 use super::exit::BadInput;
 use super::options::Common;
 use super::print;
+use crate::file_output::{check_file, write_whole};
 use crate::gpu::header;
-use crate::output::{check_file, write_whole};
 use crate::picture::{self, Kind};
 use crate::scene::Scene;
 use crate::trace::{self, Directions, Pass, Profile, Settings};

@@ -4,7 +4,7 @@ use super::numbers::{count, real};
 use super::options::{Common, TraceOptions, check_ending, check_range};
 use super::print;
 use super::scene::SceneAtTime;
-use crate::output::check_file;
+use crate::file_output::check_file;
 use crate::picture::{SliceOptions, save_png, slice};
 use crate::trace::HeardPaths;
 use clap::Args;

@@ -7,7 +7,7 @@ use super::exit::BadInput;
 use super::numbers::count;
 use super::options::{Common, check_range};
 use super::print;
-use crate::output::{check_file, prepare_folder};
+use crate::file_output::{check_file, prepare_folder};
 use crate::study::{
     Joined, MOST_SHARDS, Shard, Study, StudyError, Worker, begun, check_maps, compute, draw_map,
     estimate, join,

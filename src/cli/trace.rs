@@ -8,7 +8,7 @@ use super::options::{Common, LawOption, TraceOptions, check_ending, check_range}
 use super::print;
 use super::scene::SceneAtTime;
 use crate::audio::PanningLaw;
-use crate::output::{OutputError, check_file, write_whole};
+use crate::file_output::{OutputError, check_file, write_whole};
 use crate::response::ResponseSettings;
 use crate::scene::{BUILTIN_NAMES, Scene};
 use crate::trace::{Budget, Frame, Milliseconds, Reload, Reloading, Settings, Tracer, Wave};

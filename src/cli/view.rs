@@ -4,7 +4,7 @@ use super::numbers::{count, real};
 use super::options::{Common, check_ending};
 use super::print;
 use super::scene::SceneAtTime;
-use crate::output::check_file;
+use crate::file_output::check_file;
 use crate::picture::{ViewOptions, first_person, save_png};
 use clap::Args;
 use serde_json::json;

@@ -33,7 +33,7 @@ pub enum DemoError {
     },
     /// What was to be written cannot be.
     #[error(transparent)]
-    Write(#[from] crate::output::OutputError),
+    Write(#[from] crate::file_output::OutputError),
 }
 
 impl From<crate::gpu::GpuError> for DemoError {

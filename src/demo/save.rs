@@ -3,7 +3,7 @@
 //! The file names the scene that was opened as its base, and says what differs: where source
 //! and listener are now, and named values.
 
-use crate::output::{OutputError, write_whole};
+use crate::file_output::{OutputError, write_whole};
 use crate::scene::{BasedScene, Listener, Path as KeyPath, Scene, SceneError, Source};
 use crate::trace::{Algorithm, Directions, Settings, ThesisOptions};
 use crate::walkthrough::World;

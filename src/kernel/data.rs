@@ -9,10 +9,10 @@
 //! begins, the greatest ones and how long the list is) and their lists.
 
 use super::assets::Assets;
+use super::cell_record::Record;
 use super::cells::{Cells, ENDLESS, Group, Lists, SceneCells};
 use super::layout::{GRID_VECTORS, Layout};
 use super::origin_rebasing::{OriginRebasing, RebasedScene, rounding_of};
-use super::record::Record;
 use crate::scene::Scene;
 use glam::{DVec3, UVec3, Vec3, Vec4};
 

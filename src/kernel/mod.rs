@@ -19,31 +19,29 @@
 //! Of many surfaces only their kinds are in the text (`layout`): they lie in cells, whose
 //! lists, like the surfaces' values, are in the scene's data.
 
-mod arrivals;
+mod arrivals_shader;
 mod assets;
+mod cell_record;
 mod cells;
-mod check;
 mod covered_faces;
 mod data;
-mod key;
 mod layout;
-mod loops;
+mod loop_turns;
 mod materials;
 mod origin_rebasing;
 mod passes;
-mod record;
+mod program_key;
 mod signature;
+mod size_check;
 mod structure;
+mod surface_values;
 mod text;
-mod values;
 
-pub(crate) use arrivals::{ArrivalsText, WORD_BITS, arrivals_text, material_values};
+pub(crate) use arrivals_shader::{ArrivalsText, WORD_BITS, arrivals_text, material_values};
 pub(crate) use cells::{Lists, SceneCells};
-pub(crate) use check::check;
 pub(crate) use data::{CellData, DATA_WIDTH, scene_data};
-pub(crate) use key::Key;
 pub(crate) use layout::Layout;
-pub(crate) use loops::{Loops, loops};
+pub(crate) use loop_turns::{Loops, loops};
 pub(crate) use materials::Materials;
 pub(crate) use origin_rebasing::{OriginRebasing, RebasedScene};
 pub use passes::Directions;
@@ -53,8 +51,11 @@ pub(crate) use passes::{
     AlgorithmText, MarchText, initialise_text, march_text, marches_fields, pan_text,
     sum_contributions_text, sum_text, whole_frame_text,
 };
+pub(crate) use program_key::Key;
+pub(crate) use size_check::check;
 #[cfg(any(test, feature = "walkthrough"))]
 pub(crate) use structure::{Structure, structure};
+pub(crate) use surface_values::uniform_count;
 #[cfg(glsl_at_run_time)]
 pub(crate) use text::read_at_run_time;
 #[cfg(feature = "picture")]
@@ -62,7 +63,6 @@ pub(crate) use text::source;
 pub(crate) use text::{Source, USER_FILE, join, user_sources};
 #[cfg(any(test, feature = "picture"))]
 pub(crate) use text::{distance_parts, link};
-pub(crate) use values::uniform_count;
 
 #[cfg(test)]
 mod tests;

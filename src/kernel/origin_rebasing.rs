@@ -8,7 +8,7 @@
 use super::cells::Lists;
 use super::covered_faces::extend_covered_faces;
 use super::layout::Layout;
-use super::values::push_values;
+use super::surface_values::push_values;
 use crate::scene::shape::{Cuboid, Cylinder, Room, Sphere};
 use crate::scene::{Node, Scene, Shape, Surface};
 use glam::{Vec3, Vec4};

@@ -5,9 +5,9 @@
 //! echoes, reverberation ([`auralisation`](crate::auralisation)). Each frame is traced with the scene as
 //! it stands at the frame's start.
 
-mod full;
+mod full_listening;
 
-pub use full::{FullBlock, FullSettings, HeardSource, render_full};
+pub use full_listening::{FullBlock, FullSettings, HeardSource, render_full};
 
 use crate::audio::{FrameBlocks, Mixer, SAMPLE_RATE, Sound};
 use crate::error::Error;

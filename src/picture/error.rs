@@ -1,6 +1,6 @@
 //! What can go wrong with a picture.
 
-use crate::output::OutputError;
+use crate::file_output::OutputError;
 
 /// A picture that cannot be made or kept.
 #[derive(Debug, thiserror::Error)]

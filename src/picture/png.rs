@@ -1,7 +1,7 @@
 //! Pictures as PNG files.
 
 use super::PictureError;
-use crate::output::write_whole;
+use crate::file_output::write_whole;
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder, RgbaImage};
 use std::path::Path;

@@ -6,7 +6,7 @@ use crate::acoustics::{Arrival, Tap};
 use crate::bands::{self, BAND_COUNT, Bands};
 use crate::error::Error;
 use crate::scene::{Listener, Scene, Shape};
-use crate::sphere::lattice;
+use crate::sphere_directions::lattice;
 use glam::{DVec3, Vec3};
 
 /// A specular path from source to listener, and what is heard along it.

@@ -1,6 +1,6 @@
 //! What can be wrong with a scene.
 
-use crate::input::InputError;
+use crate::file_input::InputError;
 use std::path::{Path, PathBuf};
 
 /// A scene that cannot be used, and why.

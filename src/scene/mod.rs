@@ -14,15 +14,15 @@ mod check;
 mod distance;
 mod error;
 mod file;
+mod file_watch;
 mod material;
 mod motion;
 mod named_values;
 mod notation;
-mod pairs;
 mod path;
 pub mod shape;
+mod source_listener_pairs;
 mod surface;
-mod watch;
 
 pub use air::{Air, USUAL_SPEED_OF_SOUND};
 pub use builtin::BUILTIN_NAMES;
@@ -33,6 +33,7 @@ pub use error::SceneError;
 pub(crate) use file::BasedScene;
 #[cfg(feature = "experiment")]
 pub(crate) use file::bases_of;
+pub(crate) use file_watch::SceneWatch;
 pub use material::{BUILTIN_MATERIALS, BuiltinMaterial, Material, WALL_COUNT, WALL_NAMES};
 pub use motion::{Driver, Motion};
 pub use named_values::{NamedValue, Quantity};
@@ -40,7 +41,6 @@ pub use path::{Key, Path};
 pub use shape::{Bounds3, Exactness, HeightImage, Node, Properties, Shape, UserField};
 pub(crate) use shape::{Copies, UserSamples, halton};
 pub use surface::Surface;
-pub(crate) use watch::SceneWatch;
 
 use crate::scene::shape::{HeightField, User};
 use glam::Vec3;

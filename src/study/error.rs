@@ -1,8 +1,8 @@
 //! What can be wrong with a study, its shards, and joining them.
 
 use super::Shard;
-use crate::input::InputError;
-use crate::output::OutputError;
+use crate::file_input::InputError;
+use crate::file_output::OutputError;
 use std::io;
 use std::path::{Path, PathBuf};
 

@@ -5,7 +5,7 @@
 //! `docs/clusters.md`.
 
 use super::StudyError;
-use crate::input::read_text;
+use crate::file_input::read_text;
 use crate::notation_error::{STUDY, sentence};
 use crate::scene::BUILTIN_NAMES;
 use crate::text::in_a_line;

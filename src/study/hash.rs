@@ -2,7 +2,7 @@
 
 use super::Study;
 use super::file::{StudyFile, scene_file};
-use crate::input::{InputError, read};
+use crate::file_input::{InputError, read};
 use crate::scene::{Scene, bases_of};
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};

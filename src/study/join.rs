@@ -5,7 +5,7 @@ use super::read_shard::{Rows, verify};
 use super::shard::{folder_of, is_whole};
 use super::tables::Tables;
 use super::{BLOCK, Shard, Study, StudyError, VERSION};
-use crate::output::{OutputError, prepare_folder};
+use crate::file_output::{OutputError, prepare_folder};
 use crate::scene::Scene;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};

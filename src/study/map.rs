@@ -4,7 +4,7 @@ use super::columns::{Column, Kind};
 use super::file::Places;
 use super::{Study, StudyError, Worker};
 use crate::error::Error;
-use crate::output::OutputError;
+use crate::file_output::OutputError;
 use crate::picture::{MapOptions, map, save_png};
 use crate::stats::mean;
 use glam::Vec3;

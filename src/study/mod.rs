@@ -18,8 +18,6 @@
 //! row, so that the joined tables are the same bytes however the study was cut and run.
 
 mod axes;
-#[cfg(feature = "cli")]
-mod begun;
 mod build;
 mod check;
 mod columns;
@@ -30,6 +28,8 @@ mod hash;
 mod join;
 mod lines;
 mod map;
+#[cfg(feature = "cli")]
+mod other_processes;
 #[cfg(feature = "parquet")]
 mod parquet_file;
 mod points;
@@ -41,12 +41,12 @@ mod tests;
 mod work;
 mod worker;
 
-#[cfg(feature = "cli")]
-pub(crate) use begun::{begun, rows_in};
 pub use count::{Estimate, estimate};
 pub use error::StudyError;
 pub use join::{Joined, join};
 pub use map::{check_maps, draw_map};
+#[cfg(feature = "cli")]
+pub(crate) use other_processes::{begun, rows_in};
 pub use shard::{MOST_SHARDS, Shard};
 pub use work::compute;
 pub use worker::Worker;

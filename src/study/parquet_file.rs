@@ -2,7 +2,7 @@
 
 use super::StudyError;
 use super::columns::{Column, Kind};
-use crate::output::{PartFile, temporary_beside};
+use crate::file_output::{PartFile, temporary_beside};
 use parquet::basic::{LogicalType, Repetition, Type as Physical};
 use parquet::data_type::{ByteArray, ByteArrayType, DataType, DoubleType, Int64Type};
 use parquet::errors::ParquetError;
@@ -96,7 +96,7 @@ impl ParquetFile {
             .map_err(io::Error::other)
             .and_then(|_| part.persist(&path));
         done.map_err(|source| StudyError::output(&path, source))?;
-        crate::input::note_output(&path);
+        crate::file_input::note_output(&path);
         Ok(path)
     }
 

@@ -2,7 +2,7 @@
 
 use super::lines::{Header, LONGEST_LINE, end_text, index_of, is_end, text_of};
 use super::{BLOCK, Shard};
-use crate::input::InputFile;
+use crate::file_input::InputFile;
 use sha2::{Digest, Sha256};
 use std::collections::VecDeque;
 use std::fs::File;

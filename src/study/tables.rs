@@ -1,7 +1,7 @@
 //! The tables of a joined study: CSV, Parquet, and a note on what they are of.
 
 use super::{Study, StudyError, VERSION};
-use crate::output::{PartFile, temporary_beside, write_whole};
+use crate::file_output::{PartFile, temporary_beside, write_whole};
 use crate::report::Cell;
 use serde_json::json;
 use std::fs::File;
@@ -79,7 +79,7 @@ impl<'a> Tables<'a> {
         file.map_err(|error| StudyError::output(&csv_path, io::Error::other(error.to_string())))?;
         let named = self.csv_part.persist(&csv_path);
         named.map_err(|source| StudyError::output(&csv_path, source))?;
-        crate::input::note_output(&csv_path);
+        crate::file_input::note_output(&csv_path);
         let mut files = vec![csv_path];
         #[cfg(feature = "parquet")]
         files.push(self.parquet.finish()?);

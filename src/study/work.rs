@@ -10,7 +10,7 @@ use super::lines::{Header, LONGEST_LINE, end_text, index_of, is_end, line, text_
 use super::read_shard::verify;
 use super::shard::folder_of;
 use super::{Shard, StudyError, Worker};
-use crate::output::prepare_folder;
+use crate::file_output::prepare_folder;
 use crate::report::Cell;
 use sha2::{Digest, Sha256};
 use std::fs::{File, OpenOptions, TryLockError};

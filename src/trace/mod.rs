@@ -12,16 +12,16 @@
 //! stand where they are made, in `glsl/`, and together in `docs/thesis.md`.
 
 mod arrivals;
-mod budget;
 mod directions;
 mod error;
 mod field_trial;
 mod frame;
 mod heard_search;
-mod limits;
+mod loop_budget;
 mod panning;
 mod programs;
 mod reload;
+mod renderer_limits;
 mod scene_data;
 mod settings;
 mod sum;
@@ -32,8 +32,6 @@ mod waves;
 pub use crate::kernel::Directions;
 pub use arrivals::{ArrivalCounts, ArrivalSettings};
 pub(crate) use arrivals::{Followed, Start, WavesToFollow};
-#[cfg(any(test, feature = "experiment"))]
-pub(crate) use budget::Budget;
 pub use error::TraceError;
 #[cfg(not(target_arch = "wasm32"))]
 pub use field_trial::answer_field_trial;
@@ -41,13 +39,15 @@ pub use field_trial::{FieldTrial, TrialCommand};
 pub use frame::{Frame, Milliseconds};
 #[cfg(feature = "walkthrough")]
 pub(crate) use heard_search::{HeardSearch, MostKept};
-#[cfg(feature = "picture")]
-pub(crate) use limits::check_surfaces;
+#[cfg(any(test, feature = "experiment"))]
+pub(crate) use loop_budget::Budget;
 pub use panning::{Counts, Panning};
 pub(crate) use programs::{Pass, shader_text};
 #[cfg(feature = "demo")]
 pub(crate) use reload::Opening;
 pub use reload::{Reload, Reloading};
+#[cfg(feature = "picture")]
+pub(crate) use renderer_limits::check_surfaces;
 #[cfg(feature = "picture")]
 pub(crate) use scene_data::SceneData;
 pub use settings::{

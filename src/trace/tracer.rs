@@ -1,19 +1,19 @@
 //! The tracer: frame after frame on one context.
 
-mod arrivals;
+mod arrival_passes;
+mod frame_to_texture;
 mod heard_paths;
 mod passes;
 mod prepared;
 mod steps;
-mod texture;
 mod throughput;
 
 use super::arrivals::ArrivalTargets;
-use super::budget::{self, Budget};
 use super::directions::unit_directions;
 use super::frame::timed;
-use super::limits::{check_surfaces, check_waves};
+use super::loop_budget::{self, Budget};
 use super::programs::{Pass, Programs, shader_text};
+use super::renderer_limits::{check_surfaces, check_waves};
 use super::scene_data::SceneData;
 use super::sum::Sum;
 use super::user_fields::UserFields;
@@ -24,6 +24,7 @@ use crate::gpu::{Context, GpuTimer};
 use crate::kernel::{OriginRebasing, RebasedScene};
 use crate::platform::Instant;
 use crate::scene::Scene;
+pub use frame_to_texture::FrameTexture;
 use glam::Vec3;
 pub use heard_paths::HeardPaths;
 use passes::Targets;
@@ -32,7 +33,6 @@ use std::cell::RefCell;
 use std::rc::Rc;
 use std::time::Duration;
 use steps::{FrameUnderWay, ReadBack};
-pub use texture::FrameTexture;
 use throughput::Throughput;
 
 /// Traces frames. Programs and textures are kept from frame to frame: a frame that
@@ -264,7 +264,7 @@ impl Tracer {
     ) -> Result<(OriginRebasing, RebasedScene, Budget), Error> {
         let rebasing = PreparedFrame::rebasing(scene, settings);
         let rebased = rebasing.apply(scene);
-        let lists = budget::lists(settings);
+        let lists = loop_budget::lists(settings);
         self.scene_data.set(scene, &rebasing, &rebased, lists)?;
         let budget = Budget::with_cells(scene, settings, self.scene_data.cells());
         Ok((rebasing, rebased, budget))

@@ -164,7 +164,7 @@ fn facet(directions: &[DVec3], middle: DVec3, corners: [usize; 3]) -> Option<Fac
 mod tests {
     use super::*;
     use crate::acoustics::hrir::tests::rigid_sphere::grid;
-    use crate::sphere::lattice;
+    use crate::sphere_directions::lattice;
 
     /// Protects the triangulation: a sphere of n directions has 2 n − 4 facets, also where many lie
     /// on one circle, and the poles are one direction each.

@@ -37,7 +37,7 @@ pub use error::HrirError;
 pub use sofa::{SofaError, SofaProblem};
 
 use crate::audio::resample;
-use crate::sphere::lattice;
+use crate::sphere_directions::lattice;
 pub(super) use facets::Facets;
 use glam::DVec3;
 use rayon::prelude::*;

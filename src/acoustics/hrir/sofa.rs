@@ -19,7 +19,7 @@ mod variables;
 pub use error::{SofaError, SofaProblem};
 
 use super::{HrirSet, MeasuredHrir, check};
-use crate::input::{self, InputError};
+use crate::file_input::{self, InputError};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use variables::Variables;
@@ -40,7 +40,7 @@ impl HrirSet {
     /// # Errors
     /// [`SofaError`]: the file and what is wrong with it.
     pub fn read_sofa(path: &Path) -> Result<HrirSet, SofaError> {
-        let bytes = input::read(path, LARGEST_FILE);
+        let bytes = file_input::read(path, LARGEST_FILE);
         bytes
             .map_err(|source: InputError| SofaProblem::Unreadable { source })
             .and_then(from_bytes)

@@ -6,7 +6,7 @@ use super::{Sound, amplitude, taps};
 use crate::acoustics::hrir::{Facets, Hrir, HrirPair, HrirSet};
 use crate::acoustics::{Echogram, Tap};
 use crate::bands::BAND_COUNT;
-use crate::sphere::lattice;
+use crate::sphere_directions::lattice;
 use glam::DVec3;
 
 /// Ears of a listener.

@@ -8,7 +8,7 @@ use crate::acoustics::{
 use crate::audio::WavWriter;
 use crate::error::Error;
 use crate::experiment::decay_plot;
-use crate::output::write_whole;
+use crate::file_output::write_whole;
 use crate::response::Response;
 use anyhow::anyhow;
 use std::io::{self, Write};

@@ -1,7 +1,7 @@
 //! `echomarch render`: a WAV of what the listener hears.
 
 mod balance;
-mod full;
+mod full_listening;
 mod sounds;
 
 use super::exit::BadInput;
@@ -12,8 +12,8 @@ use super::scene::SceneArguments;
 use crate::audio::SoundSpec;
 use crate::auralisation::Listen;
 use crate::error::Error;
+use crate::file_output::check_file;
 use crate::offline::Timing;
-use crate::output::check_file;
 use crate::scene::Scene;
 use crate::trace::Profile;
 use clap::Args;
@@ -62,7 +62,7 @@ pub struct Arguments {
         value_name = "N", value_parser = real::<f64>)]
     fps: f64,
     #[command(flatten)]
-    full: full::FullOptions,
+    full: full_listening::FullOptions,
     #[command(flatten, next_help_heading = "With --listen balance")]
     law: LawOption,
     #[command(flatten)]
@@ -84,7 +84,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     };
     match listen {
         Listen::Balance => balance::run(job),
-        Listen::Full => full::run(job),
+        Listen::Full => full_listening::run(job),
     }
 }
 

@@ -1,7 +1,7 @@
 //! The panels over the picture: plan, meters, times, choices, help.
 
 mod choices;
-mod full;
+mod full_listening;
 mod help;
 mod materials;
 mod meters;
@@ -159,7 +159,7 @@ fn left(ui: &Ui, hud: &HudState, room: Room, chosen: &Choices, plan: &mut Plan) 
             ui.add_space(3.0);
             meters::draw(ui, hud);
             ui.separator();
-            full::draw(ui, hud);
+            full_listening::draw(ui, hud);
             meters::heard(ui, hud);
         });
     });

@@ -4,7 +4,7 @@
 //! a trial without an answer counts as such.
 
 use super::observer::Side;
-use crate::input::{InputError, read_text};
+use crate::file_input::{InputError, read_text};
 use crate::text::{check_name, in_a_line};
 use crate::trace::Settings;
 use serde::{Deserialize, Serialize};

@@ -5,8 +5,8 @@ use super::plot::plot_svg;
 use super::report::{
     FacingReport, LimitReport, LocaliseReport, OpenDirection, OpenReport, Plateau, SceneReport,
 };
+use super::report_contents::{first_sound, shown_plateaus};
 use super::score::{ScoreReport, SessionLine};
-use super::shown::{first_sound, shown_plateaus};
 use super::statistics::{ErrorFigures, Figure, LEAST_DRAWN};
 use super::{AUDIBLE_DEG, MOST_WORK};
 use crate::experiment::{THESIS_TABLES, ThesisTable, WAVE_COUNTS};

@@ -33,8 +33,8 @@ mod open_field;
 mod plateaus;
 mod plot;
 mod report;
+mod report_contents;
 pub mod score;
-mod shown;
 pub mod statistics;
 mod sweep;
 

@@ -3,7 +3,7 @@
 //! hear nothing points are hollow, and where none hears anything there is none.
 
 use super::report::{Cell, LocaliseReport, SceneReport};
-use super::shown::{first_sound, measured};
+use super::report_contents::{first_sound, measured};
 use super::statistics::{ErrorFigures, Figure, LEAST_DRAWN};
 use crate::experiment::plot::{HYBRID, MARCH, Panel, Sheet, Stroke, THESIS, draw_legend};
 use crate::report::PlotError;

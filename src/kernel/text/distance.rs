@@ -2,7 +2,7 @@
 
 use super::field::value_text;
 use super::link::Part;
-use super::of_kind::of_kind;
+use super::over_kinds::of_kind;
 use super::scene_text::Text;
 use crate::kernel::cells::Lists;
 use crate::scene::Scene;

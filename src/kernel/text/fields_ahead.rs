@@ -3,10 +3,10 @@
 use super::field::{free_text, is_bounded};
 use super::link::Part;
 use super::link::parts;
-use super::named::Named;
-use super::of_kind::of_kind;
+use super::over_kinds::of_kind;
 use super::scene_text::Text;
 use super::shader_source::source;
+use super::surface_names::Named;
 use std::fmt::Write;
 
 /// Which fields of a scene a march has to take.

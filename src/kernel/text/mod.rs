@@ -17,12 +17,12 @@ mod library;
 mod link;
 mod listener;
 mod materials;
-pub(super) mod named;
-mod of_kind;
+mod over_kinds;
 mod records;
 mod reflect;
 pub(super) mod scene_text;
 mod shader_source;
+pub(super) mod surface_names;
 mod user;
 
 pub use closed_form::closed_form_parts;

@@ -1,9 +1,9 @@
 //! Text about the kinds that have cells of their own: which of their surfaces a line meets.
 
-use super::named::Named;
 use super::scene_text::Text;
+use super::surface_names::Named;
+use crate::kernel::cell_record::Record;
 use crate::kernel::layout::GRID_VECTORS;
-use crate::kernel::record::Record;
 use crate::scene::Node;
 use std::fmt::Write;
 

@@ -3,8 +3,8 @@
 use super::field;
 use super::library::library;
 use super::link::{self, Part};
-use super::named::{Named, value_name};
 use super::shader_source::Source;
+use super::surface_names::{Named, value_name};
 use crate::kernel::assets::Assets;
 use crate::kernel::cells::Lists;
 use crate::kernel::layout::Layout;

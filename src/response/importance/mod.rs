@@ -8,7 +8,7 @@
 //! for it. Then the pilot waves are dropped, as they have decided where the others start, and sums have no bias. (Where
 //! the others start evenly the pilot waves count, though they have decided so: the bias of that is small.)
 
-mod cells;
+mod direction_cells;
 mod pilot;
 
 pub(super) use pilot::Pilot;
@@ -17,7 +17,7 @@ use crate::kernel::Materials;
 use crate::rng::{hash, unit_interval};
 use crate::scene::Scene;
 use crate::trace::{Directions, Settings, Start};
-use cells::Cells;
+use direction_cells::Cells;
 use glam::Vec3;
 use std::f64::consts::PI;
 use std::ops::{Range, RangeInclusive};
@@ -150,7 +150,7 @@ mod tests {
     use super::*;
     use crate::bands::BAND_COUNT;
     use crate::scene::Material;
-    use crate::sphere::lattice;
+    use crate::sphere_directions::lattice;
     use glam::DVec3;
 
     const WAVES: u32 = 1 << 15;

@@ -14,8 +14,8 @@
 use super::air::AirFile;
 use super::chain::{Chain, MOST_BASES};
 use super::material::Materials;
-use super::placed::{ListenerFile, Placed, Several, SourceFile, one_form};
-use super::places::{Place, Refused, place_of};
+use super::sources_and_listeners::{ListenerFile, Placed, Several, SourceFile, one_form};
+use super::text_places::{Place, Refused, place_of};
 use super::{malformed, options, text_of};
 use crate::scene::builtin::{self, Named};
 use crate::scene::check::twice;
@@ -456,7 +456,7 @@ mod tests {
         let path = folder.path("small.ron");
         let (mut watch, first) = SceneWatch::open(path.to_str().unwrap()).unwrap();
         assert_eq!(watch.files().count(), 2);
-        assert!(crate::input::is_input(&folder.path("hall.ron")));
+        assert!(crate::file_input::is_input(&folder.path("hall.ron")));
         let mut settled = || (0..3).find_map(|_| watch.poll());
         folder.write("hall.ron", &HALL.replace("radius: 1,", "radius: 1.5,"));
         assert_eq!(settled().unwrap().unwrap().listener.radius, 1.5);

@@ -5,7 +5,7 @@
 
 use super::air::AirFile;
 use super::material::MaterialFile;
-use super::placed::{ListenerFile, SourceFile};
+use super::sources_and_listeners::{ListenerFile, SourceFile};
 use crate::notation_error::offset;
 use crate::scene::notation::{FixedRadius, Form};
 use crate::scene::shape::{form_of, shape_names};

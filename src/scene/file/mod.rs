@@ -9,16 +9,16 @@ mod base_scene;
 mod chain;
 mod hints;
 mod material;
-mod placed;
-mod places;
 mod serialise;
+mod sources_and_listeners;
 mod surface;
+mod text_places;
 #[cfg(feature = "demo")]
 mod write;
 
 use super::check::NOT_A_ROOM;
 use super::{Scene, SceneError};
-use crate::input::read_text;
+use crate::file_input::read_text;
 use crate::notation_error;
 use crate::scene::notation::{Attached, FixedRadius, Name};
 use crate::text::in_a_line;
@@ -26,12 +26,12 @@ use air::AirFile;
 use base_scene::BasedFile;
 use chain::Chain;
 use material::Materials;
-use placed::{ListenerFile, Several, SourceFile};
-use places::{Place, Refused};
 use serde::Deserialize;
+use sources_and_listeners::{ListenerFile, Several, SourceFile};
 use std::iter::once;
 use std::path;
 use surface::SurfaceFile;
+use text_places::{Place, Refused};
 
 pub(crate) use base_scene::bases_of;
 #[cfg(feature = "demo")]

@@ -1,6 +1,6 @@
 //! Reads the files that a scene file names: height images and GLSL fields.
 
-use crate::input::read_text;
+use crate::file_input::read_text;
 use crate::scene::builtin::FIELDS;
 use crate::scene::{HeightImage, SceneError, UserField};
 use crate::text::in_a_line;

@@ -1,6 +1,6 @@
 //! Heights from an image: bilinear ground.
 
-use crate::input::read;
+use crate::file_input::read;
 use glam::{DVec2, UVec2};
 use image::{DynamicImage, ImageBuffer, Luma};
 use png::{BitDepth, ColorType, DecodingError};

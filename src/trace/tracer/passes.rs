@@ -1,7 +1,7 @@
 //! The passes of a frame, and the textures that they draw to.
 
 use super::super::directions::start_texels;
-use super::super::limits::check_waves;
+use super::super::renderer_limits::check_waves;
 use super::super::sum::Sum;
 use super::super::{Grid, Settings, TraceError};
 use super::Tracer;

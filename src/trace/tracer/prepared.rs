@@ -1,7 +1,7 @@
 //! What one frame needs: its input, checked, and what follows from it.
 
-use super::super::budget::{Budget, lists};
 use super::super::directions::random_turn;
+use super::super::loop_budget::{Budget, lists};
 use super::super::waves::{STATUS_DEAD, STATUS_STARTED};
 use super::super::{Algorithm, Grid, MarchOptions, Settings};
 use crate::gpu::Program;

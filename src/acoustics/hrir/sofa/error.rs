@@ -1,7 +1,7 @@
 //! What can be wrong with a SOFA file.
 
 use crate::acoustics::hrir::HrirError;
-use crate::input::InputError;
+use crate::file_input::InputError;
 use std::path::PathBuf;
 
 /// A SOFA file that no head-related impulse responses are read from.

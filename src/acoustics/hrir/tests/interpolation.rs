@@ -2,7 +2,7 @@
 
 use super::rigid_sphere::{RATE_HZ, SAMPLES, fade, grid, set, transfer};
 use crate::acoustics::hrir::{Hrir, HrirError, HrirPair, HrirSet, MeasuredHrir};
-use crate::sphere::lattice;
+use crate::sphere_directions::lattice;
 use glam::DVec3;
 use realfft::num_complex::Complex;
 use std::f64::consts::TAU;

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::acoustics::hrir::tests::rigid_sphere::{self, grid, set, transfer};
-use crate::sphere::lattice;
+use crate::sphere_directions::lattice;
 use realfft::num_complex::Complex;
 use std::f64::consts::TAU;
 use std::sync::Arc;

@@ -21,7 +21,7 @@ use super::listen::{LoadedSound, facings, listen};
 use super::observer::{Levels, Observer, azimuth_deg, lateral_deg};
 use crate::audio::{PanningLaw, SoundSpec};
 use crate::error::Error;
-use crate::output::{OutputError, write_whole};
+use crate::file_output::{OutputError, write_whole};
 use crate::rng::Random;
 use crate::scene::Scene;
 use crate::trace::{Profile, Settings, Tracer};
@@ -225,7 +225,7 @@ pub enum WriteError {
 /// # Errors
 /// [`WriteError`] with the folder.
 pub fn prepare(folder: &Path) -> Result<(), WriteError> {
-    crate::output::prepare_folder(folder)?;
+    crate::file_output::prepare_folder(folder)?;
     let cannot_list = |source: io::Error| OutputError {
         path: folder.to_owned(),
         source,
@@ -255,7 +255,7 @@ impl Form {
     pub fn write(&self, folder: &Path) -> Result<(), WriteError> {
         prepare(folder)?;
         let sounds = folder.join("sounds");
-        crate::output::prepare_folder(&sounds)?;
+        crate::file_output::prepare_folder(&sounds)?;
         for trial in &self.trials {
             write_whole(&folder.join(&trial.file), |out| {
                 out.write_all(&encode::wav_16(&self.samples(trial))?)

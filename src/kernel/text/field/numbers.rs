@@ -1,7 +1,7 @@
 //! Where the numbers of a field stand: in the text, in `uSurfaces`, or in the scene's data.
 
 use super::Place;
-use crate::kernel::values::divides;
+use crate::kernel::surface_values::divides;
 use crate::scene::Shape;
 
 /// The numbers of a tree, node by node in the order of [`Shape::nodes`].

@@ -2,7 +2,7 @@
 
 use crate::kernel::assets::Assets;
 use crate::kernel::text::link::parts;
-use crate::kernel::text::named::no_comment;
+use crate::kernel::text::surface_names::no_comment;
 use crate::kernel::text::{Part, Source, source};
 use crate::scene::UserField;
 use std::fmt::Write;

@@ -1,6 +1,6 @@
 //! Sources and listeners of a scene file.
 
-use super::places::{Place, Refused};
+use super::text_places::{Place, Refused};
 use crate::scene::check::{LEVELS, MOST_PLACED};
 use crate::scene::notation::{Degrees, Finite, FixedRadius, Name, Point};
 use crate::scene::{Key, Listener, Path, Source};

@@ -4,8 +4,8 @@ use super::super::arrivals::{
     ArrivalCounts, ArrivalSettings, ArrivalTargets, Block, EventTable, Followed, LISTED_AT_MOST,
     Listed, Replay, Start, WAVES_IN_BLOCK, WavesToFollow, listed_rows, open_volume,
 };
-use super::super::limits::check_uniforms;
 use super::super::programs::march_options;
+use super::super::renderer_limits::check_uniforms;
 use super::super::{Algorithm, Grid, MAX_ITERATIONS, Profile, Settings, TraceError};
 use super::Tracer;
 use super::prepared::{FramePrograms, PreparedFrame};

@@ -14,7 +14,7 @@
 //! (with the first component for the place of a list), unless they leave a component of their
 //! first vector free: a box does, and an endless pillar, whose height means nothing.
 
-use super::values::value_count;
+use super::surface_values::value_count;
 use crate::scene::{Node, Surface};
 use glam::Vec4;
 

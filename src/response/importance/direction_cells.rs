@@ -79,7 +79,7 @@ impl Cells {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sphere::lattice;
+    use crate::sphere_directions::lattice;
     use std::f64::consts::PI;
 
     /// Protects the weights of waves: places lie in their cells, and the cells make up the sphere.

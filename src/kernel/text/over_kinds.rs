@@ -1,7 +1,7 @@
 //! Text about the surfaces that lie in cells: one function over all kinds.
 
-use super::named::Named;
 use super::scene_text::Text;
+use super::surface_names::Named;
 use std::fmt::Write;
 
 /// A function over the kinds that are wanted: `head` up to its brace, a statement a kind,

@@ -5,7 +5,7 @@
 //! that it names, a sound, answers) is never replaced, whatever path or link leads to it.
 #![cfg_attr(not(feature = "cli"), allow(dead_code))] // The library alone writes sounds alone.
 
-use crate::input::is_input;
+use crate::file_input::is_input;
 use std::ffi::OsStr;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
@@ -86,7 +86,7 @@ pub fn write_whole(
     writer.flush().map_err(error)?;
     drop(writer);
     beside.persist(target).map_err(error)?;
-    crate::input::note_output(target);
+    crate::file_input::note_output(target);
     Ok(())
 }
 

@@ -2,7 +2,7 @@
 
 use super::field::{self, has_closed_form};
 use crate::kernel::assets::Assets;
-use crate::kernel::values::value_count;
+use crate::kernel::surface_values::value_count;
 use crate::scene::{Node, Scene, Shape, Surface};
 
 /// A surface that is unrolled, or a kind of surfaces that are data.

@@ -1,6 +1,6 @@
 //! What the text of each pass depends on.
 
-use super::arrivals::ArrivalsText;
+use super::arrivals_shader::ArrivalsText;
 use super::passes::{Directions, MarchText};
 use super::structure::{Structure, structure};
 use crate::scene::Scene;

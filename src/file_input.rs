@@ -297,7 +297,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("file");
         for text in [b"1", b"2"] {
-            crate::output::write_whole(&file, |out| out.write_all(text)).unwrap();
+            crate::file_output::write_whole(&file, |out| out.write_all(text)).unwrap();
             assert_eq!(read(&file, 9).unwrap(), text);
         }
     }

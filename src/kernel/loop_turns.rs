@@ -8,8 +8,8 @@
 use super::cells::{Lists, SceneCells};
 use super::text::field::{cells_crossed, has_closed_form, is_bounded, leaps};
 use super::text::fields_ahead::Marched;
-use super::text::named::Named;
 use super::text::scene_text::Text;
+use super::text::surface_names::Named;
 use crate::scene::shape::User;
 use crate::scene::{Copies, Node, Scene, Shape, UserField};
 
