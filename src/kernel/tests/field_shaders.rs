@@ -26,7 +26,7 @@ pub struct Asked {
 }
 
 impl Asked {
-    fn new(context: &Context, scene: &Scene, parts: Vec<Part>, ask: String) -> Asked {
+    pub fn new(context: &Context, scene: &Scene, parts: Vec<Part>, ask: String) -> Asked {
         let main = "
 uniform highp sampler2D uPoints;
 uniform highp sampler2D uDirections;
@@ -62,7 +62,7 @@ void main() {
         }
     }
 
-    fn ask(&self, which: usize, points: &[Vec3], directions: &[Vec3]) -> Vec<[f32; 4]> {
+    pub fn ask(&self, which: usize, points: &[Vec3], directions: &[Vec3]) -> Vec<[f32; 4]> {
         let width = 64;
         let height = (points.len() as u32).div_ceil(width);
         let upload = |vectors: &[Vec3]| {
@@ -86,7 +86,7 @@ void main() {
 }
 
 /// One unit in the last place of the largest number that an evaluation meets.
-fn unit(entry: &Entry, surface: &Surface, p: Vec3) -> f64 {
+pub fn unit(entry: &Entry, surface: &Surface, p: Vec3) -> f64 {
     let size = p.length() + surface.position.length();
     f64::from(f32::EPSILON) * (f64::from(size) + entry.reach()) * awkwardness(entry)
 }
@@ -108,7 +108,7 @@ fn awkwardness(entry: &Entry) -> f64 {
 }
 
 /// Points near, far, on and inside, in the surface's own axes.
-fn points(entry: &Entry, random: &mut Random) -> Vec<DVec3> {
+pub fn points(entry: &Entry, random: &mut Random) -> Vec<DVec3> {
     let reach = entry.reach();
     let mut all = vec![DVec3::ZERO];
     for length in [0.01, 0.1, 0.3, 0.6, 0.9, 1.0, 1.5, 3.0, 20.0] {
@@ -129,7 +129,7 @@ fn points(entry: &Entry, random: &mut Random) -> Vec<DVec3> {
     all
 }
 
-fn gradient(entry: &Entry, p: DVec3) -> DVec3 {
+pub fn gradient(entry: &Entry, p: DVec3) -> DVec3 {
     let step = 1e-6 * entry.reach();
     let along = |axis: DVec3| {
         (entry.distance(p + axis * step) - entry.distance(p - axis * step)) / (2.0 * step)

@@ -1,0 +1,153 @@
+//! The bounds of fields along lines, by which a march goes further than by values.
+
+use super::field_shaders::{Asked, gradient, points, unit};
+use crate::Surface;
+use crate::gpu::{Api, Context};
+use crate::kernel::text::{ListenerText, directed_parts};
+use crate::scene::shape::tests::table::{Entry, on_cpu, scene_of, surfaces, to_world};
+use crate::test_common::{Random, context};
+use glam::{DVec3, Vec3};
+
+/// Lines from each point.
+const LINES: usize = 4;
+
+/// Places on each line at which the field is looked at, the more the nearer to its ends.
+const PLACES: usize = 64;
+
+/// Units of the place by which a line may be in the solid: what rounding does to its start and to the bound.
+const SOLID_ULPS: f64 = 64.0;
+
+/// How far along d from p all fields are free by the shader.
+const FREE: &str = "
+vec4 answer(int which, vec3 p, vec3 d) {
+    float errorBound = 1.2e-7 * (abs(p.x) + abs(p.y) + abs(p.z));
+    return vec4(fieldsFree(p, d, -1.0, errorBound));
+}
+";
+
+/// What bounds along lines were worth.
+#[derive(Default)]
+struct Worth {
+    free: f64,
+    values: f64,
+}
+
+/// How far from the surface lines begin besides, as shares of its reach: bounds are asked next to surfaces.
+const NEAR: [f64; 2] = [1e-4, 1e-2];
+
+/// Lines through the air, from places near and far, in all directions and towards the surface.
+fn lines(entry: &Entry, surface: &Surface) -> Vec<(DVec3, DVec3)> {
+    let mut random = Random(29);
+    let mut all = Vec::new();
+    let far = points(entry, &mut Random(31));
+    let near = |p: &DVec3| NEAR.map(|share| towards(entry, *p, share * entry.reach()));
+    let near: Vec<DVec3> = far.iter().flat_map(near).collect();
+    for p in [far, near].concat() {
+        for _ in 0..LINES {
+            let aim = entry.reach() * random.unit() * random.direction();
+            let direction = [random.direction(), (aim - p).normalize_or(DVec3::X)];
+            all.push((p, direction[all.len() % 2]));
+        }
+    }
+    let air = |p: DVec3| entry.distance(p) > 4.0 * unit(entry, surface, to_world(surface, p));
+    all.retain(|(p, _)| air(*p));
+    all
+}
+
+/// By Newton's steps from p to where the value is so large.
+fn towards(entry: &Entry, mut p: DVec3, value: f64) -> DVec3 {
+    for _ in 0..6 {
+        p += gradient(entry, p) * (value - entry.distance(p));
+    }
+    p
+}
+
+/// The first place on a line that is in the solid though it should be free.
+fn solid_within(
+    entry: &Entry,
+    (from, direction): (DVec3, DVec3),
+    free: f64,
+    bound: f64,
+) -> Option<f64> {
+    let place = |index: usize| {
+        let share = (index as f64 + 0.5) / PLACES as f64;
+        // Most bounds end where they would be wrong first.
+        free * share * (2.0 - share)
+    };
+    (0..PLACES)
+        .map(place)
+        .find(|t| entry.distance(from + *t * direction) < -bound)
+}
+
+fn check(context: &Context, entry: &Entry, surface: &Surface, worth: &mut Worth) -> Option<String> {
+    let scene = scene_of(vec![surface.clone()]);
+    let asked = Asked::new(
+        context,
+        &scene,
+        directed_parts(&scene, ListenerText::Solid, false),
+        FREE.to_owned(),
+    );
+    let lines = lines(entry, surface);
+    let turn = surface.rotation.as_dquat();
+    let starts: Vec<Vec3> = lines.iter().map(|(p, _)| to_world(surface, *p)).collect();
+    let directions: Vec<Vec3> = lines
+        .iter()
+        .map(|(_, d)| (turn * *d).as_vec3().normalize())
+        .collect();
+    let farthest = 4.0 * entry.reach();
+    for (index, [free, ..]) in asked.ask(0, &starts, &directions).into_iter().enumerate() {
+        let (line, free) = (lines[index], f64::from(free).min(farthest));
+        let bound = SOLID_ULPS * unit(entry, surface, starts[index]);
+        let value = entry.distance(line.0);
+        if value < 2.0 * NEAR[1] * entry.reach() {
+            worth.free += free;
+            worth.values += value;
+        }
+        if let Some(t) = solid_within(entry, line, free, bound) {
+            let (p, d) = line;
+            let value = entry.distance(p + t * d);
+            return Some(format!(
+                "free for {free} m, but {value} after {t} m from {p} along {d}: {}",
+                entry.name
+            ));
+        }
+    }
+    None
+}
+
+/// All entries that the CPU knows, and their complements: bounds in the air and in the solid are texts of their own.
+fn both_sides() -> Vec<Entry> {
+    let other = |entry: &Entry| Entry {
+        name: format!("complement of {}", entry.name),
+        field: entry.field.clone().complement(),
+        truth: None,
+    };
+    let entries = on_cpu();
+    let others: Vec<Entry> = entries.iter().map(other).collect();
+    entries.into_iter().chain(others).collect()
+}
+
+/// Protects waves from going through surfaces: no line is free farther than the field is. And protects what bounds are
+/// for: next to a surface a line is never free for less than its value says, and mostly for far more.
+#[test]
+fn lines_are_free_as_far_as_bounds_say() {
+    let context = context(Api::Gl);
+    let mut failures = Vec::new();
+    let (mut bounded, mut worthwhile) = (0, 0);
+    for entry in both_sides() {
+        let mut worth = Worth::default();
+        for surface in surfaces(&entry) {
+            failures.extend(check(&context, &entry, &surface, &mut worth));
+        }
+        let times = worth.free / worth.values;
+        println!("{times:.2} {}", entry.name);
+        // Of some fields nothing is known but the value: the march takes that.
+        if times > 0.0 && times < 0.999 {
+            failures.push(format!("free for {times} of the value: {}", entry.name));
+        }
+        bounded += usize::from(times > 0.0);
+        worthwhile += usize::from(times > 2.0);
+    }
+    assert!(failures.is_empty(), "{}", failures.join("\n"));
+    assert!(10 * worthwhile > 9 * bounded, "{worthwhile} of {bounded}");
+}
