@@ -116,3 +116,60 @@ fn largest_step(samples: &[f32]) -> f32 {
     let steps = samples.windows(2).map(|pair| (pair[1] - pair[0]).abs());
     steps.fold(0.0, f32::max)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const RATE_HZ: u32 = 48_000;
+
+    /// Two and a bit of them fill each clip below twice and more.
+    const LENGTH: usize = 4800;
+
+    /// What a looping clip plays in three rounds and a half, in blocks of an odd size.
+    fn rounds(samples: &[f32]) -> Vec<f32> {
+        let mut clip = Clip::new(samples.to_vec(), RATE_HZ);
+        let mut played = vec![0.0; samples.len() * 7 / 2];
+        played.chunks_mut(331).for_each(|block| clip.fill(block));
+        played
+    }
+
+    /// Protects loops from clicks: where the end of a clip does not fit its start, no step is larger than the clip's own.
+    #[test]
+    fn a_clip_that_does_not_fit_itself_starts_over_without_a_click() {
+        let ramp: Vec<f32> = (0..LENGTH).map(|n| n as f32 / LENGTH as f32).collect();
+        let played = rounds(&ramp);
+        let seam = (f64::from(RATE_HZ) * SEAM_S) as usize;
+        // From the end to the start in the seam, besides what the clip itself rises.
+        let most = 1.0 / seam as f32 + 2.0 / LENGTH as f32;
+        assert!(largest_step(&played) <= most, "{}", largest_step(&played));
+        // Beyond the seam it is the clip, and its first start is its own.
+        assert_eq!(played[..LENGTH], ramp[..]);
+        assert_eq!(played[LENGTH + seam..2 * LENGTH], ramp[seam..]);
+        assert_eq!(played[LENGTH..2 * LENGTH], played[2 * LENGTH..3 * LENGTH]);
+    }
+
+    /// Protects clips that were made to loop: not a sample changes.
+    #[test]
+    fn a_clip_that_fits_itself_is_played_as_it_is() {
+        let turn = |n: usize| (n as f32 * std::f32::consts::TAU * 10.0 / LENGTH as f32).sin();
+        let sine: Vec<f32> = (0..LENGTH).map(turn).collect();
+        for (n, sample) in rounds(&sine).into_iter().enumerate() {
+            assert_eq!(sample, sine[n % LENGTH]);
+        }
+    }
+
+    /// Protects who begins anywhere: a clip that is sought plays what it would have played there.
+    #[test]
+    fn seeking_finds_what_playing_comes_to() {
+        let ramp: Vec<f32> = (0..LENGTH).map(|n| n as f32 / LENGTH as f32).collect();
+        let played = rounds(&ramp);
+        for from in [0, 17, LENGTH - 1, LENGTH, LENGTH + 9, 2 * LENGTH + 4000] {
+            let mut clip = Clip::new(ramp.clone(), RATE_HZ);
+            clip.seek(from as u64);
+            let mut sought = vec![0.0; 1000];
+            clip.fill(&mut sought);
+            assert_eq!(sought[..], played[from..from + 1000], "from {from}");
+        }
+    }
+}
