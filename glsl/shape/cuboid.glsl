@@ -76,7 +76,7 @@ float sdBoxDirected(vec3 p, vec3 d, vec4 halfSizeAndErrorBound) {
     vec3 beyond = abs(p) - halfSizeAndErrorBound.xyz;
     float furthest = max(beyond.x, max(beyond.y, beyond.z));
     float errorBound = halfSizeAndErrorBound.w;
-    float face = furthest > errorBound ? 0.0 : min(furthest, -errorBound);
+    float face = min(furthest, -errorBound);
     vec3 receding = vec3(
         away.x >= 0.0 ? beyond.x : -NEVER,
         away.y >= 0.0 ? beyond.y : -NEVER,
