@@ -266,6 +266,14 @@ pub fn operators() -> Vec<Shape> {
         ellipsoid(2.0, 0.5, 1.0).shell(0.4),
         Shape::smooth_union(0.6, [sphere(0.7), bar(), aside()]),
         Shape::smooth_union(1.0, [ellipsoid(2.0, 0.4, 0.6), ellipsoid(0.4, 1.0, 0.5)]),
+        // Far from each other but for a place: there they are as they are.
+        Shape::smooth_union(
+            0.15,
+            [
+                sphere(0.7),
+                cuboid(2.0, 0.3, 0.4).translate(v(1.4, 0.1, 0.0)),
+            ],
+        ),
         cuboid(1.0, 2.0, 1.5).offset(0.3),
         cuboid(1.0, 2.0, 1.5).offset(-0.2),
         ellipsoid(2.0, 0.5, 1.0).offset(0.3),
