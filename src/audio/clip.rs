@@ -123,7 +123,7 @@ mod tests {
 
     const RATE_HZ: u32 = 48_000;
 
-    /// Two and a bit of them fill each clip below twice and more.
+    /// Samples of each clip below: 0.1 s.
     const LENGTH: usize = 4800;
 
     /// What a looping clip plays in three rounds and a half, in blocks of an odd size.
@@ -134,7 +134,8 @@ mod tests {
         played
     }
 
-    /// Protects loops from clicks: where the end of a clip does not fit its start, no step is larger than the clip's own.
+    /// Protects loops from clicks: where the end of a clip does not fit its start, no step is larger than a fade over the
+    /// seam makes.
     #[test]
     fn a_clip_that_does_not_fit_itself_starts_over_without_a_click() {
         let ramp: Vec<f32> = (0..LENGTH).map(|n| n as f32 / LENGTH as f32).collect();
@@ -152,7 +153,8 @@ mod tests {
     /// Protects clips that were made to loop: not a sample changes.
     #[test]
     fn a_clip_that_fits_itself_is_played_as_it_is() {
-        let turn = |n: usize| (n as f32 * std::f32::consts::TAU * 10.0 / LENGTH as f32).sin();
+        // Each of ten turns has the same samples.
+        let turn = |n: usize| ((n % 480) as f64 * std::f64::consts::TAU / 480.0).sin() as f32;
         let sine: Vec<f32> = (0..LENGTH).map(turn).collect();
         for (n, sample) in rounds(&sine).into_iter().enumerate() {
             assert_eq!(sample, sine[n % LENGTH]);

@@ -3,7 +3,7 @@
 //! A list of vectors: the heights of images first, at places that the text knows; then, for
 //! surfaces in cells, a directory (a vector for each surface of the scene: its number, its
 //! kind, where its values lie, its material) and the values; then, for lines, the cells of each kind with records
-//! of its surfaces (`record.rs`); then, for all else, the cells (a vector each: where its list
+//! of its surfaces (`cell_record.rs`); then, for all else, the cells (a vector each: where its list
 //! begins, how long it is) and the lists, whose entries are those of the directory; then, for
 //! distances, the groups (two vectors each: the least coordinates of a box and where its list
 //! begins, the greatest ones and how long the list is) and their lists.

@@ -3,10 +3,10 @@
 //! | it takes | it gives | where |
 //! | --- | --- | --- |
 //! | the structure of a scene: shapes, operators, what moves | the text of a distance, of a march or of closed forms | `text` |
-//! | and the algorithm | the text of a whole pass, and the key of its program | `passes`, `structure` |
-//! | the numbers of a scene, and its listener | uniforms, relative to the listener, with covered faces extended | `rebasing`, `values`, `extend` |
+//! | and the algorithm | the text of a whole pass, and the key of its program | `passes`, `structure`, `program_key` |
+//! | the numbers of a scene, and its listener | uniforms, relative to the listener, with covered faces extended | `origin_rebasing`, `surface_values`, `covered_faces` |
 //! | height images, and many surfaces | the data that shaders read by index, with cells and their lists | `data`, `cells`, `layout` |
-//! | | turns of the loops in the text | `loops` |
+//! | | turns of the loops in the text | `loop_turns` |
 //!
 //! It knows no OpenGL: [`crate::trace`] compiles the texts and sends the numbers.
 //!

@@ -21,6 +21,9 @@ const FADE_MARGIN: u32 = 2048;
 /// The length of the responses is found at so many moments of a path, from its start to its end.
 const MOMENTS: u32 = 3;
 
+/// The longest response that is not asked for, in seconds: what comes later is hardly heard behind sound that goes on.
+const LONGEST_S: f64 = 3.0;
+
 /// How a scene is heard in full.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -32,18 +35,16 @@ pub struct FullSettings {
     pub listener: usize,
     /// Chooses the noise of the late parts.
     pub seed: u64,
-    /// The longest response, in seconds.
-    pub longest_s: f64,
 }
 
 impl FullSettings {
-    /// The first listener; responses of up to 3 seconds.
+    /// The first listener; responses of up to 3 seconds, or as long as these settings have it if that is shorter.
     pub fn new(response: ResponseSettings) -> FullSettings {
+        let longest_s = response.longest_s.min(LONGEST_S);
         FullSettings {
-            response,
+            response: response.with_longest(longest_s),
             listener: 0,
             seed: 0,
-            longest_s: 3.0,
         }
     }
 
@@ -62,17 +63,16 @@ impl FullSettings {
             return Ok(seconds);
         }
         let moments = if scene.duration() > 0.0 { MOMENTS } else { 1 };
-        let response = self.response.clone().with_longest(self.longest_s);
         let mut longest: f64 = 0.0;
         for moment in 0..moments {
             let time = scene.duration() * f64::from(moment) / f64::from(MOMENTS - 1);
             let now = scene.at(time);
             for source in 0..scene.sources().count() {
                 let pair = now.heard_by(source, self.listener);
-                longest = longest.max(response.seconds_needed(tracer, &pair)?);
+                longest = longest.max(self.response.seconds_needed(tracer, &pair)?);
             }
         }
-        Ok(longest.min(self.longest_s))
+        Ok(longest)
     }
 }
 

@@ -82,7 +82,13 @@ pub(super) fn arrivals(
         medium,
         echogram,
     };
-    Ok((late.follow_all(&trace, settings.batches)?, early))
+    // Where surfaces gather sound, waves of one direction part: it tells little.
+    let pilot_waves = match share < 1.0 {
+        true => importance::pilot_waves(scene, &trace),
+        false => 0,
+    };
+    let counts = late.follow_all(&trace, pilot_waves, settings.batches)?;
+    Ok((counts, early))
 }
 
 /// Waves whose late arrivals are added to an echogram.
@@ -95,9 +101,13 @@ struct LateWaves<'a> {
 }
 
 impl LateWaves<'_> {
-    /// Follows all waves. The pilot waves tell whether the others start evenly.
-    fn follow_all(mut self, trace: &Settings, batches: usize) -> Result<ArrivalCounts, Error> {
-        let pilot_waves = importance::pilot_waves(self.scene, trace);
+    /// Follows all waves. The first of them, the pilot waves, tell whether the others start evenly.
+    fn follow_all(
+        mut self,
+        trace: &Settings,
+        pilot_waves: u32,
+        batches: usize,
+    ) -> Result<ArrivalCounts, Error> {
         if pilot_waves == 0 {
             let all = WavesToFollow::Numbers(0..trace.waves);
             return Ok(self.follow(trace, &all, None)?.counts());

@@ -67,10 +67,10 @@ pub struct Response {
     /// Until when the waves were followed, if more than one in a thousand was given up before the record's
     /// end, in seconds: the figures hold until then.
     pub followed_s: Option<f64>,
-    /// What became of the waves; where late ones are counted in a larger sphere than the listener, of
-    /// these. With importance sampling the pilot waves are not counted.
+    /// What became of the waves; where late arrivals are counted in a larger sphere than the listener, or come
+    /// from fewer waves, of these. With importance sampling the pilot waves are not counted.
     pub counts: ArrivalCounts,
-    /// Milliseconds that all of it took, without compiling.
+    /// Milliseconds that all of it took, with the compiling of shaders that were not compiled before.
     pub milliseconds: f64,
 }
 

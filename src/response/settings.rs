@@ -15,7 +15,8 @@ pub struct ResponseSettings {
     /// How long the waves are followed; `None` until the energy of every band has fallen by 60 dB,
     /// as a few waves foretell it.
     pub seconds: Option<f64>,
-    /// The longest record where `seconds` is `None`, in seconds: 10 by default, as few halls can be heard longer.
+    /// The longest record where `seconds` is `None`, in seconds: 10 by default, as few halls can be heard longer. A
+    /// record is never shorter than the direct sound takes.
     pub longest_s: f64,
     /// Waves that late arrivals come from; `None`, and a number larger than that of all waves, take all. Exact paths
     /// are found by all waves.
@@ -90,7 +91,8 @@ impl ResponseSettings {
     }
 
     /// How long a response in this scene is: `seconds`, or until the energy of every band has fallen by
-    /// 60 dB as a few waves foretell it, `longest_s` at the most.
+    /// 60 dB as a few waves foretell it from what arrives within `longest_s`, and no longer than that; but never
+    /// shorter than the direct sound takes.
     ///
     /// # Errors
     /// As [`Response::trace`](super::Response::trace).
@@ -132,23 +134,34 @@ impl ResponseSettings {
             let profile = profile.to_string();
             return Err(TraceError::NoArrivals { profile }.into());
         }
-        self.late_trace().validate()?;
-        for seconds in self.seconds.into_iter().chain([self.longest_s]) {
+        if let Some(seconds) = self.seconds {
             ArrivalSettings::new(seconds).validate()?;
             if seconds > MAX_SECONDS {
                 return Err(AcousticsError::BadLength { seconds }.into());
             }
         }
+        let longest_s = self.longest_s;
+        if !(longest_s > 0.0 && longest_s <= MAX_SECONDS) {
+            let must = format!("above 0, at most {MAX_SECONDS} seconds");
+            return Err(bad("longest record", must, longest_s));
+        }
+        if self.late_waves == Some(0) {
+            return Err(bad("number of late waves", "1 or more".to_owned(), 0));
+        }
         if let Some(order) = self.order.filter(|order| *order > MAX_ORDER) {
-            return Err(TraceError::BadSetting {
-                what: "order of exact paths",
-                must: format!("0 to {MAX_ORDER}"),
-                value: order.to_string(),
-            }
-            .into());
+            return Err(bad(
+                "order of exact paths",
+                format!("0 to {MAX_ORDER}"),
+                order,
+            ));
         }
         Ok(())
     }
+}
+
+fn bad(what: &'static str, must: String, value: impl ToString) -> Error {
+    let value = value.to_string();
+    TraceError::BadSetting { what, must, value }.into()
 }
 
 #[cfg(test)]

@@ -22,7 +22,7 @@ const MOST_WAVES: u32 = 16_384;
 /// late part is rough.
 const LEAST_LATE_WAVES: u32 = 1024;
 
-/// Seconds that a look should take: with more of them echoes lag behind who walks.
+/// Seconds that a look should take: with a longer one, echoes lag behind the listener.
 const LOOK_S: f64 = 0.25;
 
 /// Reflections of exact paths.
@@ -86,6 +86,8 @@ pub struct Hearing {
     length: Option<(f64, Instant)>,
     /// Waves that late arrivals come from: as many as a look has time for.
     late_waves: u32,
+    /// Those of the late part that is heard.
+    late_waves_heard: u32,
     last_look: Instant,
     last_late: Option<Instant>,
 }
@@ -116,16 +118,20 @@ impl Hearing {
             scene: None,
             length: None,
             late_waves: LEAST_LATE_WAVES,
+            late_waves_heard: 0,
             last_look: Instant::now(),
             last_late: None,
         })
     }
 
     /// Whether something is heard otherwise than at the last look, or a player that came since waits to be told. A
-    /// late part that was not due then is made once things have come to rest.
+    /// late part that was not due then is made once things have come to rest, and so is one that there was too little
+    /// time for.
     pub fn is_new(&self, scene: &Scene, settings: &Settings, is_waited_for: bool) -> bool {
         let is_another = self.scene.as_ref() != Some(scene);
-        let lacks_late = self.last_late < Some(self.last_look) && self.late_is_due();
+        let is_rough = self.late_waves >= 2 * self.late_waves_heard;
+        let lacks_late = self.last_late < Some(self.last_look) || is_rough;
+        let lacks_late = lacks_late && self.late_is_due();
         settings.profile() != Profile::Thesis && (is_another || lacks_late || is_waited_for)
     }
 
@@ -179,7 +185,11 @@ impl Hearing {
         status.curve = in_decibels(&curve);
         status.late_ms = 1e3 * on_late.as_secs_f64();
         status.trace_ms = 1e3 * began.elapsed().as_secs_f64() - status.late_ms;
-        self.late_waves = late_waves(self.late_waves, tracing.elapsed());
+        let tracing = tracing.elapsed().saturating_sub(on_late);
+        if is_late_due {
+            self.late_waves_heard = self.late_waves;
+        }
+        self.late_waves = late_waves(self.late_waves, tracing);
         self.last_look = Instant::now();
         if is_late_due {
             self.last_late = Some(self.last_look);
@@ -200,7 +210,8 @@ impl Hearing {
         {
             return Ok(seconds);
         }
-        let few = settings.clone().with_waves(self.late_waves);
+        let waves = settings.waves.min(self.late_waves);
+        let few = settings.clone().with_waves(waves);
         let settings = response_settings(&few).with_longest(LONGEST_S);
         let mut longest: f64 = 0.0;
         for source in 0..scene.sources().count() {

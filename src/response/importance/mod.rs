@@ -32,9 +32,9 @@ const PILOT_WAVES: RangeInclusive<u32> = 2048..=65_536;
 /// decay time, told from 30 dB, 0.3 %.
 const ENOUGH_WAVES: f64 = 5000.0;
 
-/// The share of waves that start evenly: levels and early decays come from these. In 28 very uneven rooms with 262,144
-/// waves T30 was told in 219 of 222 bands with this and one pilot wave of four, in 215 with 0.5 and one of eight, and
-/// EDT, C80 and G were as exact.
+/// The share of waves that start evenly: levels and early decays come from these. In 42 very uneven rooms with 262,144
+/// waves T30 was told in 329 of 333 bands with this and one pilot wave of four, in 322 with 0.5 and one of eight; at the
+/// most it was 2.6 % off (2.3 %), EDT 4.2 % (3.5 %), C80 0.06 dB (0.09 dB), G 0.03 dB (0.03 dB).
 const EVEN_SHARE: f64 = 0.35;
 
 /// How much directions must differ for waves to be drawn by importance: the mean of its square over the square of its
@@ -178,7 +178,7 @@ mod tests {
     }
 
     /// Protects sums over waves from bias: the weights of those in any part of the sphere add up to its solid angle, and
-    /// none is much above 1/0.35.
+    /// none is much above 1/[`EVEN_SHARE`].
     #[test]
     fn weights_make_up_for_uneven_directions() {
         const MANY: u32 = 1 << 18;
@@ -215,7 +215,7 @@ mod tests {
         assert!(found.iter().all(|found| *found > 100), "{found:?}");
         let most = found.iter().max().zip(found.iter().min());
         assert!(
-            most.is_some_and(|(most, least)| most - least < 40),
+            most.is_some_and(|(most, least)| most - least < most / 5),
             "{found:?}"
         );
     }

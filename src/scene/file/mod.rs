@@ -9,6 +9,7 @@ mod base_scene;
 mod chain;
 mod hints;
 mod material;
+mod raw_fields;
 mod serialise;
 mod sources_and_listeners;
 mod surface;

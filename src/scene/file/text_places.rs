@@ -2,6 +2,7 @@
 //! the file says.
 
 use super::material::Walls;
+use super::raw_fields::RawFields;
 use super::{malformed, options};
 use crate::scene::SceneError;
 use crate::scene::notation::Attached;
@@ -64,22 +65,7 @@ pub(super) fn place_of(text: &str, value: &RawValue) -> (usize, usize) {
     (count, last.chars().count() + 1)
 }
 
-/// The values of a scene file that may be refused after all of it was read.
-#[derive(Deserialize)]
-#[serde(rename = "Scene")]
-struct Values<'a> {
-    #[serde(borrow, default)]
-    surfaces: Vec<SurfaceValues<'a>>,
-    #[serde(borrow, default)]
-    source: Option<&'a RawValue>,
-    #[serde(borrow, default)]
-    sources: Option<&'a RawValue>,
-    #[serde(borrow, default)]
-    listener: Option<&'a RawValue>,
-    #[serde(borrow, default)]
-    listeners: Option<&'a RawValue>,
-}
-
+/// The values of a surface that may be refused after the whole file was read.
 #[derive(Deserialize)]
 #[serde(rename = "Surface")]
 struct SurfaceValues<'a> {
@@ -108,19 +94,16 @@ impl Place {
             let end = options().from_str::<Ended>(text).err()?.span.start;
             return Some((end.line, end.col));
         }
-        let values: Values = options().from_str(text).ok()?;
-        Some(place_of(text, self.among(values)?))
+        Some(place_of(text, self.among(&RawFields::of(text)?)?))
     }
 
-    fn among<'a>(self, values: Values<'a>) -> Option<&'a RawValue> {
+    fn among<'a>(self, fields: &RawFields<'a>) -> Option<&'a RawValue> {
         match self {
-            Place::Field("source") => values.source,
-            Place::Field("sources") => values.sources,
-            Place::Field("listener") => values.listener,
-            Place::Field("listeners") => values.listeners,
-            Place::Field(_) | Place::End => None,
+            Place::Field(name) => fields.get(name),
+            Place::End => None,
             Place::Material { surface, wall } => {
-                let surface = values.surfaces.into_iter().nth(surface)?;
+                let surfaces: Vec<SurfaceValues> = fields.read("surfaces")?;
+                let surface = surfaces.into_iter().nth(surface)?;
                 match wall {
                     None => surface.material,
                     Some(wall) => surface.walls?.into_array()[wall],

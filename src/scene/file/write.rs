@@ -1,6 +1,7 @@
 //! Scene files with a base, written.
 
 use super::base_scene::{ValueFile, base_beside};
+use super::raw_fields::RawFields;
 use super::serialise::{listeners, sources};
 use super::{folder_of, options, text_of};
 use crate::scene::notation::Written;
@@ -35,6 +36,16 @@ enum Field {
 }
 
 impl Field {
+    const ALL: [Field; 7] = [
+        Field::Name,
+        Field::Materials,
+        Field::Air,
+        Field::Source,
+        Field::Sources,
+        Field::Listener,
+        Field::Listeners,
+    ];
+
     fn name(self) -> &'static str {
         match self {
             Field::Name => "name",
@@ -45,47 +56,6 @@ impl Field {
             Field::Listener => "listener",
             Field::Listeners => "listeners",
         }
-    }
-}
-
-/// What a scene file with a base says.
-#[derive(Deserialize)]
-#[serde(rename = "Scene")]
-struct Parts<'a> {
-    base: String,
-    #[serde(borrow, default)]
-    name: Option<&'a RawValue>,
-    #[serde(borrow, default)]
-    materials: Option<&'a RawValue>,
-    #[serde(borrow, default)]
-    air: Option<&'a RawValue>,
-    #[serde(borrow, default)]
-    source: Option<&'a RawValue>,
-    #[serde(borrow, default)]
-    sources: Option<&'a RawValue>,
-    #[serde(borrow, default)]
-    listener: Option<&'a RawValue>,
-    #[serde(borrow, default)]
-    listeners: Option<&'a RawValue>,
-    #[serde(default)]
-    values: Vec<ValueFile>,
-}
-
-impl Parts<'_> {
-    /// What is said, as it stands in the file.
-    fn fields(&self) -> BTreeMap<Field, String> {
-        let all = [
-            (Field::Name, self.name),
-            (Field::Materials, self.materials),
-            (Field::Air, self.air),
-            (Field::Source, self.source),
-            (Field::Sources, self.sources),
-            (Field::Listener, self.listener),
-            (Field::Listeners, self.listeners),
-        ];
-        let said = all.into_iter();
-        said.filter_map(|(field, value)| Some((field, value?.trim().to_string())))
-            .collect()
     }
 }
 
@@ -124,18 +94,31 @@ impl BasedScene {
         }
         let path = Path::new(origin);
         let text = text_of(path)?;
-        let Ok(parts) = options().from_str::<Parts>(&text) else {
+        let Some(said) = BasedScene::read(&text) else {
             return Ok(on(relative(folder, path)?));
         };
-        let fields = parts.fields();
-        let base = match base_beside(path, &parts.base) {
+        let base = match base_beside(path, &said.base) {
             Some(file) => relative(folder, &file)?,
-            None => parts.base,
+            None => said.base,
         };
-        Ok(BasedScene {
-            base,
-            fields,
-            values: parts.values.into_iter().map(ValueFile::pair).collect(),
+        Ok(BasedScene { base, ..said })
+    }
+
+    /// What a file says; `None` if it has no base.
+    fn read(text: &str) -> Option<BasedScene> {
+        let said = RawFields::of(text)?;
+        let fields = Field::ALL.into_iter().filter_map(|field| {
+            let value = said.get(field.name())?;
+            Some((field, value.trim().to_string()))
+        });
+        let values: Vec<ValueFile> = match said.get("values") {
+            Some(_) => said.read("values")?,
+            None => Vec::new(),
+        };
+        Some(BasedScene {
+            base: said.read("base")?,
+            fields: fields.collect(),
+            values: values.into_iter().map(ValueFile::pair).collect(),
         })
     }
 

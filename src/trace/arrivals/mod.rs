@@ -15,7 +15,7 @@
 //! | `volume.rs` | the open volume of the listener's sphere |
 //! | `targets.rs` | textures, and what is read back of them |
 //! | `replay.rs` | from records to arrivals |
-//! | `../tracer/arrivals.rs` | the passes |
+//! | `../tracer/arrival_passes.rs` | the passes |
 
 mod events;
 mod replay;

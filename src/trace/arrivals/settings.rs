@@ -123,7 +123,7 @@ pub(crate) struct Followed {
 }
 
 /// One wave in so many may be cut off without a word: a thousandth of the energy at the most is then missing, as early
-/// as they ended (two thousandths where importance weights are up to 2).
+/// as they ended (three thousandths where importance weights are up to 2.9).
 const CUT_OFF_UNTOLD: usize = 1000;
 
 impl Followed {
