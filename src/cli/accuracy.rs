@@ -10,7 +10,7 @@ use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Examples:
-  echomarch accuracy                         four scenes, and the targets: some 4 minutes
+  echomarch accuracy                         four scenes, and the targets: some 3 minutes
   echomarch accuracy -o out                  the same; CSV, JSON, Markdown and the plot in out/
   echomarch accuracy corner --error 0.01     one scene: about a minute
   echomarch accuracy my.ron --error 0.005    a scene of yours, without the targets
