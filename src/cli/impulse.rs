@@ -56,7 +56,8 @@ pub struct Arguments {
     #[arg(long, allow_negative_numbers = true, default_value_t = SAMPLE_RATE, value_name = "HZ",
         requires = "output", value_parser = count::<u32>)]
     rate: u32,
-    /// Write the energy by time and band as CSV: time_s,band_hz,energy,x,y,z
+    /// Write the energy of all but the exact paths by time and band as CSV:
+    /// time_s,band_hz,energy,x,y,z
     #[arg(long, value_name = "FILE.csv")]
     echogram: Option<PathBuf>,
     /// Write a plot of the energy and its decay against time
@@ -95,6 +96,7 @@ pub struct Arguments {
 enum FormatOption {
     Mono,
     Stereo,
+    #[value(alias = "ambix")]
     Ambisonic,
     Binaural,
 }

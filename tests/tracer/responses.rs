@@ -176,6 +176,9 @@ fn early_paths_are_the_image_sources() {
         .unwrap()
         .images(3);
     assert_eq!(response.paths.len(), 63);
+    // The directions that are searched besides find what few waves do.
+    let missed = response.missed.energy_share().unwrap();
+    assert!(missed < 0.01, "{missed}");
     assert_eq!(images.len(), 63);
     for image in &images {
         let near = |path: &&echomarch::response::HeardPath| {

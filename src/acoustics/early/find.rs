@@ -76,11 +76,12 @@ pub(super) fn find(
         let draft = draft_of[job?]?;
         place[draft].map(|taken| path_of[taken])
     };
+    let missed = Missed::of(paths.iter().map(|path| path.found_by));
     let finish = |draft: Draft| draft.finished(ends.radius_m, candidates.waves());
     let paths: Vec<SpecularPath> = paths.into_iter().map(finish).collect();
     Found {
         outcomes: job_of.into_iter().map(outcome).collect(),
-        missed: Missed::of(paths.iter().map(|path| path.found_by)),
+        missed,
         paths,
     }
 }
@@ -111,7 +112,7 @@ fn distinct(solved: Vec<Result<Draft, NoPath>>) -> (Vec<Draft>, Vec<Result<usize
             .find(|&&index| drafts[index].is_same_way(&draft));
         match same {
             Some(&index) => {
-                drafts[index].found_by += draft.found_by;
+                drafts[index].found_by.add(draft.found_by);
                 draft_of.push(Ok(index));
             }
             None => {

@@ -10,6 +10,7 @@
 
 use super::NoPath;
 use super::candidates::Candidates;
+use super::missed::FoundBy;
 use super::surfaces::{Surfaces, Vertex};
 use rayon::prelude::*;
 use std::cmp::Reverse;
@@ -26,8 +27,8 @@ const SOLVED_AT_CURVES: usize = 1 << 15;
 /// A sequence of surfaces to find a path for, and from where.
 pub(super) struct Job<'a> {
     pub vertices: &'a [Vertex],
-    /// How many waves it stands for.
-    pub found_by: u32,
+    /// What it stands for.
+    pub found_by: FoundBy,
 }
 
 /// What is to be solved for.
@@ -63,7 +64,7 @@ impl<'a> Jobs<'a> {
         let mut jobs = Jobs {
             jobs: vec![Job {
                 vertices: &[],
-                found_by: 0,
+                found_by: FoundBy::default(),
             }],
             job_of: vec![Err(NoPath::NotExact); candidates.len()],
             candidates,
@@ -90,7 +91,7 @@ impl<'a> Jobs<'a> {
     }
 
     fn add(&mut self, vertices: &'a [Vertex]) -> usize {
-        let found_by = 0;
+        let found_by = FoundBy::default();
         self.jobs.push(Job { vertices, found_by });
         self.jobs.len() - 1
     }
@@ -99,8 +100,11 @@ impl<'a> Jobs<'a> {
     fn take(&mut self, candidate: usize, job: usize) {
         let waves = self.candidates.waves();
         let found = self.candidates.get(candidate);
-        let counts = found.is_some_and(|found| (found.wave as usize) < waves);
-        self.jobs[job].found_by += u32::from(counts);
+        let is_wave = found.is_some_and(|found| (found.wave as usize) < waves);
+        self.jobs[job].found_by.add(FoundBy {
+            waves: u32::from(is_wave),
+            search: !is_wave,
+        });
         self.job_of[candidate] = Ok(job);
     }
 
@@ -173,7 +177,7 @@ mod tests {
         let jobs = Jobs::new(&early.surfaces, &candidates);
         let sequences = 3;
         assert!(jobs.jobs.len() <= 2 + sequences * SOLVED_OF_A_SEQUENCE);
-        let stands_for: u32 = jobs.jobs.iter().map(|job| job.found_by).sum();
+        let stands_for: u32 = jobs.jobs.iter().map(|job| job.found_by.waves).sum();
         assert_eq!(stands_for as usize, candidates.len());
         assert!(jobs.job_of.iter().all(Result::is_ok));
     }

@@ -9,29 +9,48 @@
 //! f₁ (f₁ − 1) / (2 (f₂ + 1)), f₂ those found by two. Where most paths are weak, as off balls and
 //! pillars, they are many more; the first estimate, of their energy, does not suffer from that.
 //!
+//! Where directions are searched besides, a path that one of them found is known whether waves find it or not: it counts
+//! among the n waves, and is no path that one wave alone found.
+//!
 //! What no wave can find is not in it: paths at users' fields, and those beyond the order that
 //! waves were followed to.
 
-/// How much of the early part the waves have missed.
+/// What found a path.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct FoundBy {
+    /// Waves.
+    pub waves: u32,
+    /// Whether a direction did that was searched besides the waves.
+    pub search: bool,
+}
+
+impl FoundBy {
+    pub fn add(&mut self, other: FoundBy) {
+        self.waves += other.waves;
+        self.search |= other.search;
+    }
+}
+
+/// How much of the early part the waves, and the search besides, have missed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Missed {
     /// Waves that found a path.
     pub waves: u64,
-    /// Paths that exactly one wave found.
+    /// Paths that exactly one wave found, and no search besides.
     pub found_once: u64,
-    /// Paths that exactly two waves found.
+    /// Paths that exactly two waves found, and no search besides.
     pub found_twice: u64,
 }
 
 impl Missed {
-    /// From how many waves found each path.
-    pub(super) fn of(found_by: impl Iterator<Item = u32>) -> Missed {
+    /// From what found each path.
+    pub(super) fn of(found_by: impl Iterator<Item = FoundBy>) -> Missed {
         let mut missed = Missed::default();
-        for count in found_by {
-            missed.waves += u64::from(count);
-            missed.found_once += u64::from(count == 1);
-            missed.found_twice += u64::from(count == 2);
+        for FoundBy { waves, search } in found_by {
+            missed.waves += u64::from(waves);
+            missed.found_once += u64::from(waves == 1 && !search);
+            missed.found_twice += u64::from(waves == 2 && !search);
         }
         missed
     }
@@ -48,5 +67,34 @@ impl Missed {
     pub fn paths(&self) -> f64 {
         let once = self.found_once as f64;
         once * (once - 1.0).max(0.0) / (2.0 * (self.found_twice as f64 + 1.0))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects the estimate: paths that one wave found speak of more, unless a search knows them anyway.
+    #[test]
+    fn what_a_search_finds_is_not_missed() {
+        let found = |waves: u32, search: bool| FoundBy { waves, search };
+        let by_waves = [
+            found(1, false),
+            found(1, false),
+            found(2, false),
+            found(6, false),
+        ];
+        let missed = Missed::of(by_waves.into_iter());
+        assert_eq!(missed.energy_share(), Some(0.2));
+        assert_eq!(missed.paths(), 0.5);
+        let searched = by_waves.map(|found| FoundBy {
+            search: true,
+            ..found
+        });
+        assert_eq!(Missed::of(searched.into_iter()).energy_share(), Some(0.0));
+        assert_eq!(
+            Missed::of(std::iter::once(found(0, true))).energy_share(),
+            None
+        );
     }
 }

@@ -1,5 +1,6 @@
 //! Specular paths, which of them are one, and their order.
 
+use super::missed::FoundBy;
 use glam::DVec3;
 use std::cmp::Ordering;
 use std::f64::consts::PI;
@@ -44,7 +45,7 @@ pub(super) struct Draft {
     /// m² per steradian.
     pub area: f64,
     pub is_focus: bool,
-    pub found_by: u32,
+    pub found_by: FoundBy,
 }
 
 /// Points of two paths closer than this share of their length are one point, and so are lengths:
@@ -105,7 +106,7 @@ impl Draft {
             |from: usize, to: usize| (self.points[to] - self.points[from]).normalize_or_zero();
         let last = self.points.len() - 1;
         let by_front = 1.0 / (4.0 * PI * self.area);
-        let share = match self.found_by {
+        let share = match self.found_by.waves {
             0 => 1.0,
             found => (f64::from(found) / waves as f64).min(1.0),
         };
@@ -120,7 +121,7 @@ impl Draft {
                 by_front
             },
             is_focus: self.is_focus,
-            found_by: self.found_by,
+            found_by: self.found_by.waves,
             points: self.points[1..last].to_vec(),
             surfaces: self.surfaces,
             walls: self.walls,
@@ -143,7 +144,7 @@ pub(super) fn merged(drafts: Vec<Draft>) -> (Vec<Draft>, Vec<usize>) {
         let same = near.find(|(_, path)| draft.is_same_way(path) || draft.is_same_focus(path));
         let same = same.map(|(path, _)| path);
         match same {
-            Some(path) => paths[path].found_by += draft.found_by,
+            Some(path) => paths[path].found_by.add(draft.found_by),
             None => paths.push(draft.clone()),
         }
         path_of[index] = same.unwrap_or(paths.len() - 1);

@@ -10,7 +10,7 @@ const LEGEND: &str = "\
     of no difference. heard: the change of the waves heard; pan; level: at the ear at which it \
     changes more (silence: one hears nothing); each the root mean square of a single frame. What \
     is no more than another seed changes in all three is not heard. Two things that can each be \
-    left out may be heard together.";
+    left out may be heard together. What surfaces absorb is not regarded: a frame carries no energy.";
 
 /// A row of the table.
 struct Line<'a> {

@@ -1,6 +1,6 @@
 //! What is odd about a scene, and runs.
 
-use crate::scene::Scene;
+use crate::scene::{Node, Scene};
 use glam::Vec3;
 use std::fmt;
 
@@ -12,7 +12,7 @@ pub enum Warning {
     SourceInsideSurface {
         /// Which source, as a sentence calls it: `the source`, `source 2 (flute)`.
         source: String,
-        /// Which surface.
+        /// Which surface, or the solid around which room.
         surface: String,
         /// How deep, in metres.
         depth: f32,
@@ -32,7 +32,7 @@ pub enum Warning {
     ListenerInsideSurface {
         /// Which listener, as a sentence calls it.
         listener: String,
-        /// Which surface.
+        /// Which surface, or the solid around which room.
         surface: String,
         /// How deep, in metres.
         depth: f32,
@@ -48,6 +48,11 @@ pub enum Warning {
     },
 }
 
+/// Metres without digits that say nothing.
+fn to_millimetres(metres: f32) -> f64 {
+    (1e3 * f64::from(metres)).round() / 1e3
+}
+
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -58,7 +63,8 @@ impl fmt::Display for Warning {
             } => {
                 write!(
                     f,
-                    "{source} is {depth} m inside {surface}: nothing of it is heard"
+                    "{source} is {} m inside {surface}: nothing of it is heard",
+                    to_millimetres(*depth)
                 )
             }
             Warning::SourceInsideListener {
@@ -77,7 +83,8 @@ impl fmt::Display for Warning {
             } => {
                 write!(
                     f,
-                    "{listener}'s centre is {depth} m inside {surface}: few waves reach it, and no exact path"
+                    "{listener}'s centre is {} m inside {surface}: few waves reach it, and no exact path",
+                    to_millimetres(*depth)
                 )
             }
             Warning::OneSided {
@@ -173,7 +180,13 @@ impl Scene {
             return None;
         }
         let index = nearest.object as usize - 1;
-        Some((self.surfaces[index].label(index), -nearest.distance))
+        let surface = &self.surfaces[index];
+        let label = surface.label(index);
+        let solid = match surface.shape.node {
+            Node::Room(_) => format!("the solid around {label}"),
+            _ => label,
+        };
+        Some((solid, -nearest.distance))
     }
 }
 
@@ -188,7 +201,7 @@ mod tests {
         assert_eq!(scene.warnings(), vec![]);
         scene.source.position.x = 6.0;
         assert!(matches!(&scene.warnings()[..],
-            [Warning::SourceInsideSurface { surface, depth, .. }] if surface == "surface 1 (Room)" && *depth == 1.0));
+            [Warning::SourceInsideSurface { surface, depth, .. }] if surface == "the solid around surface 1 (Room)" && *depth == 1.0));
         // Within both nothing arrives at all: only the solid is told.
         scene.listener.position.x = 5.5;
         assert_eq!(scene.warnings().len(), 2);
