@@ -24,22 +24,40 @@ struct Tally {
     of: fn(&BandFigures) -> Option<f64>,
     /// Whether it counts as a share of the truth, in per cent.
     is_relative: bool,
+    /// How far off it may be at the most, in per cent or in its own unit.
+    limit: f64,
     exist: u32,
     told: u32,
     within: u32,
+    beyond: u32,
     worst: f64,
 }
 
 impl Tally {
-    fn new(name: &'static str, is_relative: bool, of: fn(&BandFigures) -> Option<f64>) -> Tally {
-        let [exist, told, within] = [0; 3];
+    fn times(name: &'static str, of: fn(&BandFigures) -> Option<f64>) -> Tally {
+        Tally::new(name, of, true, 3.0)
+    }
+
+    fn levels(name: &'static str, of: fn(&BandFigures) -> Option<f64>, limit: f64) -> Tally {
+        Tally::new(name, of, false, limit)
+    }
+
+    fn new(
+        name: &'static str,
+        of: fn(&BandFigures) -> Option<f64>,
+        is_relative: bool,
+        limit: f64,
+    ) -> Tally {
+        let [exist, told, within, beyond] = [0; 4];
         Tally {
             name,
             of,
             is_relative,
+            limit,
             exist,
             told,
             within,
+            beyond,
             worst: 0.0,
         }
     }
@@ -58,6 +76,7 @@ impl Tally {
             let off = (found - truth).abs();
             self.within += u32::from(off <= 2.0 * error);
             let share = if self.is_relative { 100.0 / truth } else { 1.0 };
+            self.beyond += u32::from(off * share > self.limit);
             self.worst = self.worst.max(off * share);
         }
     }
@@ -126,10 +145,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("renderer: {}", tracer.context().renderer());
     let mut random = Rng::with_seed(seed);
     let mut tallies = [
-        Tally::new("T30", true, |figures| figures.t30_s),
-        Tally::new("EDT", true, |figures| figures.edt_s),
-        Tally::new("C80", false, |figures| figures.c80_db),
-        Tally::new("G", false, |figures| figures.g_db),
+        Tally::times("T30", |figures| figures.t30_s),
+        Tally::times("EDT", |figures| figures.edt_s),
+        Tally::levels("C80", |figures| figures.c80_db, 0.3),
+        Tally::levels("G", |figures| figures.g_db, 0.15),
     ];
     for room in 1..=rooms {
         let case = Case::draw(&mut random, least, most);
@@ -152,8 +171,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for tally in &tallies {
         let unit = if tally.is_relative { "%" } else { "dB" };
         println!(
-            "{}: {} of {} bands told, {} within two errors, at most {:.3} {unit} off",
-            tally.name, tally.told, tally.exist, tally.within, tally.worst
+            "{}: {} of {} bands told, {} within two errors, at most {:.3} {unit} off, {} more than {} {unit}",
+            tally.name,
+            tally.told,
+            tally.exist,
+            tally.within,
+            tally.worst,
+            tally.beyond,
+            tally.limit
         );
     }
     Ok(())

@@ -8,6 +8,7 @@ use crate::error::Error;
 use crate::scene::{Listener, Scene, Shape};
 use crate::sphere_directions::lattice;
 use glam::{DVec3, Vec3};
+use std::f64::consts::PI;
 
 /// A specular path from source to listener, and what is heard along it.
 #[derive(Clone, Debug, PartialEq)]
@@ -61,8 +62,11 @@ pub(super) struct EarlyPart {
     /// One for each of the arrivals.
     outcomes: Vec<Outcome>,
     paths: Vec<SpecularPath>,
-    missed: Missed,
 }
+
+/// A path that is not searched stands for its waves if so many of them are expected: fewer than 1 % of such paths are
+/// missed. If paths that waves find by luck stood for theirs, the energy of those that they miss would be lost.
+const EXPECTED_WAVES: f64 = 5.0;
 
 impl EarlyPart {
     /// Finds the paths of these arrivals, in the order of their waves; `starts` are these waves, each
@@ -81,15 +85,20 @@ impl EarlyPart {
         let mut candidates = candidates.among(waves as usize);
         let lengths = candidate_lengths(&ends, &candidates);
         if flat_search_pays(scene) {
-            add_flat(&paths, &ends, order, &mut candidates);
+            let known = paths.add_planes(&ends, order, &mut candidates);
+            if known < order {
+                add_flat(&paths, &ends, order, &mut candidates);
+            }
         }
         let found = paths.find(&ends, &candidates);
+        let known = |path: &SpecularPath| is_known(path, ends.radius_m, waves);
+        let (paths_known, index_known) = retain(found.paths, known);
         let outcome = |arrival: &Arrival| {
             let wave = starts.partition_point(|(wave, _)| *wave < arrival.wave);
             match nearest(&lengths, wave as u32, arrival.length_m) {
                 None => Outcome::Another,
                 Some(index) => match found.outcomes[index] {
-                    Ok(path) => Outcome::Path(path),
+                    Ok(path) => index_known[path].map_or(Outcome::Itself, Outcome::Path),
                     Err(NoPath::LeftOut) => Outcome::LeftOut,
                     Err(why) if stands_for_itself(&paths, &candidates, index, why) => {
                         Outcome::Itself
@@ -101,14 +110,13 @@ impl EarlyPart {
         Ok(EarlyPart {
             outcomes: arrivals.iter().map(outcome).collect(),
             arrivals,
-            paths: found.paths,
-            missed: found.missed,
+            paths: paths_known,
         })
     }
 
     /// How much of the early part the waves have missed.
     pub fn missed(&self) -> Missed {
-        self.missed
+        Missed::of(&self.paths)
     }
 
     /// The arrivals that no exact path stands for: their surfaces are known by samples alone, or the
@@ -182,6 +190,25 @@ fn stands_for_itself(
     let vertices = candidates.get(index).map_or(&[][..], |c| c.vertices);
     let is_kept = matches!(why, NoPath::NotExact | NoPath::Blocked | NoPath::EndInSolid);
     is_kept || !paths.are_flat(vertices)
+}
+
+/// Whether a path stands for its waves, whichever of so many waves were followed: it was searched, or more than a few
+/// of them pass through a listener of this radius by it.
+fn is_known(path: &SpecularPath, radius_m: f64, waves: u32) -> bool {
+    let cross_section = PI * radius_m * radius_m;
+    path.is_searched || f64::from(waves) * cross_section * path.spreading >= EXPECTED_WAVES
+}
+
+/// Those for which `is_kept` holds, and for each of all its index among these.
+fn retain<T>(all: Vec<T>, is_kept: impl Fn(&T) -> bool) -> (Vec<T>, Vec<Option<usize>>) {
+    let mut kept = Vec::new();
+    let mut index = Vec::with_capacity(all.len());
+    for one in all {
+        let is_kept = is_kept(&one);
+        index.push(is_kept.then_some(kept.len()));
+        kept.extend(is_kept.then_some(one));
+    }
+    (kept, index)
 }
 
 /// Directions in which paths over planes are looked for, besides those of the waves that arrived: a

@@ -17,6 +17,7 @@ use crate::acoustics::{Arrival, CommonErrors, Echogram};
 use crate::error::Error;
 use crate::scene::{Node, Scene, Surface};
 use crate::trace::{ArrivalCounts, ArrivalSettings, Followed, Settings, Tracer, WavesToFollow};
+use std::ops::Range;
 
 /// Radius in metres. In random rooms (docs/acoustics.md) T30 is 2.5 times as exact with it as with
 /// 0.3 m, and what the mean over the sphere is off cannot be told from noise yet; with 1.5 m it can.
@@ -113,15 +114,30 @@ impl LateWaves<'_> {
             return Ok(self.follow(trace, &all, None)?.counts());
         }
         let before = self.echogram.clone();
-        let mut pilot = Pilot::new(pilot_waves, self.how.seconds);
-        let numbers = WavesToFollow::Numbers(0..pilot_waves);
-        let first = self.follow(trace, &numbers, Some(&mut pilot))?;
-        let few = trace.clone().with_waves(pilot_waves);
-        let directions = self.tracer.start_directions(&few)?;
-        let Some(importance) = Importance::of(pilot, &directions, trace.waves) else {
-            let numbers = WavesToFollow::Numbers(pilot_waves..trace.waves);
+        let half = pilot_waves / 2;
+        let mut pilot = Pilot::new(self.how.seconds);
+        pilot.begin(half);
+        let first = self.follow(trace, &WavesToFollow::Numbers(0..half), Some(&mut pilot))?;
+        let few = trace.clone().with_waves(half);
+        let mut directions = self.tracer.start_directions(&few)?;
+        let Some(importance) = Importance::of(&pilot, &directions, trace.waves) else {
+            let numbers = WavesToFollow::Numbers(half..trace.waves);
             return Ok(first.and(self.follow(trace, &numbers, None)?).counts());
         };
+        // Their energies are to be those of as many waves as the first half's are.
+        let share = half as f32 / trace.waves as f32;
+        let mut starts = importance.starts(0..half, half, batches, !trace.seed);
+        starts.iter_mut().for_each(|start| start.weight *= share);
+        directions.extend(starts.iter().map(|start| start.direction));
+        pilot.begin(half);
+        let of =
+            |numbers: Range<u32>| starts[numbers.start as usize..numbers.end as usize].to_vec();
+        let drawn = WavesToFollow::Starts {
+            waves: half,
+            of: &of,
+        };
+        self.follow(trace, &drawn, Some(&mut pilot))?;
+        let importance = Importance::refined(&pilot, &directions);
         *self.echogram = before;
         let waves = trace.waves - pilot_waves;
         let of = |numbers| importance.starts(numbers, waves, batches, trace.seed);

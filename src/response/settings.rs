@@ -38,7 +38,7 @@ pub struct ResponseSettings {
 pub const MAX_ORDER: u32 = 16;
 
 /// The usual orders: see [`ResponseSettings::order`].
-const ORDER_AT_PLANES: u32 = 6;
+const ORDER_AT_PLANES: u32 = 8;
 const ORDER_AT_CURVES: u32 = 3;
 
 /// The usual longest record that is not asked for, in seconds.

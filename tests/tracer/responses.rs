@@ -193,6 +193,36 @@ fn early_paths_are_the_image_sources() {
     }
 }
 
+/// Protects the energy of paths that waves miss: with so few waves most paths of up to 16 reflections have no wave, and
+/// the energy of those that have none comes from others.
+#[test]
+fn paths_that_few_waves_find_take_no_energy_away() {
+    let mut tracer = tracer();
+    let room = Shoebox::new(
+        Vec3::new(18.0, 3.0, 3.6),
+        Vec3::new(4.1, 0.3, 0.4),
+        Vec3::new(-5.7, -0.6, 0.9),
+        0.05,
+    );
+    const TIMES: u32 = 4;
+    let mut g_db = [0.0; BAND_COUNT];
+    let mut seconds = 0.0;
+    for seed in 0..TIMES {
+        let trace = Settings::default().with_waves(1 << 13).with_seed(seed);
+        let settings = ResponseSettings::default().with_trace(trace).with_order(16);
+        let response = Response::trace(&mut tracer, &room.scene(), &settings).unwrap();
+        seconds = response.seconds;
+        for (sum, figures) in g_db.iter_mut().zip(&response.figures.bands) {
+            *sum += figures.g_db.unwrap() / f64::from(TIMES);
+        }
+    }
+    let truth = room.truth(seconds);
+    for (found, truth) in g_db.iter().zip(&truth.bands) {
+        let off_db = found - truth.g_db.unwrap();
+        assert!(off_db.abs() < 0.1, "{off_db} dB");
+    }
+}
+
 /// Protects live sound that has time for few late waves: exact paths stay, to the bit, and the level stays right,
 /// also in a hollow ball, which gathers sound.
 #[test]

@@ -76,12 +76,11 @@ pub(super) fn find(
         let draft = draft_of[job?]?;
         place[draft].map(|taken| path_of[taken])
     };
-    let missed = Missed::of(paths.iter().map(|path| path.found_by));
     let finish = |draft: Draft| draft.finished(ends.radius_m, candidates.waves());
     let paths: Vec<SpecularPath> = paths.into_iter().map(finish).collect();
     Found {
         outcomes: job_of.into_iter().map(outcome).collect(),
-        missed,
+        missed: Missed::of(&paths),
         paths,
     }
 }
@@ -162,7 +161,7 @@ impl Solver<'_> {
     fn stationary(&self, vertices: &[Vertex], sheets: &[Sheet]) -> Result<Vec<DVec3>, NoPath> {
         let (source, listener) = (self.ends.source, self.ends.listener);
         if sheets.iter().all(Sheet::is_flat) {
-            return images::points(source, listener, sheets).ok_or(NoPath::NotStationary);
+            return images::points(source, listener, sheets.iter()).ok_or(NoPath::NotStationary);
         }
         let chain = Chain {
             source,

@@ -10,12 +10,16 @@ const BEYOND: f64 = 1e-12;
 
 /// The points at which the line from source to listener is mirrored at all sheets, in order;
 /// `None` if they are not all planes, or the line to an image does not cross its plane.
-pub(super) fn points(source: DVec3, listener: DVec3, sheets: &[Sheet]) -> Option<Vec<DVec3>> {
+pub(super) fn points<'a>(
+    source: DVec3,
+    listener: DVec3,
+    sheets: impl Iterator<Item = &'a Sheet<'a>>,
+) -> Option<Vec<DVec3>> {
     let plane = |sheet: &Sheet| match sheet.form {
         Form::Flat { normal, offset } => Some((normal, offset)),
         _ => None,
     };
-    let planes: Vec<(DVec3, f64)> = sheets.iter().map(plane).collect::<Option<_>>()?;
+    let planes: Vec<(DVec3, f64)> = sheets.map(plane).collect::<Option<_>>()?;
     let mut images = vec![source];
     for (normal, offset) in &planes {
         let last = *images.last()?;

@@ -43,8 +43,9 @@ pub(super) struct Jobs<'a> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum Mirror {
     NotExact,
-    /// A plane, by its sheet's id. A sequence of planes has one path, whatever the wave.
-    Flat(u64),
+    /// A plane, by the surface's number and its sheet's id, which tells sheets of one surface apart. A sequence of
+    /// planes has one path, whatever the wave.
+    Flat(u32, u64),
     /// What is solved for from the wave's own vertices, by the surface's number.
     Curved(u32),
 }
@@ -55,7 +56,7 @@ impl<'a> Jobs<'a> {
     pub fn new(surfaces: &Surfaces, candidates: &'a Candidates) -> Jobs<'a> {
         let mirror = |vertex: &Vertex| match surfaces.sheet(vertex) {
             Err(_) => Mirror::NotExact,
-            Ok(sheet) if sheet.is_flat() => Mirror::Flat(sheet.id),
+            Ok(sheet) if sheet.is_flat() => Mirror::Flat(vertex.surface, sheet.id),
             Ok(_) => Mirror::Curved(vertex.surface),
         };
         let all = candidates.vertices();
@@ -64,7 +65,11 @@ impl<'a> Jobs<'a> {
         let mut jobs = Jobs {
             jobs: vec![Job {
                 vertices: &[],
-                found_by: FoundBy::default(),
+                // It is looked for, whether a wave is it or not.
+                found_by: FoundBy {
+                    waves: 0,
+                    search: true,
+                },
             }],
             job_of: vec![Err(NoPath::NotExact); candidates.len()],
             candidates,

@@ -15,6 +15,8 @@
 //! What no wave can find is not in it: paths at users' fields, and those beyond the order that
 //! waves were followed to.
 
+use super::paths::SpecularPath;
+
 /// What found a path.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct FoundBy {
@@ -44,13 +46,14 @@ pub struct Missed {
 }
 
 impl Missed {
-    /// From what found each path.
-    pub(super) fn of(found_by: impl Iterator<Item = FoundBy>) -> Missed {
+    /// From what found each of these paths.
+    pub fn of(paths: &[SpecularPath]) -> Missed {
         let mut missed = Missed::default();
-        for FoundBy { waves, search } in found_by {
-            missed.waves += u64::from(waves);
-            missed.found_once += u64::from(waves == 1 && !search);
-            missed.found_twice += u64::from(waves == 2 && !search);
+        for path in paths {
+            let once_or_twice = |times: u32| !path.is_searched && path.found_by == times;
+            missed.waves += u64::from(path.found_by);
+            missed.found_once += u64::from(once_or_twice(1));
+            missed.found_twice += u64::from(once_or_twice(2));
         }
         missed
     }
@@ -77,24 +80,18 @@ mod tests {
     /// Protects the estimate: paths that one wave found speak of more, unless a search knows them anyway.
     #[test]
     fn what_a_search_finds_is_not_missed() {
-        let found = |waves: u32, search: bool| FoundBy { waves, search };
-        let by_waves = [
-            found(1, false),
-            found(1, false),
-            found(2, false),
-            found(6, false),
-        ];
-        let missed = Missed::of(by_waves.into_iter());
+        let found = |by_waves: &[u32], is_searched: bool| {
+            let path = |found_by: &u32| SpecularPath {
+                found_by: *found_by,
+                is_searched,
+                ..SpecularPath::default()
+            };
+            Missed::of(&by_waves.iter().map(path).collect::<Vec<_>>())
+        };
+        let missed = found(&[1, 1, 2, 6], false);
         assert_eq!(missed.energy_share(), Some(0.2));
         assert_eq!(missed.paths(), 0.5);
-        let searched = by_waves.map(|found| FoundBy {
-            search: true,
-            ..found
-        });
-        assert_eq!(Missed::of(searched.into_iter()).energy_share(), Some(0.0));
-        assert_eq!(
-            Missed::of(std::iter::once(found(0, true))).energy_share(),
-            None
-        );
+        assert_eq!(found(&[1, 1, 2, 6], true).energy_share(), Some(0.0));
+        assert_eq!(found(&[0], true).energy_share(), None);
     }
 }

@@ -51,6 +51,7 @@ mod leaves;
 mod linear;
 mod missed;
 mod paths;
+mod plane_sequences;
 mod search;
 mod sheet;
 mod spreading;
@@ -166,6 +167,17 @@ impl EarlyPaths {
         reach_m: f64,
     ) -> Candidates {
         candidates::follow_all(&self.exact, ends, directions, order, reach_m)
+    }
+
+    /// Adds each sequence of planes over which sound could go from the source to the listener if nothing were in the
+    /// way, `order` of them at the most; of surfaces that have planes alone ([`Room`](crate::scene::shape::Room),
+    /// `Cuboid`, `Plane`, `HalfSpace`, `Prism`). Like directions that are searched besides the waves they name
+    /// paths, and do not count among the waves that found them.
+    ///
+    /// Returns up to how many reflections no sequence was left out: `order`, or less where the images of the source
+    /// are more than 131,072.
+    pub fn add_planes(&self, ends: &Ends, order: u32, candidates: &mut Candidates) -> u32 {
+        plane_sequences::add_all(&self.surfaces, ends, order, candidates)
     }
 
     /// Whether all of these reflections are at planes, so that a path over them is found whatever

@@ -6,7 +6,7 @@ use std::cmp::Ordering;
 use std::f64::consts::PI;
 
 /// A path of sound from point to point, mirrored at surfaces.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct SpecularPath {
     /// The numbers of the surfaces in order, from 1; none for the direct sound.
@@ -31,6 +31,8 @@ pub struct SpecularPath {
     pub is_focus: bool,
     /// How many of the waves found it.
     pub found_by: u32,
+    /// Whether it was searched besides the waves, so that it is known whatever these meet.
+    pub is_searched: bool,
 }
 
 /// A stationary path before all is known of it.
@@ -122,6 +124,7 @@ impl Draft {
             },
             is_focus: self.is_focus,
             found_by: self.found_by.waves,
+            is_searched: self.found_by.search,
             points: self.points[1..last].to_vec(),
             surfaces: self.surfaces,
             walls: self.walls,

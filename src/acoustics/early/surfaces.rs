@@ -62,22 +62,8 @@ impl Surfaces {
     /// # Errors
     /// [`NotExact`] for what is known by samples alone, and for a number without a surface.
     pub fn sheet(&self, vertex: &Vertex) -> Result<Sheet<'_>, NotExact> {
-        let index = (vertex.surface as usize).checked_sub(1).ok_or(NotExact)?;
-        let (shape, frame) = self.surfaces.get(index).ok_or(NotExact)?;
-        let mut search = Search {
-            point: vertex.point,
-            touch: self.touch,
-            largest: self.largest,
-            found: Vec::new(),
-            is_sampled: false,
-        };
-        let way = Way {
-            frame: *frame,
-            level: 0.0,
-            sign: 1.0,
-            id: vertex.surface.into(),
-        };
-        search.descend(shape, way);
+        let search = self.search(vertex.surface, vertex.point, self.touch);
+        let search = search.ok_or(NotExact)?;
         if search.is_sampled {
             return Err(NotExact);
         }
@@ -88,6 +74,39 @@ impl Surfaces {
         let found = search.found.into_iter();
         let best = found.max_by(|a, b| alike(a).total_cmp(&alike(b)));
         best.ok_or(NotExact)
+    }
+
+    /// The sheets of the surface with this number that lie within `touch` metres of a world point.
+    fn search(&self, surface: u32, point: DVec3, touch: f64) -> Option<Search<'_>> {
+        let (shape, frame) = self.surfaces.get((surface as usize).checked_sub(1)?)?;
+        let mut search = Search {
+            point,
+            touch,
+            largest: self.largest,
+            found: Vec::new(),
+            is_sampled: false,
+        };
+        let way = Way {
+            frame: *frame,
+            level: 0.0,
+            sign: 1.0,
+            id: surface.into(),
+        };
+        search.descend(shape, way);
+        Some(search)
+    }
+
+    /// All planes of the surfaces that have planes alone, each with the number of its surface.
+    pub fn planes(&self) -> Vec<(u32, Sheet<'_>)> {
+        let flat = (1..)
+            .zip(&self.surfaces)
+            .filter(|(_, (shape, _))| shape.is_flat());
+        let of = |(surface, _): (u32, _)| {
+            let all = self.search(surface, DVec3::ZERO, f64::INFINITY);
+            let sheets = all.into_iter().flat_map(|search| search.found);
+            sheets.map(move |sheet| (surface, sheet))
+        };
+        flat.flat_map(of).collect()
     }
 
     /// Whether the sheet that was met at `vertex` is a plane.

@@ -22,6 +22,21 @@ impl Cells {
         }
     }
 
+    /// Each of these cells divided so many times each way.
+    pub fn divided(self, times: usize) -> Cells {
+        Cells {
+            along: self.along * times,
+        }
+    }
+
+    /// The cell that was [divided](Cells::divided) into this one and others.
+    pub fn undivided(self, cell: usize, times: usize) -> usize {
+        let (row, column) = (cell / self.along, cell % self.along);
+        let along = self.along / times;
+        let (side, row) = (row / self.along, row % self.along);
+        (side * along + row / times) * along + column / times
+    }
+
     pub fn count(self) -> usize {
         SIDES * self.along * self.along
     }
@@ -98,6 +113,11 @@ mod tests {
                 }
             }
             assert!((steradians / (4.0 * PI) - 1.0).abs() < 0.01, "{steradians}");
+            let fine = cells.divided(3);
+            for cell in 0..fine.count() {
+                let (middle, _) = fine.direction(cell, [0.5; 2]);
+                assert_eq!(fine.undivided(cell, 3), cells.of(middle));
+            }
         }
     }
 

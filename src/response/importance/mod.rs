@@ -2,11 +2,13 @@
 //!
 //! Between two hard walls sound goes to and fro long after all other sound has been absorbed, and the end of the decay
 //! is what a few waves in ten thousand bring. So the first waves of a response, the pilot waves, tell how much each
-//! direction brings after each moment ([`Pilot`]). If at least [`ENOUGH_WAVES`] effective waves carry each part of the
-//! decay, or if one half of the pilot waves does not tell of directions what the other half tells, the remaining waves
-//! start evenly. Otherwise most of them are drawn by importance and some evenly, and each has the weight that makes up
-//! for it. Then the pilot waves are dropped, as they have decided where the others start, and sums have no bias. (Where
-//! the others start evenly the pilot waves count, though they have decided so: the bias of that is small.)
+//! direction brings after each moment ([`Pilot`]). The first half of them start evenly. If by these at least
+//! [`ENOUGH_WAVES`] effective waves carry each part of the decay, or if one half of these does not tell of directions
+//! what the other half tells, all other waves start evenly. Otherwise the second half of the pilot waves is drawn by
+//! importance, so that there are more where more must be known; then most of the other waves are drawn by
+//! importance and some evenly, and each has the weight that makes up for it. The pilot waves are dropped then, as they
+//! have decided where the others start, and sums have no bias. (Where the others start evenly the pilot waves count,
+//! though they have decided so: the bias of that is small.)
 
 mod direction_cells;
 mod pilot;
@@ -22,7 +24,7 @@ use glam::Vec3;
 use std::f64::consts::PI;
 use std::ops::{Range, RangeInclusive};
 
-/// One wave of so many is a pilot wave.
+/// One wave of so many is a pilot wave of the first or the second half.
 const ONE_OF: u32 = 4;
 
 /// The least and the greatest number of pilot waves: from fewer nothing can be known, and more are not needed.
@@ -43,7 +45,12 @@ const EVEN_SHARE: f64 = 0.35;
 const LEAST_UNEVENNESS: f64 = 2.0;
 
 /// Pilot waves in a cell on average: what is known of a direction is blurred over a cell and those about it.
-const WAVES_IN_CELL: f64 = 4.0;
+const WAVES_IN_CELL: f64 = 2.0;
+
+/// When pilot waves have been drawn by importance, a cell is divided so many times each way: half of what is known of
+/// a direction is that of such a small cell then, and of those about it. The waves between two hard walls that are
+/// heard longest start within some hundredths of a radian.
+const DIVIDED: usize = 4;
 
 /// How many pilot waves there are. None where the waves are too few, where their directions are a lattice, which
 /// is even as a whole alone, and where something scatters: there the direction of a start tells little.
@@ -65,30 +72,50 @@ pub(super) struct Importance {
 
 impl Importance {
     /// As the pilot waves of so many waves tell, which started in these directions; `None` where waves may start evenly.
-    pub fn of(pilot: Pilot, directions: &[Vec3], waves: u32) -> Option<Importance> {
+    pub fn of(pilot: &Pilot, directions: &[Vec3], waves: u32) -> Option<Importance> {
+        let told = pilot.told();
         let pilot_waves = directions.len() as f64;
-        let importance = pilot.importance(ENOUGH_WAVES * pilot_waves / f64::from(waves))?;
-        let cells = Cells::about(pilot_waves / WAVES_IN_CELL);
-        let mut halves = [0, 1].map(|_| vec![0.0; cells.count()]);
-        for (wave, (direction, importance)) in directions.iter().zip(&importance).enumerate() {
-            add_about(&mut halves[wave % 2], cells, *direction, *importance);
+        if told.fewest_waves >= ENOUGH_WAVES * pilot_waves / f64::from(waves) {
+            return None;
         }
+        let cells = Cells::about(pilot_waves / WAVES_IN_CELL);
+        let all = || directions.iter().zip(&told.importance);
+        let halves = [0, 1].map(|half| blurred(all().skip(half).step_by(2), cells));
         if unevenness(&halves) < LEAST_UNEVENNESS {
             return None;
         }
         let [even, odd] = halves;
-        let wanted = even.iter().zip(&odd).map(|(even, odd)| even + odd);
-        let all: f64 = wanted.clone().sum();
+        let wanted: Vec<f64> = even.iter().zip(&odd).map(|(a, b)| a + b).collect();
+        Some(Importance::by(cells, &wanted))
+    }
+
+    /// As all pilot waves tell, those in these directions that were drawn by importance among them.
+    pub fn refined(pilot: &Pilot, directions: &[Vec3]) -> Importance {
+        let told = pilot.told();
+        let cells = Cells::about(directions.len() as f64 / WAVES_IN_CELL);
+        let fine = cells.divided(DIVIDED);
+        let all = || directions.iter().zip(&told.importance);
+        let (known, mut wanted) = (blurred(all(), cells), blurred(all(), fine));
+        for (cell, wanted) in wanted.iter_mut().enumerate() {
+            let whole = known[fine.undivided(cell, DIVIDED)];
+            *wanted += whole / (DIVIDED * DIVIDED) as f64;
+        }
+        Importance::by(fine, &wanted)
+    }
+
+    /// Of these cells, wanted so much each.
+    fn by(cells: Cells, wanted: &[f64]) -> Importance {
+        let all: f64 = wanted.iter().sum();
         let mut sum = 0.0;
-        let cumulative = wanted.enumerate().map(|(cell, wanted)| {
+        let cumulative = wanted.iter().enumerate().map(|(cell, wanted)| {
             let evenly = cells.direction(cell, [0.5; 2]).1 / (4.0 * PI);
             sum += EVEN_SHARE * evenly + (1.0 - EVEN_SHARE) * wanted / all;
             sum
         });
-        Some(Importance {
+        Importance {
             cumulative: cumulative.collect(),
             cells,
-        })
+        }
     }
 
     /// Starts of some of so many waves, by seed. Each batch of all of them (wave by wave in turns) is spread over all
@@ -129,6 +156,15 @@ impl Importance {
     }
 }
 
+/// The importance of waves by cell, each wave's blurred.
+fn blurred<'a>(waves: impl Iterator<Item = (&'a Vec3, &'a f64)>, cells: Cells) -> Vec<f64> {
+    let mut sums = vec![0.0; cells.count()];
+    for (direction, importance) in waves {
+        add_about(&mut sums, cells, *direction, *importance);
+    }
+    sums
+}
+
 /// Adds the importance of a wave: half in its own cell, half in that and all about it.
 fn add_about(sums: &mut [f64], cells: Cells, direction: Vec3, importance: f64) {
     let cell = cells.of(direction.as_dvec3());
@@ -162,14 +198,15 @@ mod tests {
         let directions: Vec<Vec3> = lattice(u64::from(WAVES / ONE_OF))
             .map(|d| d.as_vec3())
             .collect();
-        let mut pilot = Pilot::new(directions.len() as u32, 1.0);
+        let mut pilot = Pilot::new(1.0);
+        pilot.begin(directions.len() as u32);
         for (wave, direction) in directions.iter().enumerate() {
             pilot.add(wave as u32, 0.1, &[1.0; BAND_COUNT]);
             if is_important(direction.as_dvec3()) {
                 pilot.add(wave as u32, 0.9, &[1.0; BAND_COUNT]);
             }
         }
-        Importance::of(pilot, &directions, WAVES).expect("few waves bring the end")
+        Importance::of(&pilot, &directions, WAVES).expect("few waves bring the end")
     }
 
     /// Within 0.08 of the z axis: 0.32 % of all directions.
@@ -225,7 +262,8 @@ mod tests {
     #[test]
     fn importance_that_does_not_repeat_is_none() {
         let directions: Vec<Vec3> = lattice(4096).map(|d| d.as_vec3()).collect();
-        let mut pilot = Pilot::new(4096, 1.0);
+        let mut pilot = Pilot::new(1.0);
+        pilot.begin(4096);
         for wave in 0..4096 {
             pilot.add(wave, 0.1, &[1.0; BAND_COUNT]);
         }
@@ -233,7 +271,7 @@ mod tests {
             let wave = (hash(number) % 4096) as u32;
             pilot.add(wave, 0.9, &[1.0; BAND_COUNT]);
         }
-        assert!(Importance::of(pilot, &directions, WAVES).is_none());
+        assert!(Importance::of(&pilot, &directions, WAVES).is_none());
     }
 
     /// Protects lattices, which are even as a whole alone, runs of few waves, and scenes that scatter.

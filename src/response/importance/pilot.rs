@@ -14,6 +14,10 @@ const FIRST_MOMENT: f64 = 0.01;
 /// what is still to come there decides its end.
 const LEAST_LEFT: f64 = 3e-5;
 
+/// How often the noise of sums is evened out: in six very uneven rooms of 262,144 waves the worst error of T30 was
+/// 1.00 % on average without, 0.91 % with one, 0.84 % with two and 0.82 % with four times.
+const EVENED_OUT: usize = 2;
+
 /// A number for each moment and band.
 type Moments<T> = [[T; BAND_COUNT]; MOMENTS];
 
@@ -21,20 +25,39 @@ type Moments<T> = [[T; BAND_COUNT]; MOMENTS];
 pub struct Pilot {
     seconds: f64,
     waves: Vec<Moments<f32>>,
+    /// The first of the waves that were added last.
+    first: usize,
+}
+
+/// What all pilot waves together tell.
+pub struct Told {
+    /// How important each wave is.
+    pub importance: Vec<f64>,
+    /// So many waves of one energy would be as noisy as the noisiest sum of what comes after a moment.
+    pub fewest_waves: f64,
 }
 
 impl Pilot {
-    /// So many waves, followed for so many seconds.
-    pub fn new(waves: u32, seconds: f64) -> Pilot {
+    /// No wave so far; they are followed for so many seconds.
+    pub fn new(seconds: f64) -> Pilot {
         Pilot {
             seconds,
-            waves: vec![[[0.0; BAND_COUNT]; MOMENTS]; waves as usize],
+            waves: Vec::new(),
+            first: 0,
         }
     }
 
-    /// Adds what a wave brings `seconds` after the source's impulse.
+    /// So many waves more, which are numbered from 0.
+    pub fn begin(&mut self, waves: u32) {
+        self.first = self.waves.len();
+        let all = self.first + waves as usize;
+        self.waves.resize(all, [[0.0; BAND_COUNT]; MOMENTS]);
+    }
+
+    /// Adds what a wave brings `seconds` after the source's impulse, times its weight.
     pub fn add(&mut self, wave: u32, seconds: f64, energy: &Bands) {
-        let sums = &mut self.waves[wave as usize][last_moment(seconds / self.seconds)];
+        let moment = last_moment(seconds / self.seconds);
+        let sums = &mut self.waves[self.first + wave as usize][moment];
         for (sum, energy) in sums.iter_mut().zip(energy) {
             *sum += *energy as f32;
         }
@@ -42,55 +65,82 @@ impl Pilot {
 
     /// How important each wave is: the root of the sum of the squares of its shares of what comes after each moment in
     /// each band. Waves drawn by it make the variance of all these sums together the least (H. Kahn and A. W. Marshall,
-    /// *Methods of reducing sample size in Monte Carlo computations*, 1953). `None` where each sum is what at least
-    /// `enough` waves bring.
-    pub fn importance(mut self, enough: f64) -> Option<Vec<f64>> {
+    /// *Methods of reducing sample size in Monte Carlo computations*, 1953). Then the shares of sums that would still be
+    /// noisier than others are weighted more, as every band is to be told.
+    pub fn told(&self) -> Told {
         let (sums, squares) = self.sum_to_come();
         // 1 / sum², where figures are told from the sum.
-        let mut factors = [[0.0; BAND_COUNT]; MOMENTS];
-        let mut fewest = f64::INFINITY;
-        for moment in 0..MOMENTS {
-            for band in 0..BAND_COUNT {
-                let sum = sums[moment][band];
-                if sum > LEAST_LEFT * sums[0][band] {
-                    factors[moment][band] = sum.powi(-2);
-                    // So many waves of one energy would be as noisy (L. Kish, *Survey Sampling*, 1965, section 11.7).
-                    fewest = fewest.min(sum * sum / squares[moment][band]);
-                }
+        let mut weights = [[0.0; BAND_COUNT]; MOMENTS];
+        let mut fewest_waves = f64::INFINITY;
+        for (moment, band) in all() {
+            let sum = sums[moment][band];
+            if sum > LEAST_LEFT * sums[0][band] {
+                weights[moment][band] = sum.powi(-2);
+                // So many waves of one energy would be as noisy (L. Kish, *Survey Sampling*, 1965, section 11.7).
+                fewest_waves = fewest_waves.min(sum * sum / squares[moment][band]);
             }
         }
-        if fewest >= enough {
-            return None;
+        let mut importance = self.importance(&weights);
+        for _ in 0..EVENED_OUT {
+            let variances = self.variances(&importance);
+            for (moment, band) in all() {
+                if weights[moment][band] > 0.0 {
+                    weights[moment][band] *= variances[moment][band] / sums[moment][band].powi(2);
+                }
+            }
+            importance = self.importance(&weights);
         }
-        let square = |(energy, factor): (&f32, &f64)| f64::from(*energy).powi(2) * factor;
-        let importance = |wave: &Moments<f32>| {
-            let energies = wave.as_flattened().iter();
-            energies
-                .zip(factors.as_flattened())
-                .map(square)
-                .sum::<f64>()
-                .sqrt()
-        };
-        Some(self.waves.iter().map(importance).collect())
+        Told {
+            importance,
+            fewest_waves,
+        }
     }
 
-    /// Makes of what each wave brings between moments what it brings after each; the sums of that over all waves, and
-    /// those of its squares.
-    fn sum_to_come(&mut self) -> (Moments<f64>, Moments<f64>) {
+    /// The root of the sum of the weighted squares of what each wave brings after each moment.
+    fn importance(&self, weights: &Moments<f64>) -> Vec<f64> {
+        let square = |(energy, weight): (&f32, &f64)| f64::from(*energy).powi(2) * weight;
+        let weights = weights.as_flattened();
+        let importance = |wave: &Moments<f32>| {
+            let energies = to_come(wave);
+            let squares = energies.as_flattened().iter().zip(weights).map(square);
+            squares.sum::<f64>().sqrt()
+        };
+        self.waves.iter().map(importance).collect()
+    }
+
+    /// The variance of what comes after each moment, times some factor, if waves were drawn by this importance.
+    fn variances(&self, importance: &[f64]) -> Moments<f64> {
+        let mut variances = [[0.0; BAND_COUNT]; MOMENTS];
+        for (wave, importance) in self.waves.iter().zip(importance) {
+            if *importance == 0.0 {
+                continue;
+            }
+            let energies = to_come(wave);
+            for (moment, band) in all() {
+                variances[moment][band] += f64::from(energies[moment][band]).powi(2) / importance;
+            }
+        }
+        variances
+    }
+
+    /// The sums over all waves of what each brings after each moment, and those of the squares of that.
+    fn sum_to_come(&self) -> (Moments<f64>, Moments<f64>) {
         let mut sums = [[0.0; BAND_COUNT]; MOMENTS];
         let mut squares = sums;
-        for wave in &mut self.waves {
-            add_later(wave);
-            for moment in 0..MOMENTS {
-                for band in 0..BAND_COUNT {
-                    let energy = f64::from(wave[moment][band]);
-                    sums[moment][band] += energy;
-                    squares[moment][band] += energy * energy;
-                }
+        for wave in self.waves.iter().map(to_come) {
+            for (moment, band) in all() {
+                let energy = f64::from(wave[moment][band]);
+                sums[moment][band] += energy;
+                squares[moment][band] += energy * energy;
             }
         }
         (sums, squares)
     }
+}
+
+/// Every moment in every band.
+fn all() -> impl Iterator<Item = (usize, usize)> {
+    (0..MOMENTS).flat_map(|moment| (0..BAND_COUNT).map(move |band| (moment, band)))
 }
 
 /// The last moment that is not after a share of the response's length; the first where all are.
@@ -99,14 +149,16 @@ fn last_moment(share: f64) -> usize {
     ((later * MOMENTS as f64).max(0.0) as usize).min(MOMENTS - 1)
 }
 
-/// Makes what comes between moments what comes after each.
-fn add_later(wave: &mut Moments<f32>) {
+/// What comes after each moment, of what comes between them.
+fn to_come(between: &Moments<f32>) -> Moments<f32> {
+    let mut wave = *between;
     for moment in (1..MOMENTS).rev() {
         let later = wave[moment];
         for (sum, later) in wave[moment - 1].iter_mut().zip(later) {
             *sum += later;
         }
     }
+    wave
 }
 
 #[cfg(test)]
@@ -118,7 +170,8 @@ mod tests {
     fn few_waves_that_bring_the_end_are_important() {
         const WAVES: u32 = 1000;
         let pilot = |last: u32| {
-            let mut pilot = Pilot::new(WAVES, 1.0);
+            let mut pilot = Pilot::new(1.0);
+            pilot.begin(WAVES);
             for wave in 0..WAVES {
                 pilot.add(wave, 0.1, &[1.0; BAND_COUNT]);
             }
@@ -127,14 +180,16 @@ mod tests {
             }
             pilot
         };
-        assert!(pilot(WAVES).importance(500.0).is_none());
-        let importance = pilot(10).importance(500.0).expect("10 waves are few");
+        assert!(pilot(WAVES).told().fewest_waves > 999.0);
+        let told = pilot(10).told();
+        assert!((told.fewest_waves - 10.0).abs() < 0.1);
+        let importance = told.importance;
         assert_eq!(importance.len(), WAVES as usize);
         assert!(importance[..10].iter().all(|important| *important > 0.1));
         assert!(importance[10..].iter().all(|important| *important < 0.02));
         // What is 50 dB down no figure is told from.
         let mut faint = pilot(0);
         faint.add(3, 0.9, &[1e-2; BAND_COUNT]);
-        assert!(faint.importance(500.0).is_none());
+        assert!(faint.told().fewest_waves > 999.0);
     }
 }

@@ -4,6 +4,7 @@ mod ball;
 mod cylinder;
 mod foci;
 mod obstacles;
+mod plane_sequences;
 mod reciprocity;
 mod room;
 mod shapes;

@@ -1,0 +1,98 @@
+//! Every sequence of planes that has a path, up to an order: the tree of the source's images.
+//!
+//! In rooms of planes waves would miss paths whose beams are narrow, and the energy of these with them. But there the
+//! images of the source are few enough to try them all: one is mirrored only at planes whose air it is in, as a path
+//! cannot come to a plane from behind.
+
+use super::candidates::Candidates;
+use super::sheet::{Form, Sheet};
+use super::surfaces::{Surfaces, Vertex};
+use super::{Ends, images};
+use glam::DVec3;
+
+/// Images at the most, some tens of milliseconds: in a room all up to order 8.
+const MOST_IMAGES: usize = 1 << 17;
+
+/// An image of the source: mirrored at a plane, and before as its parent was.
+struct Image {
+    place: DVec3,
+    plane: usize,
+    /// The index of the image that was mirrored; none for those of the source itself.
+    parent: Option<usize>,
+}
+
+/// Adds each sequence of planes of `surfaces`, `order` of them at the most, over which sound could go from the source
+/// to the listener if nothing were in the way: it names its path, as what was searched besides the waves. Returns up
+/// to how many planes no sequence was left out.
+pub(super) fn add_all(
+    surfaces: &Surfaces,
+    ends: &Ends,
+    order: u32,
+    candidates: &mut Candidates,
+) -> u32 {
+    let planes = surfaces.planes();
+    let mut tree: Vec<Image> = Vec::new();
+    let mut last_level = 0..0;
+    let searched = candidates.waves() as u32;
+    for level in 1..=order {
+        let begin = tree.len();
+        if level == 1 {
+            mirror(&mut tree, &planes, ends.source, None);
+        }
+        for parent in last_level {
+            let place = tree[parent].place;
+            mirror(&mut tree, &planes, place, Some(parent));
+            if tree.len() > MOST_IMAGES {
+                return level - 1;
+            }
+        }
+        last_level = begin..tree.len();
+        for image in last_level.clone() {
+            if let Some(vertices) = vertices(surfaces, ends, &planes, &tree, image) {
+                candidates.add(searched, &vertices);
+            }
+        }
+    }
+    order
+}
+
+/// Adds the images of a place in all planes whose air it is in, but for the one that it is an image in: behind that
+/// one it is.
+fn mirror(tree: &mut Vec<Image>, planes: &[(u32, Sheet)], place: DVec3, parent: Option<usize>) {
+    for (plane, (_, sheet)) in planes.iter().enumerate() {
+        let Form::Flat { normal, offset } = sheet.form else {
+            continue;
+        };
+        let above = place.dot(normal) - offset;
+        if above > 0.0 {
+            tree.push(Image {
+                place: place - normal * (2.0 * above),
+                plane,
+                parent,
+            });
+        }
+    }
+}
+
+/// Where the line to an image is mirrored; `None` if it misses one of the surfaces.
+fn vertices(
+    surfaces: &Surfaces,
+    ends: &Ends,
+    planes: &[(u32, Sheet)],
+    tree: &[Image],
+    image: usize,
+) -> Option<Vec<Vertex>> {
+    let line = std::iter::successors(Some(image), |image| tree[*image].parent);
+    let mut sequence: Vec<&(u32, Sheet)> = line.map(|image| &planes[tree[image].plane]).collect();
+    sequence.reverse();
+    let points = images::points(ends.source, ends.listener, sequence.iter().map(|(_, s)| s))?;
+    let vertex = |((surface, sheet), point): (&&(u32, Sheet), DVec3)| {
+        let normal = sheet.at(point)?.normal;
+        surfaces.has(*surface, point).then_some(Vertex {
+            point,
+            normal,
+            surface: *surface,
+        })
+    };
+    sequence.iter().zip(points).map(vertex).collect()
+}
