@@ -73,7 +73,7 @@ pub struct Arguments {
     /// have fallen by 60 dB, 10 at the most]
     #[arg(long, allow_negative_numbers = true, value_name = "SECONDS", value_parser = real::<f64>)]
     seconds: Option<f64>,
-    /// Reflections of the paths that are found exactly, at the most [default: 6 where all surfaces
+    /// Reflections of the paths that are found exactly, at the most [default: 8 where all surfaces
     /// are flat, else 3]
     #[arg(long, allow_negative_numbers = true, value_name = "N", value_parser = count::<u32>)]
     order: Option<u32>,

@@ -29,7 +29,7 @@ pub struct FullOptions {
     /// The listener who hears, by name or number [default: the first]
     #[arg(long, value_name = "NAME")]
     listener: Option<String>,
-    /// Reflections of the paths that are found exactly, at the most [default: 6 where all surfaces
+    /// Reflections of the paths that are found exactly, at the most [default: 8 where all surfaces
     /// are flat, else 3]
     #[arg(long, allow_negative_numbers = true, value_name = "N", value_parser = count::<u32>)]
     order: Option<u32>,

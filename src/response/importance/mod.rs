@@ -34,9 +34,8 @@ const PILOT_WAVES: RangeInclusive<u32> = 2048..=65_536;
 /// decay time, told from 30 dB, 0.3 %.
 const ENOUGH_WAVES: f64 = 5000.0;
 
-/// The share of waves that start evenly: levels and early decays come from these. In 42 very uneven rooms with 262,144
-/// waves T30 was told in 329 of 333 bands with this and one pilot wave of four, in 322 with 0.5 and one of eight; at the
-/// most it was 2.6 % off (2.3 %), EDT 4.2 % (3.5 %), C80 0.06 dB (0.09 dB), G 0.03 dB (0.03 dB).
+/// The share of waves that start evenly: levels and early decays come from these. In six very uneven rooms of 262,144
+/// waves, with two seeds each, the worst error of T30 was 0.98 % on average with this and 1.04 % with 0.25.
 const EVEN_SHARE: f64 = 0.35;
 
 /// How much directions must differ for waves to be drawn by importance: the mean of its square over the square of its
