@@ -2,6 +2,7 @@
 
 mod files;
 mod missing;
+mod notes;
 pub(super) mod pairs;
 mod print_out;
 
@@ -117,6 +118,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     arguments.files().try_for_each(|file| check_file(file))?;
     let format = arguments.format()?;
     let mut tracer = common.tracer()?;
+    notes::tell_first(common, &scene);
     let bar = print::progress(common.quiet, pairs.len() as u64, "pairs");
     let mut heard: Vec<(Pair, Response)> = Vec::new();
     for pair in pairs {
@@ -127,7 +129,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     }
     bar.finish_and_clear();
     common.warn_checked(&scene);
-    print_out::warn(common, &scene, &heard);
+    notes::tell(common, &scene, &heard);
     if common.json {
         let renderer = tracer.context().renderer();
         return print::json(&print_out::report(&scene, renderer, &settings, &heard));

@@ -1,7 +1,7 @@
 //! The early part: which arrivals are exact paths, and what is heard along each.
 
 use super::Medium;
-use crate::acoustics::early::{Candidates, EarlyPaths, Ends, Missed, NoPath, SpecularPath};
+use crate::acoustics::early::{Candidates, EarlyPaths, Ends, Missed, NoPath, SpecularPath, Vertex};
 use crate::acoustics::{Arrival, Tap};
 use crate::bands::{self, BAND_COUNT, Bands};
 use crate::error::Error;
@@ -84,26 +84,39 @@ impl EarlyPart {
         let candidates = paths.candidates(&ends, &directions, order, ends.radius_m);
         let mut candidates = candidates.among(waves as usize);
         let lengths = candidate_lengths(&ends, &candidates);
-        if flat_search_pays(scene) {
-            let known = paths.add_planes(&ends, order, &mut candidates);
-            if known < order {
-                add_flat(&paths, &ends, order, &mut candidates);
-            }
+        let complete = match scene.surfaces.iter().any(|surface| surface.shape.is_flat()) {
+            true => paths.add_planes(&ends, order, &mut candidates),
+            false => 0,
+        };
+        if complete < order && flat_search_pays(scene) {
+            add_flat(&paths, &ends, order, &mut candidates);
         }
         let found = paths.find(&ends, &candidates);
-        let known = |path: &SpecularPath| is_known(path, ends.radius_m, waves);
-        let (paths_known, index_known) = retain(found.paths, known);
+        let (paths_known, index_known) = retain(found.paths, |path| {
+            path.is_searched || are_expected(path.spreading, ends.radius_m, waves)
+        });
+        let known = Known {
+            scene,
+            paths: &paths_known,
+            complete,
+            waves,
+        };
         let outcome = |arrival: &Arrival| {
             let wave = starts.partition_point(|(wave, _)| *wave < arrival.wave);
-            match nearest(&lengths, wave as u32, arrival.length_m) {
-                None => Outcome::Another,
+            match nearest(&lengths, wave as u32, arrival.length_m, ends.radius_m) {
+                None => Outcome::Itself,
                 Some(index) => match found.outcomes[index] {
                     Ok(path) => index_known[path].map_or(Outcome::Itself, Outcome::Path),
                     Err(NoPath::LeftOut) => Outcome::LeftOut,
-                    Err(why) if stands_for_itself(&paths, &candidates, index, why) => {
-                        Outcome::Itself
+                    Err(why) => {
+                        let vertices = candidates.get(index).map_or(&[][..], |c| c.vertices);
+                        match stands_for_itself(&paths, vertices, why)
+                            || !known.has_image(&ends, vertices)
+                        {
+                            true => Outcome::Itself,
+                            false => Outcome::Another,
+                        }
                     }
-                    Err(_) => Outcome::Another,
                 },
             }
         };
@@ -168,35 +181,69 @@ impl EarlyPart {
 }
 
 /// The candidate of a wave (its index among those that were followed) whose length is nearest to
-/// `length_m`; `lengths` are in the order of the waves.
-fn nearest(lengths: &[(u32, f64)], wave: u32, length_m: f64) -> Option<usize> {
+/// `length_m`, and no more off than the listener's radius; `lengths` are in the order of the waves.
+fn nearest(lengths: &[(u32, f64)], wave: u32, length_m: f64, radius_m: f64) -> Option<usize> {
     let first = lengths.partition_point(|(of, _)| *of < wave);
     let end = lengths.partition_point(|(of, _)| *of <= wave);
     let off = |index: &usize| (lengths[*index].1 - length_m).abs();
-    (first..end).min_by(|a, b| off(a).total_cmp(&off(b)))
+    let nearest = (first..end).min_by(|a, b| off(a).total_cmp(&off(b)));
+    nearest.filter(|index| off(index) <= radius_m)
 }
 
 /// Whether an arrival without a path is kept: where something hides the listener's centre, or it is
 /// in a solid, and at curved or sampled surfaces. Beyond the edge of a plane it is not: next to the
 /// edge between two walls a wave that passes by the centre meets them in the other order, and the
-/// path of that order has all of the energy. An arrival without a candidate, which passes by the
-/// listener in `f64`, is not kept either.
-fn stands_for_itself(
-    paths: &EarlyPaths,
-    candidates: &Candidates,
-    index: usize,
-    why: NoPath,
-) -> bool {
-    let vertices = candidates.get(index).map_or(&[][..], |c| c.vertices);
+/// path of that order has all of the energy, if it is known ([`Known::has_image`]). (An arrival without a candidate, which
+/// passes by the listener in `f64`, is kept: at users' fields and after many curved surfaces that happens often.)
+fn stands_for_itself(paths: &EarlyPaths, vertices: &[Vertex], why: NoPath) -> bool {
     let is_kept = matches!(why, NoPath::NotExact | NoPath::Blocked | NoPath::EndInSolid);
     is_kept || !paths.are_flat(vertices)
 }
 
-/// Whether a path stands for its waves, whichever of so many waves were followed: it was searched, or more than a few
-/// of them pass through a listener of this radius by it.
-fn is_known(path: &SpecularPath, radius_m: f64, waves: u32) -> bool {
+/// Lengths that differ by this share are one: the vertices of waves are rounded.
+const SAME_LENGTH: f64 = 1e-6;
+
+/// Whether more than a few of so many waves pass through a listener of this radius by a path of this spreading.
+fn are_expected(spreading: f64, radius_m: f64, waves: u32) -> bool {
     let cross_section = PI * radius_m * radius_m;
-    path.is_searched || f64::from(waves) * cross_section * path.spreading >= EXPECTED_WAVES
+    f64::from(waves) * cross_section * spreading >= EXPECTED_WAVES
+}
+
+/// The paths that stand for their waves.
+struct Known<'a> {
+    scene: &'a Scene,
+    /// By length.
+    paths: &'a [SpecularPath],
+    /// All that have no more reflections than this, at surfaces of planes alone, are among them.
+    complete: u32,
+    waves: u32,
+}
+
+impl Known<'_> {
+    /// Whether what comes from the image of the source in these planes, in whatever order, is in a path: all that came
+    /// past the listener's centre from an image without such a path would be lost.
+    fn has_image(&self, ends: &Ends, vertices: &[Vertex]) -> bool {
+        let surface = |vertex: &Vertex| self.scene.surfaces.get(vertex.surface as usize - 1);
+        let is_flat = |vertex| surface(vertex).is_some_and(|surface| surface.shape.is_flat());
+        if vertices.len() <= self.complete as usize && vertices.iter().all(is_flat) {
+            return true;
+        }
+        let mirrored = |image: DVec3, vertex: &Vertex| {
+            image - vertex.normal * (2.0 * (image - vertex.point).dot(vertex.normal))
+        };
+        let image = vertices.iter().fold(ends.source, mirrored);
+        let length_m = image.distance(ends.listener);
+        let spreading = 1.0 / (4.0 * PI * length_m * length_m);
+        if are_expected(spreading, ends.radius_m, self.waves) {
+            return true;
+        }
+        let rounding = SAME_LENGTH * length_m;
+        let first = self
+            .paths
+            .partition_point(|path| path.length_m < length_m - rounding);
+        let next = self.paths.get(first);
+        next.is_some_and(|path| path.length_m <= length_m + rounding)
+    }
 }
 
 /// Those for which `is_kept` holds, and for each of all its index among these.

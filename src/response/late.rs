@@ -115,7 +115,7 @@ impl LateWaves<'_> {
         }
         let before = self.echogram.clone();
         let half = pilot_waves / 2;
-        let mut pilot = Pilot::new(self.how.seconds);
+        let mut pilot = Pilot::new(pilot_waves, self.how.seconds);
         pilot.begin(half);
         let first = self.follow(trace, &WavesToFollow::Numbers(0..half), Some(&mut pilot))?;
         let few = trace.clone().with_waves(half);
@@ -124,7 +124,7 @@ impl LateWaves<'_> {
             let numbers = WavesToFollow::Numbers(half..trace.waves);
             return Ok(first.and(self.follow(trace, &numbers, None)?).counts());
         };
-        // Their energies are to be those of as many waves as the first half's are.
+        // The first half's energies are shares of those of all waves; these are made so too.
         let share = half as f32 / trace.waves as f32;
         let mut starts = importance.starts(0..half, half, batches, !trace.seed);
         starts.iter_mut().for_each(|start| start.weight *= share);

@@ -193,7 +193,7 @@ mod tests {
         );
     }
 
-    /// Protects the usual order: exact paths of six reflections among planes, however they are put together, and of three
+    /// Protects the usual order: exact paths of eight reflections among planes, however they are put together, and of three
     /// where a surface is curved.
     #[test]
     fn paths_among_planes_have_more_reflections() {

@@ -242,6 +242,7 @@ fn nothing_is_heard_through_walls_or_lost_in_silence() {
     let report: Value = json(&[&["impulse", &inside][..], &few].concat());
     assert!(report["pairs"][0]["direct"].is_null());
     assert_eq!(report["pairs"][0]["paths"], Value::Array(Vec::new()));
+    assert_eq!(report["pairs"][0]["notes"][0], "nothing arrives");
     // The upper edge of the box hides the centre and leaves the top of the sphere.
     let behind = scene(
         "half.ron",

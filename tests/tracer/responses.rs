@@ -204,7 +204,7 @@ fn paths_that_few_waves_find_take_no_energy_away() {
         Vec3::new(-5.7, -0.6, 0.9),
         0.05,
     );
-    const TIMES: u32 = 4;
+    const TIMES: u32 = 8;
     let mut g_db = [0.0; BAND_COUNT];
     let mut seconds = 0.0;
     for seed in 0..TIMES {
@@ -219,7 +219,8 @@ fn paths_that_few_waves_find_take_no_energy_away() {
     let truth = room.truth(seconds);
     for (found, truth) in g_db.iter().zip(&truth.bands) {
         let off_db = found - truth.g_db.unwrap();
-        assert!(off_db.abs() < 0.1, "{off_db} dB");
+        println!("{off_db:.3} dB");
+        assert!(off_db.abs() < 0.05, "{off_db} dB");
     }
 }
 

@@ -9,7 +9,7 @@
 //! f₁ (f₁ − 1) / (2 (f₂ + 1)), f₂ those found by two. Where most paths are weak, as off balls and
 //! pillars, they are many more; the first estimate, of their energy, does not suffer from that.
 //!
-//! Where directions are searched besides, a path that one of them found is known whether waves find it or not: it counts
+//! A path that was looked for besides the waves is known whether waves find it or not: it counts
 //! among the n waves, and is no path that one wave alone found.
 //!
 //! What no wave can find is not in it: paths at users' fields, and those beyond the order that
@@ -22,7 +22,7 @@ use super::paths::SpecularPath;
 pub(super) struct FoundBy {
     /// Waves.
     pub waves: u32,
-    /// Whether a direction did that was searched besides the waves.
+    /// Whether it was looked for besides the waves.
     pub search: bool,
 }
 

@@ -175,7 +175,7 @@ impl EarlyPaths {
     /// paths, and do not count among the waves that found them.
     ///
     /// Returns up to how many reflections no sequence was left out: `order`, or less where the images of the source
-    /// are more than 131,072.
+    /// are more than 131,072; those of one reflection are always tried.
     pub fn add_planes(&self, ends: &Ends, order: u32, candidates: &mut Candidates) -> u32 {
         plane_sequences::add_all(&self.surfaces, ends, order, candidates)
     }

@@ -6,7 +6,8 @@ use std::cmp::Ordering;
 use std::f64::consts::PI;
 
 /// A path of sound from point to point, mirrored at surfaces.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(test, derive(Default))]
 #[non_exhaustive]
 pub struct SpecularPath {
     /// The numbers of the surfaces in order, from 1; none for the direct sound.

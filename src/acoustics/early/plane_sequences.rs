@@ -13,6 +13,9 @@ use glam::DVec3;
 /// Images at the most, some tens of milliseconds: in a room all up to order 8.
 const MOST_IMAGES: usize = 1 << 17;
 
+/// Images times planes of a level at the most: some tens of milliseconds as well, where planes are thousands.
+const MOST_TRIED: usize = 1 << 24;
+
 /// An image of the source: mirrored at a plane, and before as its parent was.
 struct Image {
     place: DVec3,
@@ -35,6 +38,9 @@ pub(super) fn add_all(
     let mut last_level = 0..0;
     let searched = candidates.waves() as u32;
     for level in 1..=order {
+        if last_level.len() * planes.len() > MOST_TRIED {
+            return level - 1;
+        }
         let begin = tree.len();
         if level == 1 {
             mirror(&mut tree, &planes, ends.source, None);

@@ -32,7 +32,10 @@ pub fn reasons(scene: &Scene, response: &Response) -> Vec<String> {
         .collect();
     let told = |reason: Reason| {
         let bands = bands(&of_bands, reason)?;
-        Some(sentence(scene, response, reason, &bands))
+        let of_reason = figures.bands.iter().zip(&of_bands);
+        let of_reason = of_reason.filter(|(_, of)| **of == Some(reason));
+        let times = missing_times(of_reason.map(|(figures, _)| figures));
+        Some(sentence(scene, response, reason, &times, &bands))
     };
     let all = [Reason::TooShort, Reason::NoLateSound, Reason::TooNoisy];
     all.into_iter().filter_map(told).collect()
@@ -67,7 +70,31 @@ fn bands(of_bands: &[Option<Reason>], reason: Reason) -> Option<String> {
     }
 }
 
-fn sentence(scene: &Scene, response: &Response, reason: Reason, bands: &str) -> String {
+/// The times of decay that one or more of these bands lack, in words.
+fn missing_times<'a>(bands: impl Iterator<Item = &'a BandFigures> + Clone) -> String {
+    let lacks = |of: fn(&BandFigures) -> Option<f64>| bands.clone().any(|band| of(band).is_none());
+    let names: Vec<&str> = [
+        ("EDT", lacks(|band| band.edt_s)),
+        ("T20", lacks(|band| band.t20_s)),
+        ("T30", lacks(|band| band.t30_s)),
+    ]
+    .into_iter()
+    .filter_map(|(name, lacks)| lacks.then_some(name))
+    .collect();
+    match names.split_last() {
+        Some((last, [])) => (*last).to_owned(),
+        Some((last, others)) => format!("{} and {last}", others.join(", ")),
+        None => String::new(),
+    }
+}
+
+fn sentence(
+    scene: &Scene,
+    response: &Response,
+    reason: Reason,
+    times: &str,
+    bands: &str,
+) -> String {
     let seconds = response.seconds;
     match reason {
         Reason::TooShort if scene.has_materials() || scene.air.is_some() => format!(
@@ -80,7 +107,7 @@ fn sentence(scene: &Scene, response: &Response, reason: Reason, bands: &str) -> 
             "hardly anything arrives after the first 80 ms {bands}, so there is no decay to tell EDT, T20 and T30 from (—)"
         ),
         Reason::TooNoisy => {
-            format!("EDT, T20 or T30 {bands} are too noisy to tell (—): more --waves tell more")
+            format!("too noisy to tell {bands} (—): {times}; more --waves tell more")
         }
     }
 }
@@ -116,5 +143,7 @@ mod tests {
         all[2..].fill(None);
         assert_eq!(bands(&all, Reason::TooShort).unwrap(), "at 63, 125 Hz");
         assert_eq!(bands(&all, Reason::TooNoisy), None);
+        assert_eq!(missing_times([whole, noisy].iter()), "T30");
+        assert_eq!(missing_times([dry, noisy].iter()), "EDT, T20 and T30");
     }
 }

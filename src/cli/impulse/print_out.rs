@@ -1,9 +1,8 @@
 //! What `echomarch impulse` prints.
 
 use super::super::numbers::tenths;
-use super::super::options::Common;
 use super::super::print;
-use super::missing;
+use super::notes;
 use super::pairs::Pair;
 use crate::acoustics::{BandFigures, Figures, strength_db};
 use crate::bands::{self, BAND_COUNT, BANDS_HZ, Bands};
@@ -49,6 +48,8 @@ struct PairReport<'a> {
     left_out_share: f64,
     /// Until when the figures hold: seconds, `null` for the whole response.
     followed_s: Option<f64>,
+    /// What is missing or off, and what helps.
+    notes: Vec<String>,
     direct: Option<DirectReport>,
     paths: Vec<PathReport<'a>>,
 }
@@ -109,12 +110,12 @@ pub fn report<'a>(
         milliseconds: responses().map(|r| r.milliseconds).sum(),
         pairs: heard
             .iter()
-            .map(|(pair, response)| of_pair(pair, response))
+            .map(|(pair, response)| of_pair(scene, pair, response))
             .collect(),
     }
 }
 
-fn of_pair<'a>(pair: &'a Pair, response: &'a Response) -> PairReport<'a> {
+fn of_pair<'a>(scene: &Scene, pair: &'a Pair, response: &'a Response) -> PairReport<'a> {
     let Figures {
         bands,
         errors,
@@ -134,6 +135,7 @@ fn of_pair<'a>(pair: &'a Pair, response: &'a Response) -> PairReport<'a> {
         missed_early_share: response.missed.energy_share(),
         left_out_share: response.left_out_share,
         followed_s: response.followed_s,
+        notes: notes::texts(scene, response),
         direct: response.direct().map(|path| DirectReport {
             delay_s: path.delay_s,
             g_db: mean_strength_db(path),
@@ -296,43 +298,4 @@ fn mirrors(scene: &Scene, path: &HeardPath) -> Vec<String> {
         }
     };
     surfaces.map(name).collect()
-}
-
-/// Tells what the response does not hold.
-pub fn warn(common: &Common, scene: &Scene, heard: &[(Pair, Response)]) {
-    for (pair, response) in heard {
-        let of = format!("source {}, listener {}", pair.source, pair.listener);
-        let counts = &response.counts;
-        if counts.arrivals == 0 && response.paths.is_empty() {
-            common.note(&format!("note: {of}: nothing arrives"));
-        }
-        if counts.step_limit_reached > 0 {
-            let count = counts.step_limit_reached;
-            common.note(&format!(
-                "warning: {of}: waves are dead whose march reached the step limit: {count}"
-            ));
-        }
-        if counts.cut_off > 0 {
-            let count = counts.cut_off;
-            common.note(&format!(
-                "warning: {of}: {count} waves were given up after {} iterations: {}",
-                counts.iterations,
-                match response.followed_s {
-                    Some(seconds) => format!(
-                        "after {seconds:.2} s the response is too weak, and figures are told from what is before"
-                    ),
-                    None => "they are too few to be heard".to_owned(),
-                }
-            ));
-        }
-        if response.left_out > 0 {
-            common.note(&format!(
-                "note: {of}: {:.1} % of the energy came over curved surfaces by paths that were not looked for, as they are too many: it is in the late part",
-                100.0 * response.left_out_share
-            ));
-        }
-        for text in missing::reasons(scene, response) {
-            common.note(&format!("note: {of}: {text}"));
-        }
-    }
 }

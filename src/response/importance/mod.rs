@@ -27,7 +27,8 @@ use std::ops::{Range, RangeInclusive};
 /// One wave of so many is a pilot wave of the first or the second half.
 const ONE_OF: u32 = 4;
 
-/// The least and the greatest number of pilot waves: from fewer nothing can be known, and more are not needed.
+/// The least and the greatest number of pilot waves, both halves together: from fewer nothing can be known, and more are
+/// not needed.
 const PILOT_WAVES: RangeInclusive<u32> = 2048..=65_536;
 
 /// So many waves of one energy are enough behind what comes after each moment: a level is then 0.06 dB off, and a
@@ -72,13 +73,14 @@ pub(super) struct Importance {
 impl Importance {
     /// As the pilot waves of so many waves tell, which started in these directions; `None` where waves may start evenly.
     pub fn of(pilot: &Pilot, directions: &[Vec3], waves: u32) -> Option<Importance> {
-        let told = pilot.told();
+        let sums = pilot.sums();
         let pilot_waves = directions.len() as f64;
-        if told.fewest_waves >= ENOUGH_WAVES * pilot_waves / f64::from(waves) {
+        if sums.fewest_waves() >= ENOUGH_WAVES * pilot_waves / f64::from(waves) {
             return None;
         }
         let cells = Cells::about(pilot_waves / WAVES_IN_CELL);
-        let all = || directions.iter().zip(&told.importance);
+        let importance = pilot.importance(&sums);
+        let all = || directions.iter().zip(&importance);
         let halves = [0, 1].map(|half| blurred(all().skip(half).step_by(2), cells));
         if unevenness(&halves) < LEAST_UNEVENNESS {
             return None;
@@ -90,10 +92,10 @@ impl Importance {
 
     /// As all pilot waves tell, those in these directions that were drawn by importance among them.
     pub fn refined(pilot: &Pilot, directions: &[Vec3]) -> Importance {
-        let told = pilot.told();
+        let importance = pilot.importance(&pilot.sums());
         let cells = Cells::about(directions.len() as f64 / WAVES_IN_CELL);
         let fine = cells.divided(DIVIDED);
-        let all = || directions.iter().zip(&told.importance);
+        let all = || directions.iter().zip(&importance);
         let (known, mut wanted) = (blurred(all(), cells), blurred(all(), fine));
         for (cell, wanted) in wanted.iter_mut().enumerate() {
             let whole = known[fine.undivided(cell, DIVIDED)];
@@ -197,7 +199,7 @@ mod tests {
         let directions: Vec<Vec3> = lattice(u64::from(WAVES / ONE_OF))
             .map(|d| d.as_vec3())
             .collect();
-        let mut pilot = Pilot::new(1.0);
+        let mut pilot = Pilot::new(directions.len() as u32, 1.0);
         pilot.begin(directions.len() as u32);
         for (wave, direction) in directions.iter().enumerate() {
             pilot.add(wave as u32, 0.1, &[1.0; BAND_COUNT]);
@@ -261,7 +263,7 @@ mod tests {
     #[test]
     fn importance_that_does_not_repeat_is_none() {
         let directions: Vec<Vec3> = lattice(4096).map(|d| d.as_vec3()).collect();
-        let mut pilot = Pilot::new(1.0);
+        let mut pilot = Pilot::new(4096, 1.0);
         pilot.begin(4096);
         for wave in 0..4096 {
             pilot.add(wave, 0.1, &[1.0; BAND_COUNT]);

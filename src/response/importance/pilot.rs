@@ -1,6 +1,7 @@
 //! What pilot waves tell of the others: in which directions those start that bring the end of a decay.
 
 use crate::bands::{BAND_COUNT, Bands};
+use rayon::prelude::*;
 
 /// Moments at which a decay is looked at: each is 1.26 times as late as the one before, so that fast bands are looked
 /// at as well as slow ones, and an exponential decay that ends at one falls by a fifth of its decibels between it and
@@ -29,20 +30,36 @@ pub struct Pilot {
     first: usize,
 }
 
-/// What all pilot waves together tell.
-pub struct Told {
-    /// How important each wave is.
-    pub importance: Vec<f64>,
-    /// So many waves of one energy would be as noisy as the noisiest sum of what comes after a moment.
-    pub fewest_waves: f64,
+/// The sums over all pilot waves of what comes after each moment, and of its squares.
+pub struct Sums {
+    energies: Moments<f64>,
+    squares: Moments<f64>,
+}
+
+impl Sums {
+    /// So many waves of one energy would be as noisy as the noisiest sum that figures are told from (L. Kish, *Survey
+    /// Sampling*, 1965, section 11.7).
+    pub fn fewest_waves(&self) -> f64 {
+        let waves = |(moment, band): (usize, usize)| {
+            self.energies[moment][band].powi(2) / self.squares[moment][band]
+        };
+        self.told().map(waves).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The moments and bands that figures are told from.
+    fn told(&self) -> impl Iterator<Item = (usize, usize)> {
+        all().filter(|(moment, band)| {
+            self.energies[*moment][*band] > LEAST_LEFT * self.energies[0][*band]
+        })
+    }
 }
 
 impl Pilot {
-    /// No wave so far; they are followed for so many seconds.
-    pub fn new(seconds: f64) -> Pilot {
+    /// None so far of so many waves, which are followed for so many seconds.
+    pub fn new(waves: u32, seconds: f64) -> Pilot {
         Pilot {
             seconds,
-            waves: Vec::new(),
+            waves: Vec::with_capacity(waves as usize),
             first: 0,
         }
     }
@@ -63,41 +80,43 @@ impl Pilot {
         }
     }
 
+    /// What all waves bring.
+    pub fn sums(&self) -> Sums {
+        let mut energies = [[0.0; BAND_COUNT]; MOMENTS];
+        let mut squares = energies;
+        for wave in self.waves.iter().map(to_come) {
+            for (moment, band) in all() {
+                let energy = f64::from(wave[moment][band]);
+                energies[moment][band] += energy;
+                squares[moment][band] += energy * energy;
+            }
+        }
+        Sums { energies, squares }
+    }
+
     /// How important each wave is: the root of the sum of the squares of its shares of what comes after each moment in
     /// each band. Waves drawn by it make the variance of all these sums together the least (H. Kahn and A. W. Marshall,
     /// *Methods of reducing sample size in Monte Carlo computations*, 1953). Then the shares of sums that would still be
     /// noisier than others are weighted more, as every band is to be told.
-    pub fn told(&self) -> Told {
-        let (sums, squares) = self.sum_to_come();
-        // 1 / sum², where figures are told from the sum.
+    pub fn importance(&self, sums: &Sums) -> Vec<f64> {
+        let squared = |moment: usize, band: usize| sums.energies[moment][band].powi(2);
         let mut weights = [[0.0; BAND_COUNT]; MOMENTS];
-        let mut fewest_waves = f64::INFINITY;
-        for (moment, band) in all() {
-            let sum = sums[moment][band];
-            if sum > LEAST_LEFT * sums[0][band] {
-                weights[moment][band] = sum.powi(-2);
-                // So many waves of one energy would be as noisy (L. Kish, *Survey Sampling*, 1965, section 11.7).
-                fewest_waves = fewest_waves.min(sum * sum / squares[moment][band]);
-            }
+        for (moment, band) in sums.told() {
+            weights[moment][band] = 1.0 / squared(moment, band);
         }
-        let mut importance = self.importance(&weights);
+        let mut importance = self.weighted(&weights);
         for _ in 0..EVENED_OUT {
-            let variances = self.variances(&importance);
-            for (moment, band) in all() {
-                if weights[moment][band] > 0.0 {
-                    weights[moment][band] *= variances[moment][band] / sums[moment][band].powi(2);
-                }
+            let mean_squares = self.mean_squares(&importance);
+            for (moment, band) in sums.told() {
+                weights[moment][band] *= mean_squares[moment][band] / squared(moment, band);
             }
-            importance = self.importance(&weights);
+            importance = self.weighted(&weights);
         }
-        Told {
-            importance,
-            fewest_waves,
-        }
+        importance
     }
 
     /// The root of the sum of the weighted squares of what each wave brings after each moment.
-    fn importance(&self, weights: &Moments<f64>) -> Vec<f64> {
+    fn weighted(&self, weights: &Moments<f64>) -> Vec<f64> {
         let square = |(energy, weight): (&f32, &f64)| f64::from(*energy).powi(2) * weight;
         let weights = weights.as_flattened();
         let importance = |wave: &Moments<f32>| {
@@ -105,36 +124,22 @@ impl Pilot {
             let squares = energies.as_flattened().iter().zip(weights).map(square);
             squares.sum::<f64>().sqrt()
         };
-        self.waves.iter().map(importance).collect()
+        self.waves.par_iter().map(importance).collect()
     }
 
-    /// The variance of what comes after each moment, times some factor, if waves were drawn by this importance.
-    fn variances(&self, importance: &[f64]) -> Moments<f64> {
-        let mut variances = [[0.0; BAND_COUNT]; MOMENTS];
+    /// The mean square of what comes after each moment, times some factor, if waves were drawn by this importance.
+    fn mean_squares(&self, importance: &[f64]) -> Moments<f64> {
+        let mut squares = [[0.0; BAND_COUNT]; MOMENTS];
         for (wave, importance) in self.waves.iter().zip(importance) {
             if *importance == 0.0 {
                 continue;
             }
             let energies = to_come(wave);
             for (moment, band) in all() {
-                variances[moment][band] += f64::from(energies[moment][band]).powi(2) / importance;
+                squares[moment][band] += f64::from(energies[moment][band]).powi(2) / importance;
             }
         }
-        variances
-    }
-
-    /// The sums over all waves of what each brings after each moment, and those of the squares of that.
-    fn sum_to_come(&self) -> (Moments<f64>, Moments<f64>) {
-        let mut sums = [[0.0; BAND_COUNT]; MOMENTS];
-        let mut squares = sums;
-        for wave in self.waves.iter().map(to_come) {
-            for (moment, band) in all() {
-                let energy = f64::from(wave[moment][band]);
-                sums[moment][band] += energy;
-                squares[moment][band] += energy * energy;
-            }
-        }
-        (sums, squares)
+        squares
     }
 }
 
@@ -170,7 +175,7 @@ mod tests {
     fn few_waves_that_bring_the_end_are_important() {
         const WAVES: u32 = 1000;
         let pilot = |last: u32| {
-            let mut pilot = Pilot::new(1.0);
+            let mut pilot = Pilot::new(WAVES, 1.0);
             pilot.begin(WAVES);
             for wave in 0..WAVES {
                 pilot.add(wave, 0.1, &[1.0; BAND_COUNT]);
@@ -180,16 +185,17 @@ mod tests {
             }
             pilot
         };
-        assert!(pilot(WAVES).told().fewest_waves > 999.0);
-        let told = pilot(10).told();
-        assert!((told.fewest_waves - 10.0).abs() < 0.1);
-        let importance = told.importance;
+        assert!(pilot(WAVES).sums().fewest_waves() > 999.0);
+        let few = pilot(10);
+        let sums = few.sums();
+        assert!((sums.fewest_waves() - 10.0).abs() < 0.1);
+        let importance = few.importance(&sums);
         assert_eq!(importance.len(), WAVES as usize);
         assert!(importance[..10].iter().all(|important| *important > 0.1));
         assert!(importance[10..].iter().all(|important| *important < 0.02));
         // What is 50 dB down no figure is told from.
         let mut faint = pilot(0);
         faint.add(3, 0.9, &[1e-2; BAND_COUNT]);
-        assert!(faint.told().fewest_waves > 999.0);
+        assert!(faint.sums().fewest_waves() > 999.0);
     }
 }

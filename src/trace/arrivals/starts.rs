@@ -23,7 +23,7 @@ pub(crate) struct Start {
     /// Where it goes: a unit vector, world axes.
     pub direction: Vec3,
     /// Importance weight: the density of even directions divided by the density with which this one was drawn; 1 on
-    /// average.
+    /// average, or a factor that all have in common.
     pub weight: f32,
 }
 

@@ -1,0 +1,122 @@
+//! What a response does not hold, and what helps, in sentences.
+
+use super::super::options::Common;
+use super::missing;
+use super::pairs::Pair;
+use crate::response::Response;
+use crate::scene::Scene;
+
+/// Said before waves are traced, as that takes long where sound does not decay.
+const NOTHING_ABSORBS: &str = "note: no surface absorbs in this scene: where sound cannot leave it, it does not decay, and figures will be missing; give its surfaces a material (docs/scene-format.md)";
+
+/// Shares of scattering of two bands that differ by more are far apart. Of a room of 8 × 3 × 5 m whose walls scatter
+/// nothing at 63 Hz and all at 8 kHz, G at 63 Hz was up to six errors off with 262,144 waves.
+const FAR_APART: f64 = 0.3;
+
+/// One sentence about a response.
+#[derive(Clone, Debug, PartialEq)]
+struct Note {
+    /// Whether figures are off because of it.
+    is_warning: bool,
+    text: String,
+}
+
+/// The sentences about a response, as JSON has them.
+pub fn texts(scene: &Scene, response: &Response) -> Vec<String> {
+    all(scene, response).into_iter().map(|n| n.text).collect()
+}
+
+/// Tells before anything is traced that no decay can be told.
+pub fn tell_first(common: &Common, scene: &Scene) {
+    if !scene.has_materials() && scene.air.is_none() {
+        common.note(NOTHING_ABSORBS);
+    }
+}
+
+/// Tells what the responses do not hold: each sentence once, with the pairs of which it is true.
+pub fn tell(common: &Common, scene: &Scene, heard: &[(Pair, Response)]) {
+    let mut told: Vec<(Note, Vec<String>)> = Vec::new();
+    for (pair, response) in heard {
+        let name = format!("source {}, listener {}", pair.source, pair.listener);
+        for note in all(scene, response) {
+            match told.iter_mut().find(|(known, _)| *known == note) {
+                Some((_, pairs)) => pairs.push(name.clone()),
+                None => told.push((note, vec![name.clone()])),
+            }
+        }
+    }
+    for (note, pairs) in told {
+        let kind = if note.is_warning { "warning" } else { "note" };
+        let of = match pairs.len() > 1 && pairs.len() == heard.len() {
+            true => "all pairs".to_owned(),
+            false => pairs.join("; "),
+        };
+        common.note(&format!("{kind}: {of}: {}", note.text));
+    }
+}
+
+fn all(scene: &Scene, response: &Response) -> Vec<Note> {
+    let note = |text: String| Note {
+        is_warning: false,
+        text,
+    };
+    let mut notes = warnings(response);
+    if response.counts.arrivals == 0 && response.paths.is_empty() {
+        notes.push(note("nothing arrives".to_owned()));
+    }
+    if response.left_out > 0 {
+        notes.push(note(format!(
+            "{:.1} % of the energy came over curved surfaces by paths that were not looked for, as they are too many: it is in the late part",
+            100.0 * response.left_out_share
+        )));
+    }
+    if response.paths.iter().any(|heard| heard.path.is_focus) {
+        notes.push(note(
+            "sound meets in a focus: where it does so again and again rounding decides where it goes, and ± of late decays does not hold that".to_owned(),
+        ));
+    }
+    if scattering_differs(scene) {
+        notes.push(note(
+            "a material scatters bands differently: waves weigh more in some bands with each reflection, and ± of bands that scatter little is too small".to_owned(),
+        ));
+    }
+    notes.extend(missing::reasons(scene, response).into_iter().map(note));
+    notes
+}
+
+/// Whether the bands of a material that a surface has scatter by shares that are far apart.
+fn scattering_differs(scene: &Scene) -> bool {
+    scene.materials.values().any(|material| {
+        let least = material.scattering.iter().copied().fold(1.0, f64::min);
+        let most = material.scattering.iter().copied().fold(0.0, f64::max);
+        most - least > FAR_APART
+    })
+}
+
+fn warnings(response: &Response) -> Vec<Note> {
+    let counts = &response.counts;
+    let mut texts = Vec::new();
+    if counts.step_limit_reached > 0 {
+        texts.push(format!(
+            "waves are dead whose march reached the step limit: {}",
+            counts.step_limit_reached
+        ));
+    }
+    if counts.cut_off > 0 {
+        let what_of_it = match response.followed_s {
+            Some(seconds) => format!(
+                "after {seconds:.2} s the response is too weak, and figures are told from what is before"
+            ),
+            None => "they are too few to be heard".to_owned(),
+        };
+        texts.push(format!(
+            "{} waves were given up after {} iterations: {what_of_it}",
+            counts.cut_off, counts.iterations
+        ));
+    }
+    let warning = |text: String| Note {
+        is_warning: true,
+        text,
+    };
+    texts.into_iter().map(warning).collect()
+}
