@@ -15,6 +15,7 @@ use super::importance::{self, Importance, Pilot};
 use super::{Medium, ResponseSettings};
 use crate::acoustics::{Arrival, CommonErrors, Echogram};
 use crate::error::Error;
+use crate::kernel::Materials;
 use crate::scene::{Node, Scene, Surface};
 use crate::trace::{ArrivalCounts, ArrivalSettings, Followed, Settings, Tracer, WavesToFollow};
 use std::ops::Range;
@@ -26,12 +27,37 @@ const RADIUS_M: f32 = 1.0;
 /// What the mean over the sphere leaves figures off, one standard deviation: in a room of 4.4 × 3 × 4.3 m T30
 /// was 0.2 to 0.4 % off in all bands, in one of 3.1 × 8.5 × 6.4 m C80 0.02 to 0.03 dB, in one of 24.8 × 2.5 × 3.8 m
 /// EDT up to 0.8 % and C80 up to 0.04 dB.
-pub(super) const COMMON_ERRORS: CommonErrors = CommonErrors {
+const COMMON_ERRORS: CommonErrors = CommonErrors {
     decay_share: 0.003,
     early_decay_share: 0.005,
     clarity_db: 0.02,
     strength_db: 0.003,
 };
+
+/// The same where something stands in the room, and nothing scatters: behind it less of the sound that goes to and fro
+/// between walls is heard, and the sphere reaches beyond that shadow. In 14 random rooms with a ball or a box this was the
+/// difference from the listener's own sphere but for noise, rms of all bands; in one of them T30 was 4.7 % off.
+const COMMON_ERRORS_IN_SHADOWS: CommonErrors = CommonErrors {
+    decay_share: 0.012,
+    early_decay_share: 0.005,
+    clarity_db: 0.06,
+    strength_db: 0.017,
+};
+
+/// What the larger sphere leaves figures off; `None` where the listener's own sphere is used.
+pub(super) fn common_errors(scene: &Scene) -> Option<&'static CommonErrors> {
+    if radius_m(scene) <= scene.listener.radius {
+        return None;
+    }
+    let stands_free = |surface: &Surface| {
+        let node = &surface.shape.node;
+        !matches!(node, Node::Room(_) | Node::Plane(_) | Node::HalfSpace(_))
+    };
+    match scene.surfaces.iter().any(stands_free) && !Materials::of(scene).scatter() {
+        true => Some(&COMMON_ERRORS_IN_SHADOWS),
+        false => Some(&COMMON_ERRORS),
+    }
+}
 
 /// How far the sphere reaches in distances of a room's wall.
 const BEHIND_WALLS: f32 = 2.0;
@@ -186,7 +212,7 @@ pub(super) fn widened(scene: &Scene) -> Scene {
 }
 
 /// Radius of the sphere in metres, at least that of the listener.
-pub(super) fn radius_m(scene: &Scene) -> f32 {
+fn radius_m(scene: &Scene) -> f32 {
     let listener = &scene.listener;
     let reach = |surface: &Surface| {
         let distance = surface.distance(listener.position);
@@ -228,6 +254,23 @@ mod tests {
         assert_eq!(radius(vec![room.clone()], Vec3::X * 4.9), 0.3);
         assert!((radius(vec![room, wall], Vec3::X * 0.65) - 0.6).abs() < 1e-5);
         assert_eq!(radius(vec![hollow], Vec3::ZERO), 0.3);
+    }
+
+    /// Protects the errors of figures behind obstacles: they are larger there, and none where the sphere is not.
+    #[test]
+    fn shadows_make_the_larger_sphere_less_exact() {
+        let room = Surface::new(Room {
+            size: Vec3::new(10.0, 4.0, 6.0),
+        });
+        let ball = Surface::new(Sphere { radius: 0.5 }).at(Vec3::X * 3.0);
+        let errors = |surfaces: Vec<Surface>, radius: f32| {
+            let listener = Listener::at(Vec3::ZERO, radius);
+            let scene = Scene::new("late", surfaces, Source::at(Vec3::Y), listener);
+            common_errors(&scene).map(|errors| errors.decay_share)
+        };
+        assert_eq!(errors(vec![room.clone()], 0.3), Some(0.003));
+        assert_eq!(errors(vec![room.clone(), ball.clone()], 0.3), Some(0.012));
+        assert_eq!(errors(vec![room, ball], 1.5), None);
     }
 
     /// Protects the time that late arrivals take: a chunk has some crossings, and is neither endless nor empty.

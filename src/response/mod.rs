@@ -106,9 +106,9 @@ impl Response {
         let followed_s = Some(counts.followed_m / medium.speed).filter(|until| *until < seconds);
         let ends_s = followed_s.unwrap_or(seconds);
         let figures = Figures::new(&taps(&paths), &echogram, direct_s(&paths), ends_s);
-        let figures = match late::radius_m(scene) > scene.listener.radius {
-            true => figures.with_common_errors(&late::COMMON_ERRORS),
-            false => figures,
+        let figures = match late::common_errors(scene) {
+            Some(common) => figures.with_common_errors(common),
+            None => figures,
         };
         Ok(Response {
             missed: part.missed(),
