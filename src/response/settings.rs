@@ -23,8 +23,8 @@ pub struct ResponseSettings {
     pub late_waves: Option<u32>,
     /// Reflections of an exact path at the most, 0 to [`MAX_ORDER`]. `None` takes 8 where all surfaces
     /// are flat, else 3. Where walls absorb half of the sound, a decay of 35 dB is some dozen echoes of
-    /// up to six reflections, and each is met by few waves; the images of a room are all known up to eight. At curved surfaces up to 512 waves
-    /// of each sequence are solved for.
+    /// up to six reflections, and each is met by few waves. Of an empty room all paths are known up to
+    /// eight. At curved surfaces up to 512 waves of each sequence are solved for.
     pub order: Option<u32>,
     /// Length of a time bin of the echogram in seconds: 1 ms by default, less than the time that
     /// sound takes through a listener of common size.
