@@ -5,12 +5,14 @@
 //! its events, and what they leave of the energy is multiplied up on the CPU, in `f64`.
 //!
 //! The shader reads one float of a surface: its event, and as the fraction half of the share that
-//! is scattered, one for all bands. Where bands scatter by different shares, that one decides
-//! where the wave goes, and what the event leaves makes up for it.
+//! is scattered, one for all bands that are traced together. Where these scatter by different shares,
+//! the mean decides where the wave goes, and what the event leaves makes up for it
+//! (`band_groups.rs` tells by how much that may be).
 
 use crate::bands::{BAND_COUNT, Bands};
 use crate::scene::{Material, Node, Scene, WALL_COUNT};
 use glam::Vec4;
+use std::ops::Range;
 
 /// Bits of an event at the most: as many whole numbers a float tells with a share behind them.
 const MOST_BITS: u32 = 14;
@@ -18,6 +20,8 @@ const MOST_BITS: u32 = 14;
 /// The distinct materials of a scene's surfaces.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Materials {
+    /// The bands that are traced together.
+    bands: Range<usize>,
     /// Those that scatter stand first.
     distinct: Vec<Material>,
     /// How many scatter.
@@ -29,12 +33,15 @@ pub struct Materials {
 }
 
 impl Materials {
-    /// Those of the scene, none where no surface absorbs or scatters.
-    pub fn of(scene: &Scene) -> Materials {
+    /// Those of the scene, for waves that tell of these bands; none where no surface absorbs or scatters.
+    pub fn of(scene: &Scene, bands: Range<usize>) -> Materials {
+        let mut materials = Materials {
+            bands: bands.clone(),
+            ..Materials::default()
+        };
         if !scene.has_materials() {
-            return Materials::default();
+            return materials;
         }
-        let mut materials = Materials::default();
         for index in 0..scene.surfaces.len() {
             for wall in walls(scene, index) {
                 materials.add(*scene.material(index, wall).unwrap_or(&Material::MIRROR));
@@ -42,8 +49,9 @@ impl Materials {
         }
         materials
             .distinct
-            .sort_by_key(|material| !scatters(material));
-        materials.scattering = materials.distinct.iter().filter(|m| scatters(m)).count();
+            .sort_by_key(|material| !scatters(material, &bands));
+        let scattering = materials.distinct.iter().filter(|m| scatters(m, &bands));
+        materials.scattering = scattering.count();
         let number = |index, wall| {
             let material = scene.material(index, wall).unwrap_or(&Material::MIRROR);
             materials.number(material)
@@ -76,9 +84,7 @@ impl Materials {
 
     fn number(&self, material: &Material) -> f32 {
         let known = self.distinct.iter().position(|known| known == material);
-        known.map_or(0.0, |place| {
-            (place + 1) as f32 + 0.5 * share(material, self.bits())
-        })
+        known.map_or(0.0, |place| (place + 1) as f32 + 0.5 * self.share(material))
     }
 
     /// Whether there are any.
@@ -131,20 +137,40 @@ impl Materials {
         numbers.chunks(4).map(four).collect()
     }
 
-    /// What each event leaves of the energy, by its number.
+    /// What each event leaves of the energy, by its number; of bands that are traced by other waves it means nothing.
     pub fn left(&self) -> Vec<Bands> {
-        let bits = self.bits();
         let mirrored = self.distinct.iter().map(|material| {
-            left(material, bits, |scattered, share| match share < 1.0 {
+            self.left_of(material, |scattered, share| match share < 1.0 {
                 true => (1.0 - scattered) / (1.0 - share),
                 false => 0.0,
             })
         });
         let scattered = self.distinct[..self.scattering]
             .iter()
-            .map(|material| left(material, bits, |scattered, share| scattered / share));
+            .map(|material| self.left_of(material, |scattered, share| scattered / share));
         let nothing_lost = std::iter::once([1.0; BAND_COUNT]);
         nothing_lost.chain(mirrored).chain(scattered).collect()
+    }
+
+    /// Of the energy that a material reflects in each band a part goes the way that was chosen; in the
+    /// mean over both ways `of_way(scattering, share)` is 1.
+    fn left_of(&self, material: &Material, of_way: impl Fn(f64, f64) -> f64) -> Bands {
+        let share = f64::from(self.share(material));
+        let reflectance = material.reflectance();
+        std::array::from_fn(|band| reflectance[band] * of_way(material.scattering[band], share))
+    }
+
+    /// The share of reflections that are diffuse: the mean over the bands, as a multiple of a step of
+    /// which a half stands exactly behind an event of so many bits in a float.
+    fn share(&self, material: &Material) -> f32 {
+        let steps = f64::from(1u32 << (22 - self.bits().min(MOST_BITS)));
+        let mean = mean_scattering(material, &self.bands);
+        if mean == 0.0 {
+            return 0.0;
+        }
+        // Neither way is left out where a part of the energy goes it.
+        let most = if mean < 1.0 { steps - 1.0 } else { steps };
+        ((mean * steps).round().clamp(1.0, most) / steps) as f32
     }
 
     /// Whether the wave is scattered in an event.
@@ -161,33 +187,14 @@ fn walls(scene: &Scene, index: usize) -> impl Iterator<Item = Option<usize>> {
     walls.chain(whole)
 }
 
-/// Of the energy that a material reflects in each band a part goes the way that was chosen; in the
-/// mean over both ways `of_way(scattering, share)` is 1.
-fn left(material: &Material, bits: u32, of_way: impl Fn(f64, f64) -> f64) -> Bands {
-    let share = f64::from(share(material, bits));
-    let reflectance = material.reflectance();
-    std::array::from_fn(|band| reflectance[band] * of_way(material.scattering[band], share))
+fn scatters(material: &Material, bands: &Range<usize>) -> bool {
+    mean_scattering(material, bands) > 0.0
 }
 
-fn scatters(material: &Material) -> bool {
-    mean_scattering(material) > 0.0
-}
-
-/// The share of reflections that are diffuse: the mean over the bands, as a multiple of a step of
-/// which a half stands exactly behind an event of so many bits in a float.
-fn share(material: &Material, bits: u32) -> f32 {
-    let steps = f64::from(1u32 << (22 - bits.min(MOST_BITS)));
-    let mean = mean_scattering(material);
-    if mean == 0.0 {
-        return 0.0;
-    }
-    // Neither way is left out where a part of the energy goes it.
-    let most = if mean < 1.0 { steps - 1.0 } else { steps };
-    ((mean * steps).round().clamp(1.0, most) / steps) as f32
-}
-
-fn mean_scattering(material: &Material) -> f64 {
-    material.scattering.iter().sum::<f64>() / BAND_COUNT as f64
+/// The mean share over some bands.
+pub(super) fn mean_scattering(material: &Material, bands: &Range<usize>) -> f64 {
+    let of_bands = &material.scattering[bands.clone()];
+    of_bands.iter().sum::<f64>() / of_bands.len() as f64
 }
 
 #[cfg(test)]
@@ -234,7 +241,7 @@ mod tests {
     #[test]
     fn both_ways_together_keep_what_is_reflected() {
         let scene = scene();
-        let materials = Materials::of(&scene);
+        let materials = Materials::of(&scene, 0..BAND_COUNT);
         let left = materials.left();
         assert_eq!(left.len(), 1 + materials.count() + materials.scattering);
         for (index, number) in materials.of_surfaces().iter().enumerate().skip(1) {
@@ -256,7 +263,7 @@ mod tests {
     /// Protects the numbers of walls, and of what is alike: equal materials are one event.
     #[test]
     fn walls_that_differ_have_numbers_of_their_own() {
-        let materials = Materials::of(&scene());
+        let materials = Materials::of(&scene(), 0..BAND_COUNT);
         assert_eq!(materials.rooms(), [0]);
         let values = materials.uniform_values(&[0, 1, 2]);
         let numbers: Vec<f32> = values.iter().flat_map(|v| v.to_array()).collect();
@@ -264,6 +271,6 @@ mod tests {
         assert_ne!(numbers[0], numbers[3]);
         // Surface 1 is of m0, which is a mirror; surface 2 is of m1, as the walls.
         assert_eq!(numbers[6..], [0.0, numbers[0]]);
-        assert!(Materials::of(&Scene::builtin("corner").unwrap()).is_empty());
+        assert!(Materials::of(&Scene::builtin("corner").unwrap(), 0..BAND_COUNT).is_empty());
     }
 }

@@ -21,6 +21,7 @@
 
 mod arrivals_shader;
 mod assets;
+mod band_groups;
 mod cell_record;
 mod cells;
 mod covered_faces;
@@ -38,6 +39,7 @@ mod surface_values;
 mod text;
 
 pub(crate) use arrivals_shader::{ArrivalsText, WORD_BITS, arrivals_text, material_values};
+pub(crate) use band_groups::band_groups;
 pub(crate) use cells::{Lists, SceneCells};
 pub(crate) use data::{CellData, DATA_WIDTH, scene_data};
 pub(crate) use layout::Layout;

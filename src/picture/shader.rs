@@ -33,7 +33,7 @@ pub(super) fn program(
     let rebasing = kernel::OriginRebasing::world();
     let rebased = rebasing.apply(scene);
     let mut data = SceneData::new(context)?;
-    data.set(scene, &rebasing, &rebased, Lists::NearestCandidates)?;
+    data.set(scene, &rebasing, &rebased, Lists::NearestCandidates, &[])?;
     data.set_uniforms(&program);
     program.set_vec4_array(
         "uSurfaces",

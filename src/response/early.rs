@@ -97,6 +97,7 @@ impl EarlyPart {
         });
         let known = Known {
             scene,
+            early: &paths,
             paths: &paths_known,
             complete,
             waves,
@@ -212,6 +213,7 @@ fn are_expected(spreading: f64, radius_m: f64, waves: u32) -> bool {
 /// The paths that stand for their waves.
 struct Known<'a> {
     scene: &'a Scene,
+    early: &'a EarlyPaths,
     /// By length.
     paths: &'a [SpecularPath],
     /// All that have no more reflections than this, at surfaces of planes alone, are among them.
@@ -228,11 +230,7 @@ impl Known<'_> {
         if vertices.len() <= self.complete as usize && vertices.iter().all(is_flat) {
             return true;
         }
-        let mirrored = |image: DVec3, vertex: &Vertex| {
-            image - vertex.normal * (2.0 * (image - vertex.point).dot(vertex.normal))
-        };
-        let image = vertices.iter().fold(ends.source, mirrored);
-        let length_m = image.distance(ends.listener);
+        let length_m = self.early.image(ends, vertices).distance(ends.listener);
         let spreading = 1.0 / (4.0 * PI * length_m * length_m);
         if are_expected(spreading, ends.radius_m, self.waves) {
             return true;

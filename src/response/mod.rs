@@ -93,9 +93,7 @@ impl Response {
         let first_s = medium.direct_s;
         let mut echogram = Echogram::with_edge_at(first_s, settings.bin_s, settings.batches)?;
         let how = ArrivalSettings::new(seconds).with_early_order(order);
-        let (counts, mut early) = late::arrivals(tracer, scene, settings, &how, &mut echogram)?;
-        // They come by chunks of iterations.
-        early.sort_by_key(|arrival| arrival.wave);
+        let (counts, early) = late::arrivals(tracer, scene, settings, &how, &mut echogram)?;
         let starts = start_directions(tracer, &settings.trace, &early)?;
         let part = EarlyPart::find(scene, &starts, settings.trace.waves, order, early)?;
         part.left_over()

@@ -4,9 +4,7 @@
 
 use crate::error::Error;
 use crate::gpu::{Context, DataList, Program};
-use crate::kernel::{
-    self, CellData, Layout, Lists, Materials, OriginRebasing, RebasedScene, SceneCells,
-};
+use crate::kernel::{self, CellData, Layout, Lists, OriginRebasing, RebasedScene, SceneCells};
 use crate::scene::Scene;
 
 /// What the shaders of a scene read by index.
@@ -25,13 +23,15 @@ impl SceneData {
         })
     }
 
-    /// Makes the data those of the scene as it stands.
+    /// Makes the data those of the scene as it stands, with the numbers of its surfaces' materials for shaders that
+    /// read them.
     pub fn set(
         &mut self,
         scene: &Scene,
         rebasing: &OriginRebasing,
         rebased: &RebasedScene,
         lists: Lists,
+        materials: &[f32],
     ) -> Result<(), Error> {
         let layout = Layout::of(&scene.surfaces, lists);
         let known = self.cells.as_mut();
@@ -40,13 +40,9 @@ impl SceneData {
         }
         let mut data = kernel::scene_data(scene);
         let cells = self.cells.as_ref();
-        let materials = match cells {
-            Some(_) => Materials::of(scene),
-            None => Materials::default(),
-        };
-        let numbers = materials.of_surfaces();
-        self.cell_data = cells
-            .map(|cells| CellData::append(&mut data, &layout, (rebasing, rebased), cells, numbers));
+        self.cell_data = cells.map(|cells| {
+            CellData::append(&mut data, &layout, (rebasing, rebased), cells, materials)
+        });
         self.list.set(&data)?;
         Ok(())
     }

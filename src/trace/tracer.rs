@@ -241,7 +241,7 @@ impl Tracer {
         if self.frame_marching_for().is_some() {
             self.give_up();
         }
-        let (prepared, setup) = timed(|| self.set_scene_data(scene, settings))?;
+        let (prepared, setup) = timed(|| self.set_scene_data(scene, settings, &[]))?;
         let (rebasing, rebased, budget) = prepared;
         let as_one = keep == Waves::Dropped && fits_one_pass(scene, settings, || budget);
         let programs = self.programs(scene, settings, as_one)?;
@@ -256,16 +256,19 @@ impl Tracer {
         ))
     }
 
-    /// Sends the scene's data, in the coordinates of the shaders.
+    /// Sends the scene's data, in the coordinates of the shaders, with the numbers of the surfaces' materials for
+    /// shaders that read them.
     fn set_scene_data(
         &mut self,
         scene: &Scene,
         settings: &Settings,
+        materials: &[f32],
     ) -> Result<(OriginRebasing, RebasedScene, Budget), Error> {
         let rebasing = PreparedFrame::rebasing(scene, settings);
         let rebased = rebasing.apply(scene);
         let lists = loop_budget::lists(settings);
-        self.scene_data.set(scene, &rebasing, &rebased, lists)?;
+        self.scene_data
+            .set(scene, &rebasing, &rebased, lists, materials)?;
         let budget = Budget::with_cells(scene, settings, self.scene_data.cells());
         Ok((rebasing, rebased, budget))
     }

@@ -249,7 +249,7 @@ impl View {
         let rebasing = kernel::OriginRebasing::world();
         let rebased = rebasing.apply(scene);
         self.data
-            .set(scene, &rebasing, &rebased, Lists::NearestCandidates)?;
+            .set(scene, &rebasing, &rebased, Lists::NearestCandidates, &[])?;
         self.data.set_uniforms(&program);
         self.data.bind(&program, 0);
         program.set_vec4_array(

@@ -224,6 +224,32 @@ fn paths_that_few_waves_find_take_no_energy_away() {
     }
 }
 
+/// Protects bands from one another: those that walls mirror are as image sources say, however much of the others is
+/// scattered.
+#[test]
+fn mirrored_bands_are_exact_beside_bands_that_scatter() {
+    let room = Shoebox::new(
+        Vec3::new(8.0, 3.0, 5.0),
+        Vec3::new(-2.0, 0.1, -1.5),
+        Vec3::new(2.0, -0.3, 1.5),
+        0.2,
+    );
+    let mut scene = room.scene();
+    for material in scene.materials.values_mut() {
+        material.scattering = [0.0, 0.0, 0.1, 0.1, 0.5, 0.5, 1.0, 1.0];
+    }
+    let settings = ResponseSettings::default().with_trace(Settings::default().with_waves(1 << 15));
+    let response = Response::trace(&mut tracer(), &scene, &settings).unwrap();
+    let (found, truth) = (&response.figures, room.truth(response.seconds));
+    for band in 0..2 {
+        let (found, truth) = (&found.bands[band], &truth.bands[band]);
+        let decay_off = found.t30_s.unwrap() / truth.t30_s.unwrap() - 1.0;
+        assert!(decay_off.abs() < 0.03, "{band}: {decay_off}");
+        let level_off = found.g_db.unwrap() - truth.g_db.unwrap();
+        assert!(level_off.abs() < 0.05, "{band}: {level_off} dB");
+    }
+}
+
 /// Protects live sound that has time for few late waves: exact paths stay, to the bit, and the level stays right,
 /// also in a hollow ball, which gathers sound.
 #[test]

@@ -7,8 +7,8 @@
 //!   the one that goes straight on.
 //! - A segment is free if nothing is met on it before *touch* of its end; the surface that it
 //!   ends on may be met earlier by *touch* ÷ cosine, as its distance is measured along the segment.
-//! - Two points closer than *touch* lie in an edge: between them the wave has the direction
-//!   that mirroring gives.
+//! - Two points closer than *touch* lie in an edge, or are an end on a surface: between them the wave has
+//!   the direction that mirroring gives (`flight.rs`).
 
 use super::NoPath;
 use super::surfaces::Surfaces;
@@ -25,6 +25,8 @@ pub(super) struct Checked<'a> {
     pub points: &'a [DVec3],
     pub surfaces: &'a [u32],
     pub normals: &'a [DVec3],
+    /// The unit vectors of flight, one for each segment.
+    pub directions: &'a [DVec3],
 }
 
 impl Checked<'_> {
@@ -37,37 +39,18 @@ impl Checked<'_> {
                 return Err(NoPath::OffSurface);
             }
         }
-        let directions = self.directions(surfaces.touch);
         for (i, normal) in self.normals.iter().enumerate() {
-            let (to, from) = (directions[i].dot(*normal), directions[i + 1].dot(*normal));
+            let (to, from) = (self.directions[i], self.directions[i + 1]);
+            let (to, from) = (to.dot(*normal), from.dot(*normal));
             if to > -GRAZING || from < GRAZING {
                 return Err(NoPath::NotFromTheAir);
             }
         }
         let is_free = |(i, d): (usize, &DVec3)| self.is_free(exact, surfaces.touch, i, *d);
-        match directions.iter().enumerate().all(is_free) {
+        match self.directions.iter().enumerate().all(is_free) {
             true => Ok(()),
             false => Err(NoPath::Blocked),
         }
-    }
-
-    /// The unit vectors of flight, one for each segment.
-    fn directions(&self, touch: f64) -> Vec<DVec3> {
-        let mut all: Vec<DVec3> = Vec::with_capacity(self.normals.len() + 1);
-        for (i, pair) in self.points.windows(2).enumerate() {
-            let offset = pair[1] - pair[0];
-            let mirrored = match all.last() {
-                Some(d) => *d - self.normals[i - 1] * (2.0 * d.dot(self.normals[i - 1])),
-                None => DVec3::ZERO,
-            };
-            let is_long = offset.length() > touch;
-            all.push(if is_long {
-                offset.normalize()
-            } else {
-                mirrored
-            });
-        }
-        all
     }
 
     fn is_free(&self, exact: &ExactScene, touch: f64, segment: usize, direction: DVec3) -> bool {

@@ -3,6 +3,7 @@
 use super::candidates::Candidates;
 use super::check::Checked;
 use super::fermat::Chain;
+use super::flight::directions;
 use super::jobs::{Job, Jobs};
 use super::missed::Missed;
 use super::paths::{Draft, SpecularPath, is_focus, merged};
@@ -59,6 +60,7 @@ pub(super) fn find(
             points: &draft.points,
             surfaces: &draft.surfaces,
             normals: &draft.normals,
+            directions: &draft.directions,
         };
         checked.is_taken(exact, surfaces)
     };
@@ -180,7 +182,9 @@ impl Solver<'_> {
         inner: Vec<DVec3>,
     ) -> Result<Draft, NoPath> {
         let normal = |(sheet, point): (&Sheet, &DVec3)| sheet.at(*point).map(|at| at.normal);
-        let normals = sheets.iter().zip(&inner).map(normal).collect::<Option<_>>();
+        let normals = sheets.iter().zip(&inner).map(normal);
+        let normals: Option<Vec<DVec3>> = normals.collect();
+        let normals = normals.ok_or(NoPath::NotStationary)?;
         let mut points = vec![self.ends.source];
         points.extend(inner);
         points.push(self.ends.listener);
@@ -192,7 +196,8 @@ impl Solver<'_> {
                 .windows(2)
                 .map(|pair| pair[0].distance(pair[1]))
                 .sum(),
-            normals: normals.ok_or(NoPath::NotStationary)?,
+            directions: directions(&points, &normals, self.surfaces.touch),
+            normals,
             is_focus: is_focus(area, self.ends.radius_m),
             points,
             area,

@@ -8,6 +8,11 @@ use glam::DVec3;
 /// points of a path are one, and rounding decides which comes first.
 const BEYOND: f64 = 1e-12;
 
+/// The image of a place in the plane of unit normal n where n · p is `offset`.
+pub(super) fn image(place: DVec3, normal: DVec3, offset: f64) -> DVec3 {
+    place - normal * (2.0 * (place.dot(normal) - offset))
+}
+
 /// The points at which the line from source to listener is mirrored at all sheets, in order;
 /// `None` if they are not all planes, or the line to an image does not cross its plane.
 pub(super) fn points<'a>(
@@ -23,12 +28,18 @@ pub(super) fn points<'a>(
     let mut images = vec![source];
     for (normal, offset) in &planes {
         let last = *images.last()?;
-        images.push(last - *normal * (2.0 * (last.dot(*normal) - offset)));
+        images.push(image(last, *normal, *offset));
     }
     let mut points = vec![DVec3::ZERO; planes.len()];
     let mut seen_from = listener;
+    let rounding = BEYOND * images.last()?.distance(listener);
     for (i, (normal, offset)) in planes.iter().enumerate().rev() {
         let image = images[i + 1];
+        if seen_from.distance(image) <= rounding {
+            // The source in an edge: all that is left of the path is one point.
+            points[i] = seen_from;
+            continue;
+        }
         let here = seen_from.dot(*normal) - offset;
         let there = image.dot(*normal) - offset;
         let share = here / (here - there);

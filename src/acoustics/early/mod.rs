@@ -45,6 +45,7 @@ mod check;
 mod differences;
 mod fermat;
 mod find;
+mod flight;
 mod images;
 mod jobs;
 mod leaves;
@@ -178,6 +179,14 @@ impl EarlyPaths {
     /// are more than 131,072; those of one reflection are always tried.
     pub fn add_planes(&self, ends: &Ends, order: u32, candidates: &mut Candidates) -> u32 {
         plane_sequences::add_all(&self.surfaces, ends, order, candidates)
+    }
+
+    /// The image of the source that these planes make, each mirrored in the next: world metres.
+    pub fn image(&self, ends: &Ends, planes: &[Vertex]) -> DVec3 {
+        let mirror = |image, plane: &Vertex| {
+            images::image(image, plane.normal, plane.point.dot(plane.normal))
+        };
+        planes.iter().fold(ends.source, mirror)
     }
 
     /// Whether all of these reflections are at planes, so that a path over them is found whatever

@@ -44,6 +44,8 @@ pub(super) struct Draft {
     /// From source to listener.
     pub points: Vec<DVec3>,
     pub normals: Vec<DVec3>,
+    /// Unit vectors of flight, one for each segment.
+    pub directions: Vec<DVec3>,
     pub length: f64,
     /// m² per steradian.
     pub area: f64,
@@ -54,6 +56,10 @@ pub(super) struct Draft {
 /// Points of two paths closer than this share of their length are one point, and so are lengths:
 /// Newton's method leaves less, and a path that is told apart by less is not heard.
 const SAME: f64 = 1e-6;
+
+/// Radians by which directions at the ends of one path differ at the most: of segments that are hardly longer than
+/// rounding.
+const SAME_DIRECTION: f64 = 1e-3;
 
 /// Lengths in metres that differ by less have no order: then surfaces decide.
 const SAME_LENGTH: f64 = 1e-9;
@@ -70,10 +76,20 @@ pub(super) fn is_focus(area: f64, radius: f64) -> bool {
 }
 
 impl Draft {
-    /// Whether the two are the same points, of whatever surfaces.
+    /// Whether the two are the same points, of whatever surfaces, and begin and end alike: a source in an edge is
+    /// mirrored in each of its walls at one point.
     pub fn is_same_way(&self, other: &Draft) -> bool {
         let close = |(a, b): (&DVec3, &DVec3)| a.distance(*b) <= SAME * self.length;
-        self.points.len() == other.points.len() && self.points.iter().zip(&other.points).all(close)
+        self.points.len() == other.points.len()
+            && self.points.iter().zip(&other.points).all(close)
+            && self.ends_off(other) <= SAME_DIRECTION
+    }
+
+    /// How far the directions at the ends are from those of the other path: the longer of the two differences.
+    fn ends_off(&self, other: &Draft) -> f64 {
+        let last = self.directions.len() - 1;
+        let off = |segment: usize| self.directions[segment].distance(other.directions[segment]);
+        off(0).max(off(last))
     }
 
     /// Whether both are of one focus: there a whole area of a surface mirrors the source to the
@@ -105,8 +121,6 @@ impl Draft {
 
     /// The path, for a listener of `radius` metres and so many waves altogether.
     pub fn finished(self, radius: f64, waves: usize) -> SpecularPath {
-        let unit =
-            |from: usize, to: usize| (self.points[to] - self.points[from]).normalize_or_zero();
         let last = self.points.len() - 1;
         let by_front = 1.0 / (4.0 * PI * self.area);
         let share = match self.found_by.waves {
@@ -115,8 +129,8 @@ impl Draft {
         };
         let bound = share * MOST_CAUGHT / (radius * radius);
         SpecularPath {
-            departure: unit(0, 1),
-            arrival_direction: unit(last - 1, last),
+            departure: self.directions[0],
+            arrival_direction: self.directions[last - 1],
             length_m: self.length,
             spreading: if self.is_focus {
                 by_front.min(bound)

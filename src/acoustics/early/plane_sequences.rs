@@ -2,7 +2,7 @@
 //!
 //! In rooms of planes waves would miss paths whose beams are narrow, and the energy of these with them. But there the
 //! images of the source are few enough to try them all: one is mirrored only at planes whose air it is in, as a path
-//! cannot come to a plane from behind.
+//! cannot come to a plane from behind. A source on a plane is in its air: its image there is itself.
 
 use super::candidates::Candidates;
 use super::sheet::{Form, Sheet};
@@ -37,17 +37,18 @@ pub(super) fn add_all(
     let mut tree: Vec<Image> = Vec::new();
     let mut last_level = 0..0;
     let searched = candidates.waves() as u32;
+    let touch = surfaces.touch;
     for level in 1..=order {
         if last_level.len() * planes.len() > MOST_TRIED {
             return level - 1;
         }
         let begin = tree.len();
         if level == 1 {
-            mirror(&mut tree, &planes, ends.source, None);
+            mirror(&mut tree, &planes, touch, (ends.source, None));
         }
         for parent in last_level {
             let place = tree[parent].place;
-            mirror(&mut tree, &planes, place, Some(parent));
+            mirror(&mut tree, &planes, touch, (place, Some(parent)));
             if tree.len() > MOST_IMAGES {
                 return level - 1;
             }
@@ -62,17 +63,22 @@ pub(super) fn add_all(
     order
 }
 
-/// Adds the images of a place in all planes whose air it is in, but for the one that it is an image in: behind that
-/// one it is.
-fn mirror(tree: &mut Vec<Image>, planes: &[(u32, Sheet)], place: DVec3, parent: Option<usize>) {
+/// Adds the images of a place (the source, or its image of this index) in all planes whose air it is in, or closer to
+/// than `touch` metres, but for the one that it is an image in.
+fn mirror(
+    tree: &mut Vec<Image>,
+    planes: &[(u32, Sheet)],
+    touch: f64,
+    (place, parent): (DVec3, Option<usize>),
+) {
+    let behind = parent.map(|image| tree[image].plane);
     for (plane, (_, sheet)) in planes.iter().enumerate() {
         let Form::Flat { normal, offset } = sheet.form else {
             continue;
         };
-        let above = place.dot(normal) - offset;
-        if above > 0.0 {
+        if Some(plane) != behind && place.dot(normal) - offset > -touch {
             tree.push(Image {
-                place: place - normal * (2.0 * above),
+                place: images::image(place, normal, offset),
                 plane,
                 parent,
             });

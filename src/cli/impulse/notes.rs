@@ -9,10 +9,6 @@ use crate::scene::Scene;
 /// Said before waves are traced, as that takes long where sound does not decay.
 const NOTHING_ABSORBS: &str = "note: no surface absorbs in this scene: where sound cannot leave it, it does not decay, and figures will be missing; give its surfaces a material (docs/scene-format.md)";
 
-/// Shares of scattering of two bands that differ by more are far apart. Of a room of 8 × 3 × 5 m whose walls scatter
-/// nothing at 63 Hz and all at 8 kHz, G at 63 Hz was up to six errors off with 262,144 waves.
-const FAR_APART: f64 = 0.3;
-
 /// One sentence about a response.
 #[derive(Clone, Debug, PartialEq)]
 struct Note {
@@ -75,22 +71,8 @@ fn all(scene: &Scene, response: &Response) -> Vec<Note> {
             "sound meets in a focus: where it does so again and again rounding decides where it goes, and ± of late decays does not hold that".to_owned(),
         ));
     }
-    if scattering_differs(scene) {
-        notes.push(note(
-            "a material scatters bands differently: waves weigh more in some bands with each reflection, and ± of bands that scatter little is too small".to_owned(),
-        ));
-    }
     notes.extend(missing::reasons(scene, response).into_iter().map(note));
     notes
-}
-
-/// Whether the bands of a material that a surface has scatter by shares that are far apart.
-fn scattering_differs(scene: &Scene) -> bool {
-    scene.materials.values().any(|material| {
-        let least = material.scattering.iter().copied().fold(1.0, f64::min);
-        let most = material.scattering.iter().copied().fold(0.0, f64::max);
-        most - least > FAR_APART
-    })
 }
 
 fn warnings(response: &Response) -> Vec<Note> {

@@ -53,11 +53,14 @@ const WAVES_IN_CELL: f64 = 2.0;
 const DIVIDED: usize = 4;
 
 /// How many pilot waves there are. None where the waves are too few, where their directions are a lattice, which
-/// is even as a whole alone, and where something scatters: there the direction of a start tells little.
-pub(super) fn pilot_waves(scene: &Scene, trace: &Settings) -> u32 {
+/// is even as a whole alone, and where something scatters these bands: there the direction of a start tells little.
+pub(super) fn pilot_waves(scene: &Scene, bands: &Range<usize>, trace: &Settings) -> u32 {
     let waves = (trace.waves / ONE_OF).min(*PILOT_WAVES.end());
     let is_random = trace.directions == Directions::Random;
-    match PILOT_WAVES.contains(&waves) && is_random && !Materials::of(scene).scatter() {
+    match PILOT_WAVES.contains(&waves)
+        && is_random
+        && !Materials::of(scene, bands.clone()).scatter()
+    {
         true => waves,
         false => 0,
     }
@@ -281,7 +284,7 @@ mod tests {
         let mut scene = Scene::builtin("shoebox").expect("a built-in scene");
         let of = |scene: &Scene, waves: u32, directions| {
             let trace = Settings::default().with_waves(waves);
-            pilot_waves(scene, &trace.with_directions(directions))
+            pilot_waves(scene, &(3..6), &trace.with_directions(directions))
         };
         assert_eq!(of(&scene, 1 << 17, Directions::Random), 1 << 15);
         assert_eq!(of(&scene, 1 << 24, Directions::Random), 1 << 16);
@@ -292,5 +295,8 @@ mod tests {
         scene.materials.insert("rough".to_owned(), rough);
         scene.surfaces[0].material = Some("rough".to_owned());
         assert_eq!(of(&scene, 1 << 18, Directions::Random), 0);
+        let trace = Settings::default().with_waves(1 << 18);
+        let mirrored = pilot_waves(&scene, &(0..3), &trace.with_directions(Directions::Random));
+        assert_eq!(mirrored, 1 << 16);
     }
 }

@@ -143,7 +143,7 @@ mod tests {
                 .surfaces
                 .push(room.clone().with_material(format!("m{number}")));
         }
-        Materials::of(&scene)
+        Materials::of(&scene, 0..BAND_COUNT)
     }
 
     /// Protects events from being lost between groups and words: looked up in groups, in any

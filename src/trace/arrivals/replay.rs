@@ -70,7 +70,7 @@ pub struct Block {
     first: u32,
     grid: Grid,
     waves: Vec<WaveSoFar>,
-    /// The energy with which all start, in each band.
+    /// The energy with which all start, in each band that they tell of.
     energy_at_start: f64,
     /// What is left of their energies, where these are not always 1.
     energies: Vec<Bands>,
@@ -102,7 +102,8 @@ impl Block {
             fate: Fate::Travelling,
             is_mirrored: true,
         };
-        let at_start = energies.iter().map(|energy| energy[0]).sum();
+        let most = |energy: &Bands| energy.iter().copied().fold(0.0, f64::max);
+        let at_start = energies.iter().map(most).sum();
         Block {
             first,
             grid,

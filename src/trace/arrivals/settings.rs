@@ -3,7 +3,8 @@
 use super::super::TraceError;
 use super::super::settings::MAX_ITERATIONS;
 use super::{ITERATIONS_IN_CHUNK, RECORDS};
-use crate::bands::{self, Bands};
+use crate::bands::{self, BAND_COUNT, Bands};
+use std::ops::Range;
 
 /// How arrivals are traced, beside [`Settings`](crate::Settings): of these the waves, their
 /// directions and the algorithm count.
@@ -17,6 +18,8 @@ pub struct ArrivalSettings {
     /// Iterations of a wave at the most, 1 … [`MAX_ITERATIONS`], however short its way was until
     /// then: by default as many as that.
     pub iterations: u32,
+    /// Octave bands that waves tell of, by number: all by default. The energies of the others are 0.
+    pub(crate) bands: Range<usize>,
     /// Waves are followed while those of a block together have more than this share of the energy that they
     /// started with, in some band: 0 by default.
     pub(crate) least_energy: f64,
@@ -35,6 +38,7 @@ impl ArrivalSettings {
             seconds,
             early_order: 3,
             iterations: MAX_ITERATIONS,
+            bands: 0..BAND_COUNT,
             least_energy: 0.0,
             iterations_in_chunk: ITERATIONS_IN_CHUNK,
             records: RECORDS,
@@ -51,6 +55,12 @@ impl ArrivalSettings {
     /// The same with another limit of iterations.
     pub fn with_iterations(mut self, iterations: u32) -> ArrivalSettings {
         self.iterations = iterations;
+        self
+    }
+
+    /// The same for waves that tell of these bands.
+    pub(crate) fn with_bands(mut self, bands: Range<usize>) -> ArrivalSettings {
+        self.bands = bands;
         self
     }
 
@@ -90,7 +100,7 @@ const MOST_SECONDS: f64 = 1000.0;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct ArrivalCounts {
-    /// Waves that were followed.
+    /// Waves that were followed: where bands scatter differently, those of each group of bands.
     pub waves: u64,
     /// Arrivals that were given.
     pub arrivals: u64,
@@ -115,6 +125,7 @@ pub struct ArrivalCounts {
 }
 
 /// What became of some of the waves.
+#[derive(Default)]
 pub(crate) struct Followed {
     /// Without [`followed_m`](ArrivalCounts::followed_m).
     pub counts: ArrivalCounts,
@@ -127,7 +138,7 @@ pub(crate) struct Followed {
 const CUT_OFF_UNTOLD: usize = 1000;
 
 impl Followed {
-    /// With other waves of the same settings.
+    /// With other waves of the same settings, or of other bands.
     pub fn and(mut self, others: Followed) -> Followed {
         let (all, counts) = (&mut self.counts, &others.counts);
         all.waves += counts.waves;
@@ -137,6 +148,7 @@ impl Followed {
         all.flown += counts.flown;
         all.cut_off += counts.cut_off;
         all.iterations = all.iterations.max(counts.iterations);
+        all.open_volume_m3 = counts.open_volume_m3;
         bands::add(&mut all.energy_under_way, &counts.energy_under_way);
         self.cut_off_m.extend(others.cut_off_m);
         self

@@ -10,7 +10,7 @@ use super::super::{Algorithm, Grid, MAX_ITERATIONS, Profile, Settings, TraceErro
 use super::Tracer;
 use super::prepared::{FramePrograms, PreparedFrame};
 use crate::acoustics::Arrival;
-use crate::bands::{BAND_COUNT, Bands};
+use crate::bands::Bands;
 use crate::error::Error;
 use crate::gpu::{Context, Program, RenderTarget};
 use crate::kernel::{self, ArrivalsText, Materials};
@@ -39,6 +39,8 @@ struct Run {
     iterations: u32,
     /// Those of a chunk.
     iterations_in_chunk: u32,
+    /// Bands that the waves tell of.
+    bands: Range<usize>,
     /// The waves of a block are followed while they have more than this share of their energy.
     least_energy: f64,
 }
@@ -71,7 +73,9 @@ impl Part {
 impl Tracer {
     /// Follows waves past the listener, which stops none of them, and gives every crossing of its
     /// sphere to `take`: in the order of the waves, for 262,144 waves and so many iterations
-    /// at a time. The same input gives the same arrivals, bit for bit on one renderer.
+    /// at a time. The same input gives the same arrivals, bit for bit on one renderer. Where bands scatter
+    /// differently, the waves are followed once for each group of bands that scatter alike; the energies of
+    /// other bands are 0 then.
     ///
     /// Of `settings` the algorithm, the waves, the seed, the directions and the maximum distance
     /// count; how far waves are followed is in `how`. `take` must use no GL.
@@ -103,11 +107,15 @@ impl Tracer {
         take: &mut dyn FnMut(Arrival),
     ) -> Result<ArrivalCounts, Error> {
         let all = WavesToFollow::Numbers(0..settings.waves);
-        let followed = self.arrivals_of(scene, settings, how, &all, take)?;
+        let mut followed = Followed::default();
+        for bands in kernel::band_groups(scene, &how.bands) {
+            let how = how.clone().with_bands(bands);
+            followed = followed.and(self.arrivals_of(scene, settings, &how, &all, take)?);
+        }
         Ok(followed.counts())
     }
 
-    /// Follows some of the waves, or waves whose starts are given.
+    /// Follows some of the waves, or waves whose starts are given, that tell of `how.bands` together.
     pub(crate) fn arrivals_of(
         &mut self,
         scene: &Scene,
@@ -154,7 +162,7 @@ impl Tracer {
         how.validate()?;
         let mut settings = settings.clone().with_count_evaluations(false);
         settings.algorithm = Algorithm::of(profile);
-        let materials = Materials::of(scene);
+        let materials = Materials::of(scene, how.bands.clone());
         check_materials(&self.context, scene, &materials)?;
         let outputs = self.context.limits().most_outputs().min(how.outputs);
         let march = (march_options(&settings).algorithm, settings.directions);
@@ -166,7 +174,8 @@ impl Tracer {
         if self.frame_marching_for().is_some() {
             self.give_up();
         }
-        let (rebasing, rebased, budget) = self.set_scene_data(scene, &settings)?;
+        let (rebasing, rebased, budget) =
+            self.set_scene_data(scene, &settings, materials.of_surfaces())?;
         let program = {
             let programs = &mut self.shared.borrow_mut().programs;
             programs.arrivals(&self.context, scene, &text)?
@@ -181,6 +190,7 @@ impl Tracer {
             replay: replay(scene, &settings, how, materials),
             iterations: how.iterations,
             least_energy: how.least_energy,
+            bands: how.bands.clone(),
             frame,
             program,
         })
@@ -342,12 +352,18 @@ impl Tracer {
 
 /// The energies of waves at the source, where they do not all stay 1.
 fn start_energies(run: &Run, starts: Option<&[Start]>, waves: usize) -> Vec<Bands> {
+    let of_weight = |weight: f64| {
+        std::array::from_fn(|band| match run.bands.contains(&band) {
+            true => weight,
+            false => 0.0,
+        })
+    };
     if let Some(starts) = starts {
-        let energy = |start: &Start| [f64::from(start.weight); BAND_COUNT];
+        let energy = |start: &Start| of_weight(f64::from(start.weight));
         return starts.iter().map(energy).collect();
     }
     match run.replay.events.is_some() {
-        true => vec![[1.0; BAND_COUNT]; waves],
+        true => vec![of_weight(1.0); waves],
         false => Vec::new(),
     }
 }

@@ -72,3 +72,31 @@ fn paths_among_boxes_are_all_known() {
     assert!(found.len() > 30, "{}", found.len());
     assert_eq!(known, found);
 }
+
+/// Protects the loudness of a source on a wall, on two walls, and on a box: paths are those of a source next to it.
+#[test]
+fn a_source_on_a_wall_has_the_paths_of_one_next_to_it() {
+    let size = Vec3::new(8.0, 3.0, 5.0);
+    let block = Surface::new(Cuboid { size: Vec3::ONE }).at(Vec3::new(-1.0, -1.0, 0.0));
+    let lengths = |source: Vec3| {
+        let surfaces = vec![Surface::new(Room { size }), block.clone()];
+        let (paths, known) = by_planes(&scene(surfaces, source, Vec3::new(3.0, -0.3, 1.2)), 4);
+        assert_eq!(known, 4);
+        assert!(paths.iter().all(|path| path.departure.is_normalized()));
+        paths.iter().map(|p| p.length_m).collect::<Vec<f64>>()
+    };
+    let next_to_it = 1e-4;
+    for (on, into_the_air) in [
+        (Vec3::new(-4.0, 0.2, 0.3), Vec3::X),
+        (Vec3::new(-4.0, 1.5, 0.3), Vec3::new(1.0, -1.0, 0.0)),
+        (Vec3::new(-0.5, -0.8, 0.1), Vec3::X),
+    ] {
+        let (at, near) = (lengths(on), lengths(on + next_to_it * into_the_air));
+        assert_eq!(at.len(), near.len(), "{on}");
+        let far_off = at
+            .iter()
+            .zip(&near)
+            .filter(|(a, b)| (*a - *b).abs() > 4.0 * f64::from(next_to_it));
+        assert_eq!(far_off.count(), 0, "{on}");
+    }
+}

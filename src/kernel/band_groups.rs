@@ -1,0 +1,105 @@
+//! Which octave bands one set of waves can tell of.
+//!
+//! A reflection sends a wave one way for all bands. Where bands scatter by different shares its energy makes up for
+//! that (`materials.rs`), and spreads by a factor with each reflection: after many of them few waves would carry
+//! nearly all energy of a band. Such bands are traced by waves of their own.
+
+use super::materials::mean_scattering;
+use crate::bands::Bands;
+use crate::scene::{Material, Scene};
+use std::ops::Range;
+
+/// What a decay time is told from, as a share of the energy: 30 dB.
+const DECAYED: f64 = 1e-3;
+
+/// How much the mean square of energies may grow over such a decay: to twice, as if there were half as many waves.
+const MOST_GROWTH: f64 = 2.0;
+
+/// Groups of some bands, each of which is traced by waves of its own: one where all scatter alike.
+pub fn band_groups(scene: &Scene, bands: &Range<usize>) -> Vec<Range<usize>> {
+    let materials: Vec<&Material> = scene.used_materials().collect();
+    let fit = |bands: &Range<usize>| materials.iter().all(|m| scatters_alike(m, bands));
+    let mut groups = Vec::new();
+    let mut first = bands.start;
+    for end in bands.start + 1..=bands.end {
+        if end == bands.end || !fit(&(first..end + 1)) {
+            groups.push(first..end);
+            first = end;
+        }
+    }
+    groups
+}
+
+/// Whether waves that scatter by the mean share of these bands tell of each of them.
+fn scatters_alike(material: &Material, bands: &Range<usize>) -> bool {
+    let scattering = &material.scattering;
+    if bands
+        .clone()
+        .all(|band| scattering[band] == scattering[bands.start])
+    {
+        return true;
+    }
+    let share = mean_scattering(material, bands);
+    let is_alike = |band: usize| {
+        // The mean over both ways of the squared energies, (1 − s)² / (1 − p) + s² / p, is 1 and this.
+        let growth = (scattering[band] - share).powi(2) / (share * (1.0 - share));
+        reflections(&material.absorption, band) * growth.ln_1p() <= MOST_GROWTH.ln()
+    };
+    bands.clone().all(is_alike)
+}
+
+/// Reflections after which so little is left; infinitely many where all is reflected.
+fn reflections(absorption: &Bands, band: usize) -> f64 {
+    DECAYED.ln() / (-absorption[band]).ln_1p()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bands::BAND_COUNT;
+    use crate::scene::shape::Room;
+    use crate::{Listener, Source, Surface};
+    use glam::Vec3;
+
+    fn groups(materials: &[(f64, Bands)]) -> Vec<Range<usize>> {
+        let size = Vec3::splat(9.0);
+        let mut surfaces = Vec::new();
+        let mut named = Vec::new();
+        for (number, (absorption, scattering)) in materials.iter().enumerate() {
+            let name = format!("m{number}");
+            surfaces.push(Surface::new(Room { size }).with_material(&*name));
+            let scattering = *scattering;
+            let material = Material {
+                scattering,
+                ..Material::absorbing(*absorption)
+            };
+            named.push((name, material));
+        }
+        let (source, listener) = (Source::at(Vec3::ZERO), Listener::at(Vec3::X, 0.3));
+        let mut scene = Scene::new("groups", surfaces, source, listener);
+        scene.materials.extend(named);
+        band_groups(&scene, &(0..BAND_COUNT))
+    }
+
+    /// Protects bands from waves whose energies spread, and time from being spent where they do not.
+    #[test]
+    fn bands_that_scatter_alike_are_traced_together() {
+        let rising: Bands = std::array::from_fn(|band| band as f64 / 7.0);
+        let slightly = rising.map(|share| 0.4 + 0.02 * share);
+        let stepped: Bands = std::array::from_fn(|band| if band < 3 { 0.1 } else { 0.6 });
+        let low_alone: Bands = std::array::from_fn(|band| if band == 0 { 0.0 } else { 0.3 });
+        let whole = |bands: Range<usize>| vec![bands];
+        assert_eq!(groups(&[]), whole(0..8));
+        assert_eq!(groups(&[(0.1, [0.3; BAND_COUNT])]), whole(0..8));
+        assert_eq!(groups(&[(0.1, rising)]).len(), 8);
+        // What absorbs all tells nothing of what it scatters, and what absorbs little is met often.
+        assert_eq!(groups(&[(1.0, rising)]), whole(0..8));
+        assert_eq!(groups(&[(0.2, slightly)]), whole(0..8));
+        assert!(groups(&[(0.0, slightly)]).len() > 1);
+        assert_eq!(groups(&[(0.1, stepped)]), [0..3, 3..8]);
+        assert_eq!(
+            groups(&[(0.1, stepped), (0.1, low_alone)]),
+            [0..1, 1..3, 3..8]
+        );
+    }
+}
