@@ -1,6 +1,7 @@
 //! How long a response is, where no one says it.
 
-use super::{Medium, late};
+use super::Medium;
+use super::late_sphere::LateSphere;
 use crate::acoustics::MAX_SECONDS;
 use crate::bands::{self, BAND_COUNT, Bands};
 use crate::error::Error;
@@ -36,7 +37,7 @@ pub(super) fn needed(
     let mut bins: Vec<Bands> = Vec::new();
     let few = settings.clone().with_waves(settings.waves.min(WAVES));
     // More of the few waves that carry the end of the decay cross the larger sphere.
-    let wide = late::widened(scene);
+    let wide = LateSphere::of(scene).widened(scene);
     tracer.arrivals(
         &wide,
         &few,

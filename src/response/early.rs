@@ -5,7 +5,7 @@ use crate::acoustics::early::{Candidates, EarlyPaths, Ends, Missed, NoPath, Spec
 use crate::acoustics::{Arrival, Tap};
 use crate::bands::{self, BAND_COUNT, Bands};
 use crate::error::Error;
-use crate::scene::{Listener, Scene, Shape};
+use crate::scene::{Listener, Material, Scene, Shape};
 use crate::sphere_directions::lattice;
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
@@ -93,7 +93,8 @@ impl EarlyPart {
         }
         let found = paths.find(&ends, &candidates);
         let (paths_known, index_known) = retain(found.paths, |path| {
-            path.is_searched || are_expected(path.spreading, ends.radius_m, waves)
+            let mirrored = path.spreading * mirrored_share(scene, path);
+            path.is_searched || are_expected(mirrored, ends.radius_m, waves)
         });
         let known = Known {
             scene,
@@ -298,17 +299,31 @@ fn candidate_lengths(ends: &Ends, candidates: &Candidates) -> Vec<(u32, f64)> {
 
 /// The share of the energy that is mirrored at all surfaces of a path, by band.
 fn reflectance(scene: &Scene, path: &SpecularPath) -> Bands {
-    let mut share = [1.0; BAND_COUNT];
+    along(scene, path, |material, band| {
+        (1.0 - material.absorption[band]) * (1.0 - material.scattering[band])
+    })
+}
+
+/// The share of the waves on a path that are not scattered, of the mean of the bands.
+fn mirrored_share(scene: &Scene, path: &SpecularPath) -> f64 {
+    bands::mean(&along(scene, path, |material, band| {
+        1.0 - material.scattering[band]
+    }))
+}
+
+/// What the materials along a path leave, by what each leaves in a band.
+fn along(scene: &Scene, path: &SpecularPath, left: impl Fn(&Material, usize) -> f64) -> Bands {
+    let mut all = [1.0; BAND_COUNT];
     for (surface, wall) in path.surfaces.iter().zip(&path.walls) {
         let index = *surface as usize - 1;
         let Some(material) = scene.material(index, wall.map(usize::from)) else {
             continue;
         };
-        for (band, share) in share.iter_mut().enumerate() {
-            *share *= (1.0 - material.absorption[band]) * (1.0 - material.scattering[band]);
+        for (band, all) in all.iter_mut().enumerate() {
+            *all *= left(material, band);
         }
     }
-    share
+    all
 }
 
 /// Azimuth to the right of the gaze and elevation of a direction, in radians; 0 for none.

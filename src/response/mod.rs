@@ -12,6 +12,7 @@ mod duration;
 mod early;
 mod importance;
 mod late;
+mod late_sphere;
 mod level;
 mod settings;
 
@@ -28,6 +29,7 @@ use crate::scene::Scene;
 use crate::trace::{ArrivalCounts, ArrivalSettings, Settings, Tracer};
 use early::EarlyPart;
 use glam::Vec3;
+use late_sphere::LateSphere;
 
 /// What one listener hears of one source.
 ///
@@ -104,7 +106,7 @@ impl Response {
         let followed_s = Some(counts.followed_m / medium.speed).filter(|until| *until < seconds);
         let ends_s = followed_s.unwrap_or(seconds);
         let figures = Figures::new(&taps(&paths), &echogram, direct_s(&paths), ends_s);
-        let figures = match late::common_errors(scene) {
+        let figures = match LateSphere::of(scene).errors {
             Some(common) => figures.with_common_errors(common),
             None => figures,
         };

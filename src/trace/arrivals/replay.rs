@@ -246,6 +246,15 @@ impl Block {
         all.iter().any(|energy| *energy > least)
     }
 
+    /// Follows no wave any more, as what they have left does not matter: they have flown as far as is asked for.
+    pub fn end_flights(&mut self) {
+        for wave in &mut self.waves {
+            if wave.fate == Fate::Travelling {
+                wave.fate = Fate::Flown;
+            }
+        }
+    }
+
     /// Metres that each wave had flown which was cut off.
     pub fn cut_off_m(&self) -> impl Iterator<Item = f64> + '_ {
         let travelling = |wave: &&WaveSoFar| wave.fate == Fate::Travelling;

@@ -108,7 +108,7 @@ pub struct ArrivalCounts {
     pub gone: u64,
     /// Waves that were given up at the step limit of a march.
     pub step_limit_reached: u64,
-    /// Waves that flew as far as was asked for.
+    /// Waves that flew as far as was asked for, or of a response until they had too little energy to be heard.
     pub flown: u64,
     /// Waves that were cut off after [`ArrivalSettings::iterations`].
     pub cut_off: u64,

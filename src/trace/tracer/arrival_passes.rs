@@ -259,7 +259,11 @@ impl Tracer {
             match next {
                 // Where they have not, the chunk that is being drawn is not read.
                 Some(next) if block.has_energy(run.least_energy) => part = next,
-                _ => break,
+                Some(_) => {
+                    block.end_flights();
+                    break;
+                }
+                None => break,
             }
         }
         block.count(counts);
