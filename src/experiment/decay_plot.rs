@@ -2,6 +2,8 @@
 //! the decay curve of each band, and the direct sound.
 
 use super::plot::{Panel, Sheet, Stroke, builder, draw_legend, draw_line};
+#[cfg(doc)]
+use crate::acoustics::Figures;
 use crate::bands::{self, BAND_COUNT, BANDS_HZ, Bands};
 use crate::report::PlotError;
 use crate::response::Response;
@@ -43,7 +45,8 @@ struct Curves {
     /// The mean of the bands' energies, for each bin that has any.
     energy: Vec<(f64, f64)>,
     paths: Vec<(f64, f64)>,
-    /// What is still to come, 0 dB for all.
+    /// What is still to come, 0 dB for all, with what comes after the record as figures take it
+    /// ([`Figures::cut_off`]).
     decay: [Vec<(f64, f64)>; BAND_COUNT],
 }
 
@@ -194,10 +197,13 @@ impl Curves {
         let paths = paths.map(|path| (path.delay_s, path.energy));
         let mut pieces: Vec<(f64, Bands)> = bins.clone().chain(paths.clone()).collect();
         pieces.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let ends_s = response.followed_s.unwrap_or(response.seconds);
+        pieces.retain(|(x, _)| *x < ends_s);
+        let cut_off = |band: usize| response.figures.cut_off[band].unwrap_or(0.0);
         Curves {
             energy: in_db(bins),
             paths: in_db(paths),
-            decay: std::array::from_fn(|band| decay(&pieces, band)),
+            decay: std::array::from_fn(|band| decay(&pieces, band, cut_off(band))),
         }
     }
 }
@@ -211,10 +217,11 @@ fn in_db(pieces: impl Iterator<Item = (f64, Bands)>) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// The energy that is still to come at each piece, against all, in decibels.
-fn decay(pieces: &[(f64, Bands)], band: usize) -> Vec<(f64, f64)> {
-    let all: f64 = pieces.iter().map(|(_, bands)| bands[band]).sum();
-    let mut to_come = 0.0;
+/// The energy that is still to come at each piece, against all, in decibels; this share of it comes after the pieces.
+fn decay(pieces: &[(f64, Bands)], band: usize, cut_off: f64) -> Vec<(f64, f64)> {
+    let told: f64 = pieces.iter().map(|(_, bands)| bands[band]).sum();
+    let all = told / (1.0 - cut_off);
+    let mut to_come = cut_off * all;
     let mut curve: Vec<(f64, f64)> = Vec::new();
     for (x, bands) in pieces.iter().rev() {
         to_come += bands[band];
@@ -238,13 +245,17 @@ mod tests {
             (1.0, [0.9; BAND_COUNT]),
             (2.0, [0.1; BAND_COUNT]),
         ];
-        let curve = decay(&pieces, 0);
+        let curve = decay(&pieces, 0, 0.0);
         let expected = [(0.0, 0.0), (1.0, -10.0), (2.0, -20.0)];
         for ((x, db), (at, level)) in curve.into_iter().zip(expected) {
             assert_eq!(x, at);
             assert!((db - level).abs() < 1e-9);
         }
-        assert!(decay(&[(0.0, [0.0; BAND_COUNT])], 0).is_empty());
+        assert!(decay(&[(0.0, [0.0; BAND_COUNT])], 0, 0.0).is_empty());
+        // A record that ends after 99 % of the energy.
+        let curve = decay(&pieces[..2], 0, 0.01);
+        let levels: Vec<f64> = curve.into_iter().map(|(_, db)| db).collect();
+        assert!((levels[0] - 0.0).abs() < 1e-9 && (levels[1] + 10.0).abs() < 1e-9);
     }
 
     /// Protects bands from being hidden by others with the same curve.

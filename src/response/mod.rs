@@ -50,7 +50,7 @@ use late_sphere::LateSphere;
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Response {
-    /// The exact early paths, by length.
+    /// The exact early paths that bring energy, by length.
     pub paths: Vec<HeardPath>,
     /// How much of the early part the waves have missed.
     pub missed: Missed,
@@ -101,7 +101,8 @@ impl Response {
         part.left_over()
             .for_each(|arrival| medium.add(&mut echogram, arrival));
         let mut paths = part.heard(scene, &medium);
-        paths.retain(|path| path.delay_s <= seconds);
+        let is_heard = |path: &HeardPath| path.energy.iter().any(|energy| *energy > 0.0);
+        paths.retain(|path| path.delay_s <= seconds && is_heard(path));
         // Where waves were given up the decay is that of those which are left.
         let followed_s = Some(counts.followed_m / medium.speed).filter(|until| *until < seconds);
         let ends_s = followed_s.unwrap_or(seconds);

@@ -261,6 +261,31 @@ fn nothing_is_heard_through_walls_or_lost_in_silence() {
     );
 }
 
+/// Protects the list of paths from those that bring nothing, and a source in the listener's sphere from being taken for
+/// a point's level.
+#[test]
+fn paths_that_bring_nothing_are_not_listed() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("dead.ron");
+    let dead = "Scene(surfaces: [Surface(shape: Room(size: (8, 3, 5)), material: \"all\")], \
+                materials: {\"all\": Material(absorption: 1)}, source: Source(position: (0.1, 0, 0)), \
+                listener: Listener(position: (0, 0, 0), radius: 0.3))";
+    std::fs::write(&file, dead).unwrap();
+    let report: Value = json(&[
+        "impulse",
+        argument(&file),
+        "--waves",
+        "1024",
+        "--seconds",
+        "0.2",
+    ]);
+    let pair = &report["pairs"][0];
+    assert_eq!(pair["paths"].as_array().map(Vec::len), Some(1));
+    let notes = pair["notes"].to_string();
+    assert!(notes.contains("sphere of 0.3 m catches all"), "{notes}");
+    assert!(!notes.contains("focus"), "{notes}");
+}
+
 /// Protects the text: a table of bands and the exact paths in order.
 #[test]
 fn the_text_names_figures_and_paths() {

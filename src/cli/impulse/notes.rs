@@ -3,7 +3,7 @@
 use super::super::options::Common;
 use super::missing;
 use super::pairs::Pair;
-use crate::response::Response;
+use crate::response::{HeardPath, Response};
 use crate::scene::Scene;
 
 /// Said before waves are traced, as that takes long where sound does not decay.
@@ -66,7 +66,14 @@ fn all(scene: &Scene, response: &Response) -> Vec<Note> {
             100.0 * response.left_out_share
         )));
     }
-    if response.paths.iter().any(|heard| heard.path.is_focus) {
+    if response.direct().is_some_and(|direct| direct.path.is_focus) {
+        notes.push(note(format!(
+            "the source is so near that the listener's sphere of {} m catches all it can of the direct sound: its level is that of the sphere, not that of a point",
+            scene.listener.radius
+        )));
+    }
+    let gathered = |heard: &HeardPath| heard.path.is_focus && !heard.is_direct();
+    if response.paths.iter().any(gathered) {
         notes.push(note(
             "sound meets in a focus: where it does so again and again rounding decides where it goes, and ± of late decays does not hold that".to_owned(),
         ));

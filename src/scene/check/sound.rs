@@ -219,6 +219,19 @@ mod tests {
         scene
     }
 
+    /// Protects who is meant in a sentence: one alone has no number, one of several has.
+    #[test]
+    fn one_of_several_is_called_by_its_number() {
+        let mut scene = hall();
+        scene.further_listeners[0].name = Some("seat".to_owned());
+        let labels = |scene: &Scene| [scene.source_label(0), scene.listener_label(0)];
+        assert_eq!(labels(&scene), ["source 1", "listener 1"]);
+        assert_eq!(scene.listener_label(1), "listener 2 (seat)");
+        scene.further_sources.clear();
+        scene.further_listeners.clear();
+        assert_eq!(labels(&scene), ["the source", "the listener"]);
+    }
+
     /// Protects who is meant by a number: no name is the number of another without a name.
     #[test]
     fn no_name_is_the_number_of_another() {

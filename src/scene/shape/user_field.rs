@@ -211,5 +211,13 @@ mod tests {
         assert_eq!(field.value(DVec3::ZERO), 0.5);
         assert_eq!(field.value(DVec3::X * 5.0), 1.0);
         assert_eq!(field.value(DVec3::new(-0.5, 2.0, 1.0)), 0.25);
+        let squares = (0..27).map(|i| [0.0, 1.0, 4.0][i % 3]).collect();
+        let finer = UserField::new("x", String::new(), size, 1.0);
+        finer.set_samples(Arc::new(UserSamples {
+            side: 3,
+            values: squares,
+        }));
+        assert_eq!(finer.value(DVec3::ZERO), 1.0);
+        assert_eq!(finer.value(DVec3::new(0.5, 0.3, -2.0)), 2.5);
     }
 }

@@ -361,3 +361,28 @@ fn offsets(q: f64, period: f64, count: u32, copies: Copies) -> Vec<f64> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::shape::Sphere;
+    use std::f32::consts::FRAC_PI_2;
+
+    /// Protects places far off in what repeats without end: they are moved by its periods, turned and scaled as it is.
+    #[test]
+    fn periods_are_turned_and_scaled() {
+        let repeat = Repeat {
+            period: Vec3::new(3.0, 4.0, 0.0),
+            count: [0, 2, 0],
+        };
+        let balls = Shape::from(Sphere { radius: 0.5 }).repeat(repeat.period, repeat.count);
+        assert_eq!(balls.periods(), [DVec3::X * 3.0]);
+        let scaled = balls.scale(2.0);
+        assert_eq!(scaled.periods(), [DVec3::X * 6.0]);
+        let turned = scaled.rotate(Vec3::Y * FRAC_PI_2);
+        let [period] = turned.periods()[..] else {
+            panic!("{:?}", turned.periods());
+        };
+        assert!(period.abs_diff_eq(DVec3::Z * -6.0, 1e-6), "{period}");
+    }
+}

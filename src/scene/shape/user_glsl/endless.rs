@@ -143,6 +143,7 @@ mod tests {
             "for (int k = 0; k < 4; k++) { a += 1.0; }",
             "do { a += 1.0; } while (a < 3.0);",
             "do { if (i++ > 5) break; } while (true);",
+            "do { if (i++ > 5) { break; } } while (true);",
             "{ a = 1.0; } while (a < 3.0) a += 1.0;",
             "bool t = true; while (i < 3) { i++; }",
         ] {
