@@ -4,8 +4,8 @@
 //! that (`materials.rs`), and spreads by a factor with each reflection: after many of them few waves would carry
 //! nearly all energy of a band. Such bands are traced by waves of their own.
 
-use super::materials::mean_scattering;
-use crate::bands::Bands;
+use super::materials::{materials_met, mean_scattering};
+use crate::bands::{BAND_COUNT, Bands};
 use crate::scene::{Material, Scene};
 use std::ops::Range;
 
@@ -15,14 +15,14 @@ const DECAYED: f64 = 1e-3;
 /// How much the mean square of energies may grow over such a decay: to twice, as if there were half as many waves.
 const MOST_GROWTH: f64 = 2.0;
 
-/// Groups of some bands, each of which is traced by waves of its own: one where all scatter alike.
-pub fn band_groups(scene: &Scene, bands: &Range<usize>) -> Vec<Range<usize>> {
-    let materials: Vec<&Material> = scene.used_materials().collect();
+/// Groups of bands, each of which is traced by waves of its own: one where all scatter alike.
+pub fn band_groups(scene: &Scene) -> Vec<Range<usize>> {
+    let materials: Vec<&Material> = materials_met(scene).collect();
     let fit = |bands: &Range<usize>| materials.iter().all(|m| scatters_alike(m, bands));
     let mut groups = Vec::new();
-    let mut first = bands.start;
-    for end in bands.start + 1..=bands.end {
-        if end == bands.end || !fit(&(first..end + 1)) {
+    let mut first = 0;
+    for end in 1..=BAND_COUNT {
+        if end == BAND_COUNT || !fit(&(first..end + 1)) {
             groups.push(first..end);
             first = end;
         }
@@ -56,7 +56,7 @@ fn reflections(absorption: &Bands, band: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bands::BAND_COUNT;
+    use crate::scene::WALL_COUNT;
     use crate::scene::shape::Room;
     use crate::{Listener, Source, Surface};
     use glam::Vec3;
@@ -78,7 +78,7 @@ mod tests {
         let (source, listener) = (Source::at(Vec3::ZERO), Listener::at(Vec3::X, 0.3));
         let mut scene = Scene::new("groups", surfaces, source, listener);
         scene.materials.extend(named);
-        band_groups(&scene, &(0..BAND_COUNT))
+        band_groups(&scene)
     }
 
     /// Protects bands from waves whose energies spread, and time from being spent where they do not.
@@ -97,6 +97,23 @@ mod tests {
         assert_eq!(groups(&[(0.2, slightly)]), whole(0..8));
         assert!(groups(&[(0.0, slightly)]).len() > 1);
         assert_eq!(groups(&[(0.1, stepped)]), [0..3, 3..8]);
+        // What no wave meets tells nothing: that of a room all of whose walls have another.
+        let mut scene = Scene::builtin("shoebox").expect("a built-in scene");
+        let rising = Material {
+            scattering: rising,
+            ..Material::absorbing(0.1)
+        };
+        scene.materials.insert("rising".to_owned(), rising);
+        scene
+            .materials
+            .insert("mirror".to_owned(), Material::MIRROR);
+        scene.surfaces[0].material = Some("rising".to_owned());
+        assert_eq!(band_groups(&scene).len(), 8);
+        for wall in 0..WALL_COUNT {
+            let room = scene.surfaces[0].clone();
+            scene.surfaces[0] = room.with_wall_material(wall, "mirror");
+        }
+        assert_eq!(band_groups(&scene), whole(0..8));
         assert_eq!(
             groups(&[(0.1, stepped), (0.1, low_alone)]),
             [0..1, 1..3, 3..8]

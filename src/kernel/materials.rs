@@ -42,11 +42,7 @@ impl Materials {
         if !scene.has_materials() {
             return materials;
         }
-        for index in 0..scene.surfaces.len() {
-            for wall in walls(scene, index) {
-                materials.add(*scene.material(index, wall).unwrap_or(&Material::MIRROR));
-            }
-        }
+        materials_met(scene).for_each(|material| materials.add(*material));
         materials
             .distinct
             .sort_by_key(|material| !scatters(material, &bands));
@@ -160,7 +156,7 @@ impl Materials {
         std::array::from_fn(|band| reflectance[band] * of_way(material.scattering[band], share))
     }
 
-    /// The share of reflections that are diffuse: the mean over the bands, as a multiple of a step of
+    /// The share of reflections that are diffuse: the mean over the bands that are traced together, as a multiple of a step of
     /// which a half stands exactly behind an event of so many bits in a float.
     fn share(&self, material: &Material) -> f32 {
         let steps = f64::from(1u32 << (22 - self.bits().min(MOST_BITS)));
@@ -177,6 +173,14 @@ impl Materials {
     pub fn is_scattered(&self, event: usize) -> bool {
         event > self.distinct.len()
     }
+}
+
+/// The materials that waves meet, of surfaces and walls: one that many have as many times, and none of a room all of
+/// whose walls have another.
+pub(super) fn materials_met(scene: &Scene) -> impl Iterator<Item = &Material> {
+    let of_surface = |index| walls(scene, index).map(move |wall| (index, wall));
+    let all = (0..scene.surfaces.len()).flat_map(of_surface);
+    all.map(|(index, wall)| scene.material(index, wall).unwrap_or(&Material::MIRROR))
 }
 
 /// No wall for the surface as a whole; all walls of a room.

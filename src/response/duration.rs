@@ -20,7 +20,7 @@ const LEFT: f64 = 1e-6;
 
 /// The share of their energy until which the waves are followed. What comes after it is at most a thousandth of
 /// what may be left, where the listener hears its share of it.
-const FOLLOWED: f64 = 1e-3 * LEFT;
+const LEAST_ENERGY: f64 = 1e-3 * LEFT;
 
 /// Bins of time in which the decay is looked at, in seconds.
 const BIN_S: f64 = 0.01;
@@ -41,7 +41,7 @@ pub(super) fn needed(
     tracer.arrivals(
         &wide,
         &few,
-        &ArrivalSettings::new(longest_s).with_least_energy(FOLLOWED),
+        &ArrivalSettings::new(longest_s).with_least_energy(LEAST_ENERGY),
         &mut |arrival| {
             let bin = (arrival.length_m / medium.speed / BIN_S) as usize;
             if bin >= bins.len() {

@@ -93,7 +93,7 @@ impl EarlyPart {
         }
         let found = paths.find(&ends, &candidates);
         let (paths_known, index_known) = retain(found.paths, |path| {
-            let mirrored = path.spreading * mirrored_share(scene, path);
+            let mirrored = path.spreading * mirrored_share(scene, reflections(path));
             path.is_searched || are_expected(mirrored, ends.radius_m, waves)
         });
         let known = Known {
@@ -233,7 +233,10 @@ impl Known<'_> {
         }
         let length_m = self.early.image(ends, vertices).distance(ends.listener);
         let spreading = 1.0 / (4.0 * PI * length_m * length_m);
-        if are_expected(spreading, ends.radius_m, self.waves) {
+        let walls = self.early.walls(vertices);
+        let surfaces = vertices.iter().map(|vertex| vertex.surface);
+        let mirrored = spreading * mirrored_share(self.scene, surfaces.zip(walls));
+        if are_expected(mirrored, ends.radius_m, self.waves) {
             return true;
         }
         let rounding = SAME_LENGTH * length_m;
@@ -299,23 +302,34 @@ fn candidate_lengths(ends: &Ends, candidates: &Candidates) -> Vec<(u32, f64)> {
 
 /// The share of the energy that is mirrored at all surfaces of a path, by band.
 fn reflectance(scene: &Scene, path: &SpecularPath) -> Bands {
-    along(scene, path, |material, band| {
+    along(scene, reflections(path), |material, band| {
         (1.0 - material.absorption[band]) * (1.0 - material.scattering[band])
     })
 }
 
-/// The share of the waves on a path that are not scattered, of the mean of the bands.
-fn mirrored_share(scene: &Scene, path: &SpecularPath) -> f64 {
-    bands::mean(&along(scene, path, |material, band| {
-        1.0 - material.scattering[band]
-    }))
+/// The surfaces and walls that a path is mirrored at.
+fn reflections(path: &SpecularPath) -> impl Iterator<Item = (u32, Option<u8>)> {
+    path.surfaces
+        .iter()
+        .copied()
+        .zip(path.walls.iter().copied())
 }
 
-/// What the materials along a path leave, by what each leaves in a band.
-fn along(scene: &Scene, path: &SpecularPath, left: impl Fn(&Material, usize) -> f64) -> Bands {
+/// The share of waves that are not scattered at these surfaces and walls, of the mean of the bands.
+fn mirrored_share(scene: &Scene, at: impl Iterator<Item = (u32, Option<u8>)>) -> f64 {
+    let mirrored = |material: &Material, band: usize| 1.0 - material.scattering[band];
+    bands::mean(&along(scene, at, mirrored))
+}
+
+/// What is left after these surfaces and walls, by what the material of each leaves in a band.
+fn along(
+    scene: &Scene,
+    at: impl Iterator<Item = (u32, Option<u8>)>,
+    left: impl Fn(&Material, usize) -> f64,
+) -> Bands {
     let mut all = [1.0; BAND_COUNT];
-    for (surface, wall) in path.surfaces.iter().zip(&path.walls) {
-        let index = *surface as usize - 1;
+    for (surface, wall) in at {
+        let index = surface as usize - 1;
         let Some(material) = scene.material(index, wall.map(usize::from)) else {
             continue;
         };

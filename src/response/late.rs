@@ -8,17 +8,19 @@ use super::importance::{self, Importance, Pilot};
 use super::late_sphere::LateSphere;
 use super::{Medium, ResponseSettings};
 use crate::acoustics::{Arrival, Echogram};
+use crate::bands;
 use crate::error::Error;
 use crate::kernel;
 use crate::scene::Scene;
 use crate::trace::{ArrivalCounts, ArrivalSettings, Followed, Settings, Tracer, WavesToFollow};
 use glam::Vec3;
+use std::cmp::Ordering;
 use std::ops::Range;
 
 /// The share of the energy of all waves until which they are followed, 120 dB: a decay is heard over 60 dB, and where
 /// the listener is in another room than the source it may begin as much lower. Bands that decay fast and have waves
 /// of their own take less time so.
-const FOLLOWED: f64 = 1e-12;
+const LEAST_ENERGY: f64 = 1e-12;
 
 /// Crossings that a wave has in a chunk, on average. A chunk costs as much as ten iterations, and a wave that crosses
 /// oftener than is recorded (four times) is drawn once more: in a room of 8 × 3 × 5 m a response of 65,536 waves takes
@@ -37,38 +39,61 @@ pub(super) fn arrivals(
     how: &ArrivalSettings,
     echogram: &mut Echogram,
 ) -> Result<(ArrivalCounts, Vec<Arrival>), Error> {
-    let mut all = Followed::default();
+    let late = LateSphere::of(scene);
+    let medium = Medium::of(scene);
+    let mut counts = ArrivalCounts::of_none();
     let mut early = Vec::new();
-    for bands in kernel::band_groups(scene, &how.bands) {
-        let how = how.clone().with_bands(bands).with_least_energy(FOLLOWED);
-        let followed = arrivals_of_bands(tracer, scene, settings, &how, (echogram, &mut early))?;
-        all = all.and(followed);
+    for bands in kernel::band_groups(scene) {
+        let how = how
+            .clone()
+            .with_bands(bands)
+            .with_least_energy(LEAST_ENERGY);
+        let heard_in = (scene, &medium, late);
+        let (of_bands, arrivals) = arrivals_of_bands(tracer, heard_in, settings, &how, echogram)?;
+        counts = counts.and(of_bands);
+        early.extend(arrivals);
+        // They come by chunks of iterations, and those of other bands are there already.
+        early.sort_by(in_order);
+        early.dedup_by(|second, first| is_added(first, second));
     }
-    // They come by bands, and by chunks of iterations.
-    early.sort_by_key(|arrival: &Arrival| arrival.wave);
-    Ok((all.counts(), early))
+    Ok((counts, early))
 }
 
-/// Those of waves that tell of `how.bands` together: what stays a statistic goes into the echogram, the others into the
-/// list.
+/// By wave, and along each wave.
+fn in_order(a: &Arrival, b: &Arrival) -> Ordering {
+    let by_length = || a.length_m.total_cmp(&b.length_m);
+    a.wave.cmp(&b.wave).then_with(by_length)
+}
+
+/// Adds the energies of the second arrival to the first if they are one crossing of one wave, which was followed for
+/// different bands.
+fn is_added(first: &mut Arrival, second: &Arrival) -> bool {
+    let is_same = first.wave == second.wave && first.length_m == second.length_m;
+    if is_same {
+        bands::add(&mut first.energy, &second.energy);
+    }
+    is_same
+}
+
+/// Those of waves that tell of `how.bands` together: what stays a statistic goes into the echogram, the others are told.
 fn arrivals_of_bands(
     tracer: &mut Tracer,
-    scene: &Scene,
+    (scene, medium, late): (&Scene, &Medium, LateSphere),
     settings: &ResponseSettings,
     how: &ArrivalSettings,
-    (echogram, early): (&mut Echogram, &mut Vec<Arrival>),
-) -> Result<Followed, Error> {
-    let medium = Medium::of(scene);
+    echogram: &mut Echogram,
+) -> Result<(ArrivalCounts, Vec<Arrival>), Error> {
+    let mut early = Vec::new();
     let all = WavesToFollow::Numbers(0..settings.trace.waves);
-    let sphere = LateSphere::of(scene);
-    let share = (scene.listener.radius / sphere.radius_m).powi(2);
+    let share = (scene.listener.radius / late.radius_m).powi(2);
     let trace = settings.late_trace();
     if share >= 1.0 && trace == settings.trace {
         let mut sort = |arrival: Arrival| match arrival.is_early {
             true => early.push(arrival),
             false => medium.add(echogram, &arrival),
         };
-        return tracer.arrivals_of(scene, &settings.trace, how, &all, &mut sort);
+        let followed = tracer.arrivals_of(scene, &settings.trace, how, &all, &mut sort)?;
+        return Ok((followed.counts(), early));
     }
     let few = how.clone().with_iterations(how.early_order + 1);
     let mut keep = |arrival: Arrival| {
@@ -79,7 +104,7 @@ fn arrivals_of_bands(
     let counts = tracer
         .arrivals_of(scene, &settings.trace, &few, &all, &mut keep)?
         .counts;
-    let wide = sphere.widened(scene);
+    let wide = late.widened(scene);
     let mut how = how.clone();
     let crossings = f64::from(1.0 / share) * crossings_an_iteration(&counts);
     how.iterations_in_chunk = iterations_in_chunk(crossings, how.iterations_in_chunk);
@@ -95,7 +120,8 @@ fn arrivals_of_bands(
         true => importance::pilot_waves(scene, &how.bands, &trace),
         false => 0,
     };
-    late.follow_all(&trace, pilot_waves, settings.batches)
+    let followed = late.follow_all(&trace, pilot_waves, settings.batches)?;
+    Ok((followed.counts(), early))
 }
 
 /// Waves whose late arrivals are added to an echogram.
@@ -103,7 +129,7 @@ struct LateWaves<'a> {
     tracer: &'a mut Tracer,
     scene: &'a Scene,
     how: &'a ArrivalSettings,
-    medium: Medium,
+    medium: &'a Medium,
     echogram: &'a mut Echogram,
 }
 
@@ -169,7 +195,7 @@ impl LateWaves<'_> {
         waves: &WavesToFollow,
         mut pilot: Option<&mut Pilot>,
     ) -> Result<Followed, Error> {
-        let (medium, echogram) = (&self.medium, &mut *self.echogram);
+        let (medium, echogram) = (self.medium, &mut *self.echogram);
         let mut take = |arrival: Arrival| {
             if arrival.is_early {
                 return;

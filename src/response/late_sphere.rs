@@ -9,8 +9,6 @@
 //! of paths to its centre, as in the listener itself.
 
 use crate::acoustics::CommonErrors;
-use crate::bands::BAND_COUNT;
-use crate::kernel::{self, Materials};
 use crate::scene::{Node, Scene, Surface};
 
 /// Radius in metres. In random rooms (docs/acoustics.md) T30 is 2.5 times as exact with it as with
@@ -27,10 +25,10 @@ const ERRORS: CommonErrors = CommonErrors {
     strength_db: 0.003,
 };
 
-/// Radius in metres where something stands in the room, and some bands are not scattered: behind it less of the sound
-/// that goes to and fro between walls is heard, and a large sphere reaches beyond that shadow. In 14 random rooms with a
-/// ball or a box T30 differed from that in the listener's own sphere of 0.3 m by 1.1 % (rms of all bands, but for noise)
-/// with 1 m, 0.6 % with 0.7 m and 0.4 % with 0.5 m, in the worst of them by 4.4, 2.8 and 1.8 %.
+/// Radius in metres where something stands in the room: behind it less of the sound that goes to and fro between walls
+/// is heard, and a large sphere reaches beyond that shadow. In 14 random rooms with a ball or a box T30 differed from that
+/// in the listener's own sphere of 0.3 m by 1.1 % (rms of all bands, but for noise) with 1 m, 0.6 % with 0.7 m and 0.4 %
+/// with 0.5 m, in the worst of them by 4.4, 2.8 and 1.8 %; by 2.2 and 1.7 % with 1 and 0.5 m where all surfaces scatter 0.1.
 const RADIUS_IN_SHADOWS_M: f32 = 0.5;
 
 /// What these differences are with that radius.
@@ -75,15 +73,12 @@ impl LateSphere {
     }
 }
 
-/// Whether something stands in the room, of sound that is not scattered in some band.
+/// Whether something stands in the room.
 fn casts_shadows(scene: &Scene) -> bool {
-    let stands_free = |surface: &Surface| {
+    scene.surfaces.iter().any(|surface| {
         let node = &surface.shape.node;
         !matches!(node, Node::Room(_) | Node::Plane(_) | Node::HalfSpace(_))
-    };
-    let is_mirrored = |bands| !Materials::of(scene, bands).scatter();
-    let mut groups = kernel::band_groups(scene, &(0..BAND_COUNT)).into_iter();
-    scene.surfaces.iter().any(stands_free) && groups.any(is_mirrored)
+    })
 }
 
 /// How far from the listener's centre no surface changes what is heard, in metres.
@@ -104,7 +99,6 @@ fn reach_m(scene: &Scene) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Material;
     use crate::scene::shape::{Cuboid, Room, Sphere};
     use crate::{Listener, Source};
     use glam::Vec3;
@@ -135,8 +129,8 @@ mod tests {
         assert_eq!(radius(vec![hollow], Vec3::ZERO), 0.3);
     }
 
-    /// Protects figures behind obstacles: the sphere is smaller there, unless all sound is scattered, and its errors are
-    /// told, which are none where it is the listener's own.
+    /// Protects figures behind obstacles: the sphere is smaller there, and its errors are told, which are none where it is
+    /// the listener's own.
     #[test]
     fn shadows_make_the_sphere_smaller() {
         let ball = Surface::new(Sphere { radius: 0.5 }).at(Vec3::X * 3.0);
@@ -146,17 +140,9 @@ mod tests {
             (sphere.radius_m, sphere.errors.map(|e| e.decay_share))
         };
         assert_eq!(of(&scene), (RADIUS_IN_SHADOWS_M, Some(0.005)));
-        let mut rough = Material::absorbing(0.1).scattering_by(0.3);
-        for (scattering, radius) in [(0.3, RADIUS_M), (0.0, RADIUS_IN_SHADOWS_M)] {
-            rough.scattering[0] = scattering;
-            scene.materials.insert("rough".to_owned(), rough);
-            scene.surfaces[0].material = Some("rough".to_owned());
-            assert_eq!(of(&scene).0, radius);
-        }
-        scene.listener.radius = 1.5;
-        assert_eq!(of(&scene), (1.5, None));
+        scene.listener.radius = 0.6;
+        assert_eq!(of(&scene), (0.6, None));
         scene.surfaces.truncate(1);
-        scene.listener.radius = 0.3;
         assert_eq!(of(&scene), (RADIUS_M, Some(0.003)));
     }
 }

@@ -95,7 +95,7 @@ impl Scene {
     }
 
     /// The materials of surfaces and walls, one that is named twice twice.
-    pub(crate) fn used_materials(&self) -> impl Iterator<Item = &Material> {
+    fn used_materials(&self) -> impl Iterator<Item = &Material> {
         let names = self.surfaces.iter().flat_map(|s| s.material_names());
         names.filter_map(|name| self.material_named(name))
     }

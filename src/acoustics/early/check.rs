@@ -8,7 +8,8 @@
 //! - A segment is free if nothing is met on it before *touch* of its end; the surface that it
 //!   ends on may be met earlier by *touch* ÷ cosine, as its distance is measured along the segment.
 //! - Two points closer than *touch* lie in an edge, or are an end on a surface: between them the wave has
-//!   the direction that mirroring gives (`flight.rs`).
+//!   the direction that mirroring gives (`flight.rs`). At an end that must come from the solid, or lead into
+//!   it: where it does not, as before an edge of a box, the wave flies on in the air.
 
 use super::NoPath;
 use super::surfaces::Surfaces;
@@ -18,6 +19,10 @@ use glam::DVec3;
 /// Least cosine between a wave and a surface's normal: at it rounding along the wave is 10⁶
 /// times that across the surface, 10⁻⁷ of the scene's extent.
 const GRAZING: f64 = 1e-6;
+
+/// How far from an end the solid is looked for, in *touches*: more than an end may lie off its surface, for directions
+/// that do not graze it.
+const PROBE_IN_TOUCHES: f64 = 1e3;
 
 /// A path to check: `points` from source to listener, and for each reflection between them the
 /// surface's number and its unit normal into the air.
@@ -46,11 +51,30 @@ impl Checked<'_> {
                 return Err(NoPath::NotFromTheAir);
             }
         }
+        if !self.ends_come_from_solids(exact, surfaces.touch) {
+            return Err(NoPath::NotFromTheAir);
+        }
         let is_free = |(i, d): (usize, &DVec3)| self.is_free(exact, surfaces.touch, i, *d);
         match self.directions.iter().enumerate().all(is_free) {
             true => Ok(()),
             false => Err(NoPath::Blocked),
         }
+    }
+
+    /// Whether each segment of no length at an end is flown against the solid there.
+    fn ends_come_from_solids(&self, exact: &ExactScene, touch: f64) -> bool {
+        let is_short = |segment: &usize| {
+            let pair = [self.points[*segment], self.points[segment + 1]];
+            pair[0].distance(pair[1]) <= touch
+        };
+        let in_solid = |point: DVec3| exact.surface_distance(point) < 0.0;
+        let probe_m = PROBE_IN_TOUCHES * touch;
+        let segments = 0..self.directions.len();
+        let mut leaving = segments.clone().take_while(is_short);
+        let mut arriving = segments.rev().take_while(is_short);
+        self.normals.is_empty()
+            || leaving.all(|i| in_solid(self.points[i] + self.directions[i] * probe_m))
+                && arriving.all(|i| in_solid(self.points[i + 1] - self.directions[i] * probe_m))
     }
 
     fn is_free(&self, exact: &ExactScene, touch: f64, segment: usize, direction: DVec3) -> bool {

@@ -182,11 +182,20 @@ impl EarlyPaths {
     }
 
     /// The image of the source that these planes make, each mirrored in the next: world metres.
-    pub fn image(&self, ends: &Ends, planes: &[Vertex]) -> DVec3 {
+    pub(crate) fn image(&self, ends: &Ends, planes: &[Vertex]) -> DVec3 {
         let mirror = |image, plane: &Vertex| {
             images::image(image, plane.normal, plane.point.dot(plane.normal))
         };
         planes.iter().fold(ends.source, mirror)
+    }
+
+    /// The walls of rooms that these reflections are at; `None` for other surfaces.
+    pub(crate) fn walls<'a>(
+        &'a self,
+        vertices: &'a [Vertex],
+    ) -> impl Iterator<Item = Option<u8>> + 'a {
+        let wall = |vertex| self.surfaces.sheet(vertex).ok()?.wall;
+        vertices.iter().map(wall)
     }
 
     /// Whether all of these reflections are at planes, so that a path over them is found whatever

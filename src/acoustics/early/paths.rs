@@ -57,8 +57,7 @@ pub(super) struct Draft {
 /// Newton's method leaves less, and a path that is told apart by less is not heard.
 const SAME: f64 = 1e-6;
 
-/// Radians by which directions at the ends of one path differ at the most: of segments that are hardly longer than
-/// rounding.
+/// Directions at the ends of one path differ by less, in radians: very short segments are rounded most.
 const SAME_DIRECTION: f64 = 1e-3;
 
 /// Lengths in metres that differ by less have no order: then surfaces decide.

@@ -37,18 +37,18 @@ pub(super) fn add_all(
     let mut tree: Vec<Image> = Vec::new();
     let mut last_level = 0..0;
     let searched = candidates.waves() as u32;
-    let touch = surfaces.touch;
+    let source = (ends.source, surfaces.touch);
     for level in 1..=order {
         if last_level.len() * planes.len() > MOST_TRIED {
             return level - 1;
         }
         let begin = tree.len();
         if level == 1 {
-            mirror(&mut tree, &planes, touch, (ends.source, None));
+            mirror(&mut tree, &planes, source, (ends.source, None));
         }
         for parent in last_level {
             let place = tree[parent].place;
-            mirror(&mut tree, &planes, touch, (place, Some(parent)));
+            mirror(&mut tree, &planes, source, (place, Some(parent)));
             if tree.len() > MOST_IMAGES {
                 return level - 1;
             }
@@ -63,20 +63,24 @@ pub(super) fn add_all(
     order
 }
 
-/// Adds the images of a place (the source, or its image of this index) in all planes whose air it is in, or closer to
-/// than `touch` metres, but for the one that it is an image in.
+/// Adds the images of a place (the source, or its image of this index) in all planes whose air it is in, but for the one
+/// that it is an image in. The source, and an image at the same place, are also in the air of what they lie on.
 fn mirror(
     tree: &mut Vec<Image>,
     planes: &[(u32, Sheet)],
-    touch: f64,
+    (source, touch): (DVec3, f64),
     (place, parent): (DVec3, Option<usize>),
 ) {
+    let least = match place.distance(source) <= touch {
+        true => -touch,
+        false => 0.0,
+    };
     let behind = parent.map(|image| tree[image].plane);
     for (plane, (_, sheet)) in planes.iter().enumerate() {
         let Form::Flat { normal, offset } = sheet.form else {
             continue;
         };
-        if Some(plane) != behind && place.dot(normal) - offset > -touch {
+        if Some(plane) != behind && place.dot(normal) - offset > least {
             tree.push(Image {
                 place: images::image(place, normal, offset),
                 plane,

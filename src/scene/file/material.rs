@@ -2,7 +2,8 @@
 
 use crate::bands::{BAND_COUNT, Bands};
 use crate::scene::notation::Name;
-use crate::scene::{Material, WALL_COUNT};
+use crate::scene::{BUILTIN_MATERIALS, Material, WALL_COUNT};
+use crate::text::nearest_or_all;
 use serde::Deserialize;
 use serde::de::{Deserializer, Error, MapAccess, SeqAccess, Visitor};
 use std::collections::BTreeMap;
@@ -15,10 +16,38 @@ pub(super) struct Materials(pub BTreeMap<String, Material>);
 #[derive(Deserialize)]
 #[serde(rename = "Material", deny_unknown_fields)]
 pub(super) struct MaterialFile {
+    /// What it has that it does not say.
     #[serde(default)]
-    absorption: Shares<false>,
-    #[serde(default)]
-    scattering: Shares<true>,
+    base: Base,
+    absorption: Option<Shares<false>>,
+    scattering: Option<Shares<true>>,
+}
+
+/// A built-in material, by its name; a mirror where none is named.
+#[derive(Default)]
+struct Base(Material);
+
+impl<'de> Deserialize<'de> for Base {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Base, D::Error> {
+        let Name(name) = Name::deserialize(from)?;
+        let material = Material::builtin(&name).ok_or_else(|| {
+            let names = BUILTIN_MATERIALS.iter().map(|known| known.name);
+            let all: Vec<&str> = names.collect();
+            let refused = format!("there is no built-in material {name:?}");
+            D::Error::custom(nearest_or_all(&refused, &name, &all))
+        })?;
+        Ok(Base(*material))
+    }
+}
+
+impl MaterialFile {
+    fn material(self) -> Material {
+        let Base(base) = self.base;
+        Material {
+            absorption: self.absorption.map_or(base.absorption, |said| said.0),
+            scattering: self.scattering.map_or(base.scattering, |said| said.0),
+        }
+    }
 }
 
 /// What a file says of single walls of a room.
@@ -63,12 +92,6 @@ impl Walls<Name> {
 /// Shares of energy by octave bands, said by one number or by eight; of the energy that is
 /// scattered if `SCATTERED`, else of that absorbed.
 struct Shares<const SCATTERED: bool>(Bands);
-
-impl<const SCATTERED: bool> Default for Shares<SCATTERED> {
-    fn default() -> Self {
-        Shares([0.0; BAND_COUNT])
-    }
-}
 
 /// One share, checked where it stands.
 struct Share<const SCATTERED: bool>(f64);
@@ -180,15 +203,8 @@ impl<'de> Visitor<'de> for ByName {
                 let why = format!("the material {name:?} is defined twice");
                 return Err(A::Error::custom(why));
             }
-            let MaterialFile {
-                absorption: Shares(absorption),
-                scattering: Shares(scattering),
-            } = said.next_value()?;
-            let material = Material {
-                absorption,
-                scattering,
-            };
-            materials.insert(name, material);
+            let said: MaterialFile = said.next_value()?;
+            materials.insert(name, said.material());
         }
         Ok(Materials(materials))
     }

@@ -124,8 +124,32 @@ pub struct ArrivalCounts {
     pub open_volume_m3: f64,
 }
 
+impl ArrivalCounts {
+    /// Of no wave yet.
+    pub(crate) fn of_none() -> ArrivalCounts {
+        ArrivalCounts {
+            followed_m: f64::INFINITY,
+            ..ArrivalCounts::default()
+        }
+    }
+
+    /// With others, of other bands or other waves past the same listener.
+    pub(crate) fn and(mut self, others: ArrivalCounts) -> ArrivalCounts {
+        self.waves += others.waves;
+        self.arrivals += others.arrivals;
+        self.gone += others.gone;
+        self.step_limit_reached += others.step_limit_reached;
+        self.flown += others.flown;
+        self.cut_off += others.cut_off;
+        self.followed_m = self.followed_m.min(others.followed_m);
+        self.iterations = self.iterations.max(others.iterations);
+        bands::add(&mut self.energy_under_way, &others.energy_under_way);
+        self.open_volume_m3 = others.open_volume_m3;
+        self
+    }
+}
+
 /// What became of some of the waves.
-#[derive(Default)]
 pub(crate) struct Followed {
     /// Without [`followed_m`](ArrivalCounts::followed_m).
     pub counts: ArrivalCounts,
@@ -138,18 +162,9 @@ pub(crate) struct Followed {
 const CUT_OFF_UNTOLD: usize = 1000;
 
 impl Followed {
-    /// With other waves of the same settings, or of other bands.
+    /// With other waves of the same settings.
     pub fn and(mut self, others: Followed) -> Followed {
-        let (all, counts) = (&mut self.counts, &others.counts);
-        all.waves += counts.waves;
-        all.arrivals += counts.arrivals;
-        all.gone += counts.gone;
-        all.step_limit_reached += counts.step_limit_reached;
-        all.flown += counts.flown;
-        all.cut_off += counts.cut_off;
-        all.iterations = all.iterations.max(counts.iterations);
-        all.open_volume_m3 = counts.open_volume_m3;
-        bands::add(&mut all.energy_under_way, &counts.energy_under_way);
+        self.counts = self.counts.and(others.counts);
         self.cut_off_m.extend(others.cut_off_m);
         self
     }

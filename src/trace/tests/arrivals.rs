@@ -7,6 +7,7 @@ use crate::reference::ExactScene;
 use crate::scene::Material;
 use crate::scene::shape::{Cylinder, Room, Sphere, Torus};
 use crate::test_common::{builtin, context, for_each_api};
+use crate::trace::arrivals::Followed;
 use crate::trace::arrivals::WAVES_IN_BLOCK;
 use crate::trace::{ArrivalCounts, ArrivalSettings, Start, WavesToFollow};
 use crate::{Listener, Node, Scene, Settings, Shape, Source, Surface, Tracer};
@@ -428,9 +429,36 @@ fn waves_are_followed_until_their_energy_is_gone() {
         "{fewer:?} {counts:?}"
     );
     assert!(fewer.energy_under_way.iter().all(|energy| *energy <= 1e-6));
+    // They were not given up.
+    assert_eq!((fewer.cut_off, fewer.flown), (0, counts.flown));
+    assert_eq!(fewer.followed_m, f64::INFINITY);
     let energy = |of: &[Arrival]| of.iter().map(|arrival| arrival.energy[4]).sum::<f64>();
     assert!(energy(&most) < energy(&all), "waves have something left");
     // The listener's share of what is left varies: few of 2,000 waves cross it.
     let left = (energy(&all) - energy(&most)) / energy(&all);
     assert!(left < 1e-5, "{left}");
+}
+
+/// Protects what is told of waves that were given up: where bands have waves of their own, the band whose waves come least
+/// far decides.
+#[test]
+fn the_band_that_comes_least_far_decides() {
+    let followed = |waves: u64, cut_off_m: Vec<f64>| {
+        let counts = ArrivalCounts {
+            waves,
+            cut_off: cut_off_m.len() as u64,
+            ..ArrivalCounts::of_none()
+        };
+        Followed { counts, cut_off_m }
+    };
+    let whole = followed(10_000, Vec::new()).counts();
+    let short = followed(10_000, vec![7.0; 80]).counts();
+    let both = whole.and(short);
+    assert_eq!(
+        (both.waves, both.cut_off, both.followed_m),
+        (20_000, 80, 7.0)
+    );
+    // Waves of the same bands are told of together.
+    let together = followed(10_000, Vec::new()).and(followed(70_000, vec![7.0; 80]));
+    assert_eq!(together.counts().followed_m, f64::INFINITY);
 }

@@ -1,12 +1,13 @@
 //! The energies of arrivals: what materials take, what scattering moves, and what is conserved.
 
 use super::arrivals::{arrivals, start_directions, without_listener};
+use crate::acoustics::Arrival;
 use crate::bands::{BAND_COUNT, Bands};
 use crate::gpu::Api;
 use crate::scene::shape::{Cuboid, Plane, Room, Sphere};
 use crate::scene::{Material, WALL_COUNT};
 use crate::test_common::{builtin, for_each_api, tracer};
-use crate::trace::{ArrivalSettings, TraceError};
+use crate::trace::{ArrivalSettings, TraceError, WavesToFollow};
 use crate::{Error, Listener, Node, Scene, Settings, Source, Surface};
 use glam::{DVec3, Quat, Vec3};
 
@@ -210,27 +211,33 @@ fn a_room_that_takes_nothing_keeps_all() {
                 .all(|e| (e - 1.0).abs() < 1e-4)
         );
         let (from, to) = (50.0, 400.0);
-        let late = all.iter().filter(|a| (from..to).contains(&a.length_m));
-        let (mut sum, mut crossings) = (0.0, 0.0f64);
-        for arrival in late.filter(|arrival| arrival.energy[7] > 0.0) {
-            sum += arrival.energy[7];
-            crossings += 1.0;
+        for band in [0, 4, 7] {
+            let late = all.iter().filter(|a| (from..to).contains(&a.length_m));
+            let (mut sum, mut crossings) = (0.0, 0.0f64);
+            for arrival in late.filter(|arrival| arrival.energy[band] > 0.0) {
+                sum += arrival.energy[band];
+                crossings += 1.0;
+            }
+            let expected = (to - from) / (12.0 * 6.0 * 16.0);
+            let error = 5.0 * 1.06 / crossings.sqrt();
+            assert!(error < 0.05, "{crossings}");
+            assert!(
+                (sum / expected - 1.0).abs() < error,
+                "{scattering:?}, {band}: {sum} {expected}"
+            );
         }
-        let expected = (to - from) / (12.0 * 6.0 * 16.0);
-        let error = 5.0 * 1.06 / crossings.sqrt();
-        assert!(error < 0.05, "{crossings}");
-        assert!(
-            (sum / expected - 1.0).abs() < error,
-            "{scattering:?}: {sum} {expected}"
-        );
     }
 }
 
+/// In the shoebox the direct way is shorter, and all others are longer, in metres: it is 9.76 m long; of ways by the
+/// floor or the ceiling the shortest into the sphere is 11.4 m − 1.2 m.
+const DIRECT_M: f64 = 10.0;
+
 /// Protects the share that is scattered, where bands scatter differently, too: the mean over both
-/// ways is what the material says in each band.
+/// ways is what the material says in each band, and each way has its part.
 #[test]
 fn scattering_takes_its_share() {
-    let scattering = std::array::from_fn(|band| band as f64 / 8.0);
+    let scattering: Bands = std::array::from_fn(|band| band as f64 / 8.0);
     let material = Material {
         scattering,
         ..Material::absorbing(0.25)
@@ -238,23 +245,42 @@ fn scattering_takes_its_share() {
     let settings = Settings::hybrid().with_waves(16_384);
     let how = ArrivalSettings::new(1.0).with_iterations(2);
     let (all, counts) = arrivals(&mut tracer(), &room(material), &settings, &how);
-    // After two reflections. Of 16,384 waves two choices between energies of 1 ± 1 each: five
-    // standard errors are 5 · √(2 / 16,384).
+    // After two reflections. Of 16,384 waves two choices between energies of at most 1 ± 1 each: five
+    // standard errors are less than 5 · √(2 / 16,384).
     for left in counts.energy_under_way {
         assert!((left / 0.75f64.powi(2) - 1.0).abs() < 0.055, "{left}");
     }
     let early = all.iter().filter(|arrival| arrival.is_early).count();
     assert!(early > 0 && early < all.len());
+    // All bands by the same waves: after one reflection each has what it mirrors, or what it scatters.
+    let together = WavesToFollow::Numbers(0..settings.waves);
+    let (mut mirrored, mut scattered) = (0, 0);
+    let mut is_part = |arrival: Arrival| {
+        if arrival.length_m < DIRECT_M {
+            return;
+        }
+        let (part, count): (Bands, _) = match arrival.is_early {
+            true => (scattering.map(|share| 1.0 - share), &mut mirrored),
+            false => (scattering, &mut scattered),
+        };
+        *count += 1;
+        let whole: f64 = arrival.energy.iter().sum::<f64>() / part.iter().sum::<f64>();
+        for (energy, part) in arrival.energy.iter().zip(part) {
+            assert!((energy / whole - part).abs() < 1e-9, "{arrival:?}");
+        }
+    };
+    tracer()
+        .arrivals_of(&room(material), &settings, &how, &together, &mut is_part)
+        .unwrap();
+    assert!(mirrored > 20 && scattered > 20, "{mirrored} {scattered}");
     let (all, _) = arrivals(
         &mut tracer(),
         &room(Material::MIRROR.scattering_by(1.0)),
         &settings,
         &how,
     );
-    // All that was reflected was scattered. The direct way is 9.76 m long; of ways by the floor or
-    // the ceiling the shortest into the sphere is 11.4 m − 1.2 m.
-    let apart = 10.0;
-    assert!(all.iter().all(|a| a.is_early == (a.length_m < apart)));
+    // All that was reflected was scattered.
+    assert!(all.iter().all(|a| a.is_early == (a.length_m < DIRECT_M)));
 }
 
 /// Protects Lambert's law, against the integral over a floor that scatters all: each piece of it

@@ -10,7 +10,7 @@ use super::super::{Algorithm, Grid, MAX_ITERATIONS, Profile, Settings, TraceErro
 use super::Tracer;
 use super::prepared::{FramePrograms, PreparedFrame};
 use crate::acoustics::Arrival;
-use crate::bands::Bands;
+use crate::bands::{BAND_COUNT, Bands};
 use crate::error::Error;
 use crate::gpu::{Context, Program, RenderTarget};
 use crate::kernel::{self, ArrivalsText, Materials};
@@ -107,12 +107,13 @@ impl Tracer {
         take: &mut dyn FnMut(Arrival),
     ) -> Result<ArrivalCounts, Error> {
         let all = WavesToFollow::Numbers(0..settings.waves);
-        let mut followed = Followed::default();
-        for bands in kernel::band_groups(scene, &how.bands) {
+        let mut counts = ArrivalCounts::of_none();
+        for bands in kernel::band_groups(scene) {
             let how = how.clone().with_bands(bands);
-            followed = followed.and(self.arrivals_of(scene, settings, &how, &all, take)?);
+            let followed = self.arrivals_of(scene, settings, &how, &all, take)?;
+            counts = counts.and(followed.counts());
         }
-        Ok(followed.counts())
+        Ok(counts)
     }
 
     /// Follows some of the waves, or waves whose starts are given, that tell of `how.bands` together.
@@ -366,7 +367,8 @@ fn start_energies(run: &Run, starts: Option<&[Start]>, waves: usize) -> Vec<Band
         let energy = |start: &Start| of_weight(f64::from(start.weight));
         return starts.iter().map(energy).collect();
     }
-    match run.replay.events.is_some() {
+    let are_all_one = run.replay.events.is_none() && run.bands == (0..BAND_COUNT);
+    match !are_all_one {
         true => vec![of_weight(1.0); waves],
         false => Vec::new(),
     }

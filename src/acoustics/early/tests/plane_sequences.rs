@@ -73,11 +73,12 @@ fn paths_among_boxes_are_all_known() {
     assert_eq!(known, found);
 }
 
-/// Protects the loudness of a source on a wall, on two walls, and on a box: paths are those of a source next to it.
+/// Protects the loudness of a source on a wall, in an edge and in a corner of the room, and on a box: paths are those of a
+/// source next to it.
 #[test]
 fn a_source_on_a_wall_has_the_paths_of_one_next_to_it() {
     let size = Vec3::new(8.0, 3.0, 5.0);
-    let block = Surface::new(Cuboid { size: Vec3::ONE }).at(Vec3::new(-1.0, -1.0, 0.0));
+    let block = Surface::new(Cuboid { size: Vec3::ONE }).at(Vec3::new(-1.0625, -1.0, 0.03125));
     let lengths = |source: Vec3| {
         let surfaces = vec![Surface::new(Room { size }), block.clone()];
         let (paths, known) = by_planes(&scene(surfaces, source, Vec3::new(3.0, -0.3, 1.2)), 4);
@@ -89,7 +90,8 @@ fn a_source_on_a_wall_has_the_paths_of_one_next_to_it() {
     for (on, into_the_air) in [
         (Vec3::new(-4.0, 0.2, 0.3), Vec3::X),
         (Vec3::new(-4.0, 1.5, 0.3), Vec3::new(1.0, -1.0, 0.0)),
-        (Vec3::new(-0.5, -0.8, 0.1), Vec3::X),
+        (Vec3::new(-4.0, 1.5, 2.5), Vec3::new(1.0, -1.0, -1.0)),
+        (Vec3::new(-0.5625, -0.8, 0.1), Vec3::X),
     ] {
         let (at, near) = (lengths(on), lengths(on + next_to_it * into_the_air));
         assert_eq!(at.len(), near.len(), "{on}");
@@ -98,5 +100,29 @@ fn a_source_on_a_wall_has_the_paths_of_one_next_to_it() {
             .zip(&near)
             .filter(|(a, b)| (*a - *b).abs() > 4.0 * f64::from(next_to_it));
         assert_eq!(far_off.count(), 0, "{on}");
+    }
+}
+
+/// Protects a source in a corner from having fewer paths: there too all of eight reflections are known.
+#[test]
+fn a_source_in_a_corner_has_all_its_images() {
+    let size = Vec3::new(8.0, 3.0, 5.0);
+    let room = vec![Surface::new(Room { size })];
+    let scene = scene(room, size / -2.0, Vec3::new(3.0, -0.3, 1.2));
+    let (paths, known) = by_planes(&scene, 8);
+    assert_eq!((known, paths.len()), (8, 833));
+}
+
+/// Protects the loudness of a source or a listener on an edge and at a corner of a box: no face mirrors what flies from
+/// the air into the air.
+#[test]
+fn edges_of_a_box_mirror_nothing_into_the_air_before_them() {
+    let block = Surface::new(Cuboid { size: Vec3::ONE });
+    let before = Vec3::new(3.0, 4.0, 5.0);
+    for on in [Vec3::new(0.5, 0.5, 0.125), Vec3::splat(0.5)] {
+        for (source, listener) in [(on, before), (before, on)] {
+            let (paths, _) = by_planes(&scene(vec![block.clone()], source, listener), 3);
+            assert_eq!(paths.len(), 1, "{paths:?}");
+        }
     }
 }
