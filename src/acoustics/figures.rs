@@ -118,6 +118,8 @@ pub(crate) struct CommonErrors {
     pub clarity_db: f64,
     /// Of G, in decibels.
     pub strength_db: f64,
+    /// Of Ts, in seconds.
+    pub centre_s: f64,
 }
 
 impl CommonErrors {
@@ -204,6 +206,7 @@ impl Figures {
             add(&mut error.c50_db, Some(common.clarity_db));
             add(&mut error.c80_db, Some(common.clarity_db));
             add(&mut error.d50, band.d50.map(|d50| common.definition(d50)));
+            add(&mut error.ts_s, Some(common.centre_s));
             add(&mut error.g_db, Some(common.strength_db));
         }
         self

@@ -79,7 +79,7 @@ impl EarlyPart {
         arrivals: Vec<Arrival>,
     ) -> Result<EarlyPart, Error> {
         let paths = EarlyPaths::new(scene)?;
-        let ends = Ends::of(scene);
+        let ends = paths.ends(scene);
         let directions: Vec<Vec3> = starts.iter().map(|(_, direction)| *direction).collect();
         let candidates = paths.candidates(&ends, &directions, order, ends.radius_m);
         let mut candidates = candidates.among(waves as usize);

@@ -108,7 +108,7 @@ impl Response {
         let ends_s = followed_s.unwrap_or(seconds);
         let figures = Figures::new(&taps(&paths), &echogram, direct_s(&paths), ends_s);
         let figures = match LateSphere::of(scene).errors {
-            Some(common) => figures.with_common_errors(common),
+            Some(common) => figures.with_common_errors(&common),
             None => figures,
         };
         Ok(Response {

@@ -4,7 +4,7 @@
 //! of its extent:
 //! - A point up to *touch* beyond the edge of a face is on the face.
 //! - A reflection at less than [`GRAZING`] to the surface is none: the path cannot be told from
-//!   the one that goes straight on.
+//!   the one that goes straight on. But a source on a surface has an image there for a listener on it, too.
 //! - A segment is free if nothing is met on it before *touch* of its end; the surface that it
 //!   ends on may be met earlier by *touch* ÷ cosine, as its distance is measured along the segment.
 //! - Two points closer than *touch* lie in an edge, or are an end on a surface: between them the wave has
@@ -16,9 +16,9 @@ use super::surfaces::Surfaces;
 use crate::reference::ExactScene;
 use glam::DVec3;
 
-/// Least cosine between a wave and a surface's normal: at it rounding along the wave is 10⁶
-/// times that across the surface, 10⁻⁷ of the scene's extent.
-const GRAZING: f64 = 1e-6;
+/// Least cosine between a wave and a surface's normal: at it rounding along the wave is 10⁹
+/// times that across the surface, 10⁻⁶ of the scene's extent.
+const GRAZING: f64 = 1e-9;
 
 /// How far from an end the solid is looked for, in *touches*: more than an end may lie off its surface, for directions
 /// that do not graze it.
@@ -47,7 +47,13 @@ impl Checked<'_> {
         for (i, normal) in self.normals.iter().enumerate() {
             let (to, from) = (self.directions[i], self.directions[i + 1]);
             let (to, from) = (to.dot(*normal), from.dot(*normal));
-            if to > -GRAZING || from < GRAZING {
+            // A source on a surface has an image there, for what flies along it too.
+            let least = if i < self.short_at_source(surfaces.touch) {
+                -GRAZING
+            } else {
+                GRAZING
+            };
+            if to > -least || from < least {
                 return Err(NoPath::NotFromTheAir);
             }
         }
@@ -63,18 +69,27 @@ impl Checked<'_> {
 
     /// Whether each segment of no length at an end is flown against the solid there.
     fn ends_come_from_solids(&self, exact: &ExactScene, touch: f64) -> bool {
-        let is_short = |segment: &usize| {
-            let pair = [self.points[*segment], self.points[segment + 1]];
-            pair[0].distance(pair[1]) <= touch
-        };
-        let in_solid = |point: DVec3| exact.surface_distance(point) < 0.0;
+        // What flies along a surface is on it.
+        let in_solid = |point: DVec3| exact.surface_distance(point) <= touch;
         let probe_m = PROBE_IN_TOUCHES * touch;
-        let segments = 0..self.directions.len();
-        let mut leaving = segments.clone().take_while(is_short);
-        let mut arriving = segments.rev().take_while(is_short);
+        let segments = self.directions.len();
+        let mut leaving = 0..self.short_at_source(touch);
+        let mut arriving = segments - self.short_at_listener(touch)..segments;
         self.normals.is_empty()
             || leaving.all(|i| in_solid(self.points[i] + self.directions[i] * probe_m))
                 && arriving.all(|i| in_solid(self.points[i + 1] - self.directions[i] * probe_m))
+    }
+
+    /// Segments of no length at the source.
+    fn short_at_source(&self, touch: f64) -> usize {
+        let is_short = |pair: &&[DVec3]| pair[0].distance(pair[1]) <= touch;
+        self.points.windows(2).take_while(is_short).count()
+    }
+
+    /// Segments of no length at the listener.
+    fn short_at_listener(&self, touch: f64) -> usize {
+        let is_short = |pair: &&[DVec3]| pair[0].distance(pair[1]) <= touch;
+        self.points.windows(2).rev().take_while(is_short).count()
     }
 
     fn is_free(&self, exact: &ExactScene, touch: f64, segment: usize, direction: DVec3) -> bool {

@@ -163,7 +163,8 @@ impl Solver<'_> {
     fn stationary(&self, vertices: &[Vertex], sheets: &[Sheet]) -> Result<Vec<DVec3>, NoPath> {
         let (source, listener) = (self.ends.source, self.ends.listener);
         if sheets.iter().all(Sheet::is_flat) {
-            return images::points(source, listener, sheets.iter()).ok_or(NoPath::NotStationary);
+            return images::points(source, listener, self.surfaces.touch, sheets.iter())
+                .ok_or(NoPath::NotStationary);
         }
         let chain = Chain {
             source,

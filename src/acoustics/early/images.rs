@@ -13,11 +13,12 @@ pub(super) fn image(place: DVec3, normal: DVec3, offset: f64) -> DVec3 {
     place - normal * (2.0 * (place.dot(normal) - offset))
 }
 
-/// The points at which the line from source to listener is mirrored at all sheets, in order;
-/// `None` if they are not all planes, or the line to an image does not cross its plane.
+/// The points at which the line from source to listener is mirrored at all sheets, in order; a line that is closer to a
+/// plane than `touch` metres at both ends lies in it. `None` if they are not all planes, or the line to an image does not cross its plane.
 pub(super) fn points<'a>(
     source: DVec3,
     listener: DVec3,
+    touch: f64,
     sheets: impl Iterator<Item = &'a Sheet<'a>>,
 ) -> Option<Vec<DVec3>> {
     let plane = |sheet: &Sheet| match sheet.form {
@@ -32,16 +33,18 @@ pub(super) fn points<'a>(
     }
     let mut points = vec![DVec3::ZERO; planes.len()];
     let mut seen_from = listener;
-    let rounding = BEYOND * images.last()?.distance(listener);
     for (i, (normal, offset)) in planes.iter().enumerate().rev() {
         let image = images[i + 1];
-        if seen_from.distance(image) <= rounding {
-            // The source in an edge: all that is left of the path is one point.
-            points[i] = seen_from;
-            continue;
-        }
         let here = seen_from.dot(*normal) - offset;
         let there = image.dot(*normal) - offset;
+        // All that is left of the path is one point, the source in an edge; or it lies in the plane, and is mirrored
+        // where it comes from.
+        let is_point = seen_from.distance(image) <= touch;
+        if is_point || here.abs().max(there.abs()) <= touch {
+            seen_from = image;
+            points[i] = image;
+            continue;
+        }
         let share = here / (here - there);
         if !(-BEYOND..=1.0 + BEYOND).contains(&share) {
             return None;

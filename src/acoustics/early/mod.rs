@@ -149,6 +149,17 @@ impl EarlyPaths {
         Ok(EarlyPaths { exact, surfaces })
     }
 
+    /// Where paths in `scene` begin and end: its source and listener, set onto the surface where they lie in a solid by
+    /// no more than coordinates in `f32` are rounded.
+    pub(crate) fn ends(&self, scene: &Scene) -> Ends {
+        let ends = Ends::of(scene);
+        Ends {
+            source: self.surfaces.out_of_rounding(ends.source),
+            listener: self.surfaces.out_of_rounding(ends.listener),
+            ..ends
+        }
+    }
+
     /// Follows waves from the source along `directions` (of any length but 0) through the
     /// listener, for at most `order` reflections. Each flight that comes within `reach_m` metres of
     /// the listener's centre is a candidate; the index of a wave is that of its direction.
@@ -209,7 +220,7 @@ impl EarlyPaths {
     ///
     /// On the threads of rayon's pool; the result does not depend on their number.
     pub fn find(&self, ends: &Ends, candidates: &Candidates) -> Found {
-        let in_solid = |end| self.exact.surface_distance(end) < -self.exact.rounding();
+        let in_solid = |end| self.exact.surface_distance(end) < -self.surfaces.touch;
         if in_solid(ends.source) || in_solid(ends.listener) {
             return Found::none(candidates, NoPath::EndInSolid);
         }

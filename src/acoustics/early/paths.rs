@@ -57,7 +57,8 @@ pub(super) struct Draft {
 /// Newton's method leaves less, and a path that is told apart by less is not heard.
 const SAME: f64 = 1e-6;
 
-/// Directions at the ends of one path differ by less, in radians: very short segments are rounded most.
+/// Normals that differ by no more radians are one, and so are directions at the ends: by this they differ at curved
+/// surfaces, and along segments that are hardly longer than rounding.
 const SAME_DIRECTION: f64 = 1e-3;
 
 /// Lengths in metres that differ by less have no order: then surfaces decide.
@@ -75,12 +76,13 @@ pub(super) fn is_focus(area: f64, radius: f64) -> bool {
 }
 
 impl Draft {
-    /// Whether the two are the same points, of whatever surfaces, and begin and end alike: a source in an edge is
-    /// mirrored in each of its walls at one point.
+    /// Whether the two are the same points with the same normals, in whatever order, and begin and end alike: in an edge
+    /// one path has two sequences of surfaces, and a source there is mirrored in each of them.
     pub fn is_same_way(&self, other: &Draft) -> bool {
         let close = |(a, b): (&DVec3, &DVec3)| a.distance(*b) <= SAME * self.length;
         self.points.len() == other.points.len()
             && self.points.iter().zip(&other.points).all(close)
+            && self.has_normals_of(other)
             && self.ends_off(other) <= SAME_DIRECTION
     }
 
@@ -89,6 +91,17 @@ impl Draft {
         let last = self.directions.len() - 1;
         let off = |segment: usize| self.directions[segment].distance(other.directions[segment]);
         off(0).max(off(last))
+    }
+
+    /// Whether both are mirrored by the same normals, in whatever order.
+    fn has_normals_of(&self, other: &Draft) -> bool {
+        let mut left = other.normals.clone();
+        self.normals.iter().all(|normal| {
+            let same = left
+                .iter()
+                .position(|other| normal.distance(*other) <= SAME_DIRECTION);
+            same.map(|index| left.swap_remove(index)).is_some()
+        })
     }
 
     /// Whether both are of one focus: there a whole area of a surface mirrors the source to the

@@ -64,23 +64,28 @@ pub(super) fn add_all(
 }
 
 /// Adds the images of a place (the source, or its image of this index) in all planes whose air it is in, but for the one
-/// that it is an image in. The source, and an image at the same place, are also in the air of what they lie on.
+/// that it is an image in. The source, and an image at the same place, are also in the air of what they lie on, but for
+/// what mirrored them already.
 fn mirror(
     tree: &mut Vec<Image>,
     planes: &[(u32, Sheet)],
     (source, touch): (DVec3, f64),
     (place, parent): (DVec3, Option<usize>),
 ) {
-    let least = match place.distance(source) <= touch {
-        true => -touch,
-        false => 0.0,
+    let (least, mirrored_in) = match place.distance(source) <= touch {
+        true => (-touch, usize::MAX),
+        false => (0.0, 1),
     };
-    let behind = parent.map(|image| tree[image].plane);
+    let line = std::iter::successors(parent, |image| tree[*image].parent);
+    let behind: Vec<usize> = line
+        .take(mirrored_in)
+        .map(|image| tree[image].plane)
+        .collect();
     for (plane, (_, sheet)) in planes.iter().enumerate() {
         let Form::Flat { normal, offset } = sheet.form else {
             continue;
         };
-        if Some(plane) != behind && place.dot(normal) - offset > least {
+        if !behind.contains(&plane) && place.dot(normal) - offset > least {
             tree.push(Image {
                 place: images::image(place, normal, offset),
                 plane,
@@ -101,7 +106,12 @@ fn vertices(
     let line = std::iter::successors(Some(image), |image| tree[*image].parent);
     let mut sequence: Vec<&(u32, Sheet)> = line.map(|image| &planes[tree[image].plane]).collect();
     sequence.reverse();
-    let points = images::points(ends.source, ends.listener, sequence.iter().map(|(_, s)| s))?;
+    let points = images::points(
+        ends.source,
+        ends.listener,
+        surfaces.touch,
+        sequence.iter().map(|(_, s)| s),
+    )?;
     let vertex = |((surface, sheet), point): (&&(u32, Sheet), DVec3)| {
         let normal = sheet.at(point)?.normal;
         surfaces.has(*surface, point).then_some(Vertex {

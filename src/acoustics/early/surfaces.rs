@@ -32,6 +32,13 @@ pub(super) struct Surfaces {
 /// cannot be told from it anyway. In a scene of 100 m this is 0.1 µm.
 const TOUCH_IN_ROUNDINGS: f64 = 1e4;
 
+/// A place may lie in a solid by so many units of the last bit of the largest coordinate: by what turning and adding in
+/// `f32` round, as the shaders have it (`glsl/common/rounding.glsl`).
+const ROUNDINGS_OF_PLACES: f64 = 8.0;
+
+/// A place in a corner lies in three solids by rounding, and setting it out of one may set it into another.
+const MOST_SOLIDS: usize = 8;
+
 /// A value that small, as a share of what counts as on the surface, is as good as 0.
 const SETTLED: f64 = 1e-2;
 
@@ -143,6 +150,32 @@ impl Surfaces {
             p -= at.gradient * (at.value / squared);
         }
         None
+    }
+
+    /// A world point set out of the solids in which it lies by no more than the rounding of coordinates in `f32`, as a
+    /// place on a turned wall does; the point itself if it lies in none, or deeper.
+    pub fn out_of_rounding(&self, point: DVec3) -> DVec3 {
+        let most_m = ROUNDINGS_OF_PLACES * f64::from(f32::EPSILON) * self.largest;
+        let value = |(shape, frame): &(Shape, Frame), p: DVec3| shape.value(frame.place(p));
+        let deepest = |p: DVec3| {
+            let values = (1..).zip(&self.surfaces).map(|(n, s)| (n, value(s, p)));
+            values.min_by(|a: &(u32, f64), b| a.1.total_cmp(&b.1))
+        };
+        let mut place = point;
+        for _ in 0..MOST_SOLIDS {
+            match deepest(place) {
+                Some((surface, value)) if value < 0.0 && value >= -most_m => {
+                    match self.onto(surface, place) {
+                        // It is in the air then, whatever is left of the value.
+                        Some(on) => place = on.point + on.normal * (2.0 * SETTLED * self.touch),
+                        None => return point,
+                    }
+                }
+                Some((_, value)) if value < -most_m => return point,
+                _ => return place,
+            }
+        }
+        point
     }
 
     /// Whether a world point lies on the surface with this number, and not only on one of its

@@ -4,7 +4,7 @@ use super::super::options::Common;
 use super::missing;
 use super::pairs::Pair;
 use crate::response::{HeardPath, Response};
-use crate::scene::Scene;
+use crate::scene::{Scene, Surface};
 
 /// Said before waves are traced, as that takes long where sound does not decay.
 const NOTHING_ABSORBS: &str = "note: no surface absorbs in this scene: where sound cannot leave it, it does not decay, and figures will be missing; give its surfaces a material (docs/scene-format.md)";
@@ -78,8 +78,19 @@ fn all(scene: &Scene, response: &Response) -> Vec<Note> {
             "sound meets in a focus: where it does so again and again rounding decides where it goes, and ± of late decays does not hold that".to_owned(),
         ));
     }
+    if scene.surfaces.iter().any(gathers) {
+        notes.push(note(
+            "a hollow curved surface gathers sound: what exact paths bring to the listener's centre and what its sphere catches may differ by more than ±; compare with another --order and a smaller listener".to_owned(),
+        ));
+    }
     notes.extend(missing::reasons(scene, response).into_iter().map(note));
     notes
+}
+
+/// Whether a surface is hollow and curved.
+fn gathers(surface: &Surface) -> bool {
+    let shape = &surface.shape;
+    !shape.has_planes_alone() && !shape.properties().convex
 }
 
 fn warnings(response: &Response) -> Vec<Note> {

@@ -106,6 +106,10 @@ impl fmt::Display for Warning {
     }
 }
 
+/// A place on a surface may lie in its solid by so many units of the last bit of the largest coordinate: waves start there
+/// as on the surface itself.
+const ROUNDINGS_OF_PLACES: f32 = 8.0;
+
 impl Scene {
     /// What is odd about the scene as it stands, although it can be traced.
     pub fn warnings(&self) -> Vec<Warning> {
@@ -181,6 +185,10 @@ impl Scene {
         }
         let index = nearest.object as usize - 1;
         let surface = &self.surfaces[index];
+        let largest = point.abs().max(surface.position.abs()).max_element();
+        if nearest.distance >= -ROUNDINGS_OF_PLACES * f32::EPSILON * largest {
+            return None;
+        }
         let label = surface.label(index);
         let solid = match surface.shape.node {
             Node::Room(_) => format!("the solid around {label}"),

@@ -132,6 +132,23 @@ impl Shape {
         )
     }
 
+    /// Whether all of its surface lies in planes, however they are put together.
+    pub(crate) fn has_planes_alone(&self) -> bool {
+        let keeps_planes = matches!(
+            self.node,
+            Node::Union(_)
+                | Node::Intersection(_)
+                | Node::Difference(_)
+                | Node::Complement(_)
+                | Node::Translate(_)
+                | Node::Rotate(_)
+                | Node::Scale(_)
+                | Node::Mirror(_)
+                | Node::Repeat(_)
+        );
+        self.is_flat() || keeps_planes && self.children.iter().all(Shape::has_planes_alone)
+    }
+
     /// The tree, if it is no [basic](Shape::is_basic) shape.
     pub(crate) fn field(&self) -> Option<&Shape> {
         (!self.is_basic()).then_some(self)

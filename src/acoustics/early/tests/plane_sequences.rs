@@ -126,3 +126,53 @@ fn edges_of_a_box_mirror_nothing_into_the_air_before_them() {
         }
     }
 }
+
+/// Protects the loudness of a source and a listener on one wall: the wall mirrors what flies along it, as it does what
+/// flies a little way off it.
+#[test]
+fn a_wall_mirrors_what_flies_along_it() {
+    let size = Vec3::new(8.0, 3.0, 5.0);
+    // On the floor, on the floor and in one of its edges, and both in an edge.
+    for (source, listener) in [
+        (Vec3::new(-2.0, -1.5, 0.5), Vec3::new(3.0, -1.5, 1.25)),
+        (Vec3::new(-4.0, -1.5, 0.5), Vec3::new(3.0, -1.5, 1.25)),
+        (Vec3::new(-4.0, -1.5, 0.5), Vec3::new(-4.0, -1.5, 1.25)),
+    ] {
+        let lengths = |off: f32| {
+            let room = vec![Surface::new(Room { size })];
+            let off = Vec3::new(1.0, 1.0, 0.0) * off;
+            let (paths, known) = by_planes(&scene(room, source + off, listener + off), 4);
+            assert_eq!(known, 4);
+            paths.iter().map(|p| p.length_m).collect::<Vec<f64>>()
+        };
+        let near = lengths(1e-4);
+        // 1, 6, 18, 38 and 66 images of none to four reflections.
+        assert_eq!(near.len(), 129);
+        for off in [0.0, 1e-6] {
+            let at = lengths(off);
+            let apart = at.iter().zip(&near).map(|(a, b)| (a - b).abs());
+            assert_eq!(at.len(), near.len(), "{source}, {off}");
+            assert!(apart.fold(0.0, f64::max) < 1e-3, "{source}, {off}");
+        }
+    }
+}
+
+/// Protects a source on a turned wall, which lies in its solid by rounding: it is on the wall.
+#[test]
+fn a_source_within_rounding_of_a_wall_is_on_it() {
+    let size = Vec3::new(8.0, 3.0, 5.0);
+    let mut inside = 0;
+    for degrees in 1..40 {
+        let turn = Quat::from_rotation_y((degrees as f32).to_radians());
+        let room = Surface::new(Room { size }).turned(turn);
+        let source = turn * Vec3::new(-4.0, 0.2, 0.3);
+        inside += u32::from(room.distance(source) < 0.0);
+        let scene = scene(vec![room], source, turn * Vec3::new(3.0, -0.3, 1.2));
+        let early = EarlyPaths::new(&scene).expect("a valid scene");
+        let ends = early.ends(&scene);
+        let mut candidates = Candidates::new(0);
+        early.add_planes(&ends, 2, &mut candidates);
+        assert_eq!(early.find(&ends, &candidates).paths.len(), 25, "{degrees}");
+    }
+    assert!(inside > 5, "{inside}");
+}
