@@ -104,7 +104,7 @@ mod tests {
         for (said, sentence) in [
             (
                 "materials: {\"a\": Material(0.5)}",
-                "Material is written Material(absorption: …, scattering: …)",
+                "Material is written Material(absorption: …, scattering: …, base: …)",
             ),
             (
                 "air: Air(20)",

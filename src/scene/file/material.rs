@@ -16,11 +16,11 @@ pub(super) struct Materials(pub BTreeMap<String, Material>);
 #[derive(Deserialize)]
 #[serde(rename = "Material", deny_unknown_fields)]
 pub(super) struct MaterialFile {
+    absorption: Option<Shares<false>>,
+    scattering: Option<Shares<true>>,
     /// What it has that it does not say.
     #[serde(default)]
     base: Base,
-    absorption: Option<Shares<false>>,
-    scattering: Option<Shares<true>>,
 }
 
 /// A built-in material, by its name; a mirror where none is named.
@@ -207,5 +207,36 @@ impl<'de> Visitor<'de> for ByName {
             materials.insert(name, said.material());
         }
         Ok(Materials(materials))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Scene;
+
+    fn material(said: &str) -> Result<Material, String> {
+        let text = format!(
+            "Scene(surfaces: [Surface(shape: Plane, material: \"own\")], materials: {{\"own\": {said}}}, \
+             source: Source(position: (0, 1, 0)), listener: Listener(position: (5, 2, 0), radius: 1))"
+        );
+        let scene = Scene::from_ron(&text, "scene").map_err(|refused| refused.to_string())?;
+        Ok(scene.materials["own"])
+    }
+
+    /// Protects a built-in material that scatters: what is said is said, and all else is that of the base.
+    #[test]
+    fn a_base_says_what_is_left_out() {
+        let brick = Material::builtin("brick").expect("a built-in material");
+        let rough = material("Material(base: \"brick\", scattering: 0.3)");
+        assert_eq!(rough, Ok(brick.scattering_by(0.3)));
+        let hard = material("Material(base: \"brick\", absorption: 0)");
+        assert_eq!(hard, Ok(Material::MIRROR));
+        assert_eq!(material("Material()"), Ok(Material::MIRROR));
+        let refused = material("Material(base: \"brik\")").unwrap_err();
+        assert!(
+            refused.contains("there is no built-in material \"brik\"; did you mean brick?"),
+            "{refused}"
+        );
     }
 }
