@@ -156,8 +156,8 @@ impl Materials {
         std::array::from_fn(|band| reflectance[band] * of_way(material.scattering[band], share))
     }
 
-    /// The share of reflections that are diffuse: the mean over the bands that are traced together, as a multiple of a step of
-    /// which a half stands exactly behind an event of so many bits in a float.
+    /// The share of reflections that are diffuse: the mean over the bands that are traced together, as a multiple of a
+    /// step of which a half stands exactly behind an event of so many bits in a float.
     fn share(&self, material: &Material) -> f32 {
         let steps = f64::from(1u32 << (22 - self.bits().min(MOST_BITS)));
         let mean = mean_scattering(material, &self.bands);

@@ -10,7 +10,7 @@ use super::covered_faces::extend_covered_faces;
 use super::layout::Layout;
 use super::surface_values::push_values;
 use crate::scene::shape::{Cuboid, Cylinder, Room, Sphere};
-use crate::scene::{Node, Scene, Shape, Surface};
+use crate::scene::{Node, ROUNDING, Scene, Shape, Surface};
 use glam::{Vec3, Vec4};
 
 /// How world coordinates become a shader's.
@@ -126,11 +126,6 @@ impl RebasedScene {
             .map_or(0.0, |s| *s)
     }
 }
-
-/// Eight units in the last place, as a share of the largest number that goes into a
-/// distance: sums of three squares, a root and a product lose about half of that. The
-/// same as in `glsl/common/rounding.glsl`.
-const ROUNDING: f32 = 8.0 * f32::EPSILON;
 
 /// What rounding may do to a distance that is computed with a place, in metres.
 pub(super) fn rounding_of(place: Vec3) -> f32 {

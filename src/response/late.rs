@@ -34,21 +34,18 @@ const LEAST_ITERATIONS: u32 = 8;
 /// counted in the listener itself.
 pub(super) fn arrivals(
     tracer: &mut Tracer,
-    scene: &Scene,
+    heard_in: (&Scene, &Medium, LateSphere),
     settings: &ResponseSettings,
     how: &ArrivalSettings,
     echogram: &mut Echogram,
 ) -> Result<(ArrivalCounts, Vec<Arrival>), Error> {
-    let late = LateSphere::of(scene);
-    let medium = Medium::of(scene);
     let mut counts = ArrivalCounts::of_none();
     let mut early = Vec::new();
-    for bands in kernel::band_groups(scene) {
+    for bands in kernel::band_groups(heard_in.0) {
         let how = how
             .clone()
             .with_bands(bands)
             .with_least_energy(LEAST_ENERGY);
-        let heard_in = (scene, &medium, late);
         let (of_bands, arrivals) = arrivals_of_bands(tracer, heard_in, settings, &how, echogram)?;
         counts = counts.and(of_bands);
         early.extend(arrivals);

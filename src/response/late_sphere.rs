@@ -9,7 +9,8 @@
 //! of paths to its centre, as in the listener itself.
 
 use crate::acoustics::CommonErrors;
-use crate::kernel::{self, Materials};
+use crate::bands::BAND_COUNT;
+use crate::kernel::Materials;
 use crate::scene::{Node, Scene, Surface};
 
 /// Radius in metres. In random rooms (docs/acoustics.md) T30 is 2.5 times as exact with it as with
@@ -86,10 +87,7 @@ impl LateSphere {
 }
 
 fn scatters(scene: &Scene) -> bool {
-    let groups = kernel::band_groups(scene).into_iter();
-    groups
-        .map(|bands| Materials::of(scene, bands))
-        .any(|m| m.scatter())
+    Materials::of(scene, 0..BAND_COUNT).scatter()
 }
 
 /// These errors and what scattering adds to them in a sphere of this radius.

@@ -91,11 +91,18 @@ impl Response {
         let seconds = settings.seconds_needed(tracer, scene)?;
         let order = settings.order_in(scene);
         let medium = Medium::of(scene);
+        let late = LateSphere::of(scene);
         // Bins begin with what may arrive first, so that 50 and 80 ms after it lie between bins.
         let first_s = medium.direct_s;
         let mut echogram = Echogram::with_edge_at(first_s, settings.bin_s, settings.batches)?;
         let how = ArrivalSettings::new(seconds).with_early_order(order);
-        let (counts, early) = late::arrivals(tracer, scene, settings, &how, &mut echogram)?;
+        let (counts, early) = late::arrivals(
+            tracer,
+            (scene, &medium, late),
+            settings,
+            &how,
+            &mut echogram,
+        )?;
         let starts = start_directions(tracer, &settings.trace, &early)?;
         let part = EarlyPart::find(scene, &starts, settings.trace.waves, order, early)?;
         part.left_over()
@@ -107,7 +114,7 @@ impl Response {
         let followed_s = Some(counts.followed_m / medium.speed).filter(|until| *until < seconds);
         let ends_s = followed_s.unwrap_or(seconds);
         let figures = Figures::new(&taps(&paths), &echogram, direct_s(&paths), ends_s);
-        let figures = match LateSphere::of(scene).errors {
+        let figures = match late.errors {
             Some(common) => figures.with_common_errors(&common),
             None => figures,
         };

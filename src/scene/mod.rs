@@ -48,6 +48,11 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+/// Eight units in the last place, as a share of the largest number that goes into a
+/// distance: sums of three squares, a root and a product lose about half of that. The
+/// same as in `glsl/common/rounding.glsl`. A place on a surface may lie in its solid by as much.
+pub(crate) const ROUNDING: f32 = 8.0 * f32::EPSILON;
+
 /// A world to hear: surfaces of materials, air, sources and listeners.
 ///
 /// ```

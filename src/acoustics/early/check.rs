@@ -44,20 +44,17 @@ impl Checked<'_> {
                 return Err(NoPath::OffSurface);
             }
         }
+        let at_source = short(self.points.windows(2), surfaces.touch);
         for (i, normal) in self.normals.iter().enumerate() {
             let (to, from) = (self.directions[i], self.directions[i + 1]);
             let (to, from) = (to.dot(*normal), from.dot(*normal));
             // A source on a surface has an image there, for what flies along it too.
-            let least = if i < self.short_at_source(surfaces.touch) {
-                -GRAZING
-            } else {
-                GRAZING
-            };
+            let least = if i < at_source { -GRAZING } else { GRAZING };
             if to > -least || from < least {
                 return Err(NoPath::NotFromTheAir);
             }
         }
-        if !self.ends_come_from_solids(exact, surfaces.touch) {
+        if !self.ends_come_from_solids(exact, at_source, surfaces.touch) {
             return Err(NoPath::NotFromTheAir);
         }
         let is_free = |(i, d): (usize, &DVec3)| self.is_free(exact, surfaces.touch, i, *d);
@@ -67,29 +64,18 @@ impl Checked<'_> {
         }
     }
 
-    /// Whether each segment of no length at an end is flown against the solid there.
-    fn ends_come_from_solids(&self, exact: &ExactScene, touch: f64) -> bool {
+    /// Whether each segment of no length at an end, so many of them at the source, is flown against the solid there.
+    fn ends_come_from_solids(&self, exact: &ExactScene, at_source: usize, touch: f64) -> bool {
         // What flies along a surface is on it.
         let in_solid = |point: DVec3| exact.surface_distance(point) <= touch;
         let probe_m = PROBE_IN_TOUCHES * touch;
         let segments = self.directions.len();
-        let mut leaving = 0..self.short_at_source(touch);
-        let mut arriving = segments - self.short_at_listener(touch)..segments;
+        let at_listener = short(self.points.windows(2).rev(), touch);
+        let mut leaving = 0..at_source;
+        let mut arriving = segments - at_listener..segments;
         self.normals.is_empty()
             || leaving.all(|i| in_solid(self.points[i] + self.directions[i] * probe_m))
                 && arriving.all(|i| in_solid(self.points[i + 1] - self.directions[i] * probe_m))
-    }
-
-    /// Segments of no length at the source.
-    fn short_at_source(&self, touch: f64) -> usize {
-        let is_short = |pair: &&[DVec3]| pair[0].distance(pair[1]) <= touch;
-        self.points.windows(2).take_while(is_short).count()
-    }
-
-    /// Segments of no length at the listener.
-    fn short_at_listener(&self, touch: f64) -> usize {
-        let is_short = |pair: &&[DVec3]| pair[0].distance(pair[1]) <= touch;
-        self.points.windows(2).rev().take_while(is_short).count()
     }
 
     fn is_free(&self, exact: &ExactScene, touch: f64, segment: usize, direction: DVec3) -> bool {
@@ -110,4 +96,11 @@ impl Checked<'_> {
         };
         hit.t >= length - slack
     }
+}
+
+/// How many of these segments, from the first on, have no length.
+fn short<'a>(segments: impl Iterator<Item = &'a [DVec3]>, touch: f64) -> usize {
+    segments
+        .take_while(|pair| pair[0].distance(pair[1]) <= touch)
+        .count()
 }

@@ -18,17 +18,13 @@ pub(super) fn directions(points: &[DVec3], normals: &[DVec3], touch: f64) -> Vec
     for segment in first..all.len() {
         all[segment] = match long[segment] {
             Some(direction) => direction,
-            None => mirrored(all[segment - 1], normals[segment - 1]),
+            None => all[segment - 1].reflect(normals[segment - 1]),
         };
     }
     for segment in (0..first).rev() {
-        all[segment] = mirrored(all[segment + 1], normals[segment]);
+        all[segment] = all[segment + 1].reflect(normals[segment]);
     }
     all
-}
-
-fn mirrored(direction: DVec3, normal: DVec3) -> DVec3 {
-    direction - normal * (2.0 * direction.dot(normal))
 }
 
 #[cfg(test)]

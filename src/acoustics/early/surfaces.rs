@@ -3,7 +3,7 @@
 use super::differences::Differenced;
 use super::search::{Search, Way};
 use super::sheet::{Frame, Sheet};
-use crate::scene::{Scene, Shape, Surface};
+use crate::scene::{ROUNDING, Scene, Shape, Surface};
 use glam::{DMat3, DQuat, DVec3};
 
 /// A place where a wave met a surface.
@@ -31,10 +31,6 @@ pub(super) struct Surfaces {
 /// and hits of marched fields are off by some tens of them, and what lies closer to an edge
 /// cannot be told from it anyway. In a scene of 100 m this is 0.1 µm.
 const TOUCH_IN_ROUNDINGS: f64 = 1e4;
-
-/// A place may lie in a solid by so many units of the last bit of the largest coordinate: by what turning and adding in
-/// `f32` round, as the shaders have it (`glsl/common/rounding.glsl`).
-const ROUNDINGS_OF_PLACES: f64 = 8.0;
 
 /// A place in a corner lies in three solids by rounding, and setting it out of one may set it into another.
 const MOST_SOLIDS: usize = 8;
@@ -155,7 +151,7 @@ impl Surfaces {
     /// A world point set out of the solids in which it lies by no more than the rounding of coordinates in `f32`, as a
     /// place on a turned wall does; the point itself if it lies in none, or deeper.
     pub fn out_of_rounding(&self, point: DVec3) -> DVec3 {
-        let most_m = ROUNDINGS_OF_PLACES * f64::from(f32::EPSILON) * self.largest;
+        let most_m = f64::from(ROUNDING) * self.largest;
         let value = |(shape, frame): &(Shape, Frame), p: DVec3| shape.value(frame.place(p));
         let deepest = |p: DVec3| {
             let values = (1..).zip(&self.surfaces).map(|(n, s)| (n, value(s, p)));

@@ -1,6 +1,6 @@
 //! What is odd about a scene, and runs.
 
-use crate::scene::{Node, Scene};
+use crate::scene::{Node, ROUNDING, Scene};
 use glam::Vec3;
 use std::fmt;
 
@@ -106,10 +106,6 @@ impl fmt::Display for Warning {
     }
 }
 
-/// A place on a surface may lie in its solid by so many units of the last bit of the largest coordinate: waves start there
-/// as on the surface itself.
-const ROUNDINGS_OF_PLACES: f32 = 8.0;
-
 impl Scene {
     /// What is odd about the scene as it stands, although it can be traced.
     pub fn warnings(&self) -> Vec<Warning> {
@@ -186,7 +182,8 @@ impl Scene {
         let index = nearest.object as usize - 1;
         let surface = &self.surfaces[index];
         let largest = point.abs().max(surface.position.abs()).max_element();
-        if nearest.distance >= -ROUNDINGS_OF_PLACES * f32::EPSILON * largest {
+        if nearest.distance >= -ROUNDING * largest {
+            // Waves start there as on the surface itself.
             return None;
         }
         let label = surface.label(index);
