@@ -84,7 +84,11 @@ impl EarlyPart {
         let candidates = paths.candidates(&ends, &directions, order, ends.radius_m);
         let mut candidates = candidates.among(waves as usize);
         let lengths = candidate_lengths(&ends, &candidates);
-        let complete = match scene.surfaces.iter().any(|surface| surface.shape.is_flat()) {
+        let complete = match scene
+            .surfaces
+            .iter()
+            .any(|surface| surface.shape.has_planes_of_leaves())
+        {
             true => paths.add_planes(&ends, order, &mut candidates),
             false => 0,
         };
@@ -227,7 +231,8 @@ impl Known<'_> {
     /// past the listener's centre from an image without such a path would be lost.
     fn has_image(&self, ends: &Ends, vertices: &[Vertex]) -> bool {
         let surface = |vertex: &Vertex| self.scene.surfaces.get(vertex.surface as usize - 1);
-        let is_flat = |vertex| surface(vertex).is_some_and(|surface| surface.shape.is_flat());
+        let is_flat =
+            |vertex| surface(vertex).is_some_and(|surface| surface.shape.has_planes_of_leaves());
         if vertices.len() <= self.complete as usize && vertices.iter().all(is_flat) {
             return true;
         }

@@ -6,7 +6,7 @@ use echomarch::glam::Vec3;
 use echomarch::reference::ShoeboxEnergies;
 use echomarch::response::{Response, ResponseSettings};
 use echomarch::scene::Material;
-use echomarch::scene::shape::{Room, Sphere};
+use echomarch::scene::shape::{Cuboid, Room, Sphere};
 use echomarch::{Listener, Scene, Settings, Source, Surface};
 use std::f64::consts::PI;
 
@@ -247,6 +247,38 @@ fn mirrored_bands_are_exact_beside_bands_that_scatter() {
         assert!(decay_off.abs() < 0.03, "{band}: {decay_off}");
         let level_off = found.g_db.unwrap() - truth.g_db.unwrap();
         assert!(level_off.abs() < 0.05, "{band}: {level_off} dB");
+    }
+}
+
+/// Protects a source in the edge or the corner of a hollow box: each wall mirrors what flies against it, and no wave is
+/// lost.
+#[test]
+fn a_source_in_the_edge_of_a_hollow_box_loses_nothing() {
+    let mut tracer = tracer();
+    let half = Vec3::new(4.0, 1.5, 2.5);
+    for corner in [
+        Vec3::new(-4.0, -1.5, 0.3),
+        Vec3::new(4.0, 0.2, 2.5),
+        Vec3::new(-4.0, -1.5, -2.5),
+    ] {
+        let mut room = Shoebox::new(2.0 * half, corner, Vec3::new(2.0, -0.3, 1.5), 0.2);
+        room.absorption = [[0.2; BAND_COUNT]; 6];
+        let mut scene = room.scene();
+        let hollow = echomarch::Shape::from(Cuboid { size: room.size }).complement();
+        scene.surfaces = vec![Surface::new(hollow)];
+        scene.surfaces[0].material = Some("wall 0".to_owned());
+        for order in [0, 8] {
+            let settings = ResponseSettings::default().with_order(order);
+            let response = Response::trace(&mut tracer, &scene, &settings).unwrap();
+            let truth = room.truth(response.seconds).bands[0].g_db.unwrap();
+            let found = response.figures.bands[0].g_db.unwrap();
+            let error = response.figures.errors[0].g_db.unwrap();
+            println!("{corner} order {order}: {found} ± {error} dB, {truth} dB");
+            assert!(
+                (found - truth).abs() < 4.0 * error + 0.02,
+                "{corner} {order}: {found} ± {error} dB, {truth} dB"
+            );
+        }
     }
 }
 

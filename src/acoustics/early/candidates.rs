@@ -1,6 +1,7 @@
 //! Which sequences of surfaces may have a path: those of waves that pass by the listener.
 
 use super::Ends;
+use super::edge_start::EdgeStart;
 use super::surfaces::Vertex;
 use crate::reference::ExactScene;
 use glam::{DVec3, Vec3};
@@ -113,86 +114,107 @@ impl Candidates {
             ..span
         }));
     }
+}
+
+/// How waves are followed from the source through the listener.
+pub(super) struct Follow<'a> {
+    pub exact: &'a ExactScene,
+    pub edge: EdgeStart<'a>,
+    pub ends: &'a Ends,
+    /// Reflections at the most.
+    pub order: u32,
+    /// Metres from the listener's centre within which a flight is a candidate.
+    pub reach_m: f64,
+}
+
+impl Follow<'_> {
+    /// Follows waves along `directions` (of any length but 0); the index of a wave is that of its direction.
+    ///
+    /// On the threads of rayon's pool; the result does not depend on their number.
+    pub fn all(&self, directions: &[Vec3]) -> Candidates {
+        let shares = directions.par_chunks(WAVES_A_SHARE).enumerate();
+        let shares = shares.map(|(share, directions)| {
+            let mut found = Candidates::new(directions.len());
+            for (index, direction) in directions.iter().enumerate() {
+                let wave = (share * WAVES_A_SHARE + index) as u32;
+                if let Some(start) = direction.as_dvec3().try_normalize() {
+                    self.one(&mut found, wave, start);
+                    found.forget_vertices_behind();
+                }
+            }
+            found
+        });
+        let shares: Vec<Candidates> = shares.collect();
+        let mut all = Candidates::default();
+        for share in shares {
+            all.append(share);
+        }
+        all
+    }
 
     /// Follows one wave; every flight of it that comes near enough is a candidate, and all of
     /// them share its vertices.
-    fn follow(
-        &mut self,
-        exact: &ExactScene,
-        ends: &Ends,
-        wave: u32,
-        start: DVec3,
-        how: (u32, f64),
-    ) {
-        let (order, reach) = how;
-        let first = self.vertices.len();
-        let mut from = ends.source;
-        let mut count = 0;
-        let (vertices, spans) = (&mut self.vertices, &mut self.spans);
-        let last = exact.follow(ends.source, start, order, |hit| {
-            if passes(from, hit.point, ends.listener, reach) {
+    fn one(&self, found: &mut Candidates, wave: u32, start: DVec3) {
+        let first = found.vertices.len();
+        let mut from = self.ends.source;
+        let (vertices, spans) = (&mut found.vertices, &mut found.spans);
+        let mut visit = |vertex: Vertex| {
+            if self.passes(from, vertex.point) {
+                let count = vertices.len() - first;
                 spans.push(Span { wave, first, count });
             }
-            from = hit.point;
-            count += 1;
-            vertices.push(Vertex {
+            from = vertex.point;
+            vertices.push(vertex);
+        };
+        let (start, reflections) = self.leave_edge(start, &mut visit);
+        let left = self.order - reflections;
+        let last = self.exact.follow(self.ends.source, start, left, |hit| {
+            visit(Vertex {
                 point: hit.point,
                 normal: hit.normal,
                 surface: hit.object,
             });
         });
         let Some(flight) = last else { return };
-        let ahead = (ends.listener - flight.origin)
-            .dot(flight.direction)
-            .max(0.0);
+        let listener = self.ends.listener;
+        let ahead = (listener - flight.origin).dot(flight.direction).max(0.0);
         let nearest = flight.origin + flight.direction * ahead;
-        if nearest.distance(ends.listener) > reach {
+        if nearest.distance(listener) > self.reach_m {
             return;
         }
-        let leaving = vertices[first..]
+        let leaving = found.vertices[first..]
             .last()
             .map(|last| (last.surface, last.normal));
+        let exact = self.exact;
         let met = match flight.is_free {
             true => None,
             false => exact.first_surface(flight.origin, flight.direction, leaving, ahead),
         };
         let end = met.map_or(nearest, |hit| hit.point);
-        if passes(flight.origin, end, ends.listener, reach) {
-            spans.push(Span { wave, first, count });
+        if self.passes(flight.origin, end) {
+            let count = found.vertices.len() - first;
+            found.spans.push(Span { wave, first, count });
         }
     }
-}
 
-/// Follows waves from the source along `directions` (of any length but 0) through the
-/// listener, for at most `order` reflections. Each flight that comes within `reach` metres of
-/// the listener's centre is a candidate; the index of a wave is that of its direction.
-///
-/// On the threads of rayon's pool; the result does not depend on their number.
-pub(super) fn follow_all(
-    exact: &ExactScene,
-    ends: &Ends,
-    directions: &[Vec3],
-    order: u32,
-    reach: f64,
-) -> Candidates {
-    let shares = directions.par_chunks(WAVES_A_SHARE).enumerate();
-    let shares = shares.map(|(share, directions)| {
-        let mut found = Candidates::new(directions.len());
-        for (index, direction) in directions.iter().enumerate() {
-            let wave = (share * WAVES_A_SHARE + index) as u32;
-            if let Some(start) = direction.as_dvec3().try_normalize() {
-                found.follow(exact, ends, wave, start, (order, reach));
-                found.forget_vertices_behind();
-            }
+    /// The direction in which a wave leaves the source along `start`, and how many reflections at an edge there come
+    /// first.
+    fn leave_edge(&self, start: DVec3, visit: &mut impl FnMut(Vertex)) -> (DVec3, u32) {
+        let mut direction = start;
+        for reflections in 0..self.order {
+            let Some(vertex) = self.edge.reflection(direction) else {
+                return (direction, reflections);
+            };
+            visit(*vertex);
+            direction = direction.reflect(vertex.normal);
         }
-        found
-    });
-    let shares: Vec<Candidates> = shares.collect();
-    let mut all = Candidates::default();
-    for share in shares {
-        all.append(share);
+        (direction, self.order)
     }
-    all
+
+    /// Whether the segment comes within reach of the listener's centre.
+    fn passes(&self, from: DVec3, to: DVec3) -> bool {
+        passes(from, to, self.ends.listener, self.reach_m)
+    }
 }
 
 /// Whether the segment comes within `reach` metres of a point.

@@ -22,7 +22,11 @@ const GRAZING: f64 = 1e-9;
 
 /// How far from an end the solid is looked for, in *touches*: more than an end may lie off its surface, for directions
 /// that do not graze it.
-const PROBE_IN_TOUCHES: f64 = 1e3;
+pub(super) const PROBE_IN_TOUCHES: f64 = 1e3;
+
+/// Shorter segments lie next to an edge, and nothing is between their ends, in *touches*: fields are looked at so far
+/// ahead of a place (`reference::marched`), and twice that.
+const SHORTEST_IN_TOUCHES: f64 = 20.0;
 
 /// A path to check: `points` from source to listener, and for each reflection between them the
 /// surface's number and its unit normal into the air.
@@ -81,7 +85,7 @@ impl Checked<'_> {
     fn is_free(&self, exact: &ExactScene, touch: f64, segment: usize, direction: DVec3) -> bool {
         let (from, to) = (self.points[segment], self.points[segment + 1]);
         let length = from.distance(to);
-        if length <= touch {
+        if length <= SHORTEST_IN_TOUCHES * touch {
             return true;
         }
         let left = segment.checked_sub(1);

@@ -1,7 +1,7 @@
 //! Paths by way of planes: mirror images of the source (Allen and Berkley, *Image method for
 //! efficiently simulating small-room acoustics*, JASA 65, 1979).
 
-use super::sheet::{Form, Sheet};
+use super::sheet::Sheet;
 use glam::DVec3;
 
 /// How far a point may lie beyond the ends of its segment, as a share of it: in an edge two
@@ -22,11 +22,7 @@ pub(super) fn points<'a>(
     touch: f64,
     sheets: impl Iterator<Item = &'a Sheet<'a>>,
 ) -> Option<Vec<DVec3>> {
-    let plane = |sheet: &Sheet| match sheet.form {
-        Form::Flat { normal, offset } => Some((normal, offset)),
-        _ => None,
-    };
-    let planes: Vec<(DVec3, f64)> = sheets.map(plane).collect::<Option<_>>()?;
+    let planes: Vec<(DVec3, f64)> = sheets.map(Sheet::plane).collect::<Option<_>>()?;
     let mut images = vec![source];
     for (normal, offset) in &planes {
         let last = *images.last()?;

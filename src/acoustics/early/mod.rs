@@ -43,6 +43,7 @@
 mod candidates;
 mod check;
 mod differences;
+mod edge_start;
 mod fermat;
 mod find;
 mod flight;
@@ -69,6 +70,8 @@ pub use surfaces::Vertex;
 
 use crate::reference::ExactScene;
 use crate::scene::{Scene, SceneError};
+use candidates::Follow;
+use edge_start::EdgeStart;
 use glam::{DVec3, Vec3};
 use surfaces::Surfaces;
 
@@ -178,12 +181,20 @@ impl EarlyPaths {
         order: u32,
         reach_m: f64,
     ) -> Candidates {
-        candidates::follow_all(&self.exact, ends, directions, order, reach_m)
+        let follow = Follow {
+            exact: &self.exact,
+            edge: EdgeStart::at(ends.source, &self.surfaces),
+            ends,
+            order,
+            reach_m,
+        };
+        follow.all(directions)
     }
 
     /// Adds each sequence of planes over which sound could go from the source to the listener if nothing were in the
-    /// way, `order` of them at the most; of surfaces that have planes alone ([`Room`](crate::scene::shape::Room),
-    /// `Cuboid`, `Plane`, `HalfSpace`, `Prism`). Like directions that are searched besides the waves they name
+    /// way, `order` of them at the most; of surfaces that are made of shapes with planes alone
+    /// ([`Room`](crate::scene::shape::Room), `Cuboid`, `Plane`, `HalfSpace`, `Prism`), moved, turned, scaled, turned
+    /// inside out, united and cut. Like directions that are searched besides the waves they name
     /// paths, and do not count among the waves that found them.
     ///
     /// Returns up to how many reflections no sequence was left out: `order`, or less where the images of the source

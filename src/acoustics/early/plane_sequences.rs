@@ -5,7 +5,7 @@
 //! cannot come to a plane from behind. A source on a plane is in its air: its image there is itself.
 
 use super::candidates::Candidates;
-use super::sheet::{Form, Sheet};
+use super::sheet::Sheet;
 use super::surfaces::{Surfaces, Vertex};
 use super::{Ends, images};
 use glam::DVec3;
@@ -82,7 +82,7 @@ fn mirror(
         .map(|image| tree[image].plane)
         .collect();
     for (plane, (_, sheet)) in planes.iter().enumerate() {
-        let Form::Flat { normal, offset } = sheet.form else {
+        let Some((normal, offset)) = sheet.plane() else {
             continue;
         };
         if !behind.contains(&plane) && place.dot(normal) - offset > least {

@@ -119,9 +119,27 @@ pub(super) fn outer(a: DVec3, b: DVec3) -> DMat3 {
 }
 
 impl Sheet<'_> {
+    /// Whether both are one plane with the air on one side, to `touch` metres about the origin.
+    pub fn is_in_plane_of(&self, other: &Sheet, touch: f64) -> bool {
+        /// Radians between normals of one plane: some roundings of a turned shape's axes.
+        const SAME_NORMAL: f64 = 1e-12;
+        let planes = self.plane().zip(other.plane());
+        planes.is_some_and(|((normal, offset), (other, other_offset))| {
+            normal.distance(other) <= SAME_NORMAL && (offset - other_offset).abs() <= touch
+        })
+    }
+
     /// Whether it is a plane.
     pub fn is_flat(&self) -> bool {
         matches!(self.form, Form::Flat { .. })
+    }
+
+    /// The unit normal and the offset of a plane normal · p = offset, in world axes.
+    pub fn plane(&self) -> Option<(DVec3, f64)> {
+        match self.form {
+            Form::Flat { normal, offset } => Some((normal, offset)),
+            _ => None,
+        }
     }
 
     /// Whether its derivatives are differences of a value.

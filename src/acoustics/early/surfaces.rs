@@ -99,23 +99,30 @@ impl Surfaces {
         Some(search)
     }
 
-    /// All planes of the surfaces that have planes alone, each with the number of its surface.
+    /// All planes of the surfaces that lie in the planes of their leaves, each with the number of its surface: of
+    /// the leaves of a surface that lie in one plane the first.
     pub fn planes(&self) -> Vec<(u32, Sheet<'_>)> {
-        let flat = (1..)
-            .zip(&self.surfaces)
-            .filter(|(_, (shape, _))| shape.is_flat());
-        let of = |(surface, _): (u32, _)| {
+        let mut planes: Vec<(u32, Sheet<'_>)> = Vec::new();
+        for (surface, (shape, _)) in (1..).zip(&self.surfaces) {
+            if !shape.has_planes_of_leaves() {
+                continue;
+            }
             let all = self.search(surface, DVec3::ZERO, f64::INFINITY);
-            let sheets = all.into_iter().flat_map(|search| search.found);
-            sheets.map(move |sheet| (surface, sheet))
-        };
-        flat.flat_map(of).collect()
+            let first = planes.len();
+            for sheet in all.into_iter().flat_map(|search| search.found) {
+                let mut known = planes[first..].iter();
+                if !known.any(|(_, other)| sheet.is_in_plane_of(other, self.touch)) {
+                    planes.push((surface, sheet));
+                }
+            }
+        }
+        planes
     }
 
     /// Whether the sheet that was met at `vertex` is a plane.
     pub fn is_flat(&self, vertex: &Vertex) -> bool {
         let index = (vertex.surface as usize).wrapping_sub(1);
-        let has_planes_alone = |(shape, _): &(Shape, Frame)| shape.is_flat();
+        let has_planes_alone = |(shape, _): &(Shape, Frame)| shape.has_planes_alone();
         // Among planes alone the sheet need not be searched.
         self.surfaces.get(index).is_some_and(has_planes_alone)
             || self.sheet(vertex).is_ok_and(|sheet| sheet.is_flat())
@@ -177,10 +184,39 @@ impl Surfaces {
     /// Whether a world point lies on the surface with this number, and not only on one of its
     /// sheets' continuations.
     pub fn has(&self, surface: u32, point: DVec3) -> bool {
+        self.value(surface, point)
+            .is_some_and(|value| value.abs() <= self.touch)
+    }
+
+    /// The value of the surface with this number at a world point: positive in the air.
+    pub fn value(&self, surface: u32, point: DVec3) -> Option<f64> {
         let index = (surface as usize).wrapping_sub(1);
-        let value = |(shape, frame): &(Shape, Frame)| shape.value(frame.place(point));
-        let value = self.surfaces.get(index).map(value);
-        value.is_some_and(|value| value.abs() <= self.touch)
+        let (shape, frame) = self.surfaces.get(index)?;
+        Some(shape.value(frame.place(point)))
+    }
+
+    /// The numbers of the surfaces that are fields.
+    pub fn fields(&self) -> impl Iterator<Item = u32> {
+        let all = (1..).zip(&self.surfaces);
+        all.filter(|(_, (shape, _))| shape.field().is_some())
+            .map(|(number, _)| number)
+    }
+
+    /// The sheets of the surface with this number on which a world point lies, each as a reflection there; none of what
+    /// is known by samples alone.
+    pub fn sheets_at(&self, surface: u32, point: DVec3) -> Vec<Vertex> {
+        let search = self.search(surface, point, self.touch);
+        let found = search.filter(|_| self.has(surface, point));
+        let sheets = found.into_iter().flat_map(|search| search.found);
+        let vertex = |sheet: Sheet| {
+            let normal = sheet.at(point)?.normal;
+            Some(Vertex {
+                point,
+                normal,
+                surface,
+            })
+        };
+        sheets.filter_map(vertex).collect()
     }
 }
 

@@ -190,11 +190,31 @@ fn projection(named: &Named, p: &str, d: &str) -> Vec<String> {
         // A Newton step onto the field's surface, and the gradient there.
         let gradient = named.field_gradient("q");
         statements.push(format!("q = ontoField(q, {gradient});"));
-        let normal = named.field_normal("q");
-        statements.push(format!("normal = facing({normal}.xyz, {vector});"));
+        statements.extend(facing_normal(named, p, &vector));
     }
     let (q, normal) = (named.outward("q"), named.outward("normal"));
     statements.push(format!("{p} = {q} + {}.xyz;", named.value(0)));
     statements.push(format!("normal = {normal};"));
     statements
+}
+
+/// The normal of a field's sheet that a wave at `q`, flying along `vector`, meets; 0 where it meets none.
+fn facing_normal(named: &Named, p: &str, vector: &str) -> Vec<String> {
+    if named.surface.shape.is_convex() {
+        let normal = named.field_normal("q");
+        return vec![format!("normal = facing({normal}.xyz, {vector});")];
+    }
+    // In an edge or a corner the gradient is that of one sheet, and the wave may fly against another
+    // one: that one is the nearest a little off the first.
+    let apart = format!("APART * roundingAt({p}, {})", named.error_bound());
+    let gradient = named.field_normal("at");
+    vec![
+        "vec3 at = q;".to_owned(),
+        "normal = vec3(0.0);".to_owned(),
+        "for (int sheet = 0; sheet < SHEETS && normal == vec3(0.0); ++sheet) {".to_owned(),
+        format!("    vec3 gradient = {gradient}.xyz;"),
+        format!("    normal = facing(gradient, {vector});"),
+        format!("    at += {apart} * unitOrZero(gradient);"),
+        "}".to_owned(),
+    ]
 }

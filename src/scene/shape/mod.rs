@@ -132,9 +132,22 @@ impl Shape {
         )
     }
 
-    /// Whether all of its surface lies in planes, however they are put together.
+    /// Whether all of its surface lies in planes, however they are put together and copied.
     pub(crate) fn has_planes_alone(&self) -> bool {
-        let keeps_planes = matches!(
+        let copies = matches!(self.node, Node::Mirror(_) | Node::Repeat(_));
+        self.is_flat()
+            || (copies || self.keeps_planes()) && self.children.iter().all(Shape::has_planes_alone)
+    }
+
+    /// Whether all of its surface lies in the planes of its leaves.
+    pub(crate) fn has_planes_of_leaves(&self) -> bool {
+        self.is_flat()
+            || self.keeps_planes() && self.children.iter().all(Shape::has_planes_of_leaves)
+    }
+
+    /// Whether its surface lies in that of its children.
+    fn keeps_planes(&self) -> bool {
+        matches!(
             self.node,
             Node::Union(_)
                 | Node::Intersection(_)
@@ -143,10 +156,7 @@ impl Shape {
                 | Node::Translate(_)
                 | Node::Rotate(_)
                 | Node::Scale(_)
-                | Node::Mirror(_)
-                | Node::Repeat(_)
-        );
-        self.is_flat() || keeps_planes && self.children.iter().all(Shape::has_planes_alone)
+        )
     }
 
     /// The tree, if it is no [basic](Shape::is_basic) shape.

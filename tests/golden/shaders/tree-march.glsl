@@ -127,7 +127,13 @@ void reflectWave(float object, float t, inout vec3 p, inout vec3 d) {
         p = hit;
         q = p - surfaceValue0.xyz;
         q = ontoField(q, gradient1(q));
-        normal = facing(gradient1(q).xyz, along);
+        vec3 at = q;
+        normal = vec3(0.0);
+        for (int sheet = 0; sheet < SHEETS && normal == vec3(0.0); ++sheet) {
+            vec3 gradient = gradient1(at).xyz;
+            normal = facing(gradient, along);
+            at += APART * roundingAt(p, surfaceValue0.w) * unitOrZero(gradient);
+        }
         p = q + surfaceValue0.xyz;
         normal = normal;
         d = mirror(along, normal);

@@ -91,6 +91,8 @@ vec4 normal1(vec3 p) {
     return g1;
 }
 
+// glsl/common/onto_field.glsl
+// glsl/common/rounding.glsl
 // glsl/common/mirror_direction.glsl
 // the scene
 // Reflects a wave at the object that it meets t ahead: p, from where it flies along d,
@@ -106,7 +108,13 @@ void reflectWave(float object, float t, inout vec3 p, inout vec3 d) {
         p = hit;
         q = p - surfaceValue0.xyz;
         q = ontoField(q, gradient1(q));
-        normal = facing(normal1(q).xyz, along);
+        vec3 at = q;
+        normal = vec3(0.0);
+        for (int sheet = 0; sheet < SHEETS && normal == vec3(0.0); ++sheet) {
+            vec3 gradient = normal1(at).xyz;
+            normal = facing(gradient, along);
+            at += APART * roundingAt(p, surfaceValue0.w) * unitOrZero(gradient);
+        }
         p = q + surfaceValue0.xyz;
         normal = normal;
         d = mirror(along, normal);

@@ -3,7 +3,7 @@
 use super::{directions, scene};
 use crate::acoustics::early::{Candidates, EarlyPaths, Ends, SpecularPath};
 use crate::scene::shape::{Cuboid, Room};
-use crate::{Scene, Surface};
+use crate::{Scene, Shape, Surface};
 use glam::{Quat, Vec3};
 
 /// What sequences of planes alone lead to, and up to how many reflections none is left out.
@@ -73,6 +73,54 @@ fn paths_among_boxes_are_all_known() {
     assert_eq!(known, found);
 }
 
+/// Protects paths in fields of planes: a hollow box with a block in it, as one field with a material of its own, has
+/// those of a room with a box, also from its corner.
+#[test]
+fn fields_of_planes_have_the_paths_of_basic_shapes() {
+    let size = Vec3::new(8.0, 3.0, 5.0);
+    let angle = 0.5;
+    let turn = Quat::from_rotation_y(angle);
+    let (block, place) = (Vec3::new(1.0, 1.25, 0.75), Vec3::new(0.5, -0.25, 0.125));
+    let hollow = Shape::from(Cuboid { size }).complement();
+    let pillar = Shape::from(Cuboid { size: block / 2.0 }).scale(2.0);
+    let field = Shape::union([hollow, pillar.rotate(Vec3::Y * angle).translate(place)]);
+    let basic = [
+        Surface::new(Room { size }),
+        Surface::new(Cuboid { size: block }).at(place).turned(turn),
+    ];
+    for source in [Vec3::new(-3.0, 0.25, 1.0), size / -2.0] {
+        let of = |surfaces: Vec<Surface>| {
+            let (paths, known) = by_planes(&scene(surfaces, source, Vec3::new(3.0, -0.3, 1.2)), 5);
+            assert_eq!(known, 5);
+            let mut lengths: Vec<f64> = paths.iter().map(|path| path.length_m).collect();
+            lengths.sort_by(f64::total_cmp);
+            lengths
+        };
+        let (of_field, of_basic) = (of(vec![Surface::new(field.clone())]), of(basic.to_vec()));
+        assert!(of_basic.len() > 60, "{source}: {}", of_basic.len());
+        assert_eq!(of_field.len(), of_basic.len(), "{source}");
+        let apart = of_field.iter().zip(&of_basic).map(|(a, b)| (a - b).abs());
+        assert!(apart.fold(0.0, f64::max) < 1e-5, "{source}");
+    }
+}
+
+/// Protects the number of images that are tried: faces of a field's parts that lie in one plane are one.
+#[test]
+fn flush_parts_of_a_field_are_one_plane() {
+    let size = Vec3::new(5.0, 3.0, 5.0);
+    let hollow = |x: f32| Shape::from(Cuboid { size }).translate(Vec3::X * x);
+    let field = Shape::union([hollow(-1.5), hollow(1.5)]).complement();
+    let scene = scene(
+        vec![Surface::new(field)],
+        Vec3::new(-3.0, 0.2, 1.0),
+        Vec3::new(3.0, -0.3, 1.2),
+    );
+    let early = EarlyPaths::new(&scene).expect("a valid scene");
+    assert_eq!(early.surfaces.planes().len(), 8);
+    let (paths, known) = by_planes(&scene, 4);
+    assert_eq!((known, paths.len()), (4, 129));
+}
+
 /// Protects the loudness of a source on a wall, in an edge and in a corner of the room, and on a box: paths are those of a
 /// source next to it.
 #[test]
@@ -103,14 +151,40 @@ fn a_source_on_a_wall_has_the_paths_of_one_next_to_it() {
     }
 }
 
-/// Protects a source in a corner from having fewer paths: there too all of eight reflections are known.
+/// Protects a source in a corner from having fewer paths: there too all of eight reflections are known, in a room and
+/// in a hollow box.
 #[test]
 fn a_source_in_a_corner_has_all_its_images() {
     let size = Vec3::new(8.0, 3.0, 5.0);
-    let room = vec![Surface::new(Room { size })];
-    let scene = scene(room, size / -2.0, Vec3::new(3.0, -0.3, 1.2));
-    let (paths, known) = by_planes(&scene, 8);
-    assert_eq!((known, paths.len()), (8, 833));
+    let hollow = Shape::from(Cuboid { size }).complement();
+    for room in [Shape::from(Room { size }), hollow] {
+        // The second listener has paths through edges, but for rounding.
+        for listener in [Vec3::new(3.0, -0.3, 1.2), Vec3::new(2.0, -0.3, 1.5)] {
+            let scene = scene(vec![Surface::new(room.clone())], size / -2.0, listener);
+            let (paths, known) = by_planes(&scene, 8);
+            assert_eq!((known, paths.len()), (8, 833), "{listener}");
+        }
+    }
+}
+
+/// Protects the loudness of a source in an edge or a corner of a hollow box: waves that pass the listener are those of a
+/// room, mirrored by each wall in turn.
+#[test]
+fn waves_leave_the_edges_of_a_hollow_box_as_those_of_a_room() {
+    let size = Vec3::new(8.0, 3.0, 5.0);
+    let hollow = Shape::from(Cuboid { size }).complement();
+    for source in [Vec3::new(-4.0, -1.5, 0.3), size / -2.0] {
+        let waves = |shape: Shape| {
+            let scene = scene(vec![Surface::new(shape)], source, Vec3::new(3.0, -0.3, 1.2));
+            let early = EarlyPaths::new(&scene).expect("a valid scene");
+            let found = early.candidates(&Ends::of(&scene), &directions(4096), 5, 0.3);
+            let all = found.iter().map(|wave| (wave.wave, wave.vertices.len()));
+            all.collect::<Vec<(u32, usize)>>()
+        };
+        let (of_room, of_hollow) = (waves(Room { size }.into()), waves(hollow.clone()));
+        assert!(of_room.len() > 30, "{}", of_room.len());
+        assert_eq!(of_room, of_hollow, "{source}");
+    }
 }
 
 /// Protects the loudness of a source or a listener on an edge and at a corner of a box: no face mirrors what flies from
