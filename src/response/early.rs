@@ -197,12 +197,15 @@ fn nearest(lengths: &[(u32, f64)], wave: u32, length_m: f64, radius_m: f64) -> O
 }
 
 /// Whether an arrival without a path is kept: where something hides the listener's centre, or it is
-/// in a solid, and at curved or sampled surfaces. Beyond the edge of a plane it is not: next to the
+/// in a solid, where it begins or ends in an edge, and at curved or sampled surfaces. Beyond the edge of a plane it is not: next to the
 /// edge between two walls a wave that passes by the centre meets them in the other order, and the
 /// path of that order has all of the energy, if it is known ([`Known::has_image`]). (An arrival without a candidate, which
 /// passes by the listener in `f64`, is kept: at users' fields and after many curved surfaces that happens often.)
 fn stands_for_itself(paths: &EarlyPaths, vertices: &[Vertex], why: NoPath) -> bool {
-    let is_kept = matches!(why, NoPath::NotExact | NoPath::Blocked | NoPath::EndInSolid);
+    let is_kept = matches!(
+        why,
+        NoPath::NotExact | NoPath::Blocked | NoPath::EndInSolid | NoPath::AtEdge
+    );
     is_kept || !paths.are_flat(vertices)
 }
 

@@ -113,7 +113,7 @@ impl ResponseSettings {
 
     /// The order of exact paths in this scene.
     pub(super) fn order_in(&self, scene: &Scene) -> u32 {
-        let is_flat = |surface: &Surface| surface.shape.has_planes_of_leaves();
+        let is_flat = |surface: &Surface| surface.shape.is_flat();
         self.order
             .unwrap_or(match scene.surfaces.iter().all(is_flat) {
                 true => ORDER_AT_PLANES,

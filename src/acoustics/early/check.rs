@@ -9,10 +9,12 @@
 //!   ends on may be met earlier by *touch* ÷ cosine, as its distance is measured along the segment.
 //! - Two points closer than *touch* lie in an edge, or are an end on a surface: between them the wave has
 //!   the direction that mirroring gives (`flight.rs`). At an end that must come from the solid, or lead into
-//!   it: where it does not, as before an edge of a box, the wave flies on in the air.
+//!   it: where it does not, as before an edge of a box, the wave flies on in the air. In an edge that
+//!   points into the air what flies against several faces is mirrored by one of them, and which one nothing tells: that
+//!   is no path, and its waves stay statistics.
 
 use super::NoPath;
-use super::surfaces::Surfaces;
+use super::surfaces::{Surfaces, Vertex};
 use crate::reference::ExactScene;
 use glam::DVec3;
 
@@ -58,9 +60,7 @@ impl Checked<'_> {
                 return Err(NoPath::NotFromTheAir);
             }
         }
-        if !self.ends_come_from_solids(exact, at_source, surfaces.touch) {
-            return Err(NoPath::NotFromTheAir);
-        }
+        self.ends_mirror(exact, surfaces, at_source)?;
         let is_free = |(i, d): (usize, &DVec3)| self.is_free(exact, surfaces.touch, i, *d);
         match self.directions.iter().enumerate().all(is_free) {
             true => Ok(()),
@@ -68,18 +68,28 @@ impl Checked<'_> {
         }
     }
 
-    /// Whether each segment of no length at an end, so many of them at the source, is flown against the solid there.
-    fn ends_come_from_solids(&self, exact: &ExactScene, at_source: usize, touch: f64) -> bool {
-        // What flies along a surface is on it.
-        let in_solid = |point: DVec3| exact.surface_distance(point) <= touch;
-        let probe_m = PROBE_IN_TOUCHES * touch;
+    /// Whether each segment of no length at an end, so many of them at the source, is mirrored there.
+    fn ends_mirror(
+        &self,
+        exact: &ExactScene,
+        surfaces: &Surfaces,
+        at_source: usize,
+    ) -> Result<(), NoPath> {
+        if self.normals.is_empty() {
+            return Ok(());
+        }
+        let end = EndOnSurface { exact, surfaces };
         let segments = self.directions.len();
-        let at_listener = short(self.points.windows(2).rev(), touch);
-        let mut leaving = 0..at_source;
-        let mut arriving = segments - at_listener..segments;
-        self.normals.is_empty()
-            || leaving.all(|i| in_solid(self.points[i] + self.directions[i] * probe_m))
-                && arriving.all(|i| in_solid(self.points[i + 1] - self.directions[i] * probe_m))
+        let at_listener = short(self.points.windows(2).rev(), surfaces.touch);
+        for i in 0..at_source {
+            let mirror = (self.surfaces[i], self.normals[i]);
+            end.mirrors(self.points[i], self.directions[i], mirror)?;
+        }
+        for i in segments - at_listener..segments {
+            let mirror = (self.surfaces[i - 1], self.normals[i - 1]);
+            end.mirrors(self.points[i + 1], -self.directions[i], mirror)?;
+        }
+        Ok(())
     }
 
     fn is_free(&self, exact: &ExactScene, touch: f64, segment: usize, direction: DVec3) -> bool {
@@ -99,6 +109,48 @@ impl Checked<'_> {
             false => touch,
         };
         hit.t >= length - slack
+    }
+}
+
+/// Normals closer than this are those of one face.
+const SAME_NORMAL: f64 = 1e-6;
+
+/// The surroundings of a source or a listener on a surface.
+struct EndOnSurface<'a> {
+    exact: &'a ExactScene,
+    surfaces: &'a Surfaces,
+}
+
+impl EndOnSurface<'_> {
+    /// Whether what flies from a point on a surface along `direction` is mirrored there, by the surface of this number
+    /// with this normal.
+    fn mirrors(
+        &self,
+        point: DVec3,
+        direction: DVec3,
+        (surface, normal): (u32, DVec3),
+    ) -> Result<(), NoPath> {
+        if !self.is_in_solid(point, direction) {
+            return Err(NoPath::NotFromTheAir);
+        }
+        let sheets = self.surfaces.sheets_at(surface, point);
+        let against = |sheet: &&Vertex| direction.dot(sheet.normal) < -GRAZING;
+        // Beyond one face and behind the other one there is air if the edge points into it.
+        let into_air = |other: &Vertex| {
+            let across = other.normal - normal;
+            across.length() > SAME_NORMAL && !self.is_in_solid(point, across)
+        };
+        match sheets.iter().filter(against).any(into_air) {
+            true => Err(NoPath::AtEdge),
+            false => Ok(()),
+        }
+    }
+
+    /// Whether there is a solid next to a point on a surface in this direction; what flies along a surface is on it.
+    fn is_in_solid(&self, point: DVec3, direction: DVec3) -> bool {
+        let touch = self.surfaces.touch;
+        let ahead = point + direction * (PROBE_IN_TOUCHES * touch);
+        self.exact.surface_distance(ahead) <= touch
     }
 }
 

@@ -125,6 +125,9 @@ pub enum NoPath {
     Blocked,
     /// The source or the listener's centre is in a solid.
     EndInSolid,
+    /// It begins or ends in an edge or at a corner that points into the air, and is flown against more than one of the
+    /// faces there: which one mirrors it is not decided.
+    AtEdge,
     /// It was not looked for: there are too many at curved surfaces. Its waves stay statistics.
     LeftOut,
 }

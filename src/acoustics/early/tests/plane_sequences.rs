@@ -5,6 +5,7 @@ use crate::acoustics::early::{Candidates, EarlyPaths, Ends, SpecularPath};
 use crate::scene::shape::{Cuboid, Room};
 use crate::{Scene, Shape, Surface};
 use glam::{Quat, Vec3};
+use std::f64::consts::PI;
 
 /// What sequences of planes alone lead to, and up to how many reflections none is left out.
 fn by_planes(scene: &Scene, order: u32) -> (Vec<SpecularPath>, u32) {
@@ -198,6 +199,28 @@ fn edges_of_a_box_mirror_nothing_into_the_air_before_them() {
             let (paths, _) = by_planes(&scene(vec![block.clone()], source, listener), 3);
             assert_eq!(paths.len(), 1, "{paths:?}");
         }
+    }
+}
+
+/// Protects the loudness of a source on an edge and at a corner of a box: its faces have no images of what flies into the
+/// solid there, which one of them mirrors. (Three quarters, or seven eighths, of the sound fly off.)
+#[test]
+fn edges_of_a_box_mirror_no_sound_twice() {
+    let block = Surface::new(Cuboid { size: Vec3::ONE });
+    let far_m = 50.0;
+    let listeners = directions(1000);
+    for (source, share) in [
+        (Vec3::new(0.5, 0.5, 0.125), 0.75),
+        (Vec3::splat(0.5), 0.875),
+    ] {
+        let arriving = listeners.iter().map(|direction| {
+            let scene = scene(vec![block.clone()], source, *direction * far_m);
+            let (paths, _) = by_planes(&scene, 3);
+            let spreading: f64 = paths.iter().map(|path| path.spreading).sum();
+            spreading * 4.0 * PI * f64::from(far_m).powi(2)
+        });
+        let mean = arriving.sum::<f64>() / listeners.len() as f64;
+        assert!((mean - share).abs() < 0.02, "{source}: {mean}");
     }
 }
 
