@@ -155,6 +155,19 @@ impl BandFigures {
             g_db,
         }
     }
+
+    fn list(&self) -> List {
+        [
+            self.edt_s,
+            self.t20_s,
+            self.t30_s,
+            self.c50_db,
+            self.c80_db,
+            self.d50,
+            self.ts_s,
+            self.g_db,
+        ]
+    }
 }
 
 impl Figures {
@@ -188,6 +201,32 @@ impl Figures {
         }
         figures.cut_off = cut_off;
         figures
+    }
+
+    /// The same with the differences from the figures of other taps and another echogram, of a record that ends after so
+    /// many seconds, as errors besides; in the bands of `of_bands`.
+    pub(crate) fn with_differences(
+        mut self,
+        (taps, echogram, ends_s): (&[Tap], &Echogram, f64),
+        of_bands: [bool; BAND_COUNT],
+    ) -> Figures {
+        let Some(begins_s) = self.begins_s else {
+            return self;
+        };
+        let span = Span { begins_s, ends_s };
+        let other = pieces(taps, echogram, |bin| echogram.energy(bin), span);
+        let (others, ..) = lists(&other, echogram.bin_s());
+        for band in (0..BAND_COUNT).filter(|band| of_bands[*band]) {
+            let pairs = self.bands[band].list().into_iter().zip(others[band]);
+            let differences =
+                pairs.map(|(own, other)| own.zip(other).map(|(own, other)| own - other));
+            let mut errors = self.errors[band].list();
+            for (error, difference) in errors.iter_mut().zip(differences) {
+                *error = error.map(|error| error.hypot(difference.unwrap_or(0.0)));
+            }
+            self.errors[band] = BandFigures::from_list(errors);
+        }
+        self
     }
 
     /// The same with errors besides that all waves have in common.

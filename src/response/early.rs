@@ -150,6 +150,18 @@ impl EarlyPart {
         self.arrivals_of(Outcome::LeftOut)
     }
 
+    /// What the listener caught of the sound of all exact paths but foci.
+    pub fn caught(&self) -> impl Iterator<Item = &Arrival> {
+        let all = self.arrivals.iter().zip(&self.outcomes);
+        let is_of_path = |outcome: &Outcome| match outcome {
+            Outcome::Path(path) => !self.paths[*path].is_focus,
+            Outcome::Another => true,
+            Outcome::Itself | Outcome::LeftOut => false,
+        };
+        all.filter(move |(_, outcome)| is_of_path(outcome))
+            .map(|(arrival, _)| arrival)
+    }
+
     /// What is heard along each path. At a focus the energy is that of the waves that found it.
     pub fn heard(&self, scene: &Scene, medium: &Medium) -> Vec<HeardPath> {
         let paths = self.paths.iter().enumerate();

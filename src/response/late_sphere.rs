@@ -114,9 +114,8 @@ fn reach_m(scene: &Scene) -> f32 {
         let distance = surface.distance(scene.listener.position);
         match surface.shape.node {
             Node::Room(_) => BEHIND_WALLS * distance,
-            _ if surface.shape.has_planes_alone() || surface.shape.properties().convex => distance,
-            // What is hollow and curved gathers sound.
-            _ => 0.0,
+            _ if surface.shape.gathers_sound() => 0.0,
+            _ => distance,
         }
     };
     let reaches = scene.surfaces.iter().map(reach);

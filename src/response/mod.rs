@@ -8,6 +8,7 @@
 //! [`ImpulseResponse`](crate::acoustics::ImpulseResponse). The model, its sources and what it leaves
 //! out: `docs/acoustics.md`.
 
+mod caught;
 mod duration;
 mod early;
 mod importance;
@@ -27,6 +28,7 @@ use crate::error::Error;
 use crate::platform::Instant;
 use crate::scene::Scene;
 use crate::trace::{ArrivalCounts, ArrivalSettings, Settings, Tracer};
+use caught::Caught;
 use early::EarlyPart;
 use glam::Vec3;
 use late_sphere::LateSphere;
@@ -118,6 +120,14 @@ impl Response {
             Some(common) => figures.with_common_errors(&common),
             None => figures,
         };
+        let figures = Caught {
+            scene,
+            medium: &medium,
+            part: &part,
+            paths: &paths,
+            waves: settings.trace.waves,
+        }
+        .in_errors(figures, &echogram, ends_s);
         Ok(Response {
             missed: part.missed(),
             left_out: part.left_out().count() as u64,

@@ -78,19 +78,14 @@ fn all(scene: &Scene, response: &Response) -> Vec<Note> {
             "sound meets in a focus: where it does so again and again rounding decides where it goes, and ± of late decays does not hold that".to_owned(),
         ));
     }
+    let gathers = |surface: &Surface| surface.shape.gathers_sound();
     if scene.surfaces.iter().any(gathers) {
         notes.push(note(
-            "a hollow curved surface gathers sound: what exact paths bring to the listener's centre and what its sphere catches may differ by more than ±; compare with another --order and a smaller listener".to_owned(),
+            "a hollow curved surface gathers sound: where exact paths bring other energy to the listener's centre than its sphere catches, ± holds the difference; of reflections beyond --order none is known, so compare with a greater one and a smaller listener".to_owned(),
         ));
     }
     notes.extend(missing::reasons(scene, response).into_iter().map(note));
     notes
-}
-
-/// Whether a surface is hollow and curved.
-fn gathers(surface: &Surface) -> bool {
-    let shape = &surface.shape;
-    !shape.has_planes_alone() && !shape.properties().convex
 }
 
 fn warnings(response: &Response) -> Vec<Note> {

@@ -139,6 +139,11 @@ impl Shape {
             || (copies || self.keeps_planes()) && self.children.iter().all(Shape::has_planes_alone)
     }
 
+    /// Whether it is hollow and curved, so that it may gather sound.
+    pub(crate) fn gathers_sound(&self) -> bool {
+        !self.has_planes_alone() && !self.is_convex()
+    }
+
     /// Whether all of its surface lies in the planes of its leaves.
     pub(crate) fn has_planes_of_leaves(&self) -> bool {
         self.is_flat()
