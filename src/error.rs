@@ -1,6 +1,6 @@
 //! The one error type that everything public returns.
 
-pub use crate::file_input::InputError;
+pub use crate::file_input::{InputError, MalformedText};
 #[cfg(feature = "picture")]
 pub use crate::file_output::OutputError;
 

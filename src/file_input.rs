@@ -12,6 +12,21 @@ use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
+/// A place in a text that is not what it must be, and why.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{origin}:{line}:{column}: {message}")]
+#[non_exhaustive]
+pub struct MalformedText {
+    /// File path, or what stands for it.
+    pub origin: String,
+    /// Line, counted from 1.
+    pub line: usize,
+    /// Column in characters, counted from 1.
+    pub column: usize,
+    /// What is wrong there.
+    pub message: String,
+}
+
 /// A file that is not read, and why.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]

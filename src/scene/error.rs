@@ -1,6 +1,6 @@
 //! What can be wrong with a scene.
 
-use crate::file_input::InputError;
+use crate::file_input::{InputError, MalformedText};
 use std::path::{Path, PathBuf};
 
 /// A scene that cannot be used, and why.
@@ -29,18 +29,9 @@ pub enum SceneError {
         /// Why.
         source: InputError,
     },
-    /// The text is not a scene.
-    #[error("{origin}:{line}:{column}: {message}")]
-    Malformed {
-        /// File path, or `scene` for text that came from elsewhere.
-        origin: String,
-        /// Line, counted from 1.
-        line: usize,
-        /// Column in characters, counted from 1.
-        column: usize,
-        /// What is wrong there.
-        message: String,
-    },
+    /// The text is not a scene; its origin is the file's path, or `scene` for text that came from elsewhere.
+    #[error(transparent)]
+    Malformed(MalformedText),
     /// A scene file has no path that a file in that folder could name as its base.
     #[error("{} has no path that a scene file in the folder {} can name", base.display(), folder.display())]
     NoBase {

@@ -1,7 +1,7 @@
 //! What can be wrong with a study, its shards, and joining them.
 
 use super::Shard;
-use crate::file_input::InputError;
+use crate::file_input::{InputError, MalformedText};
 use crate::file_output::OutputError;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -19,17 +19,8 @@ pub enum StudyError {
         source: InputError,
     },
     /// The text is not a study.
-    #[error("{origin}:{line}:{column}: {message}")]
-    Malformed {
-        /// File path, or what stands for it.
-        origin: String,
-        /// Line, counted from 1.
-        line: usize,
-        /// Column in characters, counted from 1.
-        column: usize,
-        /// What is wrong there.
-        message: String,
-    },
+    #[error(transparent)]
+    Malformed(MalformedText),
     /// A field of the study file that makes no sense.
     #[error("{origin}: {place} must be {must}, not {value}")]
     BadField {

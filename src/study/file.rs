@@ -5,7 +5,7 @@
 //! `docs/clusters.md`.
 
 use super::StudyError;
-use crate::file_input::read_text;
+use crate::file_input::{MalformedText, read_text};
 use crate::notation_error::{STUDY, sentence};
 use crate::scene::BUILTIN_NAMES;
 use crate::text::in_a_line;
@@ -346,14 +346,14 @@ impl StudyFile {
             .with_recursion_limit(DEEPEST);
         // Some editors put a byte-order mark before the text.
         let text = text.trim_start_matches('\u{feff}');
-        options
-            .from_str(text)
-            .map_err(|error| StudyError::Malformed {
+        options.from_str(text).map_err(|error| {
+            StudyError::Malformed(MalformedText {
                 origin: origin.to_owned(),
                 line: error.span.start.line,
                 column: error.span.start.col,
                 message: in_a_line(&sentence(text, &error, STUDY)).into_owned(),
             })
+        })
     }
 }
 

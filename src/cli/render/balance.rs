@@ -1,7 +1,7 @@
 //! The thesis' way: left against right, and nothing else.
 
 use super::super::print;
-use super::{Job, sounds};
+use super::{Job, ReportHead, sounds};
 use crate::audio::{Mixer, SAMPLE_RATE, WavWriter};
 use crate::error::Error;
 use crate::offline::{self, Block};
@@ -10,11 +10,8 @@ use serde::Serialize;
 
 #[derive(Serialize)]
 struct Report<'a> {
-    scene: &'a str,
-    listen: &'a str,
-    profile: String,
-    renderer: &'a str,
-    waves: u32,
+    #[serde(flatten)]
+    head: ReportHead<'a>,
     iterations: u32,
     seed: u32,
     output: String,
@@ -72,11 +69,7 @@ pub fn run(job: Job) -> anyhow::Result<()> {
     writer.finish().map_err(Error::from)?;
     bar.finish_and_clear();
     let report = Report {
-        scene: &scene.name,
-        listen: "balance",
-        profile: settings.profile().to_string(),
-        renderer: tracer.context().renderer(),
-        waves: settings.waves,
+        head: job.report_head("balance", &settings, &tracer),
         iterations: settings.iterations,
         seed: settings.seed,
         output: arguments.output.display().to_string(),
@@ -103,7 +96,7 @@ fn print_text(report: &Report) -> anyhow::Result<()> {
         report.output,
         report.seconds,
         report.sound,
-        report.scene,
+        report.head.scene,
         report.frames.len(),
         report.median_frame_ms
     ))?;

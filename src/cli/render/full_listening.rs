@@ -4,7 +4,7 @@ use super::super::impulse::pairs;
 use super::super::numbers::{count, real, tenths};
 use super::super::options::check_range;
 use super::super::print;
-use super::{Job, sounds};
+use super::{Job, ReportHead, sounds};
 use crate::acoustics::MAX_SECONDS;
 use crate::audio::{SAMPLE_RATE, WavWriter};
 use crate::error::Error;
@@ -55,11 +55,8 @@ impl FullOptions {
 
 #[derive(Serialize)]
 struct Report<'a> {
-    scene: &'a str,
-    listen: &'a str,
-    profile: String,
-    renderer: &'a str,
-    waves: u32,
+    #[serde(flatten)]
+    head: ReportHead<'a>,
     seed: u32,
     output: String,
     sound: String,
@@ -123,11 +120,7 @@ pub fn run(job: Job) -> anyhow::Result<()> {
     writer.finish().map_err(Error::from)?;
     bar.finish_and_clear();
     let report = Report {
-        scene: &scene.name,
-        listen: "full",
-        profile: settings.response.trace.profile().to_string(),
-        renderer: tracer.context().renderer(),
-        waves: settings.response.trace.waves,
+        head: job.report_head("full", &settings.response.trace, &tracer),
         seed: settings.response.trace.seed,
         output: arguments.output.display().to_string(),
         sound: sounds::names(&job.sounds),
@@ -196,7 +189,7 @@ fn print_text(report: &Report) -> anyhow::Result<()> {
         report.output,
         report.seconds,
         report.sound,
-        report.scene,
+        report.head.scene,
         report.frames.len()
     ))?;
     let (Some(first), Some(last)) = (report.frames.first(), report.frames.last()) else {

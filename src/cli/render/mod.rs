@@ -15,8 +15,9 @@ use crate::error::Error;
 use crate::file_output::check_file;
 use crate::offline::Timing;
 use crate::scene::Scene;
-use crate::trace::Profile;
+use crate::trace::{Profile, Settings, Tracer};
 use clap::Args;
+use serde::Serialize;
 use sounds::SourceSound;
 use std::path::PathBuf;
 
@@ -98,6 +99,16 @@ struct Job<'a> {
     sounds: Vec<SoundSpec>,
 }
 
+/// How the report of a rendered scene begins.
+#[derive(Serialize)]
+struct ReportHead<'a> {
+    scene: &'a str,
+    listen: &'static str,
+    profile: String,
+    renderer: &'a str,
+    waves: u32,
+}
+
 impl Arguments {
     /// What is listened to; the thesis hears a balance and nothing else.
     fn listen(&self) -> Result<Listen, BadInput> {
@@ -172,6 +183,21 @@ impl Job<'_> {
     fn warn(&self) {
         self.common.warn_checked(&self.scene);
         warn_on_the_way(&self.scene, self.timing, self.common);
+    }
+
+    fn report_head<'a>(
+        &'a self,
+        listen: &'static str,
+        settings: &Settings,
+        tracer: &'a Tracer,
+    ) -> ReportHead<'a> {
+        ReportHead {
+            scene: &self.scene.name,
+            listen,
+            profile: settings.profile().to_string(),
+            renderer: tracer.context().renderer(),
+            waves: settings.waves,
+        }
     }
 
     fn bar(&self) -> indicatif::ProgressBar {

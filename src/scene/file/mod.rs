@@ -19,7 +19,7 @@ mod write;
 
 use super::check::NOT_A_ROOM;
 use super::{Scene, SceneError};
-use crate::file_input::read_text;
+use crate::file_input::{MalformedText, read_text};
 use crate::notation_error;
 use crate::scene::notation::{Attached, FixedRadius, Name};
 use crate::text::in_a_line;
@@ -167,12 +167,12 @@ fn from_ron(files: &Attached, text: &str, error: &ron::error::SpannedError) -> S
 
 /// An error at a line and a column, each counted from 1.
 fn malformed(files: &Attached, line: usize, column: usize, message: &str) -> SceneError {
-    SceneError::Malformed {
+    SceneError::Malformed(MalformedText {
         origin: files.origin().to_owned(),
         line,
         column,
         message: in_a_line(message).into_owned(),
-    }
+    })
 }
 
 #[derive(Deserialize)]
