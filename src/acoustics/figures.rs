@@ -88,11 +88,12 @@ pub struct BandFigures {
 /// the error by t(97.5 %)/2, so that twice the error holds the truth in 95 % of cases (16 batches:
 /// by 6.6 %). A figure that some half does not have is none: its decay is too noisy.
 ///
-/// A decay time is told if its error is at most 1.5 % of it, and if after the end of its decay at least
+/// A decay time is told if its error, by the noise of the waves alone, is at most 1.5 % of it, and if after the end of its decay at least
 /// 500 waves of one energy arrive (strong ones count for few), where there are batches. EDT is none if
 /// it is longer than the record.
 ///
-/// What all waves share is not in it: the listener's size, and paths that a wave cannot take.
+/// What all waves share is not in it, as paths that a wave cannot take. A [`Response`](crate::response::Response) adds
+/// what the listener's size is known to do.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Figures {
     /// The figures by band.
@@ -210,7 +211,7 @@ impl Figures {
         (taps, echogram, ends_s): (&[Tap], &Echogram, f64),
         of_bands: [bool; BAND_COUNT],
     ) -> Figures {
-        let Some(begins_s) = self.begins_s else {
+        let Some(begins_s) = self.begins_s.filter(|&begins_s| begins_s < ends_s) else {
             return self;
         };
         let span = Span { begins_s, ends_s };
@@ -222,6 +223,7 @@ impl Figures {
                 pairs.map(|(own, other)| own.zip(other).map(|(own, other)| own - other));
             let mut errors = self.errors[band].list();
             for (error, difference) in errors.iter_mut().zip(differences) {
+                let difference = difference.filter(|difference| difference.is_finite());
                 *error = error.map(|error| error.hypot(difference.unwrap_or(0.0)));
             }
             self.errors[band] = BandFigures::from_list(errors);

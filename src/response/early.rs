@@ -84,11 +84,11 @@ impl EarlyPart {
         let candidates = paths.candidates(&ends, &directions, order, ends.radius_m);
         let mut candidates = candidates.among(waves as usize);
         let lengths = candidate_lengths(&ends, &candidates);
-        let complete = match scene
-            .surfaces
-            .iter()
-            .any(|surface| surface.shape.has_planes_of_leaves())
-        {
+        let surfaces = scene.surfaces.iter();
+        let have_planes: Vec<bool> = surfaces
+            .map(|surface| surface.shape.has_planes_of_leaves())
+            .collect();
+        let complete = match have_planes.contains(&true) {
             true => paths.add_planes(&ends, order, &mut candidates),
             false => 0,
         };
@@ -97,14 +97,14 @@ impl EarlyPart {
         }
         let found = paths.find(&ends, &candidates);
         let (paths_known, index_known) = retain(found.paths, |path| {
-            let mirrored = path.spreading * mirrored_share(scene, reflections(path));
-            path.is_searched || are_expected(mirrored, ends.radius_m, waves)
+            path.is_searched || passing(scene, path, ends.radius_m, waves) >= EXPECTED_WAVES
         });
         let known = Known {
             scene,
             early: &paths,
             paths: &paths_known,
             complete,
+            have_planes,
             waves,
         };
         let outcome = |arrival: &Arrival| {
@@ -150,16 +150,18 @@ impl EarlyPart {
         self.arrivals_of(Outcome::LeftOut)
     }
 
-    /// What the listener caught of the sound of all exact paths but foci.
-    pub fn caught(&self) -> impl Iterator<Item = &Arrival> {
+    /// What the listener caught of the sound of the exact paths but foci: each arrival with its path, or without one
+    /// where another path, over planes, stands for it.
+    pub fn caught(&self) -> impl Iterator<Item = (&Arrival, Option<&SpecularPath>)> {
         let all = self.arrivals.iter().zip(&self.outcomes);
-        let is_of_path = |outcome: &Outcome| match outcome {
-            Outcome::Path(path) => !self.paths[*path].is_focus,
-            Outcome::Another => true,
-            Outcome::Itself | Outcome::LeftOut => false,
-        };
-        all.filter(move |(_, outcome)| is_of_path(outcome))
-            .map(|(arrival, _)| arrival)
+        all.filter_map(|(arrival, outcome)| match outcome {
+            Outcome::Path(path) => {
+                let path = &self.paths[*path];
+                (!path.is_focus).then_some((arrival, Some(path)))
+            }
+            Outcome::Another => Some((arrival, None)),
+            Outcome::Itself | Outcome::LeftOut => None,
+        })
     }
 
     /// What is heard along each path. At a focus the energy is that of the waves that found it.
@@ -208,8 +210,8 @@ fn nearest(lengths: &[(u32, f64)], wave: u32, length_m: f64, radius_m: f64) -> O
     nearest.filter(|index| off(index) <= radius_m)
 }
 
-/// Whether an arrival without a path is kept: where something hides the listener's centre, or it is
-/// in a solid, where it begins or ends in an edge, and at curved or sampled surfaces. Beyond the edge of a plane it is not: next to the
+/// Whether an arrival without a path is kept: where something hides the listener's centre, where that or the source is
+/// in a solid, where it begins or ends in an edge that points into the air, and at curved or sampled surfaces. Beyond the edge of a plane it is not: next to the
 /// edge between two walls a wave that passes by the centre meets them in the other order, and the
 /// path of that order has all of the energy, if it is known ([`Known::has_image`]). (An arrival without a candidate, which
 /// passes by the listener in `f64`, is kept: at users' fields and after many curved surfaces that happens often.)
@@ -236,8 +238,10 @@ struct Known<'a> {
     early: &'a EarlyPaths,
     /// By length.
     paths: &'a [SpecularPath],
-    /// All that have no more reflections than this, at surfaces of planes alone, are among them.
+    /// All that have no more reflections than this, at planes of [leaves](Shape::has_planes_of_leaves), are among them.
     complete: u32,
+    /// For each surface whether it has such planes alone.
+    have_planes: Vec<bool>,
     waves: u32,
 }
 
@@ -245,9 +249,7 @@ impl Known<'_> {
     /// Whether what comes from the image of the source in these planes, in whatever order, is in a path: all that came
     /// past the listener's centre from an image without such a path would be lost.
     fn has_image(&self, ends: &Ends, vertices: &[Vertex]) -> bool {
-        let surface = |vertex: &Vertex| self.scene.surfaces.get(vertex.surface as usize - 1);
-        let is_flat =
-            |vertex| surface(vertex).is_some_and(|surface| surface.shape.has_planes_of_leaves());
+        let is_flat = |vertex: &Vertex| self.have_planes[vertex.surface as usize - 1];
         if vertices.len() <= self.complete as usize && vertices.iter().all(is_flat) {
             return true;
         }
@@ -339,6 +341,12 @@ fn reflections(path: &SpecularPath) -> impl Iterator<Item = (u32, Option<u8>)> {
 fn mirrored_share(scene: &Scene, at: impl Iterator<Item = (u32, Option<u8>)>) -> f64 {
     let mirrored = |material: &Material, band: usize| 1.0 - material.scattering[band];
     bands::mean(&along(scene, at, mirrored))
+}
+
+/// How many of `waves` waves pass a listener of this radius along a path, on average.
+pub(super) fn passing(scene: &Scene, path: &SpecularPath, radius_m: f64, waves: u32) -> f64 {
+    let mirrored = path.spreading * mirrored_share(scene, reflections(path));
+    f64::from(waves) * PI * radius_m * radius_m * mirrored
 }
 
 /// What is left after these surfaces and walls, by what the material of each leaves in a band.

@@ -274,8 +274,9 @@ fn a_source_in_the_edge_of_a_hollow_box_loses_nothing() {
             let found = response.figures.bands[0].g_db.unwrap();
             let error = response.figures.errors[0].g_db.unwrap();
             println!("{corner} order {order}: {found} ± {error} dB, {truth} dB");
+            assert!(error < 0.07, "{corner} {order}: {error} dB");
             assert!(
-                (found - truth).abs() < 4.0 * error + 0.02,
+                (found - truth).abs() < 4.0 * error,
                 "{corner} {order}: {found} ± {error} dB, {truth} dB"
             );
         }
@@ -286,7 +287,11 @@ fn a_source_in_the_edge_of_a_hollow_box_loses_nothing() {
 #[test]
 fn a_source_on_an_edge_of_a_box_is_as_loud_with_any_order() {
     let mut tracer = tracer();
-    for source in [Vec3::new(-0.5, -1.2, 0.5), Vec3::new(-0.5, -0.5, 0.5)] {
+    for source in [
+        Vec3::new(-0.5, -1.2, 0.5),
+        Vec3::new(-0.5, -0.5, 0.5),
+        Vec3::new(-0.5, -1.5, 0.5),
+    ] {
         let room = Shoebox::new(
             Vec3::new(8.0, 3.0, 5.0),
             source,
@@ -306,6 +311,7 @@ fn a_source_on_an_edge_of_a_box_is_as_loud_with_any_order() {
             (figures.g_db.unwrap(), errors.g_db.unwrap())
         });
         println!("{source}: {g_db:.3?}");
+        assert!(g_db.iter().all(|(_, error)| *error < 0.05), "{g_db:?}");
         let (of_waves, error_of_waves) = g_db[0];
         for (found, error) in &g_db[1..] {
             let off_db = (found - of_waves).abs();
@@ -352,8 +358,8 @@ fn fewer_late_waves_bring_the_same_energy() {
                 off_db < 4.0 * errors[0].hypot(errors[1]),
                 "{band}: {off_db} dB, {errors:?}"
             );
-            // In the ball both hold what exact paths and their waves differ by, 0.3 dB.
-            assert!(errors[1] < errors[0] + 0.2, "{errors:?}");
+            // In the ball both hold what exact paths and their waves differ by, 0.4 dB.
+            assert!(errors[1] < errors[0] + 0.2 && errors[0] < 0.6, "{errors:?}");
         }
     }
 }

@@ -5,7 +5,7 @@
 //! - A point up to *touch* beyond the edge of a face is on the face.
 //! - A reflection at less than [`GRAZING`] to the surface is none: the path cannot be told from
 //!   the one that goes straight on. But a source on a surface has an image there for a listener on it, too.
-//! - A segment is free if nothing is met on it before *touch* of its end; the surface that it
+//! - A segment is free if it is shorter than 20 *touches*, or if nothing is met on it before *touch* of its end; the surface that it
 //!   ends on may be met earlier by *touch* ÷ cosine, as its distance is measured along the segment.
 //! - Two points closer than *touch* lie in an edge, or are an end on a surface: between them the wave has
 //!   the direction that mirroring gives (`flight.rs`). At an end that must come from the solid, or lead into
@@ -81,13 +81,18 @@ impl Checked<'_> {
         let end = EndOnSurface { exact, surfaces };
         let segments = self.directions.len();
         let at_listener = short(self.points.windows(2).rev(), surfaces.touch);
+        if at_source == segments {
+            return Ok(());
+        }
+        let leaves = self.directions[at_source];
         for i in 0..at_source {
             let mirror = (self.surfaces[i], self.normals[i]);
-            end.mirrors(self.points[i], self.directions[i], mirror)?;
+            end.mirrors(self.points[i], self.directions[i], mirror, leaves)?;
         }
+        let comes_from = -self.directions[segments - at_listener - 1];
         for i in segments - at_listener..segments {
             let mirror = (self.surfaces[i - 1], self.normals[i - 1]);
-            end.mirrors(self.points[i + 1], -self.directions[i], mirror)?;
+            end.mirrors(self.points[i + 1], -self.directions[i], mirror, comes_from)?;
         }
         Ok(())
     }
@@ -123,14 +128,20 @@ struct EndOnSurface<'a> {
 
 impl EndOnSurface<'_> {
     /// Whether what flies from a point on a surface along `direction` is mirrored there, by the surface of this number
-    /// with this normal.
+    /// with this normal, so that it leaves the point along `leaves` in the end.
     fn mirrors(
         &self,
         point: DVec3,
         direction: DVec3,
         (surface, normal): (u32, DVec3),
+        leaves: DVec3,
     ) -> Result<(), NoPath> {
-        if !self.is_in_solid(point, direction) {
+        // A face that ends at the point mirrors what leaves over it, and not what leaves beside it.
+        let over = point
+            + leaves.reject_from_normalized(normal) * (PROBE_IN_TOUCHES * self.surfaces.touch);
+        // What flies along a surface is on it.
+        let touch = self.surfaces.touch;
+        if self.value(point, direction) > touch || !self.surfaces.has(surface, over) {
             return Err(NoPath::NotFromTheAir);
         }
         let sheets = self.surfaces.sheets_at(surface, point);
@@ -138,7 +149,7 @@ impl EndOnSurface<'_> {
         // Beyond one face and behind the other one there is air if the edge points into it.
         let into_air = |other: &Vertex| {
             let across = other.normal - normal;
-            across.length() > SAME_NORMAL && !self.is_in_solid(point, across)
+            across.length() > SAME_NORMAL && self.value(point, across.normalize()) > -touch
         };
         match sheets.iter().filter(against).any(into_air) {
             true => Err(NoPath::AtEdge),
@@ -146,11 +157,10 @@ impl EndOnSurface<'_> {
         }
     }
 
-    /// Whether there is a solid next to a point on a surface in this direction; what flies along a surface is on it.
-    fn is_in_solid(&self, point: DVec3, direction: DVec3) -> bool {
-        let touch = self.surfaces.touch;
-        let ahead = point + direction * (PROBE_IN_TOUCHES * touch);
-        self.exact.surface_distance(ahead) <= touch
+    /// The distance of the nearest surface next to a point on a surface, in this direction; negative in a solid.
+    fn value(&self, point: DVec3, direction: DVec3) -> f64 {
+        let probe_m = PROBE_IN_TOUCHES * self.surfaces.touch;
+        self.exact.surface_distance(point + direction * probe_m)
     }
 }
 

@@ -25,13 +25,18 @@ impl EdgeStart<'_> {
     }
 
     /// The reflection at the source of a wave that is about to fly along the unit vector `direction`; none if it flies
-    /// off.
+    /// off. Of several sheets that it flies against it meets the one over which it flies first.
     pub fn reflection(&self, direction: DVec3) -> Option<&Vertex> {
         let ahead = direction * (PROBE_IN_TOUCHES * self.surfaces.touch);
         let meets = |sheet: &&Vertex| {
             let value = self.surfaces.value(sheet.surface, sheet.point + ahead);
             direction.dot(sheet.normal) < 0.0 && value.is_some_and(|value| value < 0.0)
         };
-        self.sheets.iter().find(meets)
+        let is_over = |sheet: &&Vertex| {
+            let over = sheet.point + ahead.reject_from_normalized(sheet.normal);
+            self.surfaces.has(sheet.surface, over)
+        };
+        let mut met = self.sheets.iter().filter(meets);
+        met.clone().find(is_over).or_else(|| met.next())
     }
 }

@@ -13,6 +13,9 @@ use glam::DVec3;
 /// Images at the most, some tens of milliseconds: in a room all up to order 8.
 const MOST_IMAGES: usize = 1 << 17;
 
+/// Nodes of a field for which so many images are tried; of a larger one fewer, as for each its value is asked.
+const NODES: usize = 16;
+
 /// Images times planes of a level at the most: some tens of milliseconds as well, where planes are thousands.
 const MOST_TRIED: usize = 1 << 24;
 
@@ -34,6 +37,7 @@ pub(super) fn add_all(
     candidates: &mut Candidates,
 ) -> u32 {
     let planes = surfaces.planes();
+    let most_images = MOST_IMAGES * NODES / surfaces.most_nodes_of_planes().max(NODES);
     let mut tree: Vec<Image> = Vec::new();
     let mut last_level = 0..0;
     let searched = candidates.waves() as u32;
@@ -49,7 +53,7 @@ pub(super) fn add_all(
         for parent in last_level {
             let place = tree[parent].place;
             mirror(&mut tree, &planes, source, (place, Some(parent)));
-            if tree.len() > MOST_IMAGES {
+            if tree.len() > most_images {
                 return level - 1;
             }
         }

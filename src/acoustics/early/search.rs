@@ -29,6 +29,19 @@ pub(super) struct Search<'a> {
 }
 
 impl Way {
+    /// The way to the surface with this number, of these axes.
+    pub fn to_surface(number: u32, frame: Frame) -> Way {
+        /// The offset of FNV-1a for 64 bits. (From a small number ways of different lengths meet.)
+        const OFFSET: u64 = 0xcbf2_9ce4_8422_2325;
+        let way = Way {
+            frame,
+            level: 0.0,
+            sign: 1.0,
+            id: OFFSET,
+        };
+        way.branch(number.into())
+    }
+
     /// The branch with this number.
     pub fn branch(self, number: u64) -> Way {
         /// The multiplier of FNV-1a for 64 bits.

@@ -119,14 +119,13 @@ pub(super) fn outer(a: DVec3, b: DVec3) -> DMat3 {
 }
 
 impl Sheet<'_> {
-    /// Whether both are one plane with the air on one side, to `touch` metres about the origin.
-    pub fn is_in_plane_of(&self, other: &Sheet, touch: f64) -> bool {
-        /// Radians between normals of one plane: some roundings of a turned shape's axes.
-        const SAME_NORMAL: f64 = 1e-12;
-        let planes = self.plane().zip(other.plane());
-        planes.is_some_and(|((normal, offset), (other, other_offset))| {
-            normal.distance(other) <= SAME_NORMAL && (offset - other_offset).abs() <= touch
-        })
+    /// The same number for sheets that are one plane with the air on one side, but for rounding: for most of them.
+    pub fn rounded_plane(&self, touch: f64) -> Option<[i64; 4]> {
+        /// Parts of a normal's length that are told apart: more than turned axes are rounded by.
+        const PARTS: f64 = 1e11;
+        let (normal, offset) = self.plane()?;
+        let [x, y, z] = (normal * PARTS).to_array().map(|part| part.round() as i64);
+        Some([x, y, z, (offset / touch).round() as i64])
     }
 
     /// Whether it is a plane.

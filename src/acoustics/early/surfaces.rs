@@ -5,6 +5,7 @@ use super::search::{Search, Way};
 use super::sheet::{Frame, Sheet};
 use crate::scene::{ROUNDING, Scene, Shape, Surface};
 use glam::{DMat3, DQuat, DVec3};
+use std::collections::HashSet;
 
 /// A place where a wave met a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,6 +22,8 @@ pub struct Vertex {
 #[derive(Clone, Debug)]
 pub(super) struct Surfaces {
     surfaces: Vec<(Shape, Frame)>,
+    /// For each whether it has [planes alone](Shape::has_planes_alone).
+    have_planes_alone: Vec<bool>,
     /// Metres off a surface that count as on it.
     pub touch: f64,
     /// The largest coordinate of the scene in metres.
@@ -52,7 +55,9 @@ impl Surfaces {
         };
         let reaches = scene.surfaces.iter().map(reach);
         let far = ends.map(|end| end.as_dvec3().abs().max_element());
+        let have_planes_alone = |(shape, _): &(Shape, Frame)| shape.has_planes_alone();
         Surfaces {
+            have_planes_alone: surfaces.iter().map(have_planes_alone).collect(),
             surfaces,
             touch: TOUCH_IN_ROUNDINGS * rounding,
             largest: reaches.chain(far).fold(0.0, f64::max),
@@ -89,42 +94,39 @@ impl Surfaces {
             found: Vec::new(),
             is_sampled: false,
         };
-        let way = Way {
-            frame: *frame,
-            level: 0.0,
-            sign: 1.0,
-            id: surface.into(),
-        };
+        let way = Way::to_surface(surface, *frame);
         search.descend(shape, way);
         Some(search)
     }
 
-    /// All planes of the surfaces that lie in the planes of their leaves, each with the number of its surface: of
-    /// the leaves of a surface that lie in one plane the first.
+    /// The planes of the surfaces that lie in the planes of their leaves, each with the number of its surface. A plane
+    /// in which several leaves of a surface lie is given once.
     pub fn planes(&self) -> Vec<(u32, Sheet<'_>)> {
-        let mut planes: Vec<(u32, Sheet<'_>)> = Vec::new();
-        for (surface, (shape, _)) in (1..).zip(&self.surfaces) {
-            if !shape.has_planes_of_leaves() {
-                continue;
-            }
+        let flat = (1..)
+            .zip(&self.surfaces)
+            .filter(|(_, (shape, _))| shape.has_planes_of_leaves());
+        let of = |(surface, _): (u32, _)| {
             let all = self.search(surface, DVec3::ZERO, f64::INFINITY);
-            let first = planes.len();
-            for sheet in all.into_iter().flat_map(|search| search.found) {
-                let mut known = planes[first..].iter();
-                if !known.any(|(_, other)| sheet.is_in_plane_of(other, self.touch)) {
-                    planes.push((surface, sheet));
-                }
-            }
-        }
-        planes
+            let sheets = all.into_iter().flat_map(|search| search.found);
+            let mut known = HashSet::new();
+            let first = sheets.filter(move |sheet| known.insert(sheet.rounded_plane(self.touch)));
+            first.map(move |sheet| (surface, sheet))
+        };
+        flat.flat_map(of).collect()
+    }
+
+    /// The nodes of the largest tree among the surfaces of [`Surfaces::planes`].
+    pub fn most_nodes_of_planes(&self) -> usize {
+        let flat = self.surfaces.iter().map(|(shape, _)| shape);
+        let flat = flat.filter(|shape| shape.has_planes_of_leaves());
+        flat.map(|shape| shape.nodes().len()).max().unwrap_or(0)
     }
 
     /// Whether the sheet that was met at `vertex` is a plane.
     pub fn is_flat(&self, vertex: &Vertex) -> bool {
         let index = (vertex.surface as usize).wrapping_sub(1);
-        let has_planes_alone = |(shape, _): &(Shape, Frame)| shape.has_planes_alone();
         // Among planes alone the sheet need not be searched.
-        self.surfaces.get(index).is_some_and(has_planes_alone)
+        self.have_planes_alone.get(index) == Some(&true)
             || self.sheet(vertex).is_ok_and(|sheet| sheet.is_flat())
     }
 

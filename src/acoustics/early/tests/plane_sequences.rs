@@ -2,7 +2,7 @@
 
 use super::{directions, scene};
 use crate::acoustics::early::{Candidates, EarlyPaths, Ends, SpecularPath};
-use crate::scene::shape::{Cuboid, Room};
+use crate::scene::shape::{Cuboid, HalfSpace, Room};
 use crate::{Scene, Shape, Surface};
 use glam::{Quat, Vec3};
 use std::f64::consts::PI;
@@ -221,6 +221,35 @@ fn edges_of_a_box_mirror_no_sound_twice() {
         });
         let mean = arriving.sum::<f64>() / listeners.len() as f64;
         assert!((mean - share).abs() < 0.02, "{source}: {mean}");
+    }
+}
+
+/// Protects the loudness of a source or a listener at the foot of a box on the floor: the floor mirrors it once, and the
+/// faces that end there mirror nothing beside them. In one field as in two surfaces.
+#[test]
+fn the_foot_of_a_box_is_mirrored_by_the_floor_alone() {
+    let floor = HalfSpace {
+        normal: Vec3::Y,
+        offset: -0.5,
+    };
+    let (block, floor) = (Shape::from(Cuboid { size: Vec3::ONE }), Shape::from(floor));
+    let scenes = [
+        vec![Surface::new(block.clone()), Surface::new(floor.clone())],
+        vec![Surface::new(Shape::union([block.clone(), floor.clone()]))],
+        vec![Surface::new(Shape::union([floor, block]))],
+    ];
+    let foot = Vec3::new(0.5, -0.5, 0.5);
+    for surfaces in scenes {
+        for other in [
+            Vec3::new(3.0, 2.0, 2.5),
+            Vec3::new(3.0, 2.0, -2.5),
+            Vec3::new(-2.0, 3.0, 2.5),
+        ] {
+            for (source, listener) in [(foot, other), (other, foot)] {
+                let (paths, _) = by_planes(&scene(surfaces.clone(), source, listener), 3);
+                assert_eq!(paths.len(), 2, "{source} to {listener}: {paths:?}");
+            }
+        }
     }
 }
 
