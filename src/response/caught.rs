@@ -6,13 +6,18 @@
 
 use super::Medium;
 use super::early::{EarlyPart, HeardPath, passing};
+use super::late_sphere::casts_shadows;
 use crate::acoustics::early::SpecularPath;
 use crate::acoustics::{Arrival, Echogram, Figures, Tap};
 use crate::bands::{self, BAND_COUNT, Bands};
 use crate::scene::Scene;
 
-/// Standard deviations of what the waves bring beyond which a difference is none of noise.
+/// Standard deviations of what the waves bring beyond which a difference counts.
 const BEYOND_NOISE: f64 = 3.0;
+
+/// The same where something may hide a part of the sphere: there a difference is likely, and some noise is better than an
+/// error that is too small.
+const BEYOND_NOISE_IN_SHADOWS: f64 = 1.0;
 
 /// The mean square of a chord of a sphere over the square of its mean, of chords that are spread evenly.
 const CHORD_SPREAD: f64 = 9.0 / 8.0;
@@ -89,7 +94,11 @@ impl Caught<'_> {
             let heard: Bands = self.medium.heard(arrival);
             bands::add(&mut surplus, &heard.map(|energy| -energy * as_at_centre));
         }
-        std::array::from_fn(|band| surplus[band].abs() > BEYOND_NOISE * variance[band].sqrt())
+        let beyond = match casts_shadows(self.scene) {
+            true => BEYOND_NOISE_IN_SHADOWS,
+            false => BEYOND_NOISE,
+        };
+        std::array::from_fn(|band| surplus[band].abs() > beyond * variance[band].sqrt())
     }
 
     /// What an arrival's path brings to the listener's sphere on average, if nothing hides a part of it, over what it

@@ -1,7 +1,7 @@
 //! How long a response is, where no one says it.
 
 use super::Medium;
-use super::late_sphere::LateSphere;
+use super::late_sphere::{LEAST_ORDER, LateSphere};
 use crate::acoustics::MAX_SECONDS;
 use crate::bands::{self, BAND_COUNT, Bands};
 use crate::error::Error;
@@ -37,7 +37,7 @@ pub(super) fn needed(
     let mut bins: Vec<Bands> = Vec::new();
     let few = settings.clone().with_waves(settings.waves.min(WAVES));
     // More of the few waves that carry the end of the decay cross the larger sphere.
-    let wide = LateSphere::of(scene).widened(scene);
+    let wide = LateSphere::of(scene, LEAST_ORDER).widened(scene);
     tracer.arrivals(
         &wide,
         &few,

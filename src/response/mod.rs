@@ -93,7 +93,7 @@ impl Response {
         let seconds = settings.seconds_needed(tracer, scene)?;
         let order = settings.order_in(scene);
         let medium = Medium::of(scene);
-        let late = LateSphere::of(scene);
+        let late = LateSphere::of(scene, order);
         // Bins begin with what may arrive first, so that 50 and 80 ms after it lie between bins.
         let first_s = medium.direct_s;
         let mut echogram = Echogram::with_edge_at(first_s, settings.bin_s, settings.batches)?;

@@ -165,7 +165,7 @@ fn figures_of_different_orders_agree_within_their_errors() {
             let off = (of_waves.0 - of_paths.0).abs();
             assert!(off < 2.5 * of_waves.1.hypot(of_paths.1), "{of_orders:?}");
             // What the two differ by where this was first measured, and some noise.
-            assert!(of_waves.1 < 0.3 && of_paths.1 < 1.2, "{of_orders:?}");
+            assert!(of_waves.1 < 0.5 && of_paths.1 < 1.2, "{of_orders:?}");
         }
     }
 }

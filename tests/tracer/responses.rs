@@ -274,7 +274,7 @@ fn a_source_in_the_edge_of_a_hollow_box_loses_nothing() {
             let found = response.figures.bands[0].g_db.unwrap();
             let error = response.figures.errors[0].g_db.unwrap();
             println!("{corner} order {order}: {found} ± {error} dB, {truth} dB");
-            assert!(error < 0.07, "{corner} {order}: {error} dB");
+            assert!(error < 0.15, "{corner} {order}: {error} dB");
             assert!(
                 (found - truth).abs() < 4.0 * error,
                 "{corner} {order}: {found} ± {error} dB, {truth} dB"
@@ -311,7 +311,7 @@ fn a_source_on_an_edge_of_a_box_is_as_loud_with_any_order() {
             (figures.g_db.unwrap(), errors.g_db.unwrap())
         });
         println!("{source}: {g_db:.3?}");
-        assert!(g_db.iter().all(|(_, error)| *error < 0.05), "{g_db:?}");
+        assert!(g_db.iter().all(|(_, error)| *error < 0.2), "{g_db:?}");
         let (of_waves, error_of_waves) = g_db[0];
         for (found, error) in &g_db[1..] {
             let off_db = (found - of_waves).abs();
