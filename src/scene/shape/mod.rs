@@ -139,6 +139,29 @@ impl Shape {
             || (copies || self.keeps_planes()) && self.children.iter().all(Shape::has_planes_alone)
     }
 
+    /// Whether its surface has no edges and no corners: it is one smooth shape or a blend of such, moved, turned, scaled or
+    /// turned inside out.
+    pub(crate) fn is_smooth(&self) -> bool {
+        let is_smooth = matches!(
+            self.node,
+            Node::Plane(_)
+                | Node::HalfSpace(_)
+                | Node::Sphere(_)
+                | Node::Cylinder(_)
+                | Node::Capsule(_)
+                | Node::Torus(_)
+                | Node::Ellipsoid(_)
+                | Node::Paraboloid(_)
+                | Node::Hyperboloid(_)
+                | Node::Complement(_)
+                | Node::Translate(_)
+                | Node::Rotate(_)
+                | Node::Scale(_)
+                | Node::SmoothUnion(_)
+        );
+        is_smooth && self.children.iter().all(Shape::is_smooth)
+    }
+
     /// Whether it is hollow and curved, so that it may gather sound.
     pub(crate) fn gathers_sound(&self) -> bool {
         !self.has_planes_alone() && !self.is_convex()

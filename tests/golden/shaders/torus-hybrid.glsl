@@ -88,7 +88,6 @@ float fieldsFree(vec3 p, vec3 d, float last, float errorBound) {
 
 // glsl/common/march_fields.glsl
 // glsl/common/onto_field.glsl
-// glsl/common/rounding.glsl
 // glsl/common/mirror_direction.glsl
 // the scene
 // Reflects a wave at the object that it meets t ahead: p, from where it flies along d,
@@ -104,13 +103,7 @@ void reflectWave(float object, float t, inout vec3 p, inout vec3 d) {
         p = hit;
         q = p - surfaceValue0.xyz;
         q = ontoField(q, gradient1(q));
-        vec3 at = q;
-        normal = vec3(0.0);
-        for (int sheet = 0; sheet < SHEETS && normal == vec3(0.0); ++sheet) {
-            vec3 gradient = gradient1(at).xyz;
-            normal = facing(gradient, along);
-            at += APART * roundingAt(p, surfaceValue0.w) * unitOrZero(gradient);
-        }
+        normal = facing(gradient1(q).xyz, along);
         p = q + surfaceValue0.xyz;
         normal = normal;
         d = mirror(along, normal);
