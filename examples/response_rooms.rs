@@ -8,8 +8,7 @@ use echomarch::glam::Vec3;
 use echomarch::gpu::{Context, ContextOptions};
 use echomarch::reference::ShoeboxEnergies;
 use echomarch::response::{Response, ResponseSettings};
-use echomarch::scene::{Material, shape::Room};
-use echomarch::{Listener, Scene, Settings, Source, Surface, Tracer};
+use echomarch::{Listener, Scene, Settings, Source, Tracer};
 use fastrand::Rng;
 
 const SPEED: f64 = 343.0;
@@ -111,18 +110,8 @@ impl Case {
     }
 
     fn scene(&self) -> Scene {
-        let mut room = Surface::new(Room { size: self.size });
         let (source, listener) = (Source::at(self.source), Listener::at(self.listener, RADIUS));
-        for wall in 0..self.absorption.len() {
-            room = room.with_wall_material(wall, format!("wall {wall}"));
-        }
-        let mut scene = Scene::new("random room", vec![room], source, listener);
-        for (wall, absorption) in self.absorption.iter().enumerate() {
-            let mut material = Material::absorbing(0.0);
-            material.absorption = *absorption;
-            scene.materials.insert(format!("wall {wall}"), material);
-        }
-        scene
+        Scene::shoebox(self.size, &self.absorption, source, listener)
     }
 
     fn truth(&self, seconds: f64) -> Option<Figures> {

@@ -70,6 +70,7 @@ run cargo clippy --locked --no-default-features --lib -- -D warnings
 for features in picture walkthrough experiment parquet cli demo audio; do
     run cargo clippy --locked --no-default-features --features "$features" -- -D warnings
 done
+run python3 scripts/common/import_circles.py
 run scripts/public-api.sh
 run cargo test --locked
 check_other_implementations

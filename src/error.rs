@@ -42,7 +42,7 @@ pub enum Error {
 }
 
 impl Error {
-    /// What is wrong with a scene, said of a time on its paths.
+    /// What is wrong with a scene at a time on its paths.
     pub(crate) fn at(self, seconds: f64) -> Error {
         match self {
             Error::Scene(refused) => Error::Scene(refused.at(seconds)),

@@ -2,7 +2,7 @@
 //! input, so that no output replaces it.
 //!
 //! A scene may be untrusted, and it names other files. A pipe would be waited for, a
-//! device has no end, and a file may be larger than the memory: all are refused before a byte
+//! device has no end, and a file may be larger than the memory: all are rejected before a byte
 //! is taken in.
 
 use crate::platform;
@@ -34,7 +34,7 @@ pub enum InputError {
     /// The program runs where there are no files: in a browser.
     #[error("there are no files in a browser")]
     NoFiles,
-    /// The system refuses it, or it is no text where it must be.
+    /// The system rejects it, or it is no text where it must be.
     #[error(transparent)]
     Io(#[from] io::Error),
     /// What has that name holds no bytes of its own.
@@ -201,8 +201,8 @@ fn special(_: FileType) -> &'static str {
 /// Every file that was read as an input, by its real path.
 static INPUTS: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
-/// Every file that this run has written, by its real path: read again it is no input, since
-/// nobody else made it.
+/// Every file that this run has written, by its real path: read again it is not an input, since
+/// this run made it.
 static OUTPUTS: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
 fn note(path: &Path) {
@@ -248,7 +248,7 @@ pub(crate) fn is_input(path: &Path) -> bool {
 mod tests {
     use super::*;
 
-    /// Protects the memory: the limit is told, and holds for what is there and what is read.
+    /// Protects the memory: the limit is reported, and applies to the file's size and to what is read.
     #[test]
     fn no_more_than_the_limit_is_read() {
         let folder = tempfile::tempdir().unwrap();

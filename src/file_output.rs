@@ -31,7 +31,7 @@ impl OutputError {
     }
 }
 
-/// Why something cannot be written, in the same words whoever found it out.
+/// Why something cannot be written, in the same words for all callers.
 fn reason(error: &io::Error) -> String {
     let is_of_system = error.raw_os_error().is_some();
     if !is_of_system && error.to_string() != error.kind().to_string() {
@@ -48,7 +48,7 @@ fn reason(error: &io::Error) -> String {
     }
 }
 
-/// Whether an error of writing says that the place cannot be written to at all.
+/// Whether an error of writing means that the place cannot be written to at all.
 pub(crate) fn is_bad_place(error: &io::Error) -> bool {
     use io::ErrorKind::{
         AlreadyExists, InvalidFilename, InvalidInput, IsADirectory, NotADirectory, NotFound,
@@ -67,7 +67,7 @@ pub(crate) fn is_bad_place(error: &io::Error) -> bool {
     )
 }
 
-/// Writes a file by way of `fill`, beside its place, and renames it there.
+/// Writes a file through `fill`, beside its place, and renames it there.
 ///
 /// # Errors
 /// [`OutputError`] with the path when any step fails; nothing is left behind.
@@ -102,8 +102,8 @@ fn parts() -> MutexGuard<'static, Vec<PathBuf>> {
     PARTS.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Removes every temporary file there is, and lets none come into being from now on: whoever
-/// begins one waits for ever. For a program that is being interrupted, as its last act.
+/// Removes every temporary file, and prevents new ones: a thread that begins one blocks for
+/// ever. For a program that is being interrupted, as its last act.
 ///
 /// Recordings of what is heard stay: their temporary files are to be found.
 #[cfg(unix)]
@@ -175,7 +175,7 @@ fn refuse_inputs(target: &Path) -> io::Result<()> {
 
 /// A temporary file in the folder of `target`, to be renamed to it: readable by others
 /// as any new file is. A target that is there but no plain file (a folder, a device), or is
-/// an input, is refused, since a rename would replace it.
+/// an input, is rejected, since a rename would replace it.
 pub(crate) fn temporary_beside(target: &Path) -> io::Result<PartFile> {
     PartFile::new(|| temporary_named(target, ".echomarch-".as_ref(), ".part"))
 }

@@ -8,7 +8,7 @@
 //! a graphics card or on Mesa's software renderer.
 //!
 //! First make a [`Context`](gpu::Context) and a [`Tracer`] on it. Then trace a [`Scene`] by some
-//! [`Settings`], frame by frame: each [`Frame`] says what arrives at the listener.
+//! [`Settings`], frame by frame: each [`Frame`] describes what arrives at the listener.
 //!
 //! ```
 //! use echomarch::gpu::{Context, ContextOptions};
@@ -62,7 +62,7 @@
 //! | `experiment` | with `cli` | the experiments, studies and their reports |
 //! | `sofa` | with `cli` | head-related impulse responses from SOFA files |
 //! | `parquet` | yes | the tables of studies as Parquet files too |
-//! | `walkthrough` | with `demo` | a walk through a scene, for a window or a page of one's own |
+//! | `walkthrough` | with `demo` | a walk through a scene, for your own window or page |
 //! | `demo` | yes | the window, as a module; needs no crate of the command line |
 //! | `cli` | yes | the program `echomarch`; its subcommand `demo` with the feature `demo` |
 //!
@@ -78,6 +78,7 @@
 //! ```
 
 pub mod acoustics;
+mod arrival;
 pub mod audio;
 pub mod auralisation;
 pub mod bands;
@@ -90,9 +91,9 @@ pub mod error;
 pub mod experiment;
 mod file_input;
 mod file_output;
+mod fnv;
 pub mod gpu;
 mod kernel;
-mod notation_error;
 pub mod offline;
 #[cfg(feature = "picture")]
 pub mod picture;
@@ -102,6 +103,7 @@ pub mod reference;
 pub mod report;
 pub mod response;
 mod rng;
+mod ron_error;
 pub mod scene;
 mod sphere_directions;
 #[cfg(any(feature = "experiment", feature = "demo"))]

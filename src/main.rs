@@ -1,4 +1,4 @@
-//! The program `echomarch`; everything it does stands in the library.
+//! The program `echomarch`; all its code is in the library.
 
 fn main() -> std::process::ExitCode {
     echomarch::cli::run()

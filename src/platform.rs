@@ -5,7 +5,7 @@
 
 #[cfg(not(target_arch = "wasm32"))]
 pub(crate) use std::time::Instant;
-/// The standard library's clock stops a browser's program; this one asks the browser.
+/// The standard library's clock stops a browser's program; this one uses the browser's.
 #[cfg(target_arch = "wasm32")]
 pub(crate) use web_time::Instant;
 

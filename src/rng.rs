@@ -1,11 +1,11 @@
 //! Random numbers that are the same for the same seed on every machine: SplitMix64.
 //!
 //! G. L. Steele, D. Lea and C. H. Flood, *Fast Splittable Pseudorandom Number Generators*,
-//! OOPSLA 2014: a counter goes on by a fixed odd number, and each of its values is mixed. So
+//! OOPSLA 2014: a counter advances by a fixed odd number, and each of its values is mixed. So
 //! a number can also be had by its index alone, without those before it.
 
-/// The odd integer next to 2^64 ÷ the golden ratio, by which the counter goes on.
-const GOLDEN_GAMMA: u64 = 0x9e37_79b9_7f4a_7c15;
+/// The odd integer next to 2^64 ÷ the golden ratio, by which the counter advances.
+pub const GOLDEN_GAMMA: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// The number with this index, from 0, of the sequence of seed 0: 64 well mixed bits.
 pub fn hash(index: u64) -> u64 {

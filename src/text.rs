@@ -2,14 +2,14 @@
 
 use std::borrow::Cow;
 
-/// Characters of a name in a scene or in answers at the most.
+/// Characters of a name in a scene or in answers at most.
 pub(crate) const LONGEST_NAME: usize = 200;
 
-/// Lines of a message at the most.
+/// Lines of a message at most.
 #[cfg(feature = "cli")]
 const MOST_LINES: usize = 10;
 
-/// Characters of a message at the most.
+/// Characters of a message at most.
 #[cfg(feature = "cli")]
 const MOST_CHARACTERS: usize = 1000;
 
@@ -27,13 +27,13 @@ pub(crate) fn nearest<'a>(
     (3 * wrong <= nearest.len()).then_some(nearest)
 }
 
-/// Says that there is no such thing, which there are, and which is the nearest: `what` is what it would
+/// Reports that there is no such thing, which there are, and which is the nearest: `what` is what it would
 /// be, such as `profile`.
 pub(crate) fn there_is_no(what: &str, typed: &str, known: &[&str]) -> String {
     which_there_are(&format!("there is no {what} {typed:?}"), typed, known)
 }
 
-/// What was refused, and the nearest to what was typed; which there are where none is near.
+/// What was rejected, and the nearest to what was typed; which there are where none is near.
 pub(crate) fn nearest_or_all(refused: &str, typed: &str, known: &[&str]) -> String {
     match nearest(typed, known.iter().copied()) {
         Some(nearest) => format!("{refused}; did you mean {nearest}?"),
@@ -41,7 +41,7 @@ pub(crate) fn nearest_or_all(refused: &str, typed: &str, known: &[&str]) -> Stri
     }
 }
 
-/// What was refused, which there are instead, and which of them is the nearest to what was typed.
+/// What was rejected, which there are instead, and which of them is the nearest to what was typed.
 pub(crate) fn which_there_are(refused: &str, typed: &str, known: &[&str]) -> String {
     let told = format!("{refused}; there are: {}", known.join(", "));
     match nearest(typed, known.iter().copied()) {
@@ -128,7 +128,7 @@ pub(crate) fn json(text: &str) -> Cow<'_, str> {
 }
 
 /// A record of JSON in one line, for a program that reads standard error: as [`json`], and no
-/// longer than a message. Of a longer one only its length is told.
+/// longer than a message. Of a longer one only the length is reported.
 #[cfg(all(feature = "cli", feature = "demo"))]
 pub(crate) fn json_record(text: &str) -> Cow<'_, str> {
     let shown = json(text);
@@ -190,7 +190,7 @@ pub(crate) fn markdown(text: &str) -> String {
     shown
 }
 
-/// Refuses what is no name: a sentence without its subject.
+/// Rejects what is no name: a sentence without its subject.
 pub(crate) fn check_name(name: &str) -> Result<(), String> {
     let count = name.chars().count();
     if count > LONGEST_NAME {
@@ -292,7 +292,7 @@ mod tests {
         assert_eq!(serde_json::from_str::<String>(&shown).unwrap(), text);
     }
 
-    /// Protects whoever reads the records of a window: each is JSON in one line that moves no
+    /// Protects readers of the records of a window: each is JSON in one line that moves no
     /// cursor, and none is longer than a message.
     #[cfg(all(feature = "cli", feature = "demo"))]
     #[test]

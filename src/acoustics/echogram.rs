@@ -88,7 +88,7 @@ impl Echogram {
 
     /// Like [`new`](Self::new), with a bin's edge at `edge_s` seconds. If that is the direct
     /// sound's arrival, and a bin divides 10 ms, the limits of C50, C80 and D50 are edges too, and
-    /// nothing is shared out between their sides.
+    /// nothing is distributed between their sides.
     ///
     /// # Errors
     /// As [`new`](Self::new). An edge that is no finite number counts as 0 s.

@@ -4,34 +4,34 @@
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum AcousticsError {
-    /// A time bin outside of [`BINS_S`](super::BINS_S).
+    /// A time bin outside [`BINS_S`](super::BINS_S).
     #[error(
         "a time bin of {bin_s} s: it must be {} s to {} s long",
         super::BINS_S.start(),
         super::BINS_S.end()
     )]
     BadBin {
-        /// The length that was asked for, in seconds.
+        /// The requested length, in seconds.
         bin_s: f64,
     },
-    /// A number of batches outside of [`BATCHES`](super::BATCHES), or no power of two.
+    /// A number of batches outside [`BATCHES`](super::BATCHES), or no power of two.
     #[error(
         "{batches} batches of waves: there must be a power of two, {} to {}",
         super::BATCHES.start(),
         super::BATCHES.end()
     )]
     BadBatches {
-        /// The number that was asked for.
+        /// The requested number.
         batches: usize,
     },
-    /// A sampling rate outside of [`RATES_HZ`](super::RATES_HZ).
+    /// A sampling rate outside [`RATES_HZ`](super::RATES_HZ).
     #[error(
         "an impulse response at {rate_hz} Hz: the rate must be {} Hz to {} Hz",
         super::RATES_HZ.start(),
         super::RATES_HZ.end()
     )]
     BadRate {
-        /// The rate that was asked for, in hertz.
+        /// The requested rate, in hertz.
         rate_hz: u32,
     },
     /// A length that is not above 0 s and at most [`MAX_SECONDS`](super::MAX_SECONDS).
@@ -40,7 +40,7 @@ pub enum AcousticsError {
         super::MAX_SECONDS
     )]
     BadLength {
-        /// The length that was asked for, in seconds.
+        /// The requested length, in seconds.
         seconds: f64,
     },
     /// Directions of a listener that span no axes: one has no length, or both are one line.

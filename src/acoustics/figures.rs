@@ -5,13 +5,16 @@ mod image_sources;
 mod pieces;
 #[cfg(test)]
 mod tests;
+mod uncertainty;
 
 use super::{Echogram, Tap};
 use crate::bands::{BAND_COUNT, Bands};
 use decay::Decay;
 use pieces::{Span, pieces};
-use rayon::prelude::*;
 use std::f64::consts::PI;
+use uncertainty::Halves;
+
+pub(crate) use uncertainty::CommonErrors;
 
 /// *G* is 0 dB for the energy of the direct sound at so many metres, in the open.
 const STRENGTH_DISTANCE_M: f64 = 10.0;
@@ -27,20 +30,15 @@ fn decibels(ratio: f64) -> f64 {
     10.0 * ratio.log10()
 }
 
-/// A time of decay with a larger error, as a share of itself, is none: its decay is too noisy. Two
-/// errors are 3 %, less than the least difference in reverberation that is noticed (5 %, ISO 3382-1,
-/// annex A).
-const WORST_TIME_ERROR: f64 = 0.015;
-
-/// So many arrivals of waves must come after the end of a decay that is told, those of one energy
+/// Number of arrivals that must come after the end of a reported decay, counted as of one energy
 /// ([`Echogram::effective_arrivals`]). Where they are fewer, a wave that comes by again and again, or a
-/// strong one that none was like, may be off by more than batches tell: with 50, T30 was 5 % off at an
+/// strong one without equals, may be off by more than batches show: with 50, T30 was 5 % off at an
 /// error of 1.3 % in an uneven room. Where there are none all that is known of the decay are exact
 /// paths, which end with their order.
 const LEAST_ARRIVALS: f64 = 500.0;
 
-/// What a band's decay says, by ISO 3382-1. `None` where it is too short or too noisy to tell, and
-/// where there is no such number: no decay time without an echo, no clarity without late sound.
+/// The figures of a band's decay, by ISO 3382-1. `None` where it is too short or too noisy, and
+/// where the figure is not defined: no decay time without an echo, no clarity without late sound.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BandFigures {
     /// Early decay time in seconds: six times the decay from 0 dB to −10 dB.
@@ -72,7 +70,7 @@ pub struct BandFigures {
 ///   the record would look too fast. It is a guess, so a decay counts only if the record ends at
 ///   least 10 dB below its lower limit (EDT −20 dB, T20 −35 dB, T30 −45 dB), and a sum of
 ///   energies only if at most 1 % of it is beyond the record. In a record whose second half does
-///   not decay by 5 dB against its first the tail cannot be told, and nothing is.
+///   not decay by 5 dB against its first the tail cannot be estimated, and no figure is given.
 /// - Decay times are by least squares on the curve in decibels, every instant with the same
 ///   weight.
 ///
@@ -88,9 +86,9 @@ pub struct BandFigures {
 /// the error by t(97.5 %)/2, so that twice the error holds the truth in 95 % of cases (16 batches:
 /// by 6.6 %). A figure that some half does not have is none: its decay is too noisy.
 ///
-/// A decay time is told if its error, by the noise of the waves alone, is at most 1.5 % of it, and if after the end of its decay at least
-/// 500 waves of one energy arrive (strong ones count for few), where there are batches. EDT is none if
-/// it is longer than the record.
+/// A decay time is reported if its error, by the noise of the waves alone, is at most 1.5 % of it, and if after the
+/// end of its decay at least 500 waves of one energy arrive (strong ones count for few), where there are batches. EDT
+/// is none if it is longer than the record.
 ///
 /// What all waves share is not in it, as paths that a wave cannot take. A [`Response`](crate::response::Response) adds
 /// what the listener's size is known to do.
@@ -102,33 +100,10 @@ pub struct Figures {
     /// and with fewer than two batches.
     pub errors: [BandFigures; BAND_COUNT],
     /// The share of the energy that is beyond the record by the tail that was added; `None` if it
-    /// cannot be told.
+    /// cannot be estimated.
     pub cut_off: [Option<f64>; BAND_COUNT],
     /// What the times count from: seconds after the source's impulse. `None` if nothing arrived.
     pub begins_s: Option<f64>,
-}
-
-/// Errors that all waves have in common, one standard deviation each.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct CommonErrors {
-    /// Of T20 and T30, as a share of them.
-    pub decay_share: f64,
-    /// Of EDT, as a share of it.
-    pub early_decay_share: f64,
-    /// Of C50 and C80, in decibels.
-    pub clarity_db: f64,
-    /// Of G, in decibels.
-    pub strength_db: f64,
-    /// Of Ts, in seconds.
-    pub centre_s: f64,
-}
-
-impl CommonErrors {
-    /// Of D50: what that of C50 makes of it, as C50 is 10 lg(D50 / (1 − D50)).
-    fn definition(&self, d50: f64) -> f64 {
-        let change_in_db = 10.0 / (std::f64::consts::LN_10 * d50 * (1.0 - d50));
-        self.clarity_db / change_in_db
-    }
 }
 
 /// The figures as a list, so that they can be computed with.
@@ -137,7 +112,7 @@ const FIGURE_COUNT: usize = 8;
 /// The first of them are times of decay.
 const DECAY_TIMES: usize = 3;
 
-/// Between which levels these are told, in decibels.
+/// Levels between which these are evaluated, in decibels.
 const DECAYS_DB: [(f64, f64); DECAY_TIMES] = [(0.0, -10.0), (-5.0, -25.0), (-5.0, -35.0)];
 
 type List = [Option<f64>; FIGURE_COUNT];
@@ -203,55 +178,6 @@ impl Figures {
         figures.cut_off = cut_off;
         figures
     }
-
-    /// The same with the differences from the figures of other taps and another echogram, of a record that ends after so
-    /// many seconds, as errors besides; in the bands of `of_bands`.
-    pub(crate) fn with_differences(
-        mut self,
-        (taps, echogram, ends_s): (&[Tap], &Echogram, f64),
-        of_bands: [bool; BAND_COUNT],
-    ) -> Figures {
-        let Some(begins_s) = self.begins_s.filter(|&begins_s| begins_s < ends_s) else {
-            return self;
-        };
-        let span = Span { begins_s, ends_s };
-        let other = pieces(taps, echogram, |bin| echogram.energy(bin), span);
-        let (others, ..) = lists(&other, echogram.bin_s());
-        for band in (0..BAND_COUNT).filter(|band| of_bands[*band]) {
-            let pairs = self.bands[band].list().into_iter().zip(others[band]);
-            let differences =
-                pairs.map(|(own, other)| own.zip(other).map(|(own, other)| own - other));
-            let mut errors = self.errors[band].list();
-            for (error, difference) in errors.iter_mut().zip(differences) {
-                let difference = difference.filter(|difference| difference.is_finite());
-                *error = error.map(|error| error.hypot(difference.unwrap_or(0.0)));
-            }
-            self.errors[band] = BandFigures::from_list(errors);
-        }
-        self
-    }
-
-    /// The same with errors besides that all waves have in common.
-    pub(crate) fn with_common_errors(mut self, common: &CommonErrors) -> Figures {
-        for (band, error) in self.bands.iter().zip(&mut self.errors) {
-            let add = |error: &mut Option<f64>, common: Option<f64>| {
-                *error = error.zip(common).map(|(error, common)| error.hypot(common));
-            };
-            let share = |time_s: Option<f64>, share: f64| time_s.map(|time_s| share * time_s);
-            add(
-                &mut error.edt_s,
-                share(band.edt_s, common.early_decay_share),
-            );
-            add(&mut error.t20_s, share(band.t20_s, common.decay_share));
-            add(&mut error.t30_s, share(band.t30_s, common.decay_share));
-            add(&mut error.c50_db, Some(common.clarity_db));
-            add(&mut error.c80_db, Some(common.clarity_db));
-            add(&mut error.d50, band.d50.map(|d50| common.definition(d50)));
-            add(&mut error.ts_s, Some(common.centre_s));
-            add(&mut error.g_db, Some(common.strength_db));
-        }
-        self
-    }
 }
 
 /// When something arrives first: a tap's time, or a bin's beginning.
@@ -263,7 +189,7 @@ fn first_arrival_s(taps: &[Tap], echogram: &Echogram) -> Option<f64> {
     taps_s.map(|tap| tap.seconds).chain(bin_s).reduce(f64::min)
 }
 
-/// When the decays of a band end that its decay times are told from: seconds after the direct sound.
+/// Ends of the evaluated decays of a band, in seconds after the direct sound.
 type DecayEnds = [f64; DECAY_TIMES];
 
 /// The figures of each band, the ends of their decays, and the share of the energy beyond the record.
@@ -308,90 +234,4 @@ fn list(decay: &Decay) -> (List, DecayEnds) {
         total.and_then(strength_db),
     ];
     (list, lines.map(|line| line.map_or(0.0, |line| line.ends_s)))
-}
-
-/// The figures of halves of the batches.
-struct Halves {
-    lists: Vec<[List; BAND_COUNT]>,
-    widening: f64,
-}
-
-impl Halves {
-    /// Every half and its complement: batch b is in half h by the sign of Sylvester's matrix,
-    /// whose rows are orthogonal, and half of whose entries in each row but the first are positive.
-    fn new(taps: &[Tap], echogram: &Echogram, span: Span) -> Halves {
-        let batches = echogram.batches();
-        let is_in = |half: usize, batch: usize| (half & batch).count_ones() % 2 == 1;
-        let of = |(half, complement): (usize, bool)| {
-            let energy = |bin: usize| {
-                let mut sum = [0.0; BAND_COUNT];
-                for batch in (0..batches).filter(|&batch| is_in(half, batch) != complement) {
-                    let energy = echogram.batch_energy(bin, batch);
-                    for (sum, energy) in sum.iter_mut().zip(energy) {
-                        *sum += 2.0 * energy;
-                    }
-                }
-                sum
-            };
-            lists(&pieces(taps, echogram, energy, span), echogram.bin_s()).0
-        };
-        let halves: Vec<(usize, bool)> = (1..batches)
-            .flat_map(|half| [(half, false), (half, true)])
-            .collect();
-        Halves {
-            lists: halves.into_par_iter().map(of).collect(),
-            widening: student_975(batches - 1) / 2.0,
-        }
-    }
-
-    /// A band's figures as far as they can be told, and their errors.
-    fn judge(&self, band: usize, list: List) -> (List, List) {
-        let (mut told, mut errors) = (list, [None; FIGURE_COUNT]);
-        if self.lists.is_empty() {
-            return (told, errors);
-        }
-        for figure in 0..FIGURE_COUNT {
-            errors[figure] = list[figure].and_then(|whole| self.error(band, figure, whole));
-            let limit = match list[figure] {
-                Some(time_s) if figure < DECAY_TIMES => WORST_TIME_ERROR * time_s,
-                _ => f64::INFINITY,
-            };
-            if errors[figure].is_none_or(|error| error > limit) {
-                (told[figure], errors[figure]) = (None, None);
-            }
-        }
-        (told, errors)
-    }
-
-    /// The error of a figure; `None` if there is no such figure for some half.
-    fn error(&self, band: usize, figure: usize, whole: f64) -> Option<f64> {
-        let mut squares = 0.0;
-        for list in &self.lists {
-            squares += (list[band][figure]? - whole).powi(2);
-        }
-        Some(self.widening * (squares / self.lists.len() as f64).sqrt())
-    }
-}
-
-/// Student's t that a variate with so many degrees of freedom is below in 97.5 % of cases.
-///
-/// M. Abramowitz and I. Stegun, *Handbook of Mathematical Functions*, 1964, 26.7.5: a series in
-/// 1/degrees about the normal variate. From 3 degrees on it is right to 1 %; with 1 and 2, where
-/// it is not, the numbers themselves.
-fn student_975(degrees: usize) -> f64 {
-    /// The normal variate that 97.5 % are below.
-    const NORMAL: f64 = 1.959_963_984_540_054;
-    match degrees {
-        0 => f64::INFINITY,
-        1 => 12.706_204_736,
-        2 => 4.302_652_730,
-        _ => {
-            let n = degrees as f64;
-            let x = NORMAL;
-            let first = (x.powi(3) + x) / 4.0;
-            let second = (5.0 * x.powi(5) + 16.0 * x.powi(3) + 3.0 * x) / 96.0;
-            let third = (3.0 * x.powi(7) + 19.0 * x.powi(5) + 17.0 * x.powi(3) - 15.0 * x) / 384.0;
-            x + first / n + second / n.powi(2) + third / n.powi(3)
-        }
-    }
 }

@@ -25,7 +25,7 @@ pub const RATES_HZ: RangeInclusive<u32> = 8_000..=192_000;
 /// The longest impulse response, in seconds.
 pub const MAX_SECONDS: f64 = 60.0;
 
-/// The rate of an impulse response unless another is asked for, in hertz.
+/// The rate of an impulse response unless another is requested, in hertz.
 const DEFAULT_RATE_HZ: u32 = 48_000;
 
 /// How an impulse response is made.
@@ -59,7 +59,7 @@ impl ImpulseSettings {
 /// (1/m²) has the amplitude √(4π E). The first sample is the source's impulse.
 ///
 /// # Method
-/// - **Taps** stand at their time, between samples too (windowed sinc). Each is filtered to the
+/// - **Taps** are at their time, between samples too (windowed sinc). Each is filtered to the
 ///   energies of its bands, zero-phase: at a band's centre its amplitude is √(4π E) exactly, and
 ///   from centre to centre it goes over smoothly. So its peak is at its time whatever its bands.
 /// - **The echogram** is Gaussian noise, independent for each band and mean-free, with the

@@ -32,7 +32,6 @@
 //! # Ok::<(), echomarch::acoustics::AcousticsError>(())
 //! ```
 
-mod arrival;
 pub mod early;
 mod echogram;
 mod error;
@@ -42,7 +41,7 @@ mod impulse_response;
 #[cfg(test)]
 mod tests;
 
-pub use arrival::{Arrival, Tap};
+pub use crate::arrival::{Arrival, Tap};
 pub use echogram::{BATCHES, BINS_S, Echogram, EchogramRow};
 pub use error::AcousticsError;
 pub(crate) use figures::CommonErrors;

@@ -13,7 +13,7 @@ const SEAMS_AT_LEAST: usize = 4;
 /// Mono samples with a place to read from.
 ///
 /// A looping clip whose end does not fit its start is cross-faded there: as it starts over, the
-/// sound comes from the end, played backwards so that it goes on without a step, and fades to the
+/// sound comes from the end, played backwards so that it continues without a step, and fades to the
 /// start. The first time the start is heard as it is, and the loop is as long as the clip.
 #[derive(Debug, Clone)]
 pub(super) struct Clip {
@@ -161,7 +161,7 @@ mod tests {
         }
     }
 
-    /// Protects who begins anywhere: a clip that is sought plays what it would have played there.
+    /// A clip that is sought plays what it would have played there.
     #[test]
     fn seeking_finds_what_playing_comes_to() {
         let ramp: Vec<f32> = (0..LENGTH).map(|n| n as f32 / LENGTH as f32).collect();

@@ -12,9 +12,9 @@ pub enum AudioError {
     /// The sound file is missing, or may not be read.
     #[error("cannot open the sound file {}: {source}", path.display())]
     OpenWav {
-        /// The file that was asked for.
+        /// The requested file.
         path: PathBuf,
-        /// What the operating system said, or why it is not read.
+        /// The operating system's error, or the reason why it is not read.
         source: InputError,
     },
     /// The file's header is not that of a WAV file.
@@ -114,7 +114,7 @@ pub enum AudioError {
         from_hz: u32,
         /// The wanted sample rate, in hertz.
         to_hz: u32,
-        /// What the resampler said.
+        /// The resampler's error.
         reason: String,
     },
     /// A sample rate outside [`SAMPLE_RATES`](super::SAMPLE_RATES).
@@ -130,12 +130,12 @@ pub enum AudioError {
     /// A sine that is not above 0 Hz and below half the sample rate.
     #[error("a sine of {frequency_hz} Hz cannot be played: choose above 0 and below {limit_hz} Hz")]
     BadSineFrequency {
-        /// The frequency that was asked for, in hertz.
+        /// The requested frequency, in hertz.
         frequency_hz: f64,
         /// Half the sample rate, in hertz.
         limit_hz: f64,
     },
-    /// A sound's description that says nothing known.
+    /// An unknown description of a sound.
     #[error(
         "unknown sound `{spec}`: write `sine:HERTZ`, `noise`, `speech`, `noise:SEED` or \
          `speech:SEED` with a whole number, or the path of a .wav file"
@@ -153,7 +153,7 @@ pub enum AudioError {
     /// A frame rate that is not 0.001 to 1,000,000.
     #[error("a rate of {fps} frames a second cannot be used: choose 0.001 to 1000000")]
     BadFrameRate {
-        /// The frame rate that was asked for, in frames a second.
+        /// The requested frame rate, in frames a second.
         fps: f64,
     },
     /// More sound than a WAV file can hold.
@@ -169,7 +169,7 @@ pub enum AudioError {
     WriteWav {
         /// The file that was to be written.
         path: PathBuf,
-        /// What the operating system said.
+        /// The operating system's error.
         source: io::Error,
     },
 }

@@ -24,7 +24,7 @@ impl Gains {
     };
 }
 
-/// How a pan is shared out to two channels.
+/// How a pan is distributed to two channels.
 ///
 /// | law | all left (−1) | centre (0) | all right (+1) | constant |
 /// | --- | --- | --- | --- | --- |
@@ -47,7 +47,7 @@ pub enum PanningLaw {
 }
 
 impl PanningLaw {
-    /// The law that a profile is heard by unless another is asked for: the thesis' own for its
+    /// The default law of a profile: the thesis' own for its
     /// algorithm, constant power for the others.
     pub fn for_profile(profile: Profile) -> PanningLaw {
         match profile {

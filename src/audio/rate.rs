@@ -2,7 +2,7 @@
 
 use super::{AudioError, SAMPLE_RATES};
 
-/// Refuses a sample rate that nothing is made for.
+/// Rejects a sample rate that nothing is made for.
 pub(super) fn check_rate(sample_rate_hz: u32) -> Result<(), AudioError> {
     if SAMPLE_RATES.contains(&sample_rate_hz) {
         Ok(())

@@ -1,6 +1,6 @@
 //! The trait of everything that can be played as a sound.
 
-/// Mono samples, one after the other; 1 is full scale.
+/// Mono samples, one after another; 1 is full scale.
 ///
 /// A caller's own sound implements this and becomes a [`Sound`](super::Sound) by
 /// [`Sound::new`](super::Sound::new). An audio thread calls these methods: they must not allocate,

@@ -7,7 +7,7 @@ use super::{AudioError, Signal};
 /// The peak of a sine, of full scale 1: −6.02 dBFS.
 pub const SINE_AMPLITUDE: f32 = 0.5;
 
-/// A sine that starts at phase 0 and goes on for ever.
+/// An endless sine that starts at phase 0.
 ///
 /// The phase is kept in turns, between 0 and 1, in `f64`: each step rounds by at most 2⁻⁵³ turns,
 /// so even errors that all pull the same way reach only 2·10⁻⁸ turns in an hour.

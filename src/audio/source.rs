@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 type Make = dyn Fn(u32) -> Result<Sound, AudioError> + Send + Sync;
 
-/// Makes one sound at any sample rate: live output asks again when the device's rate changes.
+/// Makes one sound at any sample rate: live output calls it again when the device's rate changes.
 ///
 /// It is made of a [`SoundSpec`], of its text, or of a caller's own function:
 ///

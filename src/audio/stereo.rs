@@ -13,7 +13,7 @@ pub trait StereoSignal: Send {
 
 type Make = dyn Fn(u32) -> Box<dyn StereoSignal> + Send + Sync;
 
-/// Makes such a sound at any sample rate: live output asks again when the device's rate changes.
+/// Makes such a sound at any sample rate: live output calls it again when the device's rate changes.
 #[derive(Clone)]
 pub struct StereoSource {
     make: Arc<Make>,

@@ -10,10 +10,10 @@ use super::rate::check_rate;
 use super::resample::length_after;
 use crate::file_input::{InputError, InputFile};
 
-/// Bytes of a WAV file at the most: [`MOST_SAMPLES`] in stereo, 32 bits each.
+/// Bytes of a WAV file at most: [`MOST_SAMPLES`] in stereo, 32 bits each.
 const LARGEST_FILE: u64 = 2 * 4 * MOST_SAMPLES;
 
-/// Samples of a clip at the most, as they stand in the file or after resampling: 128 MiB of
+/// Samples of a clip at most, as they stand in the file or after resampling: 128 MiB of
 /// memory, 11 minutes at 48 kHz.
 const MOST_SAMPLES: u64 = 1 << 25;
 
@@ -75,7 +75,7 @@ fn open(path: &Path) -> Result<(Reader, u64), AudioError> {
     Ok((reader, bytes))
 }
 
-/// Refuses what would not fit into memory, by the header and the file's length alone.
+/// Rejects what would not fit into memory, by the header and the file's length alone.
 fn check_length(
     path: &Path,
     reader: &Reader,

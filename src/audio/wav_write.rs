@@ -112,7 +112,7 @@ impl WavWriter {
     /// Appends interleaved samples (left, right, left …); 1 is full scale, and more is kept.
     ///
     /// # Errors
-    /// [`AudioError::WriteWav`] if the disk refuses, [`AudioError::WavTooLong`] past 4 GiB.
+    /// [`AudioError::WriteWav`] if the disk rejects, [`AudioError::WavTooLong`] past 4 GiB.
     ///
     /// # Panics
     /// If the samples are no whole number of frames.
@@ -150,7 +150,7 @@ impl WavWriter {
     /// Completes the file and gives it the target's name, replacing an older one.
     ///
     /// # Errors
-    /// [`AudioError::WriteWav`] if the disk refuses; the target is then as it was before.
+    /// [`AudioError::WriteWav`] if the disk rejects; the target is then as it was before.
     pub fn finish(self) -> Result<(), AudioError> {
         let Self {
             target,
@@ -185,7 +185,7 @@ fn start(
     Ok((temporary, wav))
 }
 
-/// What `hound` says, as an error of the system.
+/// The error of `hound` as an error of the system.
 pub(crate) fn wav_to_io(error: hound::Error) -> io::Error {
     match error {
         hound::Error::IoError(error) => error,

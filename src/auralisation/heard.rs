@@ -164,7 +164,7 @@ fn key(path: &HeardPath) -> u64 {
     })
 }
 
-/// What is heard of a source as plain numbers, for a player that shares no memory with who has traced it.
+/// What is heard of a source as plain numbers, for a player that shares no memory with the tracing thread.
 #[cfg(feature = "walkthrough")]
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct HeardParts {

@@ -15,7 +15,7 @@ pub enum Listen {
 }
 
 impl Listen {
-    /// What an algorithm is listened to by, unless something else is asked for: waves of the thesis
+    /// The default mode of listening for an algorithm: waves of the thesis
     /// end at the listener and have a balance alone.
     pub fn for_profile(profile: Profile) -> Listen {
         match profile {

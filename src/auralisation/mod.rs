@@ -1,6 +1,6 @@
 //! What a listener hears of a source, as sound: delays, loudness, echoes, reverberation.
 //!
-//! A [`Response`](crate::response::Response) says what arrives. [`Heard`] is made of it, on any thread:
+//! A [`Response`](crate::response::Response) describes what arrives. [`Heard`] is made of it, on any thread:
 //! the strongest exact paths as single echoes, all else as a kernel. An [`Auralisation`] plays a
 //! source's own sound through it into two channels, on a thread that must not wait: it allocates
 //! nothing and locks nothing.
@@ -210,7 +210,7 @@ impl Auralisation {
     }
 
     /// Takes the late part of `heard`, if it has one, and fades to it within so many samples, from the
-    /// next block on; what is not needed any more is put in its place. False while a fade is under way:
+    /// next block on; what is not needed any more is put in its place. False while a fade is in progress:
     /// then nothing changes. Allocates nothing, frees nothing.
     pub fn glide_late(&mut self, heard: &mut Heard, samples: u32) -> bool {
         if self.next.is_some() {

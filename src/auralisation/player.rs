@@ -9,7 +9,7 @@ use std::fmt;
 /// Frames that are played at once.
 const BLOCK: usize = 256;
 
-/// Updates that may be under way.
+/// Updates that may be queued.
 const UPDATES: usize = 32;
 
 /// Seconds in which one late part fades to the next.
@@ -35,7 +35,7 @@ pub struct Player {
     mono: [f32; BLOCK],
 }
 
-/// The other end of a [`Player`]: says what it plays, from any thread.
+/// The other end of a [`Player`]: sets what it plays, from any thread.
 pub struct PlayerRemote {
     spec: Spec,
     sources: usize,
@@ -46,7 +46,7 @@ pub struct PlayerRemote {
 struct Playing {
     sound: Sound,
     ears: Auralisation,
-    /// A late part that waits until the fade before it is over.
+    /// A late part that waits until the previous fade has ended.
     late: Option<Box<Heard>>,
 }
 
@@ -143,7 +143,7 @@ impl PlayerRemote {
     }
 
     /// Glides within some seconds to what is heard of a source (from 0), and frees what was heard
-    /// before. False, and nothing changes, if too much is under way: the player stands still.
+    /// before. False, and nothing changes, if too much is queued: the player stands still.
     pub fn hear(&mut self, source: usize, heard: Heard, seconds: f64) -> bool {
         self.collect();
         let update = Update {

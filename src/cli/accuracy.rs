@@ -23,13 +23,13 @@ pub struct Arguments {
     /// Built-in scenes or scene files [default: corner obstacles cave glasshouse; with --full all]
     #[arg(value_name = "SCENE")]
     scenes: Vec<String>,
-    /// Every combination of settings, not one change at a time: takes hours
+    /// Run every combination of settings, not one change at a time: takes hours
     #[arg(long)]
     full: bool,
-    /// The panning error that the recommended setting has to stay below
+    /// Upper limit of the panning error of the recommended setting
     #[arg(long, default_value_t = 0.02, value_name = "RMS", value_parser = real::<f64>)]
     error: f64,
-    /// Frames of each setting, a seed each, 16 to 1000
+    /// Number of frames per setting, each with its own seed, 16 to 1000
     #[arg(long, default_value_t = 16, value_name = "N", value_parser = count::<u32>)]
     seeds: u32,
     /// Write accuracy.csv, .json, .md and .svg into this folder

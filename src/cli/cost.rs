@@ -25,7 +25,7 @@ pub struct Arguments {
     scene: SceneArguments,
     #[command(flatten)]
     options: TraceOptions,
-    /// Pairs of frames for each row, a seed each; times are medians
+    /// Number of pairs of frames per row, each with its own seed; times are medians
     #[arg(
         long,
         allow_negative_numbers = true,

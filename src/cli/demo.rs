@@ -2,7 +2,7 @@
 
 use super::exit::BadInput;
 use super::numbers::{count, real};
-use super::options::{Common, LawOption, TraceOptions, check_ending, check_range};
+use super::options::{Common, FrameRateOption, LawOption, TraceOptions, check_ending, check_range};
 use super::print;
 use super::scene::SceneArguments;
 use crate::audio::{SAMPLE_RATE, Sound};
@@ -27,7 +27,7 @@ F1 in the window lists the keys. Scene files and WAV files can be dropped on it.
 Scenes: corner, obstacles, open-field, open-pillars, shoebox, whispering-gallery,
 parabolic-mirrors, colonnade, cave, morphing-room, menger, glasshouse.";
 
-/// The shortest time for which the window can be asked for, in seconds: 0 would be none.
+/// The shortest time that `--seconds` accepts: 0 would be none.
 const SHORTEST_S: f64 = 1e-3;
 
 /// Arguments of `demo`.
@@ -60,7 +60,7 @@ struct SoundOptions {
     listen: Option<Listen>,
     #[command(flatten)]
     law: LawOption,
-    /// Sound device by its name or its id, as --list-devices has them
+    /// Name or id of the sound device, as listed by --list-devices
     #[arg(long, value_name = "NAME")]
     device: Option<String>,
     /// List the sound devices and open no window
@@ -81,26 +81,20 @@ struct SoundOptions {
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Window")]
 struct WindowOptions {
-    /// Trace the waves for every Nth picture only
+    /// Trace the waves only for every Nth picture
     #[arg(
         long,
         allow_negative_numbers = true,
         default_value_t = 1,
         value_name = "N", value_parser = count::<u32>)]
     trace_every: u32,
-    /// Let the number of waves (4096 or more) follow the frame's time also when --waves is
-    /// given, from there on; without --waves it always does
+    /// Adapt the number of waves (4096 or more) to the frame time even when --waves is given,
+    /// starting from it; without --waves it always adapts
     #[arg(long)]
     adapt_waves: bool,
-    /// Frame rate to hold, in frames a second
-    #[arg(
-        long,
-        allow_negative_numbers = true,
-        default_value_t = 30.0,
-        value_name = "N", value_parser = real::<f64>)]
-    fps: f64,
-    /// Draw the picture at this share of the window's size; without it the share follows
-    /// the frame's time
+    #[command(flatten)]
+    frame_rate: FrameRateOption,
+    /// Draw the picture at this share of the window's size [default: adapted to the frame time]
     #[arg(long, allow_negative_numbers = true, value_name = "SHARE", value_parser = real::<f32>)]
     scale: Option<f32>,
     /// Width in pixels, before the screen's own scale
@@ -109,22 +103,22 @@ struct WindowOptions {
     /// Height in pixels, before the screen's own scale
     #[arg(long, default_value_t = 540, value_name = "PIXELS", value_parser = count::<u32>)]
     height: u32,
-    /// Where F5 saves the scene; without it NAME-1.ron and so on
+    /// File to which F5 saves the scene [default: NAME-1.ron, NAME-2.ron, …]
     #[arg(long, value_name = "FILE.ron")]
     save: Option<PathBuf>,
-    /// Picture of the window at the end
+    /// Write a screenshot of the window at the end
     #[arg(long, value_name = "FILE.png")]
     screenshot: Option<PathBuf>,
-    /// Close the window after so many frames
+    /// Close the window after this number of frames
     #[arg(long, value_name = "N", value_parser = count::<u64>)]
     frames: Option<u64>,
-    /// Close the window after so many seconds
+    /// Close the window after this number of seconds
     #[arg(long, allow_negative_numbers = true, value_name = "SECONDS", value_parser = real::<f64>)]
     seconds: Option<f64>,
-    /// Begin with the help closed
+    /// Start with the help closed
     #[arg(long)]
     no_help: bool,
-    /// Tell every frame as a line of JSON on standard error
+    /// Write a line of JSON for every frame to standard error
     #[arg(long, hide = true)]
     log_frames: bool,
 }
@@ -189,7 +183,7 @@ fn options(arguments: &Arguments, common: &Common) -> anyhow::Result<DemoOptions
         settings: arguments.trace.settings()?,
         trace_every: window.trace_every,
         adapt_waves: window.adapt_waves || arguments.trace.waves.is_none(),
-        frame_milliseconds: 1000.0 / window.fps,
+        frame_milliseconds: 1000.0 / window.frame_rate.fps,
         picture_scale: window.scale,
         width: window.width,
         height: window.height,
@@ -213,7 +207,7 @@ fn options(arguments: &Arguments, common: &Common) -> anyhow::Result<DemoOptions
     })
 }
 
-/// Refuses what cannot be, before a window is opened.
+/// Rejects what cannot be, before a window is opened.
 fn check(sound: &SoundOptions, window: &WindowOptions, common: &Common) -> anyhow::Result<()> {
     if common.gl != Api::Gl || common.gpu.is_some() {
         let text = "--gl and --gpu are for commands without a window: the window is drawn on the display's GPU";
@@ -223,7 +217,7 @@ fn check(sound: &SoundOptions, window: &WindowOptions, common: &Common) -> anyho
     check_range("--volume", f64::from(sound.volume), 0.0, 1.0)?;
     check_range("--buffer", f64::from(sound.buffer), 16.0, 65_536.0)?;
     check_range("--trace-every", f64::from(window.trace_every), 1.0, 1000.0)?;
-    check_range("--fps", window.fps, 1.0, 240.0)?;
+    check_range("--fps", window.frame_rate.fps, 1.0, 240.0)?;
     check_range("--width", f64::from(window.width), 320.0, 16_384.0)?;
     check_range("--height", f64::from(window.height), 180.0, 16_384.0)?;
     check_range("--scale", f64::from(window.scale.unwrap_or(1.0)), 0.05, 1.0)?;
@@ -245,7 +239,7 @@ fn check(sound: &SoundOptions, window: &WindowOptions, common: &Common) -> anyho
     Ok(())
 }
 
-/// Refuses a law that nothing would be heard by.
+/// Rejects a law that nothing would be heard by.
 fn check_law(sound: &SoundOptions) -> Result<(), BadInput> {
     if sound.law.law.is_none() || sound.listen != Some(Listen::Full) {
         return Ok(());
@@ -262,7 +256,7 @@ fn check_outputs(arguments: &Arguments) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Refuses a device that is not there, and a recording of nothing: before a window is opened.
+/// Rejects a device that is not there, and a recording of nothing: before a window is opened.
 #[cfg(feature = "audio")]
 fn check_device(sound: &SoundOptions) -> anyhow::Result<()> {
     if sound.device.is_none() && sound.record.is_none() {
@@ -297,7 +291,7 @@ fn check_device(sound: &SoundOptions) -> anyhow::Result<()> {
     bail!("built without sound: nothing can be played or recorded")
 }
 
-/// So many of something, as it is said of one and of more.
+/// A number of something, in singular or plural.
 fn counted(count: u64, what: &str) -> String {
     match count {
         1 => format!("1 {what}"),

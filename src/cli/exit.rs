@@ -12,7 +12,7 @@ use std::process::ExitCode;
 const FAILED: u8 = 1;
 const BAD_INPUT: u8 = 2;
 
-/// Input that a subcommand itself refuses.
+/// Input that a subcommand itself rejects.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
 pub struct BadInput(pub String);
@@ -23,13 +23,13 @@ pub fn report(error: &anyhow::Error) -> ExitCode {
         return ExitCode::SUCCESS;
     }
     // The outermost error alone: ours name their cause in their own sentence.
-    // With nowhere to write to, the exit code still tells.
+    // If it cannot be written, the exit code still reports the failure.
     print::tell(&format!("echomarch: {error}"));
     ExitCode::from(code(error))
 }
 
-/// Prints what is wrong with the arguments, or the help that was asked for. What cannot be
-/// shown as it was typed is told as any other message is.
+/// Prints what is wrong with the arguments, or the requested help. Text that cannot be shown as
+/// typed is escaped, as in all other messages.
 pub fn refuse_arguments(error: &mut clap::Error) -> ExitCode {
     let is_help = matches!(
         error.kind(),
@@ -78,7 +78,7 @@ fn code(error: &anyhow::Error) -> u8 {
     if bad_input { BAD_INPUT } else { FAILED }
 }
 
-/// Whoever read our output has seen enough (`echomarch … | head`).
+/// Whether the reader of the output has closed the pipe (`echomarch … | head`).
 fn is_broken_pipe(error: &anyhow::Error) -> bool {
     error.chain().any(|cause| {
         cause

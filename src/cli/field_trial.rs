@@ -6,7 +6,7 @@ use crate::trace::{FieldTrial, TrialCommand, answer_field_trial};
 use std::ffi::OsString;
 use std::process::ExitCode;
 
-/// Has users' fields tried in children of this program, on the renderer that was asked for.
+/// Sets that users' fields are tried in child processes, on the requested renderer.
 pub fn choose(common: &Common) {
     let mut arguments = vec![
         OsString::from("field-trial"),
@@ -22,7 +22,7 @@ pub fn choose(common: &Common) {
     FieldTrial::InChild(command).set();
 }
 
-/// Answers the process that asks.
+/// Answers the parent process.
 pub fn answer(common: &Common) -> ExitCode {
     answer_field_trial(&ContextOptions {
         api: common.gl,

@@ -20,14 +20,14 @@ Examples:
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
-    /// Leave out rows of more waves
+    /// Leave out rows with more waves than this
     #[arg(
         long,
         allow_negative_numbers = true,
         default_value_t = 1_048_576,
         value_name = "N", value_parser = count::<u32>)]
     max_waves: u32,
-    /// Timed frames of each row; times are their medians
+    /// Number of timed frames per row; the reported times are medians
     #[arg(
         long,
         allow_negative_numbers = true,
@@ -36,7 +36,7 @@ pub struct Arguments {
     runs: u32,
     #[command(flatten)]
     compared: ProfilesOption,
-    /// Chooses the random directions
+    /// Seed of the random directions
     #[arg(
         long,
         allow_negative_numbers = true,

@@ -32,7 +32,7 @@ Examples:
   echomarch impulse hall.ron --source flute --listener stalls --plot decay.svg
   echomarch impulse hall.ron --echogram echogram.csv --json > hall.json";
 
-/// The shortest response in seconds: less than a bin of time says nothing.
+/// The shortest response in seconds: less than a time bin contains no information.
 const SHORTEST_S: f64 = 1e-3;
 
 /// Arguments of `impulse`.
@@ -53,7 +53,7 @@ pub struct Arguments {
     /// SimpleFreeFieldHRIR
     #[arg(long, value_name = "FILE.sofa", requires = "output")]
     sofa: Option<PathBuf>,
-    /// Samples a second of the WAV file
+    /// Sample rate of the WAV file, in hertz
     #[arg(long, allow_negative_numbers = true, default_value_t = SAMPLE_RATE, value_name = "HZ",
         requires = "output", value_parser = count::<u32>)]
     rate: u32,
@@ -70,11 +70,11 @@ pub struct Arguments {
     /// Only this listener, by its name or number
     #[arg(long, value_name = "NAME")]
     listener: Option<String>,
-    /// How long the waves are followed, 0.001 to 60 [default: until all bands
-    /// have fallen by 60 dB, 10 at the most]
+    /// Length of the response, 0.001 to 60 [default: until all bands
+    /// have fallen by 60 dB, 10 at most]
     #[arg(long, allow_negative_numbers = true, value_name = "SECONDS", value_parser = real::<f64>)]
     seconds: Option<f64>,
-    /// Reflections of the paths that are found exactly, at the most [default: 8 where all surfaces
+    /// Maximum number of reflections of exact paths [default: 8 where all surfaces
     /// are flat, else 3]
     #[arg(long, allow_negative_numbers = true, value_name = "N", value_parser = count::<u32>)]
     order: Option<u32>,
@@ -84,7 +84,7 @@ pub struct Arguments {
     /// Number of sound waves, 1 to 16777216
     #[arg(long, allow_negative_numbers = true, default_value_t = 65_536, value_name = "N", value_parser = count::<u32>)]
     waves: u32,
-    /// Chooses the start directions, and the noise of the late part
+    /// Seed of the start directions, and of the noise of the late part
     #[arg(long, allow_negative_numbers = true, default_value_t = 1, value_name = "N", value_parser = count::<u32>)]
     seed: u32,
     /// Start directions: random (the thesis), fibonacci (an even lattice)

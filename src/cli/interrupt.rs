@@ -11,17 +11,17 @@ use std::io;
 use std::sync::atomic::{AtomicBool, AtomicI32, Ordering::SeqCst};
 use std::time::Duration;
 
-/// How long the window may take to end when it is asked to.
+/// How long the window may take to end when a signal requests it.
 const MOST_TO_END: Duration = Duration::from_secs(5);
 
-/// Whether whoever runs asks [`asked`], and ends then.
+/// Whether the running command polls [`asked`] and then ends.
 static IS_GENTLE: AtomicBool = AtomicBool::new(false);
 
 /// The signal that came; 0 for none.
 static ASKED: AtomicI32 = AtomicI32::new(0);
 
-/// From now on a signal is answered as this module says. A hang-up that was to be ignored
-/// (`nohup`) still is.
+/// From now on signals are handled as described in the module header. A hang-up that was ignored
+/// before (`nohup`) still is.
 ///
 /// # Errors
 /// Those of the system, which may have no thread left.
@@ -41,7 +41,8 @@ pub fn install() -> io::Result<()> {
     Ok(())
 }
 
-/// The first signal asks, where somebody asks for it; else, and the second time, all ends.
+/// The first signal requests the end if the running command polls for it. Otherwise, and at the
+/// second signal, the process exits.
 fn answer(signal: i32) {
     let is_first = ASKED.swap(signal, SeqCst) == 0;
     if !(is_first && IS_GENTLE.load(SeqCst)) {
@@ -66,19 +67,19 @@ fn exit_code(signal: i32) -> i32 {
     128 + signal
 }
 
-/// A signal asks from now on, and whoever runs must look at [`asked`].
+/// From now on a signal only requests the end, and the running command must poll [`asked`].
 #[cfg(feature = "demo")]
 pub fn ask_from_now_on() {
     IS_GENTLE.store(true, SeqCst);
 }
 
-/// Whether a signal asked for the end.
+/// Whether a signal requested the end.
 #[cfg(feature = "demo")]
 pub fn is_asked() -> bool {
     asked().is_some()
 }
 
-/// The exit code of the signal that asked for the end, if one did.
+/// The exit code of the signal that requested the end, if one did.
 pub fn asked() -> Option<u8> {
     match ASKED.load(SeqCst) {
         0 => None,

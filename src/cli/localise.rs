@@ -73,7 +73,7 @@ struct Stimuli {
     /// Sounds, separated by commas
     #[arg(long, value_delimiter = ',', value_name = "SOUNDS", default_value = ALL_SOUNDS)]
     sounds: Vec<String>,
-    /// How the panning value becomes two levels, for every profile alike: linear (the thesis),
+    /// Panning law, the same for every profile: linear (the thesis),
     /// constant-power
     #[arg(long, default_value_t = PanningLaw::Linear, value_name = "LAW")]
     law: PanningLaw,
@@ -92,7 +92,7 @@ struct RunArguments {
     /// Numbers of iterations, separated by commas [default: 1,2,4,8,16]
     #[arg(long, value_delimiter = ',', value_name = "N", value_parser = count::<u32>)]
     iterations: Vec<u32>,
-    /// Frames of each setting and facing, a seed each [default: 5; with --quick 3]
+    /// Number of frames per setting and facing, each with its own seed [default: 5; with --quick 3]
     #[arg(long, value_name = "N", value_parser = count::<u32>)]
     seeds: Option<u32>,
     /// Few settings and seeds
@@ -126,13 +126,13 @@ struct FormArguments {
     /// Seed of the trials' numbers, and of the start directions of the waves
     #[arg(long, default_value_t = 1, value_name = "N", value_parser = count::<u32>)]
     seed: u32,
-    /// Seed of one order of the trials for every session [default: each session draws its own]
+    /// Seed of the order of the trials, the same for every session [default: each session draws its own]
     #[arg(long, value_name = "N", value_parser = count::<u32>)]
     order_seed: Option<u32>,
     /// Length of each sound
     #[arg(long, default_value_t = 2.0, value_name = "SECONDS", value_parser = real::<f64>)]
     seconds: f64,
-    /// A folder that is empty or not there yet
+    /// A folder that is empty or does not exist yet
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
 }
@@ -192,8 +192,8 @@ fn run_options(arguments: &RunArguments, common: &Common) -> anyhow::Result<Loca
     Ok(options)
 }
 
-/// Settings that are too large are refused if they were asked for; if not, the report tells
-/// of them.
+/// Settings that are too large are rejected if they were requested; otherwise the report lists
+/// them.
 fn check_work(arguments: &RunArguments, options: &LocaliseOptions) -> anyhow::Result<()> {
     let left_out = options.left_out();
     let Some((waves, iterations)) = left_out.first() else {

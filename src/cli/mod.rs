@@ -111,7 +111,7 @@ enum Command {
     Verify(verify::Arguments),
     /// The localisation experiment, by a computed observer and with people
     Localise(localise::Arguments),
-    /// Sweeps and maps: many points, in shards that are broken off, taken up, and joined
+    /// Sweeps and maps: many points; shards can be interrupted, resumed and merged
     Study(study::Arguments),
     /// Try users' fields for another process of this program
     #[command(hide = true)]

@@ -60,7 +60,7 @@ fn ungrouped(said: &str) -> Result<String, String> {
 mod tests {
     use super::*;
 
-    /// Protects counts: every way to write one means that one, and what is no count is refused.
+    /// Protects counts: every way to write one means that one, and what is no count is rejected.
     #[test]
     fn counts_are_read_in_every_form() {
         let forms = [
@@ -87,7 +87,7 @@ mod tests {
         assert!(refused("44.1k").contains("1e6"));
     }
 
-    /// Protects numbers with a point, whose ranges are checked by whoever asked.
+    /// Numbers with a decimal point; the caller checks their ranges.
     #[test]
     fn reals_are_read_in_every_form() {
         assert_eq!(real("1_000.5"), Ok(1000.5f32));

@@ -15,10 +15,10 @@ use std::path::Path;
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Renderer and output")]
 pub struct Common {
-    /// How OpenGL is reached: gl (EGL, desktop 3.3), gles (EGL, ES 3.0), osmesa
+    /// OpenGL interface: gl (EGL, desktop 3.3), gles (EGL, ES 3.0), osmesa
     #[arg(long, global = true, default_value_t = Api::Gl, value_name = "API")]
     pub gl: Api,
-    /// EGL device to use, as numbered by `info`; without it the first that works
+    /// EGL device to use, as numbered by `info` [default: the first that works]
     #[arg(long, global = true, allow_negative_numbers = true, value_name = "N", value_parser = count::<usize>)]
     pub gpu: Option<usize>,
     /// Print JSON instead of text
@@ -30,7 +30,7 @@ pub struct Common {
 }
 
 impl Common {
-    /// The renderer that was asked for; its name goes to standard error.
+    /// The requested renderer; its name goes to standard error.
     pub fn context(&self) -> Result<Context, Error> {
         let options = ContextOptions {
             api: self.gl,
@@ -58,17 +58,29 @@ impl Common {
     }
 }
 
+/// Frames a second.
+#[derive(Args, Clone, Copy, Debug)]
+pub struct FrameRateOption {
+    /// Frames traced a second
+    #[arg(
+        long,
+        allow_negative_numbers = true,
+        default_value_t = 30.0,
+        value_name = "N", value_parser = real::<f64>)]
+    pub fps: f64,
+}
+
 /// From the waves' balance to the levels of the two channels.
 #[derive(Args, Clone, Copy, Debug)]
 pub struct LawOption {
-    /// How the panning value becomes two levels: constant-power, or linear (the thesis)
+    /// Panning law: constant-power, or linear (the thesis)
     /// [default: constant-power; with --profile thesis linear]
     #[arg(long, value_name = "LAW")]
     pub law: Option<PanningLaw>,
 }
 
 impl LawOption {
-    /// The law that was asked for, or that of the profile.
+    /// The requested law, or that of the profile.
     pub fn of(self, profile: Profile) -> PanningLaw {
         self.law.unwrap_or(PanningLaw::for_profile(profile))
     }
@@ -77,7 +89,7 @@ impl LawOption {
 /// Algorithms to compare.
 #[derive(Args, Debug)]
 pub struct ProfilesOption {
-    /// Profiles to set side by side, separated by commas
+    /// Profiles to compare, separated by commas
     #[arg(
         long,
         value_delimiter = ',',
@@ -87,7 +99,7 @@ pub struct ProfilesOption {
     pub profiles: Vec<Profile>,
 }
 
-/// Segments of each wave unless more are asked for.
+/// Default number of segments of each wave.
 const USUAL_ITERATIONS: u32 = 8;
 
 /// How to trace.
@@ -100,7 +112,7 @@ pub struct TraceOptions {
     /// Number of sound waves, 1 to 16777216 [default: 65536]
     #[arg(long, allow_negative_numbers = true, value_name = "N", value_parser = count::<u32>)]
     pub waves: Option<u32>,
-    /// Segments of each wave, 1 to 4095 [default: 8]
+    /// Number of iterations (segments of each wave), 1 to 4095 [default: 8]
     #[arg(long, allow_negative_numbers = true, value_name = "N", value_parser = count::<u32>)]
     pub iterations: Option<u32>,
     /// Chooses the start directions
@@ -162,7 +174,7 @@ impl TraceOptions {
         Ok(algorithm)
     }
 
-    /// Tells when a pass takes fewer iterations than were asked for.
+    /// Prints a note when a pass takes fewer iterations than requested.
     pub fn note_passes(&self, common: &Common, scene: &Scene, settings: &Settings) {
         let Some(asked) = self.iterations_per_pass else {
             return;
@@ -177,7 +189,7 @@ impl TraceOptions {
     }
 }
 
-/// Refuses a file whose name does not end as its contents do.
+/// Rejects a file whose name does not end as its contents do.
 pub fn check_ending(file: &Path, ending: &str) -> Result<(), BadInput> {
     match file.extension() {
         Some(found) if found.eq_ignore_ascii_case(ending) => Ok(()),
@@ -188,7 +200,7 @@ pub fn check_ending(file: &Path, ending: &str) -> Result<(), BadInput> {
     }
 }
 
-/// Refuses a number outside of its range.
+/// Rejects a number outside its range.
 pub fn check_range(what: &str, value: f64, least: f64, most: f64) -> Result<(), BadInput> {
     if (least..=most).contains(&value) {
         return Ok(());

@@ -5,26 +5,26 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
 use std::io::Write;
 
-/// Prints a line, or a table; a reader that has gone away is an error like any other. What
-/// would be no text on a terminal is spelled out.
+/// Prints a line or a table. A closed pipe is an error like any other. Control characters are
+/// escaped.
 pub fn line(text: &str) -> anyhow::Result<()> {
     writeln!(std::io::stdout(), "{}", text::in_lines(text)).map_err(unwritten)
 }
 
-/// Says of a failure where it was; the cause stays within.
+/// Adds to an error that standard output could not be written; the cause is kept.
 pub fn unwritten(error: std::io::Error) -> anyhow::Error {
     let text = format!("cannot write standard output: {error}");
     anyhow::Error::new(error).context(text)
 }
 
-/// Tells something on standard error: every message of the program goes through here, and
+/// Prints a message to standard error: every message of the program goes through here, and
 /// none is longer than 10 lines and 1,000 characters.
 pub fn tell(message: &str) {
     // No message is worth a failure when there is nowhere to write it.
     let _ = writeln!(std::io::stderr(), "{}", text::message(message));
 }
 
-/// Tells a record of JSON on standard error, for a program that drives this one.
+/// Prints a JSON record to standard error, for a program that controls this one.
 #[cfg(feature = "demo")]
 pub fn tell_record(json: &str) {
     // Whoever it is for may have gone.

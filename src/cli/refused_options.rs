@@ -1,4 +1,4 @@
-//! Options that would change nothing are refused, and those that have another name now.
+//! Rejects options without effect and renamed options.
 
 use super::exit::BadInput;
 use clap::ArgMatches;
@@ -98,7 +98,7 @@ fn always(_: &ArgMatches) -> bool {
     true
 }
 
-/// Refuses what was typed and would change nothing.
+/// Rejects what was typed and would change nothing.
 pub fn check(matches: &ArgMatches) -> Result<(), BadInput> {
     let (mut path, mut given) = (Vec::new(), matches);
     while let Some((name, below)) = given.subcommand() {
@@ -148,7 +148,7 @@ fn set_twice(given: &ArgMatches) -> Option<&str> {
     (0..names.len()).find(is_again).map(|at| names[at])
 }
 
-/// What says that a value of a list is given a second time, and would be computed twice.
+/// The error for a list value that is given twice, and would be computed twice.
 fn given_twice(given: &ArgMatches) -> Option<String> {
     let twice = |id: &str| {
         let raw = given.try_get_raw(id).ok().flatten()?;

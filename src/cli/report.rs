@@ -68,7 +68,7 @@ pub fn write_and_print<R: Report>(
     }
 }
 
-/// Prints a report, as JSON if that was asked for.
+/// Prints a report, as JSON if requested.
 pub fn print_report<R: Report>(common: &Common, report: &R) -> anyhow::Result<()> {
     match common.json {
         true => print::json(report),

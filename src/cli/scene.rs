@@ -8,7 +8,7 @@ use crate::kernel::{Layout, Lists};
 use crate::scene::{Scene, SceneError};
 use clap::Args;
 
-/// Warnings of one scene that are told; of more, how many there are.
+/// Warnings printed for one scene; for more, only their number is printed.
 const MOST_WARNINGS: usize = 8;
 
 /// From about here on compiling a scene's shader takes seconds (docs/scene-format.md).
@@ -49,29 +49,29 @@ fn name_and_value(said: &str) -> Result<(String, f32), String> {
     }
 }
 
-/// A scene as it stands at a time on its paths.
+/// A scene at a time on its paths.
 #[derive(Args, Debug)]
 pub struct SceneAtTime {
     #[command(flatten)]
     pub scene: SceneArguments,
-    /// Seconds on the paths of source, listener and surfaces; without it all stand where the
-    /// scene puts them. Where nothing moves it changes nothing, and a warning says so
+    /// Time in seconds on the paths of source, listener and surfaces [default: initial positions].
+    /// In a scene without motion it has no effect, and a warning is printed
     #[arg(long, allow_negative_numbers = true, value_name = "SECONDS", value_parser = real::<f64>)]
     time: Option<f64>,
 }
 
 impl Common {
-    /// Loads a scene and tells what is odd about it.
+    /// Loads a scene and prints its warnings.
     pub fn scene(&self, name_or_file: &str) -> Result<Scene, Error> {
         Ok(self.told(Scene::load(name_or_file)?))
     }
 
-    /// Loads a scene, sets its named values, and tells what is odd about it then.
+    /// Loads a scene, sets its named values, and prints the warnings that remain.
     pub fn scene_with_values(&self, arguments: &SceneArguments) -> Result<Scene, Error> {
         Ok(self.told(arguments.load()?))
     }
 
-    /// The scene with its named values set, as it stands at a time on its paths.
+    /// The scene with its named values set, at a time on its paths.
     pub fn scene_at_time(&self, arguments: &SceneAtTime) -> anyhow::Result<Scene> {
         let Some(seconds) = arguments.time else {
             return Ok(self.scene_with_values(&arguments.scene)?);
@@ -93,14 +93,14 @@ impl Common {
         Ok(self.told(scene))
     }
 
-    /// Tells what is odd about a scene that was loaded.
+    /// Prints the warnings of a scene that was loaded.
     fn told(&self, scene: Scene) -> Scene {
         self.warn_when_known(&scene, false);
         self.note_many(&scene);
         scene
     }
 
-    /// Tells of more surfaces than a shader is quickly made of.
+    /// Prints a note if the scene has more surfaces than compile quickly.
     fn note_many(&self, scene: &Scene) {
         let unrolled = Layout::of(&scene.surfaces, Lists::Lines).unrolled.len();
         if unrolled > MANY_SURFACES {
@@ -110,8 +110,8 @@ impl Common {
         }
     }
 
-    /// Tells what is odd about a scene that the renderer has checked, unless it was already
-    /// told when it was loaded: of users' fields nothing is known before.
+    /// Prints the warnings of a scene that the renderer has checked, unless they were printed
+    /// when it was loaded: of users' fields nothing is known before.
     pub fn warn_checked(&self, scene: &Scene) {
         self.warn_when_known(scene, true);
     }
@@ -122,7 +122,7 @@ impl Common {
         }
     }
 
-    /// Tells what is odd about a scene as it stands.
+    /// Prints the warnings of a scene in its current state.
     pub fn warn(&self, scene: &Scene) {
         let warnings = scene.warnings();
         for warning in warnings.iter().take(MOST_WARNINGS) {

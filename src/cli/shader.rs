@@ -24,7 +24,7 @@ Examples:
 pub struct Arguments {
     /// Built-in scene or scene file
     scene: String,
-    /// Which of its shaders
+    /// The shader to print
     #[arg(long, value_enum, default_value_t = Which::March, value_name = "NAME")]
     pass: Which,
     /// The algorithm: hybrid (closed form), march (accurate sphere tracing), thesis
@@ -33,7 +33,7 @@ pub struct Arguments {
     /// Start directions: random (the thesis), fibonacci (an even lattice)
     #[arg(long, default_value_t = Directions::Random, value_name = "NAME")]
     directions: Directions,
-    /// Count evaluations of the distance
+    /// Add code that counts evaluations of the distance
     #[arg(long)]
     count_evaluations: bool,
     /// Write to a file
@@ -74,7 +74,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     print::line(text.trim_end())
 }
 
-/// Refuses options without which the text would be the same.
+/// Rejects options without which the text would be the same.
 fn check_effects(arguments: &Arguments, scene: &Scene) -> Result<(), BadInput> {
     let usual = |change: fn(&mut Arguments)| {
         let mut usual = arguments.clone();

@@ -47,17 +47,17 @@ pub struct Arguments {
     /// Draw the paths of this many waves
     #[arg(long, default_value_t = 0, value_name = "N", value_parser = count::<u32>)]
     paths: u32,
-    /// Draw the paths of this many waves that reach the listener: traces --waves of them (4096
-    /// to 262144), then those of the next seeds, until there are so many (some 4194304 waves at
-    /// the most)
+    /// Draw the paths of this many waves that reach the listener: traces --waves waves (4096
+    /// to 262144), then waves of the next seeds, until enough are found (at most about 4194304
+    /// waves)
     #[arg(long, default_value_t = 0, value_name = "N", value_parser = count::<u32>)]
     heard_paths: u32,
     #[command(flatten)]
     options: TraceOptions,
-    /// What is called --image-width now
+    /// Renamed to --image-width
     #[arg(long, hide = true, value_name = "PIXELS")]
     width: Option<String>,
-    /// What is called --cut-height now
+    /// Renamed to --cut-height
     #[arg(long, hide = true, value_name = "METRES", allow_hyphen_values = true)]
     height: Option<String>,
 }
@@ -101,13 +101,13 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     print::line(&output)
 }
 
-/// Waves of one frame of the search for heard ones at the least: fewer take as long.
+/// Waves of one frame of the search for heard ones at least: fewer take as long.
 const LEAST_SEARCHED: u32 = 4096;
 
-/// Waves that are traced to find heard ones at the most: half a minute without a graphics card.
+/// Waves that are traced to find heard ones at most: half a minute without a graphics card.
 const MOST_TRACED: u64 = 1 << 22;
 
-/// Says so when there are fewer heard waves than were asked for.
+/// Prints a note when fewer heard waves were found than requested.
 fn tell_missing(found: &HeardPaths, wanted: usize, common: &Common) {
     let count = found.count();
     if count < wanted {

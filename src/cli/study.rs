@@ -28,7 +28,7 @@ Examples:
 
 Study files, Slurm, GNU parallel: docs/clusters.md.";
 
-/// Processes of one run at the most: more than a machine has cores.
+/// Processes of one run at most: more than a machine has cores.
 const MOST_JOBS: u32 = 1024;
 
 /// Arguments of `study`.
@@ -41,23 +41,23 @@ pub struct Arguments {
     /// The folder of shards and tables
     #[arg(short, long, value_name = "DIR", required_unless_present = "count")]
     output: Option<PathBuf>,
-    /// Tell how many points there are, how long they take by a short sample, and how large the
-    /// tables become; compute nothing else
+    /// Estimate the number of points, the run time (from a short sample) and the size of the
+    /// table; compute nothing else
     #[arg(long, conflicts_with_all = ["output", "shard", "join", "jobs", "map"])]
     count: bool,
-    /// Compute one part of so many, and join nothing
+    /// Compute shard K of N, and merge nothing
     #[arg(long, value_name = "K/N", conflicts_with_all = ["join", "jobs", "map"])]
     shard: Option<Shard>,
-    /// Join the parts that are there, and compute nothing
+    /// Merge the existing shards, and compute nothing
     #[arg(long, conflicts_with = "jobs")]
     join: bool,
-    /// Compute in so many processes
+    /// Number of processes
     #[arg(long, allow_negative_numbers = true, default_value_t = 1, value_name = "N", value_parser = count::<u32>)]
     jobs: u32,
     /// Draw a map of this column of the table, map-COLUMN.png; repeatable
     #[arg(long, value_name = "COLUMN")]
     map: Vec<String>,
-    /// Compute only on a renderer whose name and version hold this text
+    /// Compute only on a renderer whose name and version contain this text
     #[arg(long, value_name = "TEXT", conflicts_with = "join")]
     require_renderer: Option<String>,
     /// End when standard input ends: for the processes of --jobs
@@ -107,7 +107,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     print_out::joined(common, &study, &joined)
 }
 
-/// A worker on the renderer that was asked for, if it is the one that is demanded.
+/// A worker on the requested renderer, if it is the one that is demanded.
 fn worker<'a>(
     study: &'a Study,
     arguments: &Arguments,
@@ -164,7 +164,7 @@ fn compute_all<'a>(
 }
 
 /// What shows progress on a bar, behind so many points of other shards. What was done before it began
-/// says nothing of the time that is left.
+/// is not used to estimate the time that is left.
 fn shown(bar: &ProgressBar, before: u64) -> impl FnMut(u64) + '_ {
     let mut is_first = true;
     move |done| {
@@ -182,7 +182,7 @@ fn joined(study: &Study, folder: &Path, common: &Common) -> anyhow::Result<Joine
     Ok(joined)
 }
 
-/// Ends this process when whoever started it has ended, however that was.
+/// Ends this process when its parent has ended for any reason.
 fn end_with_input() -> anyhow::Result<()> {
     let watch = || {
         let mut byte = [0];

@@ -43,7 +43,7 @@ pub struct Arguments {
     /// Write every wave's start, end, direction and status as CSV
     #[arg(long, value_name = "FILE.csv")]
     dump_waves: Option<PathBuf>,
-    /// Trace the frame N times more and tell the medians of their times: the first compiles
+    /// Trace the frame N more times and print the median times: the first frame compiles
     #[arg(
         long,
         allow_negative_numbers = true,
@@ -51,8 +51,8 @@ pub struct Arguments {
         value_name = "N",
         conflicts_with = "watch", value_parser = count::<u32>)]
     repeat: u32,
-    /// Tell for each source and listener how loud, how late and from where it is heard, as `impulse`
-    /// does with these waves: some hundred times the time of a frame
+    /// Print level, delay and direction for each source and listener, computed as in `impulse`
+    /// with these waves: takes some hundred times as long as a frame
     #[arg(long, conflicts_with = "watch")]
     levels: bool,
     /// Trace again whenever the scene file, or a file that it names, changes, until Ctrl-C
@@ -301,14 +301,17 @@ fn print_text(report: &Report) -> anyhow::Result<()> {
 
 /// One line a wave; numbers in the shortest form that reads back to the same bits.
 fn dump(waves: &[Wave], out: &mut dyn Write) -> io::Result<()> {
-    writeln!(out, "wave,start_dx,start_dy,start_dz,x,y,z,dx,dy,dz,status")?;
+    let mut csv = csv::Writer::from_writer(out);
+    csv.write_record([
+        "wave", "start_dx", "start_dy", "start_dz", "x", "y", "z", "dx", "dy", "dz", "status",
+    ])?;
     for (index, wave) in waves.iter().enumerate() {
-        let (s, p, d) = (wave.start_direction, wave.position, wave.direction);
-        writeln!(
-            out,
-            "{index},{},{},{},{},{},{},{},{},{},{}",
-            s.x, s.y, s.z, p.x, p.y, p.z, d.x, d.y, d.z, wave.status
-        )?;
+        let vectors = [wave.start_direction, wave.position, wave.direction];
+        csv.write_field(index.to_string())?;
+        for number in vectors.iter().flat_map(|vector| vector.to_array()) {
+            csv.write_field(number.to_string())?;
+        }
+        csv.write_record([wave.status.to_string()])?;
     }
-    Ok(())
+    csv.flush()
 }

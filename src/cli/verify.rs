@@ -21,7 +21,7 @@ which is shown and does not count.";
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
-    /// Run the case of this name alone, or those whose names begin with it
+    /// Run only the case of this name, or those whose names begin with it
     #[arg(long = "case", value_name = "NAME")]
     cases: Vec<String>,
 }
@@ -70,9 +70,9 @@ fn chosen(names: &[String]) -> Result<Vec<Case>, BadInput> {
     Ok(chosen.collect())
 }
 
-/// Says which names are the nearest to one that no case has.
+/// Lists the names that are nearest to an unknown one.
 fn no_such_case(name: &str, all: &[Case]) -> String {
-    /// Names that are told: a line of them.
+    /// Maximum number of names printed: a line of them.
     const TOLD: usize = 5;
     let mut known: Vec<&str> = all.iter().map(|case| case.name.as_str()).collect();
     let typed = name.to_lowercase();

@@ -33,10 +33,10 @@ pub struct Arguments {
     /// Vertical field of view
     #[arg(long, default_value_t = 70.0, value_name = "DEGREES", value_parser = real::<f32>)]
     fov: f32,
-    /// What is called --image-width now
+    /// Renamed to --image-width
     #[arg(long, hide = true, value_name = "PIXELS")]
     width: Option<String>,
-    /// What is called --image-height now
+    /// Renamed to --image-height
     #[arg(long, hide = true, value_name = "PIXELS")]
     height: Option<String>,
 }

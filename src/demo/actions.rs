@@ -9,7 +9,7 @@ use crate::trace::Profile;
 use std::path::{Path, PathBuf};
 
 impl App {
-    /// Does what was asked for.
+    /// Carries out the requests.
     pub fn act(&mut self, action: Action) {
         match action {
             Action::Profile(profile) => {
@@ -155,7 +155,7 @@ impl App {
         }
     }
 
-    /// Begins a recording, or ends the one under way.
+    /// Begins a recording, or ends the one in progress.
     pub fn record(&mut self, path: Option<PathBuf>) {
         let told = match self.speaker.record(path.as_deref()) {
             Ok(lost) => match (path, lost) {

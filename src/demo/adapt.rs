@@ -18,7 +18,7 @@ pub const SCALES: [f32; 8] = [0.2, 0.25, 0.33, 0.4, 0.5, 0.65, 0.8, 1.0];
 /// Frames that are looked at before anything is changed.
 const FRAMES: usize = 6;
 
-/// Frames with room to spare before more is asked for.
+/// Frames with spare time before more is requested.
 const FRAMES_TO_SPARE: usize = 18;
 
 /// Above this share of the time that is to be held, less is done.
@@ -154,7 +154,7 @@ mod tests {
         }
     }
 
-    /// Protects a machine that can hold nothing: it stays at the least, and a quick one goes down at once.
+    /// Protects a machine that can hold nothing: it stays at the minimum, and a quick one goes down at once.
     #[test]
     fn the_least_is_the_least() {
         assert_eq!(*run(100.0, 10.0, 4, 60).last().unwrap(), 0);

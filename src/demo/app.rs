@@ -28,7 +28,7 @@ use winit::event_loop::{ActiveEventLoop, ControlFlow};
 use winit::keyboard::{KeyCode, PhysicalKey};
 use winit::window::WindowId;
 
-/// The least time between two frames, unless more of them are asked for: most screens show
+/// The least time between two frames by default: most screens show
 /// no more.
 const LEAST_INTERVAL: Duration = Duration::from_micros(16_600);
 
@@ -65,7 +65,7 @@ pub(super) struct App {
     mouse: Mouse,
     /// Where the pointer is, in pixels.
     pointer: Option<[f64; 2]>,
-    /// Where the mouse was pressed, until the panels have been laid out anew.
+    /// Where the mouse was pressed, until the panels have been laid out again.
     pub presses: Vec<[f64; 2]>,
     pub plan: Plan,
     pub paths: Paths,
@@ -89,7 +89,7 @@ pub(super) struct App {
     pub latency: Latency,
     pub recorder: Recorder,
     pub speaker: Speaker,
-    /// Who hears all, once that was wanted.
+    /// The thread that traces sound in full, once that was requested.
     pub ears: Option<Ears>,
     /// What the speaker plays in full, if it does.
     pub in_full: Option<InFull>,
@@ -168,7 +168,7 @@ impl App {
         })
     }
 
-    /// What came of it, once the events have ended.
+    /// The result, once the events have ended.
     pub fn result(self, ran: Result<(), EventLoopError>) -> Result<Report, DemoError> {
         let report = self.outcome?;
         ran.map_err(|error| DemoError::NoWindow {
@@ -182,12 +182,12 @@ impl App {
         self.message = Some((text.into(), Instant::now()));
     }
 
-    /// Whether GL is asked for errors after every frame.
+    /// Whether GL errors are queried after every frame.
     pub fn checks_gl(&self) -> bool {
         self.options.check_gl || cfg!(debug_assertions)
     }
 
-    /// Frames after which GL reported an error; none where GL is not asked.
+    /// Frames after which GL reported an error; none where they are not queried.
     pub fn gl_errors(&self) -> Option<u64> {
         self.checks_gl().then_some(self.recorder.gl_errors)
     }
@@ -222,7 +222,7 @@ impl App {
         Ok(())
     }
 
-    /// Whether the time or the frames asked for are over with the next frame.
+    /// Whether the requested time or number of frames is reached with the next frame.
     pub fn is_last_frame(&self) -> bool {
         let frames = self.options.frames;
         let seconds = self.options.seconds;
@@ -332,7 +332,7 @@ impl App {
         }
     }
 
-    /// A recording under way ends whole, or it is told why not.
+    /// Completes a recording in progress, or reports why that failed.
     fn end_recording(&mut self) {
         if self.speaker.status().is_recording
             && let Err(reason) = self.speaker.record(None)
@@ -343,7 +343,7 @@ impl App {
     }
 }
 
-/// Whether an event begins something. What ends something is for whoever saw the beginning.
+/// Whether an event begins something. The end of something goes to the receiver of its beginning.
 fn begins_something(event: &WindowEvent) -> bool {
     match event {
         WindowEvent::KeyboardInput { event, .. } => event.state == ElementState::Pressed,

@@ -2,7 +2,7 @@
 //! network to it goes.
 //!
 //! Xlib then ends the process by itself (`XIOError`), and winit panics where it expects an
-//! answer. Here Xlib is told to go on with the broken connection (`XSetIOErrorExitHandler`,
+//! answer. Here Xlib is made to continue with the broken connection (`XSetIOErrorExitHandler`,
 //! from libX11 1.7 on; an older one still ends the process, with exit code 1), and a panic on
 //! a broken connection is the end of the event loop.
 
@@ -100,7 +100,7 @@ impl Connection {
     }
 
     /// What `run` returns; none where it panicked because the server is gone. Any other panic
-    /// goes on.
+    /// continues.
     pub fn outlive<T>(&self, run: impl FnOnce() -> T) -> Option<T> {
         let usual = Arc::new(take_hook());
         let (connection, at_panic) = (self.clone(), usual.clone());

@@ -1,8 +1,8 @@
-//! What is heard in full: a thread with a renderer of its own follows the scene, and tells the sound
-//! what comes to the ears.
+//! What is heard in full: a thread with its own renderer follows the scene, and passes what
+//! arrives at the listener to the sound.
 //!
 //! Its pace is its own: pictures do not wait for it, and it does not wait for them. Echoes are those of
-//! its last look at the scene and glide to the next; the late part is made anew four times a second at
+//! its last look at the scene and glide to the next; the late part is made again four times a second at
 //! the most.
 
 #[cfg(feature = "audio")]
@@ -25,7 +25,7 @@ use std::time::{Duration, Instant};
 /// wants the cores too.
 const REST: f64 = 1.0;
 
-/// How often it asks for something new to hear.
+/// How often it requests an update.
 const GLANCE: Duration = Duration::from_millis(4);
 
 /// What there is to be heard.
@@ -41,7 +41,7 @@ struct Shared {
     status: Mutex<EarsStatus>,
     #[cfg(feature = "audio")]
     remote: Mutex<Option<PlayerRemote>>,
-    /// Whether a player waits to be told what it plays.
+    /// Whether a player waits for something to play.
     is_waited_for: AtomicBool,
     is_over: AtomicBool,
 }
@@ -85,7 +85,7 @@ impl Ears {
         });
     }
 
-    /// How it stands.
+    /// Its status.
     pub fn status(&self) -> EarsStatus {
         lock(&self.shared.status).clone()
     }
@@ -157,7 +157,7 @@ impl<'a> Looking<'a> {
         self.hearing.is_new(scene, settings, is_waited_for)
     }
 
-    /// Traces what is heard of every source, and tells the player.
+    /// Traces what is heard of every source, and passes it to the player.
     fn look(&mut self, wanted: &Wanted) -> Result<(), Error> {
         let is_waited_for = self.shared.is_waited_for.swap(false, Relaxed);
         let (scene, settings) = (&wanted.scene, &wanted.settings);
@@ -171,7 +171,7 @@ impl<'a> Looking<'a> {
     }
 }
 
-/// Tells the player what is heard of a source, if there is one.
+/// Passes what is heard of a source to the player, if there is one.
 #[cfg(feature = "audio")]
 fn tell(shared: &Shared, found: &Found) -> Result<(), Error> {
     let Some(spec) = lock(&shared.remote).as_ref().map(PlayerRemote::spec) else {

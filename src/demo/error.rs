@@ -42,7 +42,7 @@ impl From<crate::gpu::GpuError> for DemoError {
     }
 }
 
-/// An error in one line: of a driver's log only its first line is told.
+/// An error in one line: of a driver's log only the first line is included.
 pub fn sentence(error: &impl std::fmt::Display) -> String {
     let text = error.to_string();
     let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty());

@@ -3,9 +3,9 @@
 use crate::scene::BUILTIN_NAMES;
 use std::path::Path;
 
-/// Files that are listed at the most.
+/// Files that are listed at most.
 const LISTED: usize = 100;
-/// Entries of a folder that are looked at for scene files at the most: a scene may lie in a
+/// Entries of a folder that are looked at for scene files at most: a scene may lie in a
 /// folder of anything.
 const LOOKED_AT: usize = 4096;
 

@@ -50,7 +50,7 @@ pub struct Before {
 /// ends their trial.
 pub struct Coming {
     pub world: World,
-    /// What is told once one walks in it.
+    /// The message shown once the scene is open.
     pub told: String,
     /// None of a built-in scene.
     opening: Option<Opening>,

@@ -19,11 +19,11 @@ const PATHS_EVERY: u64 = 6;
 const SHARE_OF_WAVES: f64 = 0.4;
 /// The last frames, by which it is judged whether they do.
 const FRAMES_LOOKED_AT: usize = 10;
-/// Waves that take so many times what a frame may take are told of.
+/// Waves that take so many times the time of a frame are reported.
 const TOO_LONG: f64 = 2.0;
-/// Frames in a row that they have to: the first one compiles, and any may be held up.
+/// Frames in a row that they have to: the first one compiles, and any may be delayed.
 const TOO_OFTEN: u32 = 30;
-/// How long a message stands.
+/// How long a message is shown.
 const MESSAGE: Duration = Duration::from_secs(4);
 /// Frames that are shown in the panels.
 const FRAMES_SHOWN: usize = 100;
@@ -84,8 +84,8 @@ impl App {
         Ok(())
     }
 
-    /// A scene that was chosen is walked in once its users' fields were tried: until then the one
-    /// before goes on. It is checked first: nothing is known before of where its fields are solid.
+    /// A scene that was chosen is walked in once its users' fields were tried: until then the previous one
+    /// continues. It is checked first: nothing is known before of where its fields are solid.
     fn try_new(&mut self, stage: &mut Stage) -> Result<(), DemoError> {
         if let Some(mut coming) = self.coming.take() {
             match coming.poll() {
@@ -158,7 +158,7 @@ impl App {
         Ok(())
     }
 
-    /// Collects the waves of the last frame and begins those of this one; or goes on with
+    /// Collects the waves of the last frame and begins those of this one; or continues
     /// waves that take longer than a frame may.
     fn waves(&mut self, stage: &mut Stage, times: &mut FrameTimes) -> Result<(), DemoError> {
         let every = u64::from(self.choices.trace_every.max(1));
@@ -315,7 +315,7 @@ impl App {
         Ok(())
     }
 
-    /// Tells the speakers what was chosen, and asks how they fare.
+    /// Passes the choices to the speakers, and reads their status.
     fn hear(&mut self) {
         self.speaker.set_law(self.choices.law());
         self.speaker.set_volume(self.choices.loudness());

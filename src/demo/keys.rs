@@ -5,7 +5,7 @@ use crate::walkthrough::MoveInput;
 use std::collections::HashSet;
 use winit::keyboard::KeyCode;
 
-/// What a key, or a button of the panels, asks for once.
+/// A single request of a key, or of a button of the panels.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Action {
     /// Another algorithm.
@@ -97,11 +97,11 @@ pub const HELP: [(&str, &[(&str, &str)]); 3] = [
     ),
 ];
 
-/// The line that always stands in the window.
+/// The line that is always shown in the window.
 pub const HINT: &str =
     "WASD walk    click look    F carry source    1 2 3 profile    F5 save    F1 help";
 
-/// What pressing a key asks for.
+/// What pressing a key requests.
 pub fn action(key: KeyCode, control: bool) -> Option<Action> {
     if control {
         return match key {
@@ -163,7 +163,7 @@ impl PressedKeys {
         self.0.remove(&key);
     }
 
-    /// All keys go up: nobody would tell of it while another window has the keyboard.
+    /// Releases all keys: no event reports it while another window has the keyboard.
     pub fn clear(&mut self) {
         self.0.clear();
     }

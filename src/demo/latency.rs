@@ -27,7 +27,7 @@ pub struct Parts {
     pub trace_to_read_back: Option<f64>,
     /// From there until the sound's thread has taken the gains for its next buffer.
     pub gains_to_buffer: Option<f64>,
-    /// From there to the ear: what the sound device still holds, as it says.
+    /// From there to the ear: what the sound device still holds, as it reports.
     pub buffer_to_device: Option<f64>,
 }
 
@@ -88,7 +88,7 @@ impl Latency {
         }
     }
 
-    /// What the sound says of its own way, in milliseconds.
+    /// The latency of the sound output as it reports it, in milliseconds.
     pub fn sound(&mut self, gains_to_buffer: Option<f64>, buffer_to_device: Option<f64>) {
         self.gains_to_buffer = gains_to_buffer;
         self.buffer_to_device = buffer_to_device;

@@ -1,4 +1,4 @@
-//! From the ears to the speakers: what is played in full, and when it has to be made anew.
+//! From the ears to the speakers: what is played in full, and when it has to be made again.
 
 use super::app::App;
 use super::ears::Ears;

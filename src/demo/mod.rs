@@ -16,7 +16,7 @@
 //! | `overlay/` | the panels |
 //! | `state`, `keys` | what was chosen, which key does what |
 //! | `adapt` | how coarse the picture and how many waves, by the frame's time |
-//! | `latency`, `report`, `summary` | what is measured, and told |
+//! | `latency`, `report`, `summary` | what is measured and reported |
 //! | `scenes`, `files` | another scene, the files to choose from |
 //! | `save` | scene files and `trace` calls |
 //! | `reload`, `follower` | a scene file that changes while one walks in it |

@@ -1,8 +1,8 @@
 //! The mouse while it looks about: places of the pointer in, turns of the gaze out.
 //!
 //! The pointer is kept in the window, out of sight, and put back into the middle before it
-//! meets the edge. Not the device's own movements are taken: X11 reports those twice to
-//! whoever keeps the pointer (winit's issue 2846), and some devices report places instead.
+//! meets the edge. The device's own movements are not used: X11 reports those twice to
+//! a window that grabs the pointer (winit's issue 2846), and some devices report positions instead.
 
 /// The pointer is put back once it is so far from the middle, as a share of the way to the
 /// edge.
@@ -13,7 +13,7 @@ const FAR: f64 = 0.5;
 pub struct Mouse {
     /// The pointer's last place, in pixels.
     at: Option<[f64; 2]>,
-    /// Where it was put, until it is told to be near there.
+    /// Where it was put, until an event reports it near there.
     put: Option<[f64; 2]>,
 }
 
@@ -27,7 +27,7 @@ pub struct Moved {
 }
 
 impl Mouse {
-    /// The pointer is told to be at `to`, in a window of that size in pixels; `looks` says
+    /// An event reports the pointer at `to`, in a window of that size in pixels; `looks` states
     /// whether it is kept.
     pub fn moved(&mut self, to: [f64; 2], [width, height]: [u32; 2], looks: bool) -> Moved {
         let before = self.at.replace(to);

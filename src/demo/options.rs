@@ -57,14 +57,14 @@ pub struct DemoOptions {
     pub seconds: Option<f64>,
     /// Whether the help is open at the start.
     pub help: bool,
-    /// Whether GL is asked for errors after every frame; in debug builds it always is.
+    /// Whether GL errors are queried after every frame; in debug builds they always are.
     pub check_gl: bool,
-    /// Whether the window is to be closed, asked at every frame.
+    /// Whether the window is to be closed, checked at every frame.
     pub is_asked_to_end: fn() -> bool,
-    /// Is told every frame as a line of JSON, for programs that drive the window and have to
-    /// know how far it is.
+    /// Receives every frame as a line of JSON, for programs that control the window and need
+    /// its progress.
     pub log_frames: Option<fn(&str)>,
-    /// Is told every line that the user may want to keep, such as the `trace` call of a
+    /// Receives every line that the user may want to keep, such as the `trace` call of a
     /// scene just saved.
     pub announce: fn(&str),
 }

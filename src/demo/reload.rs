@@ -32,7 +32,7 @@ impl App {
         Some(&coming.world.name)
     }
 
-    /// What stands in the window during that.
+    /// The message in the window during that.
     pub fn trying(&self) -> Option<String> {
         let (name, before) = (self.tried_scene()?, &self.world.name);
         Some(format!(
@@ -41,7 +41,7 @@ impl App {
     }
 
     /// Takes what has changed in the files; what cannot be traced leaves the last good
-    /// scene, and says why.
+    /// scene, and reports the reason.
     pub fn reread(&mut self, stage: &mut Stage) {
         let Some(follower) = self.follower.as_mut() else {
             return;
@@ -90,7 +90,7 @@ impl App {
         self.tell(told);
     }
 
-    /// What stands in the window while the files cannot be taken.
+    /// The message in the window while the files cannot be used.
     pub fn refusal(&self) -> Option<&str> {
         self.follower.as_ref()?.refused.as_deref()
     }

@@ -8,10 +8,10 @@ use crate::walkthrough::{EarsStatus, SourceHeard};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// Pans that are kept at the most; then every second one goes.
+/// Pans that are kept at most; then every second one goes.
 const PANS_AT_MOST: usize = 4096;
 
-/// Changes of the scene's files that are kept at the most, the last ones.
+/// Changes of the scene's files that are kept at most, the last ones.
 const REREAD_AT_MOST: usize = 100;
 
 /// Frame times that the medians are taken of, the last ones.
@@ -98,7 +98,7 @@ pub struct Reread {
     pub error: Option<String>,
 }
 
-/// Resident memory in MiB; none where the system does not tell.
+/// Resident memory in MiB; none where the system does not report it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Memory {
     /// After two seconds.
@@ -151,7 +151,7 @@ pub struct Report {
     pub window: [u32; 2],
     /// The picture's size in pixels at the end.
     pub picture: [u32; 2],
-    /// Frames after which GL reported an error; none where GL was not asked.
+    /// Frames after which GL reported an error; none where they were not queried.
     pub gl_errors: Option<u64>,
     /// Resident memory in MiB.
     pub memory_mib: Memory,
@@ -321,7 +321,7 @@ pub fn medians(times: &[FrameTimes]) -> FrameTimes {
     }
 }
 
-/// Resident memory of this process in MiB, as Linux tells it.
+/// Resident memory of this process in MiB, as reported by Linux.
 fn resident_mib() -> Option<f64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find(|line| line.starts_with("VmRSS:"))?;

@@ -1,6 +1,6 @@
 //! What was set up by hand as a scene file, and as a command line.
 //!
-//! The file names the scene that was opened as its base, and says what differs: where source
+//! The file names the scene that was opened as its base, and contains the differences: where source
 //! and listener are now, and named values.
 
 use crate::file_output::{OutputError, write_whole};

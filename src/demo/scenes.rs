@@ -36,7 +36,7 @@ impl App {
         }
     }
 
-    /// Goes to another scene, as soon as its users' fields were tried. Should it not compile, the
+    /// Opens another scene, as soon as its users' fields were tried. If it does not compile, the
     /// one before comes back.
     pub fn change_scene(&mut self, name: &str) {
         let mut coming = match Coming::begin(name, &self.choices.settings) {
@@ -104,7 +104,7 @@ impl App {
         }
     }
 
-    /// A line that stands in the window for a while, and on the terminal.
+    /// A line that is shown in the window for a while, and on the terminal.
     pub fn tell(&mut self, text: String) {
         (self.options.announce)(&text);
         self.say(text);

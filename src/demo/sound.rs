@@ -1,7 +1,7 @@
 //! The sound of the window: gains in, what the device does out.
 //!
 //! With the feature `audio` it plays through [`crate::audio::live`]; without, all is silent
-//! and says so.
+//! and a message reports that.
 
 use super::DemoOptions;
 use super::ears::Ears;
@@ -27,13 +27,13 @@ pub struct SoundStatus {
     pub sample_rate: Option<u32>,
     /// Samples that the device takes at a time.
     pub buffer: Option<u32>,
-    /// Buffers that came too late: as the device says, or later than two of them.
+    /// Late buffers: as reported by the device, or later than two buffers.
     pub underruns: u64,
     /// Times that the device was opened again.
     pub restarts: u64,
     /// Milliseconds that the gains waited for the sound's thread to take them.
     pub gains_to_buffer: Option<f64>,
-    /// Milliseconds from there to the ear, as the device says.
+    /// Milliseconds from there to the ear, as reported by the device.
     pub buffer_to_device: Option<f64>,
     /// Whether what is heard is recorded.
     pub is_recording: bool,
@@ -51,7 +51,7 @@ pub struct Speaker {
 }
 
 impl Speaker {
-    /// Starts the sound. Never fails: without a device it is silent and says so.
+    /// Starts the sound. Never fails: without a device it is silent and reports that.
     pub fn start(options: &DemoOptions) -> Speaker {
         let speaker = Speaker {
             law: law_of(options),
@@ -152,7 +152,7 @@ impl Speaker {
         }
     }
 
-    /// Begins a recording, or ends the one under way; the frames that it lost.
+    /// Begins a recording, or ends the one in progress; the frames that it lost.
     ///
     /// # Errors
     /// Why it cannot be, as a sentence.
@@ -264,8 +264,8 @@ mod tests {
         }
     }
 
-    /// Protects what the panel says: an old loss of the device is over, a sound that could not be
-    /// loaded is told although the device plays.
+    /// The panel's message: an old loss of the device is no longer shown, a sound that could not be
+    /// loaded is reported although the device plays.
     #[test]
     fn what_went_wrong_is_shown_while_a_device_is_open() {
         let well = of_live(&playing());

@@ -85,7 +85,7 @@ impl Choices {
         self.others.insert(old.profile(), old);
     }
 
-    /// Doubles or halves the number of waves, as often as `steps` says; from now on it no
+    /// Doubles or halves the number of waves, `steps` times; from now on it no
     /// longer follows the frame's time.
     pub fn change_waves(&mut self, steps: i32) {
         self.adapt_waves = false;

@@ -8,7 +8,7 @@ use crate::walkthrough::World;
 use std::time::SystemTime;
 
 impl App {
-    /// Tells the frame just drawn, if that is asked for.
+    /// Reports the frame just drawn, if requested.
     pub fn log_frame(&self, began: SystemTime) {
         let Some(log) = self.options.log_frames else {
             return;

@@ -135,7 +135,7 @@ impl DemoWindow {
         layer.is_some_and(|layer| layer.order != egui::Order::Background)
     }
 
-    /// Tells the panels of an event; `consumed` in the answer says that it was theirs.
+    /// Passes an event to the panels; `consumed` in the result means that they used it.
     pub fn on_event(&mut self, event: &WindowEvent) -> EventResponse {
         self.panels.state.on_window_event(&self.window, event)
     }

@@ -26,7 +26,7 @@ const DEPTH_DB: f64 = 80.0;
 const ENERGY: RGBColor = RGBColor(150, 150, 150);
 const PATHS: RGBColor = RGBColor(213, 94, 0);
 
-/// From dark to light with the frequency (viridis): neighbours are told apart, and so is the order.
+/// From dark to light with the frequency (viridis): neighbours are distinguishable, and so is the order.
 const BAND_COLOURS: [RGBColor; BAND_COUNT] = [
     RGBColor(68, 1, 84),
     RGBColor(70, 50, 126),
@@ -53,7 +53,7 @@ struct Curves {
 /// The picture as SVG.
 ///
 /// # Errors
-/// When the drawing fails, which its text says.
+/// When the drawing fails; the text contains the reason.
 pub fn svg(title: &str, response: &Response) -> Result<String, PlotError> {
     let curves = Curves::of(response);
     let direct_s = response.direct().map(|path| path.delay_s);

@@ -1,4 +1,4 @@
-//! The thesis' experiments, run for real and set beside its own figures.
+//! The thesis' experiments, repeated and compared with its own figures.
 //!
 //! An experiment takes a [`Tracer`](crate::Tracer), does its work in an order that is
 //! fair to what it compares, and returns plain data. The files beside it turn that data

@@ -1,6 +1,6 @@
 //! What the experiments' plots share: a sheet of rows, the profiles' colours, charts with two
-//! logarithmic axes (whole decades, one notation of numbers, a line for zero), lines that are told
-//! apart where they lie on one another, and a legend beside them.
+//! logarithmic axes (whole decades, one notation of numbers, a line for zero), lines that stay
+//! distinguishable where they lie on one another, and a legend beside them.
 
 use crate::report::PlotError;
 use plotters::coord::Shift;
@@ -11,7 +11,7 @@ pub(super) type Panel<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 pub(super) type Chart<'a, 'b> =
     ChartContext<'a, SVGBackend<'b>, Cartesian2d<LogCoord<f64>, LogCoord<f64>>>;
 
-/// The profiles' colours, told apart by colour-blind eyes too (Okabe and Ito).
+/// The profiles' colours, distinguishable also for colour-blind readers (Okabe and Ito).
 pub(super) const THESIS: RGBColor = RGBColor(213, 94, 0);
 pub(super) const MARCH: RGBColor = RGBColor(0, 114, 178);
 pub(super) const HYBRID: RGBColor = RGBColor(0, 200, 140);
@@ -28,7 +28,7 @@ impl Sheet {
     /// The picture as SVG; `draw` fills its rows.
     ///
     /// # Errors
-    /// When the drawing fails, which its text says.
+    /// When the drawing fails; the text contains the reason.
     pub fn svg(
         self,
         title: &str,
@@ -120,7 +120,7 @@ impl LogAxis {
         power_of_ten(power.round() as i32)
     }
 
-    /// How many numbers it has at the most.
+    /// How many numbers it has at most.
     fn ticks(self) -> usize {
         (self.high / self.start()).log10().round() as usize + 2
     }

@@ -7,14 +7,14 @@ use glow::{HasContext, PixelPackData};
 use super::{Context, GpuError, RenderTarget, bytes};
 use crate::platform;
 
-/// Longest wait in one call, in nanoseconds; what is not there then is asked for again, and the driver whether it has
-/// lost the context.
+/// Longest wait in one call, in nanoseconds; then the wait is repeated after checking whether the driver has lost the
+/// context.
 const WAIT_NANOSECONDS: i32 = 100_000_000;
 
-/// A read-back under way: the texels are copied into a buffer of GL's when the drawing before it is done, and a fence
-/// tells when that was. One at a time; the buffer is kept from one to the next.
+/// A pending read-back: the texels are copied into a GL buffer when the drawing before it is done, and a fence signals
+/// when that has happened. One at a time; the buffer is reused.
 ///
-/// Dropping it frees the buffer, and drops a read under way.
+/// Dropping it frees the buffer, and drops a read in progress.
 #[derive(Debug)]
 pub struct AsyncRead {
     context: Context,
@@ -31,7 +31,7 @@ struct Pending {
 }
 
 impl AsyncRead {
-    /// A reader with no read under way.
+    /// A reader with no read in progress.
     ///
     /// # Errors
     /// What GL reports.
@@ -49,7 +49,7 @@ impl AsyncRead {
         })
     }
 
-    /// Asks for the first `width` texels of each of the first `rows` rows, and returns at once. A read under way is
+    /// Requests the first `width` texels of each of the first `rows` rows, and returns at once. A pending read is
     /// given up.
     ///
     /// # Errors
@@ -75,7 +75,7 @@ impl AsyncRead {
             what: "a fence".into(),
             code,
         })?;
-        // SAFETY: the context is current. Without the flush nobody might ever start on it.
+        // SAFETY: the context is current. Without the flush the driver may never submit it.
         unsafe { self.context.gl().flush() };
         self.pending = Some(Pending { fence, floats });
         self.context.debug_check("an asynchronous read-back")
@@ -106,7 +106,7 @@ impl AsyncRead {
         }
     }
 
-    /// What `read` makes of the texels, if they are there: then the read is over. Never waits.
+    /// The result of `read` on the texels, if they have arrived; the read is then complete. Never waits.
     ///
     /// # Errors
     /// What GL reports.
@@ -117,10 +117,10 @@ impl AsyncRead {
         }
     }
 
-    /// Waits for the texels, however long the drawing before them takes; `None` where no read is under way.
+    /// Waits for the texels, however long the drawing before them takes; `None` where no read is in progress.
     ///
     /// # Errors
-    /// What GL reports; [`GpuError::ContextLost`] when the driver says that it is.
+    /// What GL reports; [`GpuError::ContextLost`] when the driver reports that.
     pub fn wait<T>(&mut self, read: impl FnOnce(&[f32]) -> T) -> Result<Option<T>, GpuError> {
         if self.pending.is_none() {
             return Ok(None);
@@ -133,7 +133,7 @@ impl AsyncRead {
         self.take(floats, read).map(Some)
     }
 
-    /// Gives up the read under way, if there is one.
+    /// Gives up the read in progress, if there is one.
     pub fn cancel(&mut self) {
         if let Some(pending) = self.pending.take() {
             // SAFETY: the context is current, and the fence its own and not used again.
@@ -141,7 +141,7 @@ impl AsyncRead {
         }
     }
 
-    /// The number of floats asked for, where reading them is the only way to wait for them.
+    /// The number of floats requested, where reading them is the only way to wait for them.
     fn floats_begun(&mut self) -> usize {
         let floats = self.pending.as_ref().map_or(0, |pending| pending.floats);
         self.cancel();
@@ -241,7 +241,7 @@ impl AsyncRead {
     }
 }
 
-/// Asks again and again until something has come. A frame may take as long as it takes: only an error ends the wait.
+/// Polls until something has come. A frame may take as long as it takes: only an error ends the wait.
 fn until_there(
     mut ask: impl FnMut() -> Result<ControlFlow<usize>, GpuError>,
 ) -> Result<usize, GpuError> {
@@ -309,7 +309,7 @@ mod tests {
     }
 
     /// Protects from results that a lost context leaves, and from waits without an end for those that it never
-    /// will: of a reset the next look tells, whether the fence says that the texels are there or not.
+    /// will: a reset is found by the next poll, whether the fence says that the texels are there or not.
     #[test]
     fn a_reset_is_told() {
         let driver = Rc::new(Resetting(OsMesa::new().unwrap()));
@@ -331,7 +331,7 @@ mod tests {
         RESET_STATUS.set(glow::NO_ERROR);
     }
 
-    /// Protects frames that take minutes: no number of waits in vain is a loss, and a loss is told at once.
+    /// Protects frames that take minutes: no number of waits in vain is a loss, and a loss is reported at once.
     #[test]
     fn slowness_is_no_loss() {
         let mut asked = 0;

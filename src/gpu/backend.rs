@@ -13,15 +13,15 @@ pub(super) trait Backend {
     /// What the library answered.
     fn make_current(&self) -> Result<(), String>;
 
-    /// Whether the library says that calls on this thread go to this context: others may have made theirs current.
+    /// Whether the library reports that calls on this thread go to this context: others may have made theirs current.
     #[cfg_attr(target_arch = "wasm32", expect(dead_code))]
     fn is_current(&self) -> bool;
 
     /// Makes no context current on this thread. The context is the current one.
     fn release(&self);
 
-    /// Whether the library itself says that the context is lost: a browser does, whose calls then do nothing and report
-    /// no error.
+    /// Whether the library itself reports that the context is lost: a browser does, and its calls then do nothing and
+    /// report no error.
     fn is_lost(&self) -> bool {
         false
     }
@@ -48,6 +48,6 @@ pub(super) enum Owner {
     Echomarch,
     /// Made by the caller, whose functions make it current and not current.
     Caller,
-    /// Made by the caller, who keeps it current himself: it is not for echomarch to change that.
+    /// Made by the caller, who keeps it current: echomarch does not change that.
     KeptCurrentByCaller,
 }

@@ -25,7 +25,7 @@ pub enum MakeCurrent {
     /// it, and whenever a [`Tracer`](crate::Tracer) on it or the last reference to the [`Context`] is dropped.
     ByCaller,
     /// By these functions of the caller's, where it is not current already. After each call what was current before is
-    /// so again: this context, or none, or another one of EGL's if this crate has made a context by way of EGL.
+    /// so again: this context, or none, or another one of EGL's if this crate has made a context through EGL.
     With(Box<dyn SwitchContext>),
 }
 
@@ -34,10 +34,10 @@ pub trait SwitchContext {
     /// Makes the context current on this thread.
     ///
     /// # Errors
-    /// Why it cannot be; then [`GpuError::ContextLost`] says so.
+    /// Why it cannot be; afterwards [`GpuError::ContextLost`].
     fn make_current(&self) -> Result<(), String>;
 
-    /// Whether the library says that the context is current on this thread.
+    /// Whether the library reports that the context is current on this thread.
     fn is_current(&self) -> bool;
 
     /// Makes no context current on this thread. The context is the current one.
@@ -67,8 +67,8 @@ impl Context {
     /// [textures](crate::Tracer::frame_to_texture) that he draws with. OpenGL 3.3 or later, of the core or the
     /// compatibility profile, or OpenGL ES 3.0 with `EXT_color_buffer_float`.
     ///
-    /// `loader` answers with the address of a GL function: `get_proc_address` of glutin, SDL, GLFW or eframe. `current`
-    /// says who makes the context current.
+    /// `loader` returns the address of a GL function: `get_proc_address` of glutin, SDL, GLFW or eframe. `current`
+    /// states who makes the context current.
     ///
     /// # State
     /// Each call of this crate that works with the context keeps the state that it changes or depends on, sets what it
@@ -78,7 +78,7 @@ impl Context {
     /// buffers for pixels, texels and queries; how pixels are stored; transform feedback, which is paused. The caller need
     /// not set anything before a call, nor after it. Four things the caller has to see to:
     ///
-    /// - GL's errors that were not asked for are forgotten by a call.
+    /// - GL errors that were not queried are cleared by a call.
     /// - What is bound is not deleted before a call: GL cannot bind it again after it.
     /// - Queries that count (samples, primitives, time) count this crate's drawing too, and conditional rendering
     ///   may skip it: both are to be ended first. So is transform feedback of OpenGL 3.3, which cannot be paused.
@@ -105,9 +105,9 @@ impl Context {
     /// ```
     ///
     /// # Errors
-    /// [`GpuError::NoFunctions`] where no context is current although `current` says so, or `loader` gives no functions;
-    /// [`GpuError::TooOld`], [`GpuError::MissingExtension`], [`GpuError::ContextLost`] where the context cannot be made
-    /// current.
+    /// [`GpuError::NoFunctions`] where no context is current although `current` states that, or `loader` gives no
+    /// functions; [`GpuError::TooOld`], [`GpuError::MissingExtension`], [`GpuError::ContextLost`] where the context
+    /// cannot be made current.
     ///
     /// # Safety
     /// - `loader` gives functions of GL that are those of the context, and stay so as long as the context lives.
@@ -130,8 +130,9 @@ impl Context {
     /// [`from_loader`](Context::from_loader) for a program that has the functions of GL from the crate
     /// [`glow`](super::glow) already, in the version that this module names.
     ///
-    /// What glow cannot ask for is not put back, but set to what it is at first: colour masks that differ between the draw
-    /// buffers of one framebuffer (all become that of the first), and `glClampColor`. Nor does the driver tell of resets.
+    /// State that glow cannot query is not restored, but set to its initial value: colour masks that differ between the
+    /// draw buffers of one framebuffer (all become that of the first), and `glClampColor`. The driver does not report
+    /// resets either.
     ///
     /// # Errors
     /// As [`from_loader`](Context::from_loader).

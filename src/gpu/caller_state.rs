@@ -1,7 +1,8 @@
 //! The state of a context that the caller made: kept before a call, set to what passes need, put back after it.
 //!
 //! Listed is what this crate changes, and what its drawing, uploads and read-backs depend on. Where other files of
-//! this module change more state, it is added here; `tests/foreign_state.rs` asks for all of it, and `trace/tests/caller_contexts.rs` compares.
+//! this module change more state, it is added here; `tests/foreign_state.rs` queries all of it, and
+//! `trace/tests/caller_contexts.rs` compares.
 
 use std::cell::Cell;
 use std::ffi::c_void;
@@ -73,7 +74,7 @@ type ClampColor = unsafe extern "system" fn(u32, u32);
 /// What a [`Context`](super::Context) knows of one that the caller made.
 pub(super) struct CallerPart {
     pub traits: Traits,
-    /// Calls into this crate that are under way, one within the other.
+    /// Calls into this crate that are in progress, one within the other.
     pub entered: Cell<u32>,
 }
 
@@ -95,7 +96,7 @@ pub(super) struct Traits {
 }
 
 impl Traits {
-    /// Asks the context, which is current.
+    /// Queries the context, which is current.
     pub fn of(gl: &glow::Context, backend: &dyn Backend) -> Traits {
         let version = gl.version();
         let is_gl = !version.is_embedded;
@@ -411,7 +412,7 @@ unsafe fn switch(gl: &glow::Context, name: u32, is_on: bool) {
     }
 }
 
-/// Whether there was a transform feedback under way, which is paused now: no other program can be used in one.
+/// Whether there was a transform feedback in progress, which is paused now: no other program can be used in one.
 unsafe fn pause_feedback(gl: &glow::Context, traits: &Traits) -> bool {
     // SAFETY: the caller's: the context is current.
     unsafe {
@@ -467,7 +468,7 @@ unsafe fn unit_of(gl: &glow::Context, traits: &Traits, unit: u32) -> Unit {
     }
 }
 
-/// Errors that the caller has not asked for would be taken for this crate's.
+/// Errors that the caller has not queried would be attributed to this crate.
 unsafe fn forget_errors(gl: &glow::Context) {
     for _ in 0..ERRORS_AT_MOST {
         // SAFETY: the caller's: the context is current.

@@ -125,8 +125,8 @@ impl Context {
         })
     }
 
-    /// Devices tried before this one, for a context that was asked for without a number, and why each was not
-    /// taken: to be told to the user, who may have meant one of them.
+    /// Devices tried before this one, for a context requested without a number, and why each was not
+    /// used: to be reported to the user, who may have meant one of them.
     pub fn passed_over(&self) -> &[String] {
         &self.passed_over
     }
@@ -227,7 +227,7 @@ impl Context {
             .is_some_and(|part| part.traits.has_viewport_arrays)
     }
 
-    /// The way to reach OpenGL that was asked for.
+    /// The requested OpenGL interface.
     pub fn api(&self) -> Api {
         self.inner.api
     }
@@ -276,7 +276,7 @@ impl Context {
         &self.inner.gl
     }
 
-    /// Asks GL for the errors since the last time, and forgets them.
+    /// Queries the GL errors since the last call, and clears them.
     ///
     /// # Errors
     /// The first of them, named after what was being done: [`GpuError::OutOfMemory`], [`GpuError::ContextLost`] or
@@ -319,8 +319,8 @@ impl Context {
         current::enter(&self.inner.backend).map_err(|reason| GpuError::ContextLost { reason })
     }
 
-    /// Asks the driver whether it has lost the context, where it can tell: of contexts that were made to be told
-    /// (`egl::new_context`), and of a browser's.
+    /// Queries whether the driver has lost the context, where it can report that: for contexts made with reports of
+    /// resets (`egl::new_context`), and for a browser's.
     ///
     /// # Errors
     /// [`GpuError::ContextLost`] if it has.

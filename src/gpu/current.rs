@@ -4,8 +4,8 @@
 //! calls go to. So a context is always released by its own library before the other's is made current; otherwise
 //! EGL would take its context for current still, and its calls would silently go to OSMesa's.
 //!
-//! A program may have contexts of its own, which echomarch does not know: so the library is asked each time whether the
-//! context is still the current one, and [`Entered`] puts back what was current before.
+//! A program may have contexts of its own, which echomarch does not know: so the library is queried each time whether
+//! the context is still the current one, and [`Entered`] restores what was current before.
 
 use std::cell::RefCell;
 use std::rc::{Rc, Weak};
@@ -93,7 +93,7 @@ enum Then {
     },
 }
 
-/// Makes the context current, and keeps what somebody else had made current until the answer is dropped. Where nothing
+/// Makes the context current, and restores the previously current context when the result is dropped. Where nothing
 /// was current a context of echomarch's stays so, and one of the caller's does not.
 ///
 /// # Errors

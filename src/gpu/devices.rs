@@ -5,7 +5,7 @@ use std::fmt;
 use super::native;
 use super::{Api, Context, ContextOptions, GpuError, Limits};
 
-/// One device, and what came of making a context on it.
+/// One device, and the result of making a context on it.
 #[derive(Debug)]
 #[non_exhaustive]
 pub struct GpuInfo {

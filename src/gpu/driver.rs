@@ -44,12 +44,12 @@ pub(super) struct Driver {
     pub version: String,
     pub shading_language: String,
     pub limits: Limits,
-    /// Tells of resets, where the driver can.
+    /// Reports resets, where the driver can.
     pub reset_status: Option<ResetStatus>,
 }
 
 impl Driver {
-    /// Asks for all of it; the context is current.
+    /// Queries all of it; the context is current.
     ///
     /// # Errors
     /// [`GpuError::MissingExtension`].
@@ -81,7 +81,7 @@ fn has_float_targets(gl: &glow::Context) -> bool {
     names.iter().any(|name| known.contains(*name))
 }
 
-/// The function that tells of resets, of an extension that the context has.
+/// The function that reports resets, of an extension that the context has.
 fn reset_status(backend: &dyn Backend, gl: &glow::Context, api: Api) -> Option<ResetStatus> {
     let of_khr = match api {
         Api::Gles => c"glGetGraphicsResetStatusKHR",

@@ -52,9 +52,9 @@ impl Drop for CallersEntered {
 }
 
 impl Context {
-    /// Makes the context current until the answer is dropped, and then what somebody else had made current on this
-    /// thread by way of EGL. Where nothing was current the context stays so, unless it is the caller's. The state of a
-    /// caller's context is kept, and put back.
+    /// Makes the context current until the result is dropped, and then the EGL context that was current on this
+    /// thread before. Where nothing was current the context stays so, unless it is the caller's. The state of a
+    /// caller's context is saved and restored.
     ///
     /// # Errors
     /// [`GpuError::ContextLost`] if it cannot be made current.
@@ -62,7 +62,7 @@ impl Context {
         Ok(Entered::new(self, self.make_current()?, true))
     }
 
-    /// Frees objects with the context current; they are bound nowhere outside of calls, so that no state is touched. Where
+    /// Frees objects with the context current; they are bound nowhere outside calls, so that no state is touched. Where
     /// the context cannot be made current it is gone, and its objects with it.
     pub(super) fn free(&self, delete: impl FnOnce(&glow::Context)) {
         if let Ok(current) = self.make_current() {

@@ -2,7 +2,7 @@
 
 use super::Api;
 
-/// What can go wrong between the program and the graphics driver. Sizes are in texels unless said otherwise.
+/// What can go wrong between the program and the graphics driver. Sizes are in texels unless stated otherwise.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum GpuError {
@@ -30,15 +30,15 @@ pub enum GpuError {
     /// There is no device of that number.
     #[error("there is no GPU {asked}: {found} found, counted from 0")]
     NoSuchGpu {
-        /// The index asked for, from 0.
+        /// The requested index, from 0.
         asked: usize,
         /// How many devices there are.
         found: usize,
     },
-    /// No device gave a context of this API, or the one asked for did not.
+    /// No device gave a context of this API, or the one requested did not.
     #[error("no context for the API {api} could be made: {reason}")]
     NoContext {
-        /// The API asked for.
+        /// The requested API.
         api: Api,
         /// What each device answered.
         reason: String,
@@ -106,9 +106,9 @@ pub enum GpuError {
     /// A side of the texture is above the driver's limit.
     #[error("a texture of {width} × {height} texels is too large: this GPU allows {limit} a side")]
     TextureTooLarge {
-        /// Width asked for.
+        /// Width requested.
         width: u32,
-        /// Height asked for.
+        /// Height requested.
         height: u32,
         /// The longest side allowed.
         limit: u32,
@@ -116,9 +116,9 @@ pub enum GpuError {
     /// A side of the texture is zero.
     #[error("a texture of {width} × {height} texels is empty: each side needs at least 1")]
     TextureEmpty {
-        /// Width asked for.
+        /// Width requested.
         width: u32,
-        /// Height asked for.
+        /// Height requested.
         height: u32,
     },
     /// The data for a texture do not fill it exactly.
@@ -129,16 +129,16 @@ pub enum GpuError {
         /// Floats given.
         found: usize,
     },
-    /// A read outside of the target.
+    /// A read outside the target.
     #[error(
         "cannot read {width} × {rows} texels of attachment {attachment}: the target has {attachments} attachments of {target_width} × {target_height}"
     )]
     ReadOutOfRange {
-        /// Attachment asked for, from 0.
+        /// Attachment requested, from 0.
         attachment: usize,
-        /// Columns asked for.
+        /// Columns requested.
         width: u32,
-        /// Rows asked for.
+        /// Rows requested.
         rows: u32,
         /// Attachments there are.
         attachments: usize,
@@ -164,7 +164,7 @@ pub enum GpuError {
 }
 
 impl GpuError {
-    /// Whether the cause is what the user asked for, rather than the machine or the program: a GPU that is not there,
+    /// Whether the cause is the user's request, rather than the machine or the program: a GPU that is not there,
     /// or a texture of a size that cannot be.
     pub fn is_bad_input(&self) -> bool {
         matches!(
@@ -174,7 +174,7 @@ impl GpuError {
     }
 }
 
-/// Errors drained from one context at most: a lost one may answer for ever.
+/// Errors drained from one context at most: a lost one may answer without end.
 pub(super) const ERRORS_AT_MOST: usize = 32;
 
 /// The name of an error code of glGetError.

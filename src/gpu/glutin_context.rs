@@ -8,7 +8,7 @@ use std::ffi::{CStr, c_void};
 use super::Api;
 use super::backend::Backend;
 
-/// What is asked of a configuration for such surfaces: passes draw into textures, so that the surface needs neither
+/// Requirements of a configuration for such surfaces: passes draw into textures, so that the surface needs neither
 /// alpha, depth nor stencil.
 pub(super) fn template(api: Api, surfaces: ConfigSurfaceTypes) -> ConfigTemplateBuilder {
     ConfigTemplateBuilder::new()
@@ -32,8 +32,8 @@ pub(super) fn attributes(api: Api) -> ContextAttributesBuilder {
         })
 }
 
-/// A context that is told when the graphics card was reset, where the driver offers that: otherwise a lost context
-/// looks like one that is slow.
+/// A context with reports of resets, where the driver offers them: otherwise a lost context looks like a slow
+/// one.
 ///
 /// # Errors
 /// What the library answered to a context without.

@@ -7,11 +7,11 @@ pub struct LogError {
     pub file: u32,
     /// The line, as `#line` counts it.
     pub line: u32,
-    /// What the driver says.
+    /// The driver's message.
     pub message: String,
 }
 
-/// The errors in a log, in order; lines of any form that is not known are passed over.
+/// The errors in a log, in order; lines of an unknown form are skipped.
 ///
 /// Known are Mesa's `2:12(5): error: ...`, NVIDIA's `2(12) : error C1008: ...` and ANGLE's
 /// `ERROR: 2:12: ...`. Warnings are none.
@@ -57,7 +57,7 @@ fn number(text: &str) -> Option<(u32, &str)> {
 mod tests {
     use super::*;
 
-    /// Protects the place of an error, whoever made the driver.
+    /// The place of an error is found in the logs of all drivers.
     #[test]
     fn errors_are_found_in_every_known_form() {
         let log = "2:3(1): warning: 'x' is never used\n2:12(5): error: `foo' undeclared\n\

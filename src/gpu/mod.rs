@@ -23,7 +23,7 @@
 //! # Cost
 //! Making a context current that already is costs a question to its library. Switching between contexts flushes
 //! the one left. Making a context takes some milliseconds with Mesa's llvmpipe. Reading texels back waits for all the
-//! drawing asked for before. glGetError is asked after each pass in debug builds, or where the environment has
+//! drawing requested before. glGetError is called after each pass in debug builds, or where the environment has
 //! `ECHOMARCH_GL_CHECK=1`; after creation and read-back always.
 //!
 //! All unsafe code of the crate that talks to a driver is in this module.

@@ -1,4 +1,4 @@
-//! Contexts of Mesa's off-screen library, which is loaded when first asked for.
+//! Contexts of Mesa's off-screen library, which is loaded when first requested.
 
 use std::cell::UnsafeCell;
 use std::ffi::{CStr, c_char, c_int, c_uint, c_void};

@@ -10,7 +10,7 @@ use super::{Api, Context, GpuError, Texture};
 /// The vertex shader of all programs.
 const FULL_SCREEN: &str = include_str!("../../glsl/full_screen.vert");
 
-/// What stands before every shader's text: the version and the precisions. Lines are counted from 1 after it.
+/// The header of every shader's text: the version and the precisions. Lines are counted from 1 after it.
 pub fn header(api: Api) -> &'static str {
     match api {
         Api::Gl | Api::OsMesa => "#version 330 core\n#line 1\n",

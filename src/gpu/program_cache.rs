@@ -6,8 +6,8 @@ use std::hash::Hash;
 use std::num::NonZeroUsize;
 use std::rc::Rc;
 
-/// Programs by what their text depends on. When it is full, the one that was not asked for
-/// the longest goes: whoever walks through many scenes holds no more of them than that.
+/// Programs by what their text depends on. When it is full, the least recently used
+/// one is dropped: a walk through many scenes keeps no more of them than that.
 #[derive(Debug)]
 pub struct ProgramCache<K: Eq + Hash> {
     kept: LruCache<K, Rc<Program>>,
@@ -15,7 +15,7 @@ pub struct ProgramCache<K: Eq + Hash> {
 }
 
 impl<K: Eq + Hash> ProgramCache<K> {
-    /// An empty one, for so many programs at the most.
+    /// An empty one, for so many programs at most.
     pub fn new(most: NonZeroUsize) -> ProgramCache<K> {
         ProgramCache {
             kept: LruCache::new(most),

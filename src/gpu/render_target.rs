@@ -87,7 +87,7 @@ impl RenderTarget {
         self.height
     }
 
-    /// All texels of one attachment, bit for bit: four floats a texel, rows one after the other, texel (0, 0) first.
+    /// All texels of one attachment, bit for bit: four floats a texel, rows one after another, texel (0, 0) first.
     /// Waits for the drawing before it.
     ///
     /// # Errors

@@ -83,7 +83,7 @@ impl TexelBuffer {
 
     /// Binds the texture to a unit.
     pub fn bind(&self, unit: u32) {
-        texture_units::bind(&self.context, unit, glow::TEXTURE_BUFFER, self.texture);
+        texture_units::bind(self.context.gl(), unit, glow::TEXTURE_BUFFER, self.texture);
     }
 }
 

@@ -63,7 +63,7 @@ impl Texture {
         Ok(texture)
     }
 
-    /// Fills the whole texture, bit for bit: four floats a texel, rows one after the other, texel (0, 0) first.
+    /// Fills the whole texture, bit for bit: four floats a texel, rows one after another, texel (0, 0) first.
     ///
     /// # Errors
     /// [`GpuError::DataSize`] where the length is not 4 × width × height, and what GL reports.
@@ -110,7 +110,7 @@ impl Texture {
 
     /// Binds the texture to a unit.
     pub(super) fn bind(&self, unit: u32) {
-        texture_units::bind(&self.context, unit, glow::TEXTURE_2D, self.texture);
+        texture_units::bind(self.context.gl(), unit, glow::TEXTURE_2D, self.texture);
     }
 }
 

@@ -2,8 +2,6 @@
 
 use glow::HasContext;
 
-use super::Context;
-
 /// The unit that textures are created and filled by, so that those bound for a pass stay bound. Every driver of OpenGL
 /// 3.3 or ES 3.0 has at least 32.
 pub(super) const SCRATCH_UNIT: u32 = 31;
@@ -12,12 +10,11 @@ pub(super) const SCRATCH_UNIT: u32 = 31;
 pub(super) const UNITS: [u32; 5] = [0, 1, 2, 3, SCRATCH_UNIT];
 
 /// Binds a texture of the context to a unit.
-pub(super) fn bind(context: &Context, unit: u32, target: u32, texture: glow::Texture) {
+pub(super) fn bind(gl: &glow::Context, unit: u32, target: u32, texture: glow::Texture) {
     debug_assert!(
         UNITS.contains(&unit),
         "unit {unit} of a caller is not put back"
     );
-    let gl = context.gl();
     // SAFETY: the context is current, and the texture its own and of that target.
     unsafe {
         gl.active_texture(glow::TEXTURE0 + unit);

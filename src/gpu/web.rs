@@ -12,7 +12,7 @@ use web_sys::WebGl2RenderingContext;
 use super::backend::Backend;
 use super::{Api, Context, GpuError};
 
-/// The extension that tells the device's name.
+/// The extension that gives the device's name.
 const RENDERER_INFO: &str = "WEBGL_debug_renderer_info";
 
 /// Its parameter, from the extension's text.

@@ -153,7 +153,7 @@ impl Foreign {
         unsafe { wglMakeCurrent(ptr::null_mut(), ptr::null_mut()) };
     }
 
-    /// Makes it current again. If its owner has destroyed it in the meantime Windows refuses, and none is current.
+    /// Makes it current again. If its owner has destroyed it in the meantime Windows rejects, and none is current.
     pub fn make_current(&self) {
         // SAFETY: Windows checks handles against those that there are.
         unsafe { wglMakeCurrent(self.device, self.context) };

@@ -59,7 +59,7 @@ impl WindowDisplay {
     ///
     /// # Errors
     /// [`GpuError::NoContext`] with what EGL answered, and for displays of a kind that has none; without EGL's library
-    /// what tells of that.
+    /// the error that reports it.
     pub fn of(connection: impl HasDisplayHandle + 'static) -> Result<WindowDisplay, GpuError> {
         // Where it stays from now on: nothing moves it, and nothing changes it.
         let connection = Box::new(connection);
@@ -168,7 +168,7 @@ impl WindowContext {
         load(&WindowBackend(self.drawing.clone())).map(Arc::new)
     }
 
-    /// Asks for no waiting on the screen's refresh: whoever draws paces the frames. Some drivers wait nonetheless.
+    /// Turns off waiting for the screen's refresh: the caller paces the frames. Some drivers wait nonetheless.
     pub fn do_not_wait_for_refresh(&self) {
         self.context.gl();
         let drawing = &self.drawing;
@@ -178,7 +178,7 @@ impl WindowContext {
             .set_swap_interval(&drawing.context, SwapInterval::DontWait);
     }
 
-    /// Tells the surface of the window's new size in pixels.
+    /// Sets the surface's size to the window's new size in pixels.
     pub fn resize(&self, width: u32, height: u32) {
         self.context.gl();
         let (width, height) = (at_least_one(width), at_least_one(height));

@@ -41,7 +41,7 @@ impl ArrivalsText {
     /// are any, then the records.
     pub const TALLY: u32 = 2;
 
-    /// For a scene of these materials, with so many records at the most, on a driver that allows
+    /// For a scene of these materials, with so many records at most, on a driver that allows
     /// so many outputs, four at least.
     pub fn new(
         (algorithm, directions): (AlgorithmText, Directions),

@@ -1,8 +1,8 @@
 //! Large things of a scene that its text refers to by number: height images and users' fields.
 
 use super::layout::Layout;
-use crate::scene::shape::{HeightField, User};
-use crate::scene::{HeightImage, Node, Scene, Shape, UserField};
+use crate::scene::shape::Asset;
+use crate::scene::{HeightImage, Scene, Shape, UserField};
 use std::sync::Arc;
 
 /// Things of a scene that its text refers to by number, each once.
@@ -26,12 +26,12 @@ impl Assets {
 
     fn add(&mut self, field: &Shape) {
         for node in field.nodes() {
-            match &node.node {
-                Node::HeightField(HeightField { image, .. }) if self.image(image).is_none() => {
+            match node.node.asset() {
+                Some(Asset::Image(image)) if self.image(image).is_none() => {
                     let first = self.data_length();
                     self.images.push((Arc::clone(image), first));
                 }
-                Node::User(User { field }) if self.user(field).is_none() => {
+                Some(Asset::User(field)) if self.user(field).is_none() => {
                     self.users.push(Arc::clone(field));
                 }
                 _ => (),
@@ -53,10 +53,12 @@ impl Assets {
         }
         let surfaces = layout.unrolled.iter().chain(&layout.instanced);
         let fields = surfaces.map(|&index| &scene.surfaces[index].shape);
-        let images = fields.flat_map(Shape::nodes).filter_map(|f| match &f.node {
-            Node::HeightField(HeightField { image, .. }) => self.image(image),
-            _ => None,
-        });
+        let images = fields
+            .flat_map(Shape::nodes)
+            .filter_map(|f| match f.node.asset() {
+                Some(Asset::Image(image)) => self.image(image),
+                _ => None,
+            });
         images.collect()
     }
 

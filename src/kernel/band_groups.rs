@@ -1,4 +1,4 @@
-//! Which octave bands one set of waves can tell of.
+//! Which octave bands one set of waves can carry.
 //!
 //! A reflection sends a wave one way for all bands. Where bands scatter by different shares its energy makes up for
 //! that (`materials.rs`), and spreads by a factor with each reflection: after many of them few waves would carry
@@ -9,7 +9,7 @@ use crate::bands::{BAND_COUNT, Bands};
 use crate::scene::{Material, Scene};
 use std::ops::Range;
 
-/// What a decay time is told from, as a share of the energy: 30 dB.
+/// Evaluated range of a decay, as a share of the energy: 30 dB.
 const DECAYED: f64 = 1e-3;
 
 /// How much the mean square of energies may grow over such a decay: to twice, as if there were half as many waves.
@@ -30,7 +30,7 @@ pub fn band_groups(scene: &Scene) -> Vec<Range<usize>> {
     groups
 }
 
-/// Whether waves that scatter by the mean share of these bands tell of each of them.
+/// Whether waves that scatter by the mean share of these bands can carry each of them.
 fn scatters_alike(material: &Material, bands: &Range<usize>) -> bool {
     let scattering = &material.scattering;
     if bands

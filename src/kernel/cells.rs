@@ -6,9 +6,9 @@
 //! cell and its half diagonal r, the distance d of a surface and the least such distance u obey
 //! d(x) ≥ d(c) − r and min d(x) ≤ u + r, so that only surfaces with d(c) ≤ u + 2 r are near.
 //!
-//! A distance from outside of the grid asks *groups* of surfaces instead (`groups.rs`).
+//! A distance from outside the grid uses *groups* of surfaces instead (`groups.rs`).
 //!
-//! Lines are asked of each kind by itself where it has a closed form (`kinds.rs`).
+//! Lines are intersected with each kind separately where it has a closed form (`kinds.rs`).
 //!
 //! Uniform cells were chosen over a list of all surfaces (the same code with one cell) and
 //! over unrolled text by measuring: see docs/benchmarks/surfaces-llvmpipe.md. Lists are kept from frame to
@@ -54,7 +54,7 @@ struct Candidates {
     least: f64,
 }
 
-/// Which lists are asked for.
+/// Which lists are requested.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Lists {
     /// What a line through the cell can meet, each kind that has a closed form by itself.
@@ -143,13 +143,13 @@ impl Cells {
         longest
     }
 
-    /// Records that a line passes at the most: of each cell that it crosses its own, and those of its list.
+    /// Records that a line passes at most: of each cell that it crosses its own, and those of its list.
     pub fn records_on_line(&self, which: Lists) -> u64 {
         let crossed = u64::from(self.grid.count.element_sum());
         crossed * (1 + self.longest(which) as u64)
     }
 
-    /// Makes the lists that are only made when they are asked for.
+    /// Makes the lists that are only made when they are requested.
     pub fn prepare(&mut self, which: Lists) {
         if which == Lists::NearestCandidates && self.near.is_none() {
             self.make_near();

@@ -12,8 +12,8 @@
 //! finds it grown as tall.
 //!
 //! Where boxes of one width stand on each other, the slab's sides would lie in the faces of
-//! its cover: waves that hit the cover there would be told to have hit the box. So a long
-//! extension has to end deep inside of its cover; any other is only as long as rounding asks for.
+//! its cover: waves that hit the cover there would be reported as hits of the box. So a long
+//! extension has to end deep inside of its cover; any other is only as long as rounding requires.
 
 use crate::scene::shape::{Cuboid, Room};
 use crate::scene::{Bounds3, Node, Shape, Surface};
@@ -23,7 +23,7 @@ use glam::{DVec3, Vec3};
 type Face = (usize, f32);
 
 /// The same surfaces, with the covered faces of boxes extended into what covers them.
-/// `error_bounds` says for each surface, in metres, how far off rounding may put it.
+/// `error_bounds` is the rounding error of each surface, in metres.
 pub(super) fn extend_covered_faces(surfaces: &[Surface], error_bounds: &[f32]) -> Vec<Surface> {
     let is_half_space = |shape: &Shape| matches!(shape.node, Node::Plane(_) | Node::Room(_));
     let against_walls = round(surfaces, error_bounds, is_half_space);
@@ -176,7 +176,7 @@ fn corners(surface: &Surface, size: Vec3, (axis, side): Face, by: f32) -> [Vec3;
 }
 
 /// Whether one convex solid holds all points: the near ones within `error_bound`, the far ones
-/// with a distance of `most` at the most. Of a room each wall is a solid of its own.
+/// with a distance of `most` at most. Of a room each wall is a solid of its own.
 fn holds_all(solid: &Surface, near: &[Vec3], far: &[Vec3], error_bound: f32, most: f32) -> bool {
     let held_by = |distance: &dyn Fn(Vec3) -> f32| {
         near.iter().all(|&point| distance(point) <= error_bound)

@@ -30,7 +30,7 @@ pub fn scene_data(scene: &Scene) -> Vec<Vec4> {
     data
 }
 
-/// Where the surfaces in cells lie, as the shader is told.
+/// Where the surfaces in cells lie, as passed to the shader.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CellData {
     /// Index of the directory.
@@ -50,7 +50,7 @@ pub struct CellData {
     pub group_count: i32,
     /// The grids of the kinds that have cells of their own, [`GRID_VECTORS`] each: origin and
     /// index of the first record; size of a cell and number of the last one; corners of what
-    /// holds all surfaces; what each axis adds to a cell's number, and the records on a line at the most.
+    /// holds all surfaces; what each axis adds to a cell's number, and the records on a line at most.
     pub grids: Vec<Vec4>,
 }
 

@@ -1,7 +1,7 @@
-//! Which surfaces stand in the shader's text one by one, and which lie in cells.
+//! Which surfaces are unrolled in the shader's text, and which are in cells.
 //!
 //! A few surfaces are unrolled: each has its own lines of text. Of many of a *kind* (a shape,
-//! turned or not) only the kind is in the text, and its surfaces are data; cells say which of
+//! turned or not) only the kind is in the text, and its surfaces are data; cells list which of
 //! them can be met where. What has no end cannot lie in a cell, but along an axis along which
 //! most have none (a hall of endless pillars) the cells have no end, either.
 //!
@@ -20,14 +20,14 @@ const LINES_FROM: usize = 10;
 /// Surfaces of a kind from which on distances are found sooner in cells.
 const DISTANCES_FROM: usize = 24;
 
-/// Vectors by which the shader is told of the grid of a kind that has cells of its own.
+/// Vectors that describe the grid of a kind with its own cells to the shader.
 pub const GRID_VECTORS: usize = 5;
 
-/// Surfaces that could lie in cells and are unrolled at the most: more take long to compile,
+/// Surfaces that could lie in cells and are unrolled at most: more take long to compile,
 /// however few there are of each kind.
 const UNROLLED_AT_MOST: usize = 23;
 
-/// Surfaces that are unrolled, kinds, and nodes of their fields, at the most: with the time that
+/// Surfaces that are unrolled, kinds, and nodes of their fields, at most: with the time that
 /// it takes to compile their text, which grows faster than they do. 500 planes took llvmpipe 8 s
 /// and 0.5 GB, 1,000 took more than 30 s and 1.7 GB, and a field of 4,000 nodes more than 7 GB.
 pub const MOST_UNROLLED: usize = MOST_NODES;
@@ -52,7 +52,7 @@ struct Kind {
 }
 
 impl Layout {
-    /// The parting of surfaces for who reads these lists; it depends on what their text depends
+    /// The division of surfaces for the readers of these lists; it depends on what their text depends
     /// on, and on no position.
     pub fn of(surfaces: &[Surface], lists: Lists) -> Layout {
         let all = surfaces.len();

@@ -17,7 +17,7 @@ use crate::scene::{Copies, Node, Scene, Shape, UserField};
 /// a few dozen turns whose number is known, so that few texts have as many left.
 const USER_TURNS: u64 = 60;
 
-/// Calls of a user's text in one projection at the most, where normals are differences: seven for
+/// Calls of a user's text in one projection at most, where normals are differences: seven for
 /// the gradient, and for the normal a value and six over each of nine distances
 /// (`glsl/user/differences.glsl`).
 const CALLS_OF_DIFFERENCES: u64 = 62;
@@ -29,7 +29,7 @@ const TURNS_OF_DIFFERENCES: u64 = 7;
 /// more where there is none (`glsl/user/gradient.glsl`).
 const CALLS_OF_GRADIENT: u64 = 6;
 
-/// Turns at the most of the loops within one evaluation, by what is evaluated; 0 where there is
+/// Turns at most of the loops within one evaluation, by what is evaluated; 0 where there is
 /// no loop.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Loops {
@@ -129,7 +129,7 @@ fn of_call(user: &UserField) -> u64 {
     if user.has_loops() { USER_TURNS } else { 0 }
 }
 
-/// Turns over the copies of repetitions, and over what `of_user` says of users' fields.
+/// Turns over the copies of repetitions, and over what `of_user` gives for users' fields.
 fn of_copies(field: &Shape, of_user: &dyn Fn(&UserField) -> u64) -> u64 {
     let below: u64 = field
         .children

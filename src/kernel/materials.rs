@@ -6,15 +6,15 @@
 //!
 //! The shader reads one float of a surface: its event, and as the fraction half of the share that
 //! is scattered, one for all bands that are traced together. Where these scatter by different shares,
-//! the mean decides where the wave goes, and what the event leaves makes up for it
-//! (`band_groups.rs` tells by how much that may be).
+//! the mean decides where the wave goes, and the energy factor of the event compensates for it
+//! (`band_groups.rs` limits the factor).
 
 use crate::bands::{BAND_COUNT, Bands};
 use crate::scene::{Material, Node, Scene, WALL_COUNT};
 use glam::Vec4;
 use std::ops::Range;
 
-/// Bits of an event at the most: as many whole numbers a float tells with a share behind them.
+/// Bits of an event at most: whole numbers that a float represents with a fraction behind them.
 const MOST_BITS: u32 = 14;
 
 /// The distinct materials of a scene's surfaces.
@@ -22,7 +22,7 @@ const MOST_BITS: u32 = 14;
 pub struct Materials {
     /// The bands that are traced together.
     bands: Range<usize>,
-    /// Those that scatter stand first.
+    /// Those that scatter come first.
     distinct: Vec<Material>,
     /// How many scatter.
     scattering: usize,
@@ -33,7 +33,7 @@ pub struct Materials {
 }
 
 impl Materials {
-    /// Those of the scene, for waves that tell of these bands; none where no surface absorbs or scatters.
+    /// Those of the scene, for waves that carry these bands; none where no surface absorbs or scatters.
     pub fn of(scene: &Scene, bands: Range<usize>) -> Materials {
         let mut materials = Materials {
             bands: bands.clone(),
@@ -98,13 +98,13 @@ impl Materials {
         self.distinct.len()
     }
 
-    /// Bits of an event; 0 without materials. More than [`Materials::MOST_BITS`] cannot be told.
+    /// Bits of an event; 0 without materials. More than [`Materials::MOST_BITS`] cannot be represented.
     pub fn bits(&self) -> u32 {
         let events = self.distinct.len() + self.scattering;
         usize::BITS - events.leading_zeros()
     }
 
-    /// Bits of an event at the most.
+    /// Bits of an event at most.
     pub const MOST_BITS: u32 = MOST_BITS;
 
     /// The rooms whose walls differ, by index.

@@ -1,4 +1,4 @@
-//! What the GPU is told: from a scene and settings to shader text, data and key.
+//! What the GPU receives: from a scene and settings to shader text, data and key.
 //!
 //! | it takes | it gives | where |
 //! | --- | --- | --- |
@@ -47,11 +47,13 @@ pub(crate) use loop_turns::{Loops, loops};
 pub(crate) use materials::Materials;
 pub(crate) use origin_rebasing::{OriginRebasing, RebasedScene};
 pub use passes::Directions;
+#[cfg(any(feature = "picture", feature = "walkthrough"))]
+pub(crate) use passes::first_person;
 #[cfg(feature = "experiment")]
 pub(crate) use passes::is_marched;
 pub(crate) use passes::{
-    AlgorithmText, MarchText, initialise_text, march_text, marches_fields, pan_text,
-    sum_contributions_text, sum_text, whole_frame_text,
+    AlgorithmText, MarchText, first_sum_text, further_sum_text, initialise_text, march_text,
+    marches_fields, pan_text, whole_frame_text,
 };
 pub(crate) use program_key::Key;
 pub(crate) use size_check::check;

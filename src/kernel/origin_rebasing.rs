@@ -1,4 +1,4 @@
-//! Origin rebasing: where things are, as the shader is told.
+//! Origin rebasing: positions as passed to the shader.
 //!
 //! The thesis' profile gets world coordinates as they are. The others get them relative
 //! to an origin of their own (the listener), so that a scene far from the world's origin

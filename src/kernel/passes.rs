@@ -83,7 +83,7 @@ pub(crate) fn march_text(scene: &Scene, text: MarchText) -> String {
 pub(crate) fn whole_frame_text(scene: &Scene, text: MarchText, directions: Directions) -> String {
     let (mut roots, parts) = iterations(scene, text);
     roots.extend(start(directions));
-    roots.extend([source!("panning.glsl"), source!("whole_frame.frag")]);
+    roots.extend([source!("contribution.glsl"), source!("whole_frame.frag")]);
     join(&link(roots, parts))
 }
 
@@ -125,23 +125,37 @@ fn iterations(scene: &Scene, text: MarchText) -> (Vec<Source>, Vec<Part>) {
     (roots, parts)
 }
 
+/// The sources of a picture of what the listener sees, shaded so.
+#[cfg(any(feature = "picture", feature = "walkthrough"))]
+pub(crate) fn first_person(shading: Source) -> [Source; 3] {
+    [
+        source!("view/eye.glsl"),
+        shading,
+        source!("view/first_person.frag"),
+    ]
+}
+
 /// The text of the panning pass.
 pub(crate) fn pan_text() -> String {
     join(&[
         source!("wave.glsl"),
-        source!("panning.glsl"),
+        source!("contribution.glsl"),
         source!("pan.frag"),
     ])
 }
 
 /// The text of the first pass of the sum on the GPU.
-pub(crate) fn sum_contributions_text() -> String {
-    join(&[source!("wave.glsl"), source!("sum_contributions.frag")])
+pub(crate) fn first_sum_text() -> String {
+    join(&[
+        source!("wave.glsl"),
+        source!("sum/first.glsl"),
+        source!("sum/block.frag"),
+    ])
 }
 
 /// The text of its further passes.
-pub(crate) fn sum_text() -> String {
-    join(&[source!("sum.frag")])
+pub(crate) fn further_sum_text() -> String {
+    join(&[source!("sum/further.glsl"), source!("sum/block.frag")])
 }
 
 /// Whether a march must take fields: all of them, or those alone that have no closed form.

@@ -16,9 +16,9 @@ pub(crate) enum Key {
     Arrivals(Structure, ArrivalsText),
     Pan,
     /// The first pass of the sum on the GPU.
-    SumContributions,
+    FirstSum,
     /// Its further passes.
-    Sum,
+    FurtherSum,
 }
 
 impl Key {

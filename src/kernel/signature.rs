@@ -1,6 +1,6 @@
 //! What the text of a surface and of its field depends on.
 
-use crate::scene::shape::{HeightField, Hyperboloid, Mirror, Repeat, User};
+use crate::scene::shape::{Asset, Hyperboloid, Mirror, Repeat};
 use crate::scene::{Copies, HeightImage, Node, Shape, Surface, UserField};
 use std::hash::{Hash, Hasher};
 use std::sync::Arc;
@@ -51,14 +51,23 @@ struct NodeSignature {
     choices: [u32; 3],
     /// Bits of the literals; `None` for a node that moves.
     literals: Option<Vec<u32>>,
-    asset: Option<Asset>,
+    asset: Option<OwnAsset>,
 }
 
 /// A large thing that the text depends on.
 #[derive(Clone, Debug)]
-enum Asset {
+enum OwnAsset {
     Image(Arc<HeightImage>),
     User(Arc<UserField>),
+}
+
+impl From<Asset<'_>> for OwnAsset {
+    fn from(asset: Asset) -> OwnAsset {
+        match asset {
+            Asset::Image(image) => OwnAsset::Image(Arc::clone(image)),
+            Asset::User(field) => OwnAsset::User(Arc::clone(field)),
+        }
+    }
 }
 
 /// See [`Signature`].
@@ -79,11 +88,7 @@ fn of_node(field: &Shape, moves: bool) -> NodeSignature {
         operands: field.children.len(),
         choices: choices(field),
         literals: (!moves).then(|| bits(field.shader_numbers())),
-        asset: match &field.node {
-            Node::HeightField(HeightField { image, .. }) => Some(Asset::Image(Arc::clone(image))),
-            Node::User(User { field }) => Some(Asset::User(Arc::clone(field))),
-            _ => None,
-        },
+        asset: field.node.asset().map(OwnAsset::from),
     }
 }
 
@@ -106,23 +111,23 @@ fn choices(field: &Shape) -> [u32; 3] {
     }
 }
 
-impl PartialEq for Asset {
-    fn eq(&self, other: &Asset) -> bool {
+impl PartialEq for OwnAsset {
+    fn eq(&self, other: &OwnAsset) -> bool {
         match (self, other) {
-            (Asset::Image(a), Asset::Image(b)) => Arc::ptr_eq(a, b) || a == b,
-            (Asset::User(a), Asset::User(b)) => Arc::ptr_eq(a, b) || a == b,
+            (OwnAsset::Image(a), OwnAsset::Image(b)) => Arc::ptr_eq(a, b) || a == b,
+            (OwnAsset::User(a), OwnAsset::User(b)) => Arc::ptr_eq(a, b) || a == b,
             _ => false,
         }
     }
 }
 
-impl Eq for Asset {}
+impl Eq for OwnAsset {}
 
-impl Hash for Asset {
+impl Hash for OwnAsset {
     fn hash<H: Hasher>(&self, state: &mut H) {
         match self {
-            Asset::Image(image) => image.size().hash(state),
-            Asset::User(user) => user.text.hash(state),
+            OwnAsset::Image(image) => image.size().hash(state),
+            OwnAsset::User(user) => user.text.hash(state),
         }
     }
 }

@@ -1,10 +1,10 @@
-//! Refuses scenes whose text would compile for minutes.
+//! Rejects scenes whose text would compile for minutes.
 
 use super::cells::Lists;
 use super::layout::{Layout, MOST_UNROLLED};
 use crate::scene::{Scene, SceneError};
 
-/// What stands in a scene's shader one by one must compile in seconds.
+/// What is unrolled in a scene's shader must compile in seconds.
 ///
 /// # Errors
 /// Those of [`Scene::check`], and [`SceneError::BadNumber`] for more surfaces, kinds of them,

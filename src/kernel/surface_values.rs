@@ -6,7 +6,7 @@ use crate::scene::shape::{Cuboid, Cylinder, Room, Sphere};
 use crate::scene::{Node, Scene, Shape, Surface};
 use glam::{Quat, Vec4};
 
-/// Vectors that a scene's surfaces take in the uniforms at the most, with those of the grids that
+/// Vectors that a scene's surfaces take in the uniforms at most, with those of the grids that
 /// they lie in.
 pub fn uniform_count(scene: &Scene) -> usize {
     let of = |lists| {

@@ -21,7 +21,7 @@ const FADE_MARGIN: u32 = 2048;
 /// The length of the responses is found at so many moments of a path, from its start to its end.
 const MOMENTS: u32 = 3;
 
-/// The longest response that is not asked for, in seconds: what comes later is hardly heard behind sound that goes on.
+/// The longest response by default, in seconds: later sound is hardly heard behind continuous sound.
 const LONGEST_S: f64 = 3.0;
 
 /// How a scene is heard in full.
@@ -115,7 +115,7 @@ struct Playing<'a> {
 }
 
 /// Traces and plays `timing.seconds` of a moving scene, one of `sounds` for each source, and hands each
-/// frame's block to `take`. Single echoes are those of each frame, the late part is traced anew every
+/// frame's block to `take`. Single echoes are those of each frame, the late part is traced again every
 /// quarter of a second. Where nothing moves, nothing is traced again.
 ///
 /// # Errors

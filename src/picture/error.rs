@@ -11,9 +11,9 @@ pub enum PictureError {
         "a picture of {width} × {height} pixels cannot be drawn: each side must be 1 to {limit} on this renderer"
     )]
     Size {
-        /// Width asked for, in pixels.
+        /// Width requested, in pixels.
         width: u32,
-        /// Height asked for, or that follows from the bounds, in pixels.
+        /// Height requested, or that follows from the bounds, in pixels.
         height: u32,
         /// The longest side allowed.
         limit: u32,
@@ -39,7 +39,7 @@ pub enum PictureError {
 }
 
 impl PictureError {
-    /// Whether what was asked for is to blame.
+    /// Whether the request is to blame.
     pub fn is_bad_input(&self) -> bool {
         match self {
             Self::Size { .. } | Self::FieldOfView { .. } | Self::Bounds { .. } => true,

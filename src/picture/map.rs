@@ -27,7 +27,7 @@ const NOTHING: [u8; 3] = [225, 225, 225];
 
 /// Numbers at the places of a lattice.
 pub(crate) struct MapOptions<'a> {
-    /// Width of the plan in pixels; the colour bar stands beside it.
+    /// Width of the plan in pixels; the colour bar is beside it.
     pub width: u32,
     /// World y of the cut in metres.
     pub height: f32,
@@ -37,11 +37,11 @@ pub(crate) struct MapOptions<'a> {
     pub counts: [u32; 2],
     /// The numbers, x first; none where there is none.
     pub values: &'a [Option<f64>],
-    /// What is mapped, and where: it stands above the map.
+    /// The title above the map: what is mapped, and where.
     pub title: &'a str,
-    /// Whether 0 is in the middle of the colours, for numbers whose sign says a side.
+    /// Whether 0 is in the middle of the colours, for numbers whose sign is a side.
     pub around_zero: bool,
-    /// What stands behind a number on the colour bar: `dB`, `s`, or nothing.
+    /// The unit behind a number on the colour bar: `dB`, `s`, or nothing.
     pub unit: &'a str,
     /// The colour of a share from 0 to 1 of the way from the least number to the greatest.
     pub colour: fn(f64) -> [u8; 3],
@@ -90,7 +90,7 @@ struct Place {
     value: Option<f64>,
 }
 
-/// The places whose middle is in the open: within solids nobody listens.
+/// The places whose centre is in the air: there are no listeners in solids.
 fn places(scene: &Scene, options: &MapOptions) -> Vec<Place> {
     let [columns, rows] = options.counts;
     let [from, to] = options.ends;
@@ -217,7 +217,7 @@ fn with_colour_bar(
     Ok(whole)
 }
 
-/// What stands at the marks of the bar, from below: as many digits as tell them apart.
+/// Labels at the marks of the bar, from below: as many digits as distinguish them.
 fn labels(ends: Option<(f64, f64)>, unit: &str) -> Vec<String> {
     let Some((least, most)) = ends else {
         return Vec::new();

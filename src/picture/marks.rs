@@ -1,6 +1,6 @@
 //! Listeners, sources and their key-framed paths, drawn on a plan.
 //!
-//! The colours are those of Okabe and Ito, which people with any colour vision tell apart.
+//! The colours are those of Okabe and Ito, which are distinguishable with any colour vision.
 
 use super::plan::Plan;
 use crate::scene::{Listener, Path as KeyPath, Scene, Source};

@@ -7,7 +7,7 @@ use crate::scene::Scene;
 use glam::Vec3;
 use tiny_skia::PixmapMut;
 
-/// Letters of a name that are drawn at the most.
+/// Letters of a name that are drawn at most.
 const LONGEST_NAME: usize = 24;
 
 /// Writes the name of each source, and of each listener, where there is more than one.

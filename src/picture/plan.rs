@@ -13,11 +13,11 @@ const MARGIN: f32 = 0.05;
 const SLIMMEST: f32 = 0.4;
 
 /// How far the listener sees for the plan of an endless field, in radii of its sphere: the
-/// one length of a scene that tells how large its things are.
+/// one length of a scene that gives its scale.
 const SIGHT: f32 = 60.0;
 /// Directions that it looks in.
 const SIGHTS: u32 = 48;
-/// Steps that one look takes at the most.
+/// Steps that one look takes at most.
 const SIGHT_STEPS: u32 = 200;
 /// A look ends so near to a surface, as a share of [`SIGHT`]: a fraction of a pixel.
 const NEAR_ENOUGH: f32 = 1e-4;

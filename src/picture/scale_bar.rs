@@ -1,4 +1,4 @@
-//! The scale bar of a plan: fields of equal length, black and white by turns, and the
+//! The scale bar of a plan: fields of equal length, alternately black and white, and the
 //! whole length in letters.
 
 use super::font::{INK, write};

@@ -8,7 +8,7 @@ use crate::scene::Scene;
 use crate::trace::{SceneData, UserFields, check_surfaces};
 use image::RgbaImage;
 
-/// Pixels in one draw call at the most: see [`full_screen_pass_rows`].
+/// Pixels in one draw call at most: see [`full_screen_pass_rows`].
 const PIXELS_PER_DRAW: u32 = 1 << 17;
 
 /// A picture's program, and the scene's data that it reads.
@@ -19,15 +19,11 @@ pub(super) struct Shader {
 
 /// The program of a picture's shader around the distance functions of `scene`, whose
 /// numbers are set.
-pub(super) fn program(
-    context: &Context,
-    scene: &Scene,
-    shader: kernel::Source,
-) -> Result<Shader, Error> {
+pub(super) fn program(context: &Context, scene: &Scene, kind: Kind) -> Result<Shader, Error> {
     kernel::check(scene)?;
     check_surfaces(context, scene)?;
-    let label = format!("{} of {}", shader.name, scene.name);
-    let text = text(scene, shader);
+    let label = format!("{kind:?} of {}", scene.name);
+    let text = shader_text(scene, kind);
     UserFields::default().check(context, scene, || text.clone())?;
     let program = Program::fragment(context, &label, &text)?;
     let rebasing = kernel::OriginRebasing::world();
@@ -44,12 +40,6 @@ pub(super) fn program(
     Ok(Shader { program, data })
 }
 
-/// The fragment shader around the distance functions of `scene`, `#version` apart.
-fn text(scene: &Scene, shader: kernel::Source) -> String {
-    let roots = vec![kernel::source!("view/colour.glsl"), shader];
-    kernel::join(&kernel::link(roots, kernel::distance_parts(scene)))
-}
-
 /// A kind of picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Kind {
@@ -60,10 +50,10 @@ pub enum Kind {
 }
 
 impl Kind {
-    pub(super) fn source(self) -> kernel::Source {
+    fn sources(self) -> Vec<kernel::Source> {
         match self {
-            Kind::View => kernel::source!("view/first_person.frag"),
-            Kind::Slice => kernel::source!("view/slice.frag"),
+            Kind::View => kernel::first_person(kernel::source!("view/shading.glsl")).to_vec(),
+            Kind::Slice => vec![kernel::source!("view/slice.frag")],
         }
     }
 }
@@ -72,10 +62,12 @@ impl Kind {
 /// header. Needs no context; the scene should have been
 /// [checked](Scene::check).
 pub fn shader_text(scene: &Scene, kind: Kind) -> String {
-    text(scene, kind.source())
+    let mut roots = vec![kernel::source!("view/colour.glsl")];
+    roots.extend(kind.sources());
+    kernel::join(&kernel::link(roots, kernel::distance_parts(scene)))
 }
 
-/// Refuses sizes that cannot be drawn, before anything is allocated.
+/// Rejects sizes that cannot be drawn, before anything is allocated.
 pub(super) fn check_size(context: &Context, width: u32, height: u32) -> Result<(), PictureError> {
     let limit = context.limits().max_texture_size;
     if (1..=limit).contains(&width) && (1..=limit).contains(&height) {

@@ -24,7 +24,7 @@ pub struct SliceOptions {
     pub also: Vec<Vec<Wave>>,
     /// How these waves are traced; `waves` is taken from `paths`.
     pub settings: Settings,
-    /// Whether a scale bar stands in the lower left.
+    /// Whether a scale bar is drawn in the lower left.
     pub scale_bar: bool,
 }
 
@@ -93,7 +93,7 @@ pub(super) fn cut(
     plan: &Plan,
 ) -> Result<RgbaImage, Error> {
     shader::check_size(context, plan.width, plan.height)?;
-    let shader = shader::program(context, scene, shader::Kind::Slice.source())?;
+    let shader = shader::program(context, scene, shader::Kind::Slice)?;
     let program = &shader.program;
     program.set_vec2("uCorner", plan.corner);
     program.set_f32("uMetres", plan.metres);

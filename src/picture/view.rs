@@ -8,7 +8,7 @@ use glam::Vec2;
 use image::RgbaImage;
 
 /// Radius of the ball that stands for the source, as a share of the listener's: the one
-/// length of a scene that tells how large its things are.
+/// length of a scene that gives its scale.
 pub(crate) const SOURCE_SHARE: f32 = 0.12;
 
 /// What the view shall be like.
@@ -53,7 +53,7 @@ pub fn first_person(
         let degrees = options.field_of_view.to_degrees();
         return Err(PictureError::FieldOfView { degrees }.into());
     }
-    let shader = shader::program(context, scene, shader::Kind::View.source())?;
+    let shader = shader::program(context, scene, shader::Kind::View)?;
     let program = &shader.program;
     let listener = &scene.listener;
     program.set_vec3("uRight", listener.right());

@@ -253,13 +253,7 @@ pub(super) fn intersect_sphere(radius: f64, o: DVec3, d: DVec3) -> Option<f64> {
         return None;
     }
     let beside = (o - d * along).length();
-    let half_chord_squared = (radius - beside) * (radius + beside);
-    if half_chord_squared < 0.0 {
-        return None;
-    }
-    let distance = o.length();
-    let tangent_squared = (distance - radius) * (distance + radius);
-    Some((tangent_squared / (half_chord_squared.sqrt() - along)).max(0.0))
+    enter_circle(radius, o.length(), beside, along, 1.0)
 }
 
 /// The circle that the cylinder is when looked at along y; `d` is shorter there.
@@ -271,11 +265,16 @@ fn intersect_cylinder(radius: f64, o: DVec3, d: DVec3) -> Option<f64> {
     }
     let speed = d.length();
     let beside = o.perp_dot(d) / speed;
+    enter_circle(radius, o.length(), beside, along, speed)
+}
+
+/// Where a line enters a circle: its start is `distance` from the centre, it passes `beside` it, its direction has the
+/// length `speed`, and `along` is that times how far the start is behind the closest point.
+fn enter_circle(radius: f64, distance: f64, beside: f64, along: f64, speed: f64) -> Option<f64> {
     let half_chord_squared = (radius - beside) * (radius + beside);
     if half_chord_squared < 0.0 {
         return None;
     }
-    let distance = o.length();
     let tangent_squared = (distance - radius) * (distance + radius);
     Some((tangent_squared / (half_chord_squared.sqrt() * speed - along)).max(0.0))
 }

@@ -4,13 +4,14 @@
 //! - A wave that has just been mirrored at a convex surface cannot meet that surface
 //!   next and is not tested against it; in a room it is not tested against the face
 //!   that it leaves.
-//! - In an edge of a room, two faces are met one after the other, the second one
+//! - In an edge of a room, two faces are met one after another, the second one
 //!   after 0 m: two reflections, two iterations.
 //! - The faces of a box that lie on or behind a room's wall or a plane are shut off
 //!   from the air and cannot be met; no wave can slip in between the two.
 //! - The listener comes before a surface at the same distance.
 
 use super::closed_form::{Face, Intersection, Placed, intersect_sphere};
+use crate::fnv;
 use crate::scene::{Scene, SceneError};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -22,7 +23,7 @@ const ROUNDING: f64 = 1e-13;
 /// Fewer waves than this for a thread are not worth the thread.
 const WAVES_WORTH_A_THREAD: usize = 4096;
 
-/// A scene to trace waves through exactly, as it stands (paths are not followed:
+/// A scene to trace waves through exactly, in its current state (paths are not followed:
 /// see [`Scene::at`]).
 ///
 /// ```
@@ -104,21 +105,15 @@ pub struct PathVertex {
     pub normal: DVec3,
 }
 
-const HASH_OF_NOTHING: u64 = 0xcbf2_9ce4_8422_2325;
-
-fn hash_one_more(hash: u64, object: u32) -> u64 {
-    (hash ^ u64::from(object)).wrapping_mul(0x0000_0100_0000_01b3)
-}
-
 /// One number for the objects that a wave met, in order (0 = listener): two waves
 /// with the same number have met the same objects.
 ///
 /// FNV-1a over whole object numbers instead of bytes.
 #[cfg(any(test, feature = "experiment"))]
 pub fn sequence_hash(objects: &[u32]) -> u64 {
-    objects
-        .iter()
-        .fold(HASH_OF_NOTHING, |hash, object| hash_one_more(hash, *object))
+    objects.iter().fold(fnv::OFFSET, |hash, object| {
+        fnv::with(hash, u64::from(*object))
+    })
 }
 
 /// The surface a wave has just left, by index, and the face if it has faces.
@@ -246,7 +241,7 @@ impl ExactScene {
             wave.point = hit.point;
             wave.length += hit.t;
             wave.status = hit.object as i32;
-            wave.sequence_hash = hash_one_more(wave.sequence_hash, hit.object);
+            wave.sequence_hash = fnv::with(wave.sequence_hash, u64::from(hit.object));
             let Some((index, _)) = now_left else {
                 break;
             };
@@ -350,7 +345,7 @@ impl ExactWave {
             direction,
             incoming_direction: direction,
             length: 0.0,
-            sequence_hash: HASH_OF_NOTHING,
+            sequence_hash: fnv::OFFSET,
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The thesis' algorithm on the CPU, in `f32`.
 //!
-//! The same steps as figures 8 and 9 in the same precision, written apart from the
-//! shaders: it tells whether a shader computes what it should, not whether the
+//! The same steps as figures 8 and 9 in the same precision, written independently of the
+//! shaders: it tests whether a shader computes what it should, not whether the
 //! algorithm is right (it is not: see [`super::ExactScene`]).
 //!
 //! Two programs in `f32` can part where a decision hangs by a hair: a distance just

@@ -20,11 +20,11 @@ const LEAST_STEP: f64 = 1e-12;
 /// 1e-9, of rounding and curvature alike.
 const DIFFERENCE: f64 = 1e-6;
 
-/// How far ahead a line is looked at to tell whether it goes in, as a share of the extent: so
-/// near that no crease lies between, and a slope of 1e-8 is still told.
+/// How far ahead a line is sampled to decide whether it enters the solid, as a share of the
+/// extent: so near that no crease lies between, and a slope of 1e-8 is still resolved.
 const AHEAD: f64 = 1e-8;
 
-/// Steps of one march at the most. A line that grazes a surface takes thousands.
+/// Steps of one march at most. A line that grazes a surface takes thousands.
 const STEPS: usize = 200_000;
 
 /// How many extents away a line is given up.

@@ -23,7 +23,7 @@
 //! - [`ShoeboxEnergies`] mirrors the source of such a room instead, and sums the energies of its
 //!   images: what an echogram, and the figures read off it, ought to be.
 //! - The crate's own tests have a third, the thesis' algorithm itself in `f32` (`march32.rs`): it
-//!   tells whether a shader computes what it should, not whether that is right.
+//!   tests whether a shader computes what it should, not whether that is right.
 //!
 //! # Deviations from the thesis
 //! Sjöberg (2011) marches each flight in `f32` and stops up to 0.1 short of the

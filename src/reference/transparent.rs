@@ -58,7 +58,7 @@ impl ExactScene {
     /// The first surface nearer than `until` metres on the line from `origin` along the unit
     /// vector `direction`.
     ///
-    /// A line that starts on a surface says so by `leaving`: its number from 1, and the unit
+    /// A line that starts on a surface states that by `leaving`: its number from 1, and the unit
     /// normal there.
     pub(crate) fn first_surface(
         &self,

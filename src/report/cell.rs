@@ -67,7 +67,7 @@ pub(crate) fn significant(value: f64, digits: usize) -> String {
     format!("{value:.decimals$}")
 }
 
-/// What stands where there is no value, for people.
+/// The text for a missing value.
 const NOTHING: &str = "—";
 
 impl Cell {
@@ -100,7 +100,7 @@ impl Cell {
         }
     }
 
-    /// As it stands in a CSV file; empty for no value. Numbers are written as in JSON.
+    /// As written in a CSV file; empty for no value. Numbers are written as in JSON.
     pub fn for_csv(&self) -> String {
         match self {
             Cell::None => String::new(),
@@ -213,7 +213,7 @@ mod tests {
         assert_eq!(significant(4.4e-8, 1), "4e-8");
     }
 
-    /// Protects intervals, and that a missing value is told from a zero everywhere.
+    /// Protects intervals, and that a missing value is distinguished from a zero everywhere.
     #[test]
     fn cells_are_written_for_people_and_programs() {
         let of = |ends, rough| Cell::Interval {

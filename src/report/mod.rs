@@ -2,9 +2,9 @@
 //!
 //! A [`Table`] has columns and rows. Each column is stated once, beside the type of the rows: its
 //! name for programs, its heading for people, unit, notation, and how its cell is read off a row.
-//! CSV, JSON, Markdown and text for a terminal are written from that. A [`Document`] is what is
-//! said around tables. Programs get every digit of a number, the same in CSV as in JSON; people
-//! get those that mean something, with the unit in the heading.
+//! CSV, JSON, Markdown and text for a terminal are written from that. A [`Document`] holds the
+//! text around tables. CSV and JSON get every digit of a number; text and Markdown get the
+//! significant ones, with the unit in the heading.
 
 mod cell;
 mod markdown;
@@ -37,7 +37,7 @@ pub trait Report: Serialize {
     /// The picture; an empty one where there is none.
     ///
     /// # Errors
-    /// When the drawing fails, which its text says.
+    /// When the drawing fails; the text contains the reason.
     fn plot_svg(&self) -> Result<String, PlotError> {
         Ok(String::new())
     }
@@ -67,7 +67,7 @@ impl Document {
         self.blocks.push(Block::Heading(level, text.into()));
     }
 
-    /// Adds a paragraph, which is broken into lines by whoever writes it.
+    /// Adds a paragraph, which the writer breaks into lines.
     pub(crate) fn paragraph(&mut self, text: impl Into<String>) {
         self.blocks.push(Block::Paragraph(text.into()));
     }

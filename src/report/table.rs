@@ -11,7 +11,7 @@ pub(crate) trait Row: Sized {
     fn columns() -> Vec<Column<Self>>;
 }
 
-/// What is said of a column whatever its rows are.
+/// The description of a column, independent of its rows.
 #[derive(Clone, Debug)]
 pub(crate) struct Head {
     /// In CSV and JSON; `None` for a column that only people are shown.
@@ -22,7 +22,7 @@ pub(crate) struct Head {
     pub unit: &'static str,
     /// Whether its cells are words: to the left, and broken into lines where they are long.
     pub is_text: bool,
-    /// Whether it says what a row is, and is repeated where a table goes on below.
+    /// Whether it identifies a row, and is repeated where a table continues below.
     pub is_key: bool,
     /// Whether its cells have two more for programs, the ends of an interval.
     pub is_interval: bool,
@@ -86,7 +86,7 @@ impl<R> Column<R> {
         Column::with(None, Some(heading), Box::new(move |row| cell(row).into()))
     }
 
-    /// The column says what a row is.
+    /// The column identifies a row.
     pub fn key(mut self) -> Column<R> {
         self.head.is_key = true;
         self
@@ -98,7 +98,7 @@ impl<R> Column<R> {
         self
     }
 
-    /// The column's cells are words that say what a row is.
+    /// The column's cells are words that identify a row.
     pub fn label(self) -> Column<R> {
         self.key().text()
     }

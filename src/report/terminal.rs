@@ -4,7 +4,7 @@ use super::table::Table;
 use super::{Block, Document, WIDTH, wrapped};
 use comfy_table::{CellAlignment, ColumnConstraint, ContentArrangement, Width, presets};
 
-/// What stands between two columns of a table, and at either end of a line, in characters.
+/// The space between two columns of a table, and at either end of a line, in characters.
 const BETWEEN: usize = 3;
 
 /// Characters that a column of words is given at least, if it has as many.
@@ -35,7 +35,7 @@ fn block(block: &Block) -> String {
 
 impl Table {
     /// The table for a terminal. Where its columns do not fit side by side the rest of them
-    /// follows below, each part beginning with the columns that say what a row is.
+    /// follows below, each part beginning with the columns that identify a row.
     pub fn terminal(&self) -> String {
         let parts = self.parts();
         let parts: Vec<String> = parts.iter().map(|columns| self.part(columns)).collect();
@@ -151,8 +151,8 @@ mod tests {
         text.lines().all(|line| line.chars().count() <= WIDTH)
     }
 
-    /// Protects terminals from wide tables, and whoever reads them from lost columns: each part
-    /// fits, begins with the columns that say what a row is, and all cells are there.
+    /// Protects terminals from wide tables, and readers from lost columns: each part
+    /// fits, begins with the columns that identify a row, and all cells are there.
     #[test]
     fn a_wide_table_goes_on_below() {
         let text = Table::of([Wide("one"), Wide("two")]).terminal();

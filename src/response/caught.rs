@@ -4,12 +4,12 @@
 //! noise of the waves, near a caustic of a curved mirror or where something hides a part of the sphere, the figures
 //! hold for neither of them: what they would be by the waves is a part of their error then.
 
-use super::Medium;
 use super::early::{EarlyPart, HeardPath, passing};
 use super::late_sphere::casts_shadows;
+use super::medium::Medium;
 use crate::acoustics::early::SpecularPath;
 use crate::acoustics::{Arrival, Echogram, Figures, Tap};
-use crate::bands::{self, BAND_COUNT, Bands};
+use crate::bands::{self, BAND_COUNT};
 use crate::scene::Scene;
 
 /// Standard deviations of what the waves bring beyond which a difference counts.
@@ -22,7 +22,7 @@ const BEYOND_NOISE_IN_SHADOWS: f64 = 1.0;
 /// The mean square of a chord of a sphere over the square of its mean, of chords that are spread evenly.
 const CHORD_SPREAD: f64 = 9.0 / 8.0;
 
-/// The early part of a response: its exact paths, and the waves that they stand for.
+/// The early part of a response: its exact paths, and the waves that they replace.
 pub(super) struct Caught<'a> {
     pub scene: &'a Scene,
     pub medium: &'a Medium,
@@ -60,10 +60,8 @@ impl Caught<'_> {
         };
         let mut of_waves = echogram.clone();
         for (arrival, path) in self.part.caught().filter(|(_, path)| is_compared(*path)) {
-            let mut arrival = *arrival;
-            let as_at_centre = 1.0 / self.mean_over_sphere(&arrival, path);
-            arrival.energy = arrival.energy.map(|energy| energy * as_at_centre);
-            self.medium.add(&mut of_waves, &arrival);
+            self.medium
+                .add(&mut of_waves, &self.at_centre(arrival, path));
         }
         let is_exact = |path: &SpecularPath| path.is_focus || !is_compared(Some(path));
         let exact = self.paths.iter().filter(|heard| is_exact(&heard.path));
@@ -90,9 +88,8 @@ impl Caught<'_> {
             bands::add(&mut variance, &of_path);
         }
         for (arrival, path) in self.part.caught() {
-            let as_at_centre = 1.0 / self.mean_over_sphere(arrival, path);
-            let heard: Bands = self.medium.heard(arrival);
-            bands::add(&mut surplus, &heard.map(|energy| -energy * as_at_centre));
+            let heard = self.medium.heard(&self.at_centre(arrival, path));
+            bands::add(&mut surplus, &heard.map(|energy| -energy));
         }
         let beyond = match casts_shadows(self.scene) {
             true => BEYOND_NOISE_IN_SHADOWS,
@@ -101,11 +98,14 @@ impl Caught<'_> {
         std::array::from_fn(|band| surplus[band].abs() > beyond * variance[band].sqrt())
     }
 
-    /// What an arrival's path brings to the listener's sphere on average, if nothing hides a part of it, over what it
-    /// brings to its centre.
-    fn mean_over_sphere(&self, arrival: &Arrival, path: Option<&SpecularPath>) -> f64 {
+    /// An arrival of this path with what it would bring to the listener's centre, if nothing hides a part of the sphere.
+    fn at_centre(&self, arrival: &Arrival, path: Option<&SpecularPath>) -> Arrival {
         let length_m = path.map_or(arrival.length_m, |path| path.length_m);
-        mean_over_sphere(self.radius_m() / length_m)
+        let mean = mean_over_sphere(self.radius_m() / length_m);
+        Arrival {
+            energy: arrival.energy.map(|energy| energy / mean),
+            ..*arrival
+        }
     }
 
     fn radius_m(&self) -> f64 {

@@ -1,15 +1,15 @@
-//! How long a response is, where no one says it.
+//! The default length of a response.
 
-use super::Medium;
 use super::late_sphere::{LEAST_ORDER, LateSphere};
+use super::medium::Medium;
 use crate::acoustics::MAX_SECONDS;
 use crate::bands::{self, BAND_COUNT, Bands};
 use crate::error::Error;
 use crate::scene::Scene;
 use crate::trace::{ArrivalSettings, Settings, Tracer};
 
-/// Waves that foretell the decay: their energies, not their number, decide, and a thousand of
-/// them tell a time within some per cent.
+/// Waves that estimate the decay: their energies, not their number, decide, and a thousand of
+/// them give the time within some per cent.
 const WAVES: u32 = 4096;
 
 /// The shortest, in seconds: one block of a sound.
@@ -25,7 +25,7 @@ const LEAST_ENERGY: f64 = 1e-3 * LEFT;
 /// Bins of time in which the decay is looked at, in seconds.
 const BIN_S: f64 = 0.01;
 
-/// Seconds after which the energy still to come is at most [`LEFT`] of all, in every band; `longest_s` at the most, but
+/// Seconds after which the energy still to come is at most [`LEFT`] of all, in every band; `longest_s` at most, but
 /// no less than the direct sound takes.
 pub(super) fn needed(
     tracer: &mut Tracer,

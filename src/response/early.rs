@@ -1,6 +1,6 @@
 //! The early part: which arrivals are exact paths, and what is heard along each.
 
-use super::Medium;
+use super::medium::Medium;
 use crate::acoustics::early::{Candidates, EarlyPaths, Ends, Missed, NoPath, SpecularPath, Vertex};
 use crate::acoustics::{Arrival, Tap};
 use crate::bands::{self, BAND_COUNT, Bands};
@@ -43,7 +43,7 @@ impl HeardPath {
     }
 }
 
-/// What stands for an early arrival.
+/// What replaces an early arrival.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Outcome {
     /// The exact path of this index.
@@ -64,7 +64,7 @@ pub(super) struct EarlyPart {
     paths: Vec<SpecularPath>,
 }
 
-/// A path that is not searched stands for its waves if so many of them are expected: fewer than 1 % of such paths are
+/// A path found only by waves replaces them if so many of them are expected: fewer than 1 % of such paths are
 /// missed. If paths that waves find by luck stood for theirs, the energy of those that they miss would be lost.
 const EXPECTED_WAVES: f64 = 5.0;
 
@@ -138,7 +138,7 @@ impl EarlyPart {
         Missed::of(&self.paths)
     }
 
-    /// The arrivals that no exact path stands for: their surfaces are known by samples alone, or the
+    /// The arrivals that no exact path replaces: their surfaces are known by samples alone, or the
     /// listener is partly in sight and its centre is not, or their path was not looked for. They stay
     /// statistics.
     pub fn left_over(&self) -> impl Iterator<Item = &Arrival> {
@@ -151,7 +151,7 @@ impl EarlyPart {
     }
 
     /// What the listener caught of the sound of the exact paths but foci: each arrival with its path, or without one
-    /// where another path, over planes, stands for it.
+    /// where another path, over planes, replaces it.
     pub fn caught(&self) -> impl Iterator<Item = (&Arrival, Option<&SpecularPath>)> {
         let all = self.arrivals.iter().zip(&self.outcomes);
         all.filter_map(|(arrival, outcome)| match outcome {
@@ -232,7 +232,7 @@ fn are_expected(spreading: f64, radius_m: f64, waves: u32) -> bool {
     f64::from(waves) * cross_section * spreading >= EXPECTED_WAVES
 }
 
-/// The paths that stand for their waves.
+/// The paths that replace their waves.
 struct Known<'a> {
     scene: &'a Scene,
     early: &'a EarlyPaths,

@@ -4,9 +4,10 @@
 //! Late arrivals may come from fewer waves than exact paths are found by: their noise is heard as noise, while a path
 //! that no wave finds is missing.
 
+use super::ResponseSettings;
 use super::importance::{self, Importance, Pilot};
 use super::late_sphere::LateSphere;
-use super::{Medium, ResponseSettings};
+use super::medium::Medium;
 use crate::acoustics::{Arrival, Echogram};
 use crate::bands;
 use crate::error::Error;
@@ -23,14 +24,14 @@ use std::ops::Range;
 const LEAST_ENERGY: f64 = 1e-12;
 
 /// Crossings that a wave has in a chunk, on average. A chunk costs as much as ten iterations, and a wave that crosses
-/// oftener than is recorded (four times) is drawn once more: in a room of 8 × 3 × 5 m a response of 65,536 waves takes
+/// more often than is recorded (four times) is drawn again: in a room of 8 × 3 × 5 m a response of 65,536 waves takes
 /// 0.39, 0.37, 0.35, 0.33 and 0.33 s with 8, 12, 16, 24 and 32 iterations in a chunk, which are 0.6 to 2.6 crossings.
 const CROSSINGS_IN_CHUNK: f64 = 2.0;
 
-/// Iterations of a chunk at the least.
+/// Iterations of a chunk at least.
 const LEAST_ITERATIONS: u32 = 8;
 
-/// Follows the waves, adds what stays a statistic to the echogram, and tells the early arrivals: these are
+/// Traces the waves, adds what stays a statistic to the echogram, and returns the early arrivals: these are
 /// counted in the listener itself.
 pub(super) fn arrivals(
     tracer: &mut Tracer,
@@ -72,7 +73,7 @@ fn is_added(first: &mut Arrival, second: &Arrival) -> bool {
     is_same
 }
 
-/// Those of waves that tell of `how.bands` together: what stays a statistic goes into the echogram, the others are told.
+/// Those of waves that carry `how.bands` together: what stays a statistic is added to the echogram, the rest returned.
 fn arrivals_of_bands(
     tracer: &mut Tracer,
     (scene, medium, late): (&Scene, &Medium, LateSphere),
@@ -131,7 +132,7 @@ struct LateWaves<'a> {
 }
 
 impl LateWaves<'_> {
-    /// Follows all waves. The first of them, the pilot waves, tell whether the others start evenly.
+    /// Traces all waves. The first of them, the pilot waves, decide whether the others start evenly.
     fn follow_all(
         mut self,
         trace: &Settings,
@@ -213,7 +214,7 @@ fn crossings_an_iteration(counts: &ArrivalCounts) -> f64 {
     counts.arrivals as f64 / (counts.waves as f64 * f64::from(counts.iterations)).max(1.0)
 }
 
-/// Iterations of a chunk in which a wave has so many crossings an iteration, `most` at the most.
+/// Iterations of a chunk in which a wave has so many crossings an iteration, `most` at most.
 fn iterations_in_chunk(crossings: f64, most: u32) -> u32 {
     let fit = CROSSINGS_IN_CHUNK / crossings;
     (fit as u32).max(LEAST_ITERATIONS).min(most)

@@ -2,10 +2,10 @@
 //! but the noise, which falls with 1/radius.
 //!
 //! Behind the exact paths the energy at a place hardly differs from that a metre away, if nothing
-//! gathers sound and nothing stands between. So where all surfaces are flat or convex, late arrivals are
+//! focuses sound and nothing is in between. So where all surfaces are flat or convex, late arrivals are
 //! counted in a sphere of [`RADIUS_M`], or of [`RADIUS_IN_SHADOWS_M`]. It reaches to no surface, as beyond one may be
 //! another room, but for walls of a `Room`, beyond which is nothing; of these it reaches as far behind one as that is
-//! away, at the most. The energy is the mean over the part of the sphere that is open, and the times are those
+//! away, at most. The energy is the mean over the part of the sphere that is open, and the times are those
 //! of paths to its centre, as in the listener itself.
 
 use crate::acoustics::CommonErrors;
@@ -14,7 +14,7 @@ use crate::kernel::Materials;
 use crate::scene::{Node, Scene, Surface};
 
 /// Radius in metres. In random rooms (docs/acoustics.md) T30 is 2.5 times as exact with it as with
-/// 0.3 m, and what the mean over the sphere is off cannot be told from noise yet; with 1.5 m it can.
+/// 0.3 m, and the bias of the mean over the sphere is still below the noise; with 1.5 m it is not.
 const RADIUS_M: f32 = 1.0;
 
 /// What the mean over the sphere leaves figures off, one standard deviation: in a room of 4.4 × 3 × 4.3 m T30
@@ -28,7 +28,7 @@ const ERRORS: CommonErrors = CommonErrors {
     centre_s: 0.0,
 };
 
-/// Radius in metres where something stands in the room: behind it less of the sound that goes to and fro between walls
+/// Radius in metres where an object is in the room: it hides part of the flutter echo between walls
 /// is heard, and a large sphere reaches beyond that shadow. In 14 random rooms with a ball or a box T30 differed from that
 /// in the listener's own sphere of 0.3 m by 1.1 % (rms of all bands, but for noise) with 1 m, 0.6 % with 0.7 m and 0.4 %
 /// with 0.5 m, in the worst of them by 4.4, 2.8 and 1.8 %; by 2.2 and 1.7 % with 1 and 0.5 m where all surfaces scatter 0.1.
@@ -108,7 +108,7 @@ fn scattered(errors: CommonErrors, radius_m: f32) -> CommonErrors {
     }
 }
 
-/// Whether something stands in the room.
+/// Whether an object is in the room.
 pub(super) fn casts_shadows(scene: &Scene) -> bool {
     scene.surfaces.iter().any(|surface| {
         let node = &surface.shape.node;
@@ -170,8 +170,8 @@ mod tests {
         assert!((radius(vec![hollow_box], Vec3::X * 4.6) - 0.4).abs() < 1e-5);
     }
 
-    /// Protects figures behind obstacles: the sphere is smaller there, and its errors are told, which are none where it is
-    /// the listener's own.
+    /// Protects figures behind obstacles: the sphere is smaller there, and its errors are reported; they are 0 where it
+    /// is the listener's own.
     #[test]
     fn shadows_make_the_sphere_smaller() {
         let ball = Surface::new(Sphere { radius: 0.5 }).at(Vec3::X * 3.0);

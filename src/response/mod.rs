@@ -15,6 +15,7 @@ mod importance;
 mod late;
 mod late_sphere;
 mod level;
+mod medium;
 mod settings;
 
 pub use early::HeardPath;
@@ -32,6 +33,7 @@ use caught::Caught;
 use early::EarlyPart;
 use glam::Vec3;
 use late_sphere::LateSphere;
+use medium::Medium;
 
 /// What one listener hears of one source.
 ///
@@ -79,7 +81,7 @@ pub struct Response {
 }
 
 impl Response {
-    /// Traces what the first listener of `scene` hears of its first source, as the scene stands
+    /// Traces what the first listener of `scene` hears of its first source, in the scene's current state
     /// (other pairs: [`Scene::heard_by`]).
     ///
     /// # Errors
@@ -191,43 +193,6 @@ fn left_out_share(
 
 fn taps(paths: &[HeardPath]) -> Vec<Tap> {
     paths.iter().map(HeardPath::tap).collect()
-}
-
-/// What lies between a source and what it brings to a listener, besides the surfaces.
-struct Medium {
-    /// Metres a second.
-    speed: f64,
-    /// Attenuation of energy by band, in 1/m.
-    air: Bands,
-    /// The source's level as a factor of energy.
-    level: f64,
-    /// When the direct sound arrives if nothing is in its way, in seconds.
-    direct_s: f64,
-}
-
-impl Medium {
-    fn of(scene: &Scene) -> Medium {
-        let speed = scene.speed_of_sound();
-        let apart = scene.source.position.as_dvec3() - scene.listener.position.as_dvec3();
-        Medium {
-            speed,
-            air: scene.air_attenuation(),
-            level: 10_f64.powf(f64::from(scene.source.level_db) / 10.0),
-            direct_s: apart.length() / speed,
-        }
-    }
-
-    /// The energy of an arrival, with the source's level and the air's loss.
-    fn heard(&self, arrival: &Arrival) -> Bands {
-        let emitted = arrival.energy.map(|energy| energy * self.level);
-        bands::through_air(&emitted, &self.air, arrival.length_m)
-    }
-
-    fn add(&self, echogram: &mut Echogram, arrival: &Arrival) {
-        let mut arrival = *arrival;
-        arrival.energy = arrival.energy.map(|energy| energy * self.level);
-        echogram.add_arrival(&arrival, self.speed, &self.air);
-    }
 }
 
 /// The waves that arrived early, in order, each once, with its start direction.

@@ -13,7 +13,7 @@ pub struct ResponseSettings {
     /// Waves, start directions, seed and algorithm. The iterations follow from the seconds.
     pub trace: Settings,
     /// How long the waves are followed; `None` until the energy of every band has fallen by 60 dB,
-    /// as a few waves foretell it.
+    /// as estimated by a few waves.
     pub seconds: Option<f64>,
     /// The longest record where `seconds` is `None`, in seconds: 10 by default, as few halls can be heard longer. A
     /// record is never shorter than the direct sound takes.
@@ -21,7 +21,7 @@ pub struct ResponseSettings {
     /// Waves that late arrivals come from; `None`, and a number larger than that of all waves, take all. Exact paths
     /// are found by all waves.
     pub late_waves: Option<u32>,
-    /// Reflections of an exact path at the most, 0 to [`MAX_ORDER`]. `None` takes 8 where all surfaces
+    /// Reflections of an exact path at most, 0 to [`MAX_ORDER`]. `None` takes 8 where all surfaces
     /// are flat, else 3. Where walls absorb half of the sound, a decay of 35 dB is some dozen echoes of
     /// up to six reflections, and each is met by few waves. Of an empty room all paths are known up to
     /// eight. At curved surfaces up to 512 waves of each sequence are solved for.
@@ -33,7 +33,7 @@ pub struct ResponseSettings {
     pub batches: usize,
 }
 
-/// Reflections of an exact path at the most: the number of paths grows with the cube of the order,
+/// Reflections of an exact path at most: the number of paths grows with the cube of the order,
 /// and waves find fewer and fewer of them.
 pub const MAX_ORDER: u32 = 16;
 
@@ -41,7 +41,7 @@ pub const MAX_ORDER: u32 = 16;
 const ORDER_AT_PLANES: u32 = 8;
 const ORDER_AT_CURVES: u32 = 3;
 
-/// The usual longest record that is not asked for, in seconds.
+/// The default longest record, in seconds.
 const USUAL_LONGEST_S: f64 = 10.0;
 
 impl Default for ResponseSettings {
@@ -72,7 +72,7 @@ impl ResponseSettings {
         self
     }
 
-    /// The same with records of at most so many seconds where no one says how long they are.
+    /// The same with records of at most so many seconds where no length is set.
     pub fn with_longest(mut self, seconds: f64) -> ResponseSettings {
         self.longest_s = seconds;
         self
@@ -91,7 +91,7 @@ impl ResponseSettings {
     }
 
     /// How long a response in this scene is: `seconds`, or until the energy of every band has fallen by
-    /// 60 dB as a few waves foretell it from what arrives within `longest_s`, and no longer than that; but never
+    /// 60 dB as a few waves estimate it from what arrives within `longest_s`, and no longer than that; but never
     /// shorter than the direct sound takes.
     ///
     /// # Errors
@@ -171,7 +171,7 @@ mod tests {
     use crate::{Listener, Source};
     use glam::{Vec2, Vec3};
 
-    /// Protects what is traced: lengths and numbers of waves out of range are refused.
+    /// Protects what is traced: lengths and numbers of waves out of range are rejected.
     #[test]
     fn bad_numbers_are_refused() {
         let settings = ResponseSettings::default();

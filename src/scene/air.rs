@@ -3,7 +3,7 @@
 use crate::bands::{BAND_COUNT, Bands};
 use std::ops::RangeInclusive;
 
-/// Speed of sound in metres a second where a scene says nothing of its air: that at 20 °C, whole.
+/// Speed of sound in metres a second where a scene has no air: that at 20 °C, rounded.
 pub const USUAL_SPEED_OF_SOUND: f64 = 343.0;
 
 /// Degrees Celsius: those of the tables of ISO 9613-1, for which its formulas are within 10 %.

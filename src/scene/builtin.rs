@@ -1,4 +1,4 @@
-//! The scenes that come with the crate, read from the very files that stand in
+//! The built-in scenes, read from the files in
 //! `examples/scenes/`.
 
 use super::{Scene, SceneError};
@@ -173,7 +173,7 @@ mod tests {
         assert_eq!(scene, Scene::builtin(BUILTIN[0].0).unwrap());
     }
 
-    /// Protects whoever mistypes a name: the nearest is named, and none where none is near.
+    /// For a mistyped name the nearest one is suggested, and none where none is near.
     #[test]
     fn a_name_that_is_nearly_right_is_suggested() {
         for (typed, meant) in [

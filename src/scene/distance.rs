@@ -67,7 +67,7 @@ impl Listener {
 }
 
 impl Shape {
-    /// What the value at a point of the tree's own axes (metres) says of the signed distance,
+    /// The bound that the value at a point of the tree's own axes (metres) gives for the signed distance,
     /// in metres: the value, divided by its Lipschitz constant.
     pub fn distance(&self, p: Vec3) -> f32 {
         (self.value(p.as_dvec3()) / self.properties().lipschitz) as f32

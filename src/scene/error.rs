@@ -13,7 +13,7 @@ pub enum SceneError {
         nearest.as_ref().map_or_else(String::new, |name| format!("; did you mean {name}?"))
     )]
     Unknown {
-        /// What was asked for.
+        /// The requested value.
         name: String,
         /// The names there are, separated by commas.
         builtin: String,
@@ -48,7 +48,7 @@ pub enum SceneError {
         /// What is wrong, with the file.
         why: String,
     },
-    /// What is refused at a time of its key frames, and not before.
+    /// What is rejected at a time of its key frames, and not before.
     #[error("at {seconds} s, {refused}")]
     At {
         /// The time, of a key or between two.
@@ -81,7 +81,7 @@ pub enum SceneError {
         scene: String,
         /// Which surface.
         surface: String,
-        /// What was asked for.
+        /// The requested value.
         parameter: String,
         /// The names there are.
         known: String,
@@ -94,7 +94,7 @@ pub enum SceneError {
     UnknownValue {
         /// The scene's name.
         scene: String,
-        /// What was asked for.
+        /// The requested value.
         name: String,
         /// The names there are.
         known: String,
@@ -123,7 +123,7 @@ pub enum SceneError {
         /// The name.
         name: String,
     },
-    /// A number that makes no sense where it stands.
+    /// A number that is invalid at its place.
     #[error("scene {scene:?}: {what} must be {must}, not {value}")]
     BadNumber {
         /// The scene's name.
@@ -148,7 +148,7 @@ fn may_be_meant(why: &InputError, path: &Path) -> String {
 }
 
 impl SceneError {
-    /// The same, said of a time; what says its time already stays.
+    /// The same with a time; an error that has its time already stays.
     pub(crate) fn at(self, seconds: f64) -> SceneError {
         match self {
             SceneError::At { .. } => self,

@@ -61,7 +61,7 @@ impl SceneWatch {
         self.read.iter().map(|(path, _)| path.as_path())
     }
 
-    /// The scene, read anew, or why it cannot be read, once after each change; else nothing.
+    /// The scene, read again, or why it cannot be read, once after each change; else nothing.
     ///
     /// A change counts when two looks in a row find the same: an editor may still be
     /// writing. After an error the scene file's folder is watched too, for a file that was
@@ -141,7 +141,7 @@ mod tests {
         (0..3).find_map(|_| watch.poll())
     }
 
-    /// Protects a running program from half-written and broken files: each change is told
+    /// Protects a running program from half-written and broken files: each change is reported
     /// once, errors too.
     #[test]
     fn each_change_is_told_once() {

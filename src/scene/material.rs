@@ -98,8 +98,8 @@ pub struct BuiltinMaterial {
 /// The source of all values of [`BUILTIN_MATERIALS`].
 const VORLAENDER: &str = "M. Vorländer, Auralization, Springer 2008, annex, tables of random-incidence absorption coefficients";
 
-/// From seven published coefficients, 125 Hz to 8 kHz. No table tells 63 Hz: there the one at
-/// 125 Hz stands. None tells scattering of these: they are mirrors.
+/// From seven published coefficients, 125 Hz to 8 kHz. No table has 63 Hz: there the one at
+/// 125 Hz is used. None has scattering: these materials are mirrors.
 const fn published(name: &'static str, of: &'static str, a: [f64; 7]) -> BuiltinMaterial {
     BuiltinMaterial {
         name,

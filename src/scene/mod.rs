@@ -12,6 +12,7 @@ mod air;
 mod builtin;
 mod check;
 mod distance;
+mod driven_numbers;
 mod error;
 mod file;
 mod file_watch;
@@ -20,6 +21,7 @@ mod motion;
 mod named_values;
 mod notation;
 mod path;
+mod quantity;
 pub mod shape;
 mod source_listener_pairs;
 mod surface;
@@ -36,13 +38,15 @@ pub(crate) use file::bases_of;
 pub(crate) use file_watch::SceneWatch;
 pub use material::{BUILTIN_MATERIALS, BuiltinMaterial, Material, WALL_COUNT, WALL_NAMES};
 pub use motion::{Driver, Motion};
-pub use named_values::{NamedValue, Quantity};
+pub use named_values::NamedValue;
 pub use path::{Key, Path};
+pub use quantity::Quantity;
 pub use shape::{Bounds3, Exactness, HeightImage, Node, Properties, Shape, UserField};
 pub(crate) use shape::{Copies, UserSamples, halton};
 pub use surface::Surface;
 
-use crate::scene::shape::{HeightField, User};
+use crate::bands::Bands;
+use crate::scene::shape::{Asset, Room};
 use glam::Vec3;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -71,7 +75,7 @@ pub(crate) const ROUNDING: f32 = 8.0 * f32::EPSILON;
 /// # Ok::<(), echomarch::Error>(())
 /// ```
 ///
-/// A scene serialises as its file would say it (`docs/scene-format.md`), and is read from that.
+/// A scene serialises to the content of its file (`docs/scene-format.md`), and is read from that.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Scene {
@@ -88,7 +92,7 @@ pub struct Scene {
     pub source: Source,
     /// Where it is heard: the first listener.
     pub listener: Listener,
-    /// Sources beside the first one. What asks for one source takes that.
+    /// Sources beside the first one. Callers that need one source use the first.
     pub further_sources: Vec<Source>,
     /// Listeners beside the first one.
     pub further_listeners: Vec<Listener>,
@@ -146,6 +150,40 @@ impl Scene {
         }
     }
 
+    /// An empty rectangular room about the origin, of `size` metres: what its walls at −x, +x, −y, +y, −z, +z absorb, by
+    /// band, is that of the materials `wall 0` to `wall 5`.
+    ///
+    /// ```
+    /// use echomarch::glam::Vec3;
+    /// use echomarch::{Listener, Scene, Source};
+    ///
+    /// let source = Source::at(Vec3::new(-2.0, 0.0, 1.0));
+    /// let listener = Listener::at(Vec3::new(2.0, 0.0, 1.0), 0.3);
+    /// let scene = Scene::shoebox(Vec3::new(8.0, 3.0, 5.0), &[[0.2; 8]; 6], source, listener);
+    /// assert_eq!(scene.materials["wall 5"].absorption, [0.2; 8]);
+    /// ```
+    pub fn shoebox(
+        size: Vec3,
+        absorption: &[Bands; WALL_COUNT],
+        source: Source,
+        listener: Listener,
+    ) -> Scene {
+        let mut room = Surface::new(Room { size });
+        let mut materials = BTreeMap::new();
+        for (wall, absorption) in absorption.iter().enumerate() {
+            let name = format!("wall {wall}");
+            room = room.with_wall_material(wall, name.clone());
+            let material = Material {
+                absorption: *absorption,
+                ..Material::MIRROR
+            };
+            materials.insert(name, material);
+        }
+        let mut scene = Scene::new("shoebox", vec![room], source, listener);
+        scene.materials = materials;
+        scene
+    }
+
     /// The scene as it stands at `seconds` on its key-framed paths.
     pub fn at(&self, seconds: f64) -> Scene {
         let mut posed = self.clone();
@@ -190,24 +228,26 @@ impl Scene {
 
     /// The files beside its own that the scene was made from: users' fields and images.
     pub fn files(&self) -> Vec<PathBuf> {
-        let file = |node: &Node| match node {
-            Node::User(User { field }) => Some(field.file.clone()),
-            Node::HeightField(HeightField { image, .. }) => Some(PathBuf::from(image.name())),
-            _ => None,
+        let file = |asset: Asset| match asset {
+            Asset::User(field) => field.file.clone(),
+            Asset::Image(image) => PathBuf::from(image.name()),
         };
-        self.field_nodes().filter_map(file).collect()
+        self.assets().map(file).collect()
     }
 
     /// The contents of these files, in the order of [`Scene::files`]: texts, and the heights of
     /// images as little-endian `f32` behind their width and height.
     #[cfg(feature = "experiment")]
     pub(crate) fn file_contents(&self) -> Vec<Vec<u8>> {
-        let content = |node: &Node| match node {
-            Node::User(User { field }) => Some(field.text.clone().into_bytes()),
-            Node::HeightField(HeightField { image, .. }) => Some(image.to_bytes()),
-            _ => None,
+        let content = |asset: Asset| match asset {
+            Asset::User(field) => field.text.clone().into_bytes(),
+            Asset::Image(image) => image.to_bytes(),
         };
-        self.field_nodes().filter_map(content).collect()
+        self.assets().map(content).collect()
+    }
+
+    fn assets(&self) -> impl Iterator<Item = Asset<'_>> {
+        self.field_nodes().filter_map(Node::asset)
     }
 
     fn field_nodes(&self) -> impl Iterator<Item = &Node> {

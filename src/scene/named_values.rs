@@ -1,33 +1,14 @@
-//! The named values of a scene, and the quantity that each measures.
+//! The named values of a scene.
 
-use super::{Motion, Scene, Surface};
+use super::{Motion, Quantity, Scene, Surface};
 
-/// What a number of a surface measures, and so its unit in a scene file and how far it may go.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Quantity {
-    /// A coordinate or a difference of such, in metres.
-    Position,
-    /// A length in metres, greater than 0.
-    Length,
-    /// A factor, greater than 0.
-    Factor,
-    /// An angle, in degrees.
-    Angle,
-    /// A turn along a way, in degrees a metre.
-    Rate,
-    /// From 0 to 1.
-    Share,
-    /// Any number.
-    Plain,
-}
-
-/// A named value as it stands in a scene.
+/// The current state of a named value in a scene.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct NamedValue {
     /// Its name.
     pub name: String,
-    /// Where it stands, in the unit of the file.
+    /// Its value, in the unit of the file.
     pub value: f32,
     /// What it measures; where it is used several times, the one that allows least.
     pub quantity: Quantity,
@@ -75,45 +56,6 @@ impl Surface {
         let mut all = copy.parameters_mut().into_iter();
         let found = all.find(|known| known.name == parameter)?;
         Some((*found.number, found.quantity))
-    }
-}
-
-impl Quantity {
-    /// What stands behind a number in a sentence about the code's own units.
-    pub(super) fn unit(self) -> &'static str {
-        match self {
-            Quantity::Position | Quantity::Length => " metres",
-            Quantity::Angle => " radians",
-            Quantity::Rate => " radians a metre",
-            Quantity::Factor | Quantity::Share | Quantity::Plain => "",
-        }
-    }
-
-    /// A number of the code in the unit of the file.
-    pub fn in_file(self, value: f32) -> f32 {
-        match self {
-            Quantity::Angle | Quantity::Rate => value.to_degrees(),
-            _ => value,
-        }
-    }
-
-    /// A number of the file in the unit of the code.
-    pub fn in_code(self, value: f32) -> f32 {
-        match self {
-            Quantity::Angle | Quantity::Rate => value.to_radians(),
-            _ => value,
-        }
-    }
-
-    /// The more, the less is allowed.
-    fn rank(self) -> u8 {
-        match self {
-            Quantity::Plain => 0,
-            Quantity::Position => 1,
-            Quantity::Angle | Quantity::Rate => 2,
-            Quantity::Length | Quantity::Factor => 3,
-            Quantity::Share => 4,
-        }
     }
 }
 

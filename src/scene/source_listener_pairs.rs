@@ -107,7 +107,7 @@ impl Scene {
     }
 
     /// How fast the air takes the energy of a sound, by bands, in 1/m (see
-    /// [`Air::attenuation`](super::Air::attenuation)); 0 where the scene says nothing of its air.
+    /// [`Air::attenuation`](super::Air::attenuation)); 0 where the scene has no air.
     pub fn air_attenuation(&self) -> Bands {
         self.air.map_or([0.0; BAND_COUNT], |air| air.attenuation())
     }
@@ -142,7 +142,7 @@ mod tests {
         )
     }
 
-    /// Protects who is asked for the material: the wall, then the surface; the scene's own, then the
+    /// Protects the order of lookup of the material: the wall, then the surface; the scene's own, then the
     /// built-in one.
     #[test]
     fn a_wall_comes_before_its_surface_and_a_scene_before_the_list() {
@@ -191,7 +191,7 @@ mod tests {
         assert_eq!(scene.heard_by(0, 0), scene);
     }
 
-    /// Protects motion: whoever has a path walks, the first or not, and the longest path counts.
+    /// Protects motion: every listener or source with a path moves, and the longest path counts.
     #[test]
     fn all_sources_and_listeners_follow_their_paths() {
         let mut scene = hall();

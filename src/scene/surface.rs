@@ -1,4 +1,4 @@
-//! A surface: a shape, and where it stands.
+//! A surface: a shape, and its position.
 
 use super::{Bounds3, Driver, Node, Shape, WALL_COUNT};
 use glam::{DMat3, Quat, Vec3};
@@ -15,10 +15,10 @@ pub struct Surface {
     pub position: Vec3,
     /// Turns the shape's own axes into the world's.
     pub rotation: Quat,
-    /// Says that the rotation will change although it is the identity now.
+    /// Declares that the rotation will change although it is the identity now.
     ///
     /// A surface that is not turned has no rotation in its shader text. One that
-    /// is turned, or says here that it will be, takes its rotation from a uniform,
+    /// is turned, or is declared here to turn, takes its rotation from a uniform,
     /// so that turning it never compiles a shader.
     pub dynamic_rotation: bool,
     /// The angles in radians, about x, then y, then z, that a driven rotation is made of.
@@ -130,7 +130,7 @@ impl Surface {
         turned.moved(self.position.as_dvec3())
     }
 
-    /// Whether its rotation stands in the shader text at all.
+    /// Whether the shader text contains its rotation.
     pub fn has_rotation(&self) -> bool {
         self.dynamic_rotation || self.rotation != Quat::IDENTITY
     }

@@ -1,6 +1,6 @@
 //! The axes of a study: what its numbers, places and seeds are, one by one.
 //!
-//! No axis but the settings is written out: a place on it is computed when it is asked for, so
+//! No axis but the settings is written out: a place on it is computed when it is requested, so
 //! that a study of 10⁹ points takes no more memory than one of ten.
 
 use super::file::{Numbers, Places, Seeds};

@@ -1,4 +1,4 @@
-//! From what a study file says to a study: scenes are loaded, and points counted.
+//! From the content of a study file to a study: scenes are loaded, and points counted.
 
 use super::check::{Checker, MOST_POINTS};
 use super::columns::ResponseColumns;
@@ -24,7 +24,7 @@ pub(super) fn from_file(path: &Path) -> Result<Study, StudyError> {
     study(&file, &Checker { origin: &origin }, folder)
 }
 
-/// The study that a file says, whose scenes lie in `folder`.
+/// The study of a file, whose scenes are in `folder`.
 pub(super) fn study(
     file: &StudyFile,
     checker: &Checker,
@@ -93,8 +93,8 @@ fn load(said: &SceneFile, folder: &Path) -> Result<Scene, SceneError> {
 /// Numbers of an axis that are tried before work begins; of longer ones the ends, and some between.
 const MOST_TRIED: u64 = 16;
 
-/// Sets each named value to numbers of its axis, the others as in the file: what the scene refuses
-/// is told before the first point.
+/// Sets each named value to numbers of its axis, the others as in the file: values that the scene
+/// rejects are reported before the first point.
 fn try_values(scene: &Scene, said: &SceneFile) -> Result<(), SceneError> {
     for (name, numbers) in &said.values {
         let tried = numbers.len().min(MOST_TRIED);

@@ -1,4 +1,4 @@
-//! Checks of what a study file says: each field by its place and range, before any work.
+//! Checks of the content of a study file: each field by its place and range, before any work.
 
 use super::StudyError;
 use super::file::{
@@ -11,11 +11,11 @@ use crate::text::check_name;
 use crate::trace::{MAX_ITERATIONS, MAX_WAVES};
 use std::fmt::Display;
 
-/// Points of a study at the most: 10⁹ take years of a core, and numbers of points stay exact in
+/// Points of a study at most: 10⁹ take years of a core, and numbers of points stay exact in
 /// every table.
 pub(super) const MOST_POINTS: u64 = 1_000_000_000_000;
 
-/// Numbers along one axis at the most.
+/// Numbers along one axis at most.
 const MOST_ON_AXIS: u64 = 1_000_000_000;
 
 /// The farthest that a source or a listener is placed, in metres: scene files allow no more.
@@ -30,7 +30,7 @@ const SHORTEST_S: f64 = 1e-3;
 /// The longest bin of an echogram in milliseconds, as of [`BINS_S`](crate::acoustics::BINS_S).
 const LONGEST_BIN_MS: u32 = 100;
 
-/// Tells what is wrong in which field of which file.
+/// Reports what is wrong in which field of which file.
 pub(super) struct Checker<'a> {
     /// What errors call the file.
     pub origin: &'a str,
@@ -63,7 +63,7 @@ impl Checker<'_> {
         self.keep(&file.keep, &file.settings)
     }
 
-    /// Refuses a field.
+    /// Rejects a field.
     pub fn bad<T>(
         &self,
         place: &str,

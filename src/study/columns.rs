@@ -46,7 +46,7 @@ pub(super) struct ResponseColumns {
 }
 
 impl ResponseColumns {
-    /// The columns that a checked study asks for.
+    /// The columns that a checked study requests.
     pub fn of(said: &ResponseFile) -> ResponseColumns {
         let place = |hz: &u32| BANDS_HZ.iter().position(|band| *band == f64::from(*hz));
         ResponseColumns {
@@ -189,7 +189,7 @@ impl Study {
         names.into_iter().collect()
     }
 
-    /// The columns that say what a point is; the first is its number.
+    /// The columns that identify a point; the first is its number.
     pub(super) fn point_columns(&self) -> Vec<Column> {
         let mut columns = vec![
             Column::new("point", Kind::Whole),

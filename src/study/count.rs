@@ -2,23 +2,20 @@
 
 use super::work::row;
 use super::{Study, StudyError, Worker, lines};
+use crate::rng::GOLDEN_GAMMA;
 use serde::Serialize;
 use std::time::{Duration, Instant};
 
-/// Points of a sample at the most.
+/// Points of a sample at most.
 const MOST_SAMPLED: u64 = 64;
 
-/// Points of a sample at the least, however long they take: an error needs two.
+/// Points of a sample at least, however long they take: an error needs two.
 const LEAST_SAMPLED: u64 = 3;
 
-/// How long a sample goes on, warming up included.
+/// How long a sample takes, warm-up included.
 const LONGEST: Duration = Duration::from_secs(20);
 
-/// 2⁶⁴ divided by the golden ratio: multiples of it, taken as shares of 2⁶⁴, lie evenly however many
-/// there are (D. E. Knuth, *The Art of Computer Programming* 3, section 6.4).
-const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
-
-/// What a study takes, as a sample of its points tells.
+/// The cost of a study, estimated from a sample of its points.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct Estimate {
@@ -30,7 +27,7 @@ pub struct Estimate {
     pub seconds_a_point: f64,
     /// Its standard error, which holds how unlike the points are.
     pub seconds_a_point_error: f64,
-    /// Seconds of processor time of a point, all cores together; none where the system does not tell.
+    /// Seconds of processor time of a point, all cores together; none where the system does not report it.
     pub core_seconds_a_point: Option<f64>,
     /// Bytes of a point in a shard.
     pub shard_bytes_a_point: f64,
@@ -44,7 +41,7 @@ impl Estimate {
         self.seconds_a_point * self.points as f64
     }
 
-    /// Points that a core computes in an hour; none where the system tells no processor time.
+    /// Points that a core computes in an hour; none where the system reports no processor time.
     pub fn points_a_core_hour(&self) -> Option<f64> {
         let seconds = self.core_seconds_a_point.filter(|seconds| *seconds > 0.0)?;
         Some(3600.0 / seconds)
@@ -98,12 +95,14 @@ pub fn estimate(worker: &mut Worker) -> Result<Estimate, StudyError> {
     })
 }
 
-/// The point of a number in the sample: all points where there are few, else spread evenly.
+/// The point of a number in the sample: all points where there are few, else spread evenly. Multiples of 2⁶⁴ divided by
+/// the golden ratio, taken as shares of 2⁶⁴, lie evenly however many there are (D. E. Knuth, *The Art of Computer
+/// Programming* 3, section 6.4).
 fn sampled(study: &Study, number: u64) -> u64 {
     if study.points <= MOST_SAMPLED {
         return number;
     }
-    let share = u128::from((number + 1).wrapping_mul(GOLDEN));
+    let share = u128::from((number + 1).wrapping_mul(GOLDEN_GAMMA));
     ((share * u128::from(study.points)) >> 64) as u64
 }
 

@@ -1,6 +1,6 @@
 //! What can be wrong with a study, its shards, and joining them.
 
-use super::Shard;
+use super::shard::{NoShard, Shard};
 use crate::file_input::{InputError, MalformedText};
 use crate::file_output::OutputError;
 use std::io;
@@ -54,13 +54,8 @@ pub enum StudyError {
         source: Box<crate::Error>,
     },
     /// Text that names no shard.
-    #[error("a shard must be K/N with K from 1 to N and N at most {most}, not {said:?}")]
-    NoShard {
-        /// What was said.
-        said: String,
-        /// The most shards that a study is cut into.
-        most: u32,
-    },
+    #[error(transparent)]
+    NoShard(#[from] NoShard),
     /// A shard's file that cannot be gone on with, or taken.
     #[error("{}: {why}", path.display())]
     BadShard {

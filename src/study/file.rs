@@ -1,12 +1,12 @@
-//! What a study file says (RON), and its form for hashing.
+//! The content of a study file (RON), and its form for hashing.
 //!
-//! Fields that are left out have defaults. What the text says is checked in `check`, by place and
-//! range; syntax and unknown names are told with line and column by the reader. See
+//! Fields that are left out have defaults. The values are checked in `check`, by place and
+//! range; syntax errors and unknown names are reported with line and column by the reader. See
 //! `docs/clusters.md`.
 
 use super::StudyError;
 use crate::file_input::{MalformedText, read_text};
-use crate::notation_error::{STUDY, sentence};
+use crate::ron_error::{STUDY, sentence};
 use crate::scene::BUILTIN_NAMES;
 use crate::text::in_a_line;
 use crate::trace::{Directions, Profile};
@@ -16,13 +16,13 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-/// Bytes of a study file at the most: a list of 20,000 places is 1 MiB.
+/// Bytes of a study file at most: a list of 20,000 places is 1 MiB.
 const LARGEST_FILE: u64 = 4 << 20;
 
 /// How deep the text may be nested: a study is five deep.
 const DEEPEST: usize = 32;
 
-/// A study as its file says it.
+/// The content of a study file.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(rename = "Study", deny_unknown_fields)]
 pub(super) struct StudyFile {
@@ -208,7 +208,7 @@ pub(super) struct ResponseFile {
     /// How long the waves are followed; until all bands have fallen by 60 dB without it.
     #[serde(default)]
     pub seconds: Option<f64>,
-    /// Reflections of exact paths at the most.
+    /// Reflections of exact paths at most.
     #[serde(default)]
     pub order: Option<u32>,
     /// Length of an echogram's bins in milliseconds; without it none is kept.

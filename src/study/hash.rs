@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 /// What the hash begins with: changes whenever points are numbered or computed otherwise.
 const KIND: &str = "echomarch study 1";
 
-/// Bytes of a scene file at the most: it was read before, within a lower limit.
+/// Bytes of a scene file at most: it was read before, within a lower limit.
 const LARGEST_FILE: u64 = 64 << 20;
 
 /// The hash in hexadecimal digits: of the study's canonical text, which holds every default and no
@@ -46,7 +46,7 @@ pub(super) fn of(
 }
 
 /// The study as JSON: fields in the order of their types, numbers in their shortest form. Where its
-/// scenes lie decides nothing; what they are called does, for it stands in the rows.
+/// scenes are does not matter; their names do, because the rows contain them.
 fn canonical(file: &StudyFile) -> Vec<u8> {
     let mut file = file.clone();
     for scene in &mut file.scenes {

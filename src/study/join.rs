@@ -29,8 +29,8 @@ pub struct Joined {
 
 /// Joins the shards in a folder: the tables are written there in the order of the study, as
 /// `study.csv`, with the feature `parquet` as `study.parquet`, and what they are of as `study.json`.
-/// The same bytes come out however many shards there are, and whoever computed them. `progress` is
-/// told steps done and steps in all: each point is checked, then written.
+/// The output bytes do not depend on the number of shards or on who computed them. `progress`
+/// receives steps done and steps in all: each point is checked, then written.
 ///
 /// # Errors
 /// [`StudyError::NotWhole`] names every shard that is missing, doubled, damaged, or of another study,
@@ -57,7 +57,7 @@ pub fn join(
     })
 }
 
-/// A file of a whole shard, and what it says, or why it is not taken.
+/// A file of a whole shard, and its first line, or why it is rejected.
 type Found = (PathBuf, Result<Header, String>);
 
 /// Every file that is called a shard, in order of their names.

@@ -1,4 +1,4 @@
-//! The lines of a shard's file, each with a checksum, and what stands in its first and its last.
+//! The lines of a shard's file, each with a checksum, and the content of its first and its last.
 //!
 //! A line is a text without tabs, a tab, and the first 8 hexadecimal digits of the text's SHA-256:
 //! a line that was cut off, or changed, is known by itself. The last line of a whole shard is `end`
@@ -18,10 +18,10 @@ const FORMAT: &str = "echomarch shard 1";
 /// What the last line of a whole shard begins with.
 const END: &str = "end ";
 
-/// Bytes of a line at the most: an echogram of 60 s in bins of 1 ms, in all bands.
+/// Bytes of a line at most: an echogram of 60 s in bins of 1 ms, in all bands.
 pub(super) const LONGEST_LINE: usize = 16 << 20;
 
-/// What a shard's first line says, as JSON.
+/// The content of a shard's first line, as JSON.
 #[derive(Clone, Debug, Deserialize, PartialEq, Eq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Header {

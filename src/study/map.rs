@@ -12,10 +12,10 @@ use plotters::style::colors::colormaps::ViridisRGB;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Maps that are drawn of one column at the most: whoever needs more draws them from the table.
+/// Maximum number of maps drawn of one column; more can be drawn from the table.
 const MOST_MAPS: u64 = 100;
 
-/// Places of a map at the most: more than there are pixels show nothing more.
+/// Places of a map at most: more than there are pixels show nothing more.
 const MOST_PLACES: u64 = 4_000_000;
 
 /// Width of a map's plan in pixels.
@@ -27,7 +27,7 @@ const WIDTH: u32 = 800;
 ///
 /// # Errors
 /// [`StudyError::NoMap`] for a study whose listeners are no lattice along x and z, and for a column
-/// that has no numbers; [`StudyError::Output`]; what the renderer refuses.
+/// that has no numbers; [`StudyError::Output`]; what the renderer rejects.
 pub fn draw_map(
     worker: &mut Worker,
     folder: &Path,
@@ -148,7 +148,7 @@ impl Lattice {
 /// Checks that maps of these columns can be drawn, before long work.
 ///
 /// # Errors
-/// [`StudyError`]: as from [`draw_map`], as far as the study itself tells.
+/// [`StudyError`]: as from [`draw_map`], as far as the study itself shows.
 pub fn check_maps(study: &Study, columns: &[String]) -> Result<(), StudyError> {
     if columns.is_empty() {
         return Ok(());
@@ -189,7 +189,7 @@ fn title(column: &str) -> String {
     }
 }
 
-/// Whether the sign of a column's numbers says a side: left or right.
+/// Whether the sign of a column's numbers is a side: left or right.
 fn has_sides(column: &str) -> bool {
     column.split('_').any(|word| word == "pan")
 }
@@ -211,7 +211,7 @@ fn two_sided(share: f64) -> [u8; 3] {
     [0, 1, 2].map(|at| mixed(at).round() as u8)
 }
 
-/// The unit of a column, as its name says it.
+/// The unit of a column, from its name.
 fn unit(column: &str) -> &'static str {
     let mut words = column.split('_');
     match words.nth(1) {

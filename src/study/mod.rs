@@ -1,14 +1,14 @@
 //! Studies: sweeps and maps of any size, in shards that are computed anywhere and joined.
 //!
-//! A [`Study`] is a file (RON) that says scenes with their named values, times, places of source
+//! A [`Study`] is a file (RON) that describes scenes with their named values, times, places of source
 //! and listener, settings and seeds, and what to keep. Its *points* are all combinations of these,
 //! numbered from 0 in a fixed order: the seed changes first, then the listener, the source, the
-//! settings, the time, the named values, the scene. One point is computed in one way
-//! ([`Worker`]), whoever asks.
+//! settings, the time, the named values, the scene. All callers compute a point with one
+//! function ([`Worker`]).
 //!
 //! # Shards
-//! Points are dealt out in blocks of [`BLOCK`] by turns, so that dear points are shared out
-//! evenly. A [`Shard`] is one file of one line a point. While it is computed it has another name,
+//! Points are distributed in blocks of [`BLOCK`] in round-robin order, so that expensive points are
+//! balanced. A [`Shard`] is one file of one line a point. While it is computed it has another name,
 //! grows by a point at a time, and is gone on with after any interruption; when it is whole it gets
 //! its name. [`join`](join()) puts shards together, and takes none that is damaged, or of another
 //! study, version or renderer.
@@ -47,7 +47,7 @@ pub use join::{Joined, join};
 pub use map::{check_maps, draw_map};
 #[cfg(feature = "cli")]
 pub(crate) use other_processes::{begun, rows_in};
-pub use shard::{MOST_SHARDS, Shard};
+pub use shard::{MOST_SHARDS, NoShard, Shard};
 pub use work::compute;
 pub use worker::Worker;
 
@@ -59,8 +59,8 @@ use file::{Numbers, Places, Seeds};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Points that a shard takes at a time: few, so that cheap and dear parts of a study are shared out
-/// evenly; more than one, so that a shard's neighbours in the study have a scene in common.
+/// Points that a shard takes at a time: few, so that cheap and expensive parts of a study are
+/// balanced; more than one, so that a shard's neighbours in the study have a scene in common.
 pub const BLOCK: u64 = 16;
 
 /// A study that was read and checked.
@@ -140,7 +140,7 @@ impl Study {
     }
 
     /// SHA-256 in hexadecimal digits of all that decides its results, but for program and renderer:
-    /// what the study says, and the texts of its scenes and their files. Layout, comments and places
+    /// the content of the study, and the texts of its scenes and their files. Layout, comments and places
     /// of files are not in it.
     pub fn hash(&self) -> &str {
         &self.hash
@@ -153,5 +153,5 @@ pub(crate) fn renderer_of(tracer: &Tracer) -> String {
     format!("{}; {}", context.renderer(), context.version())
 }
 
-/// The program's version as it stands in shards.
+/// The program's version as written in shards.
 const VERSION: &str = env!("CARGO_PKG_VERSION");

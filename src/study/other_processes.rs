@@ -1,4 +1,4 @@
-//! What other processes have done of a study, as far as its files in a folder tell.
+//! What other processes have done of a study, as far as its files in a folder show.
 
 use super::Study;
 use super::lines::{Header, text_of};
@@ -7,7 +7,7 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
-/// Bytes of a first line at the most.
+/// Bytes of a first line at most.
 const LONGEST_HEADER: u64 = 1 << 16;
 
 /// The number of shards that the files of a study in a folder were begun with; none without such
@@ -32,7 +32,7 @@ pub(crate) fn begun(study: &Study, folder: &Path) -> Option<u32> {
     found
 }
 
-/// What the first line of a file says, if it is that of a shard.
+/// The content of the first line of a file, if it is that of a shard.
 fn header_of(path: &Path) -> Option<Header> {
     let about = std::fs::metadata(path).ok()?;
     if !about.is_file() {

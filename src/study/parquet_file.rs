@@ -18,7 +18,7 @@ use std::sync::Arc;
 /// Rows that are kept in memory and written together.
 const ROWS_IN_GROUP: usize = 1 << 16;
 
-/// What the file says it was made by: nothing of the machine or the time.
+/// The creator named in the file, without the machine or the time.
 const CREATED_BY: &str = concat!("echomarch ", env!("CARGO_PKG_VERSION"));
 
 /// A file that is written row by row, and named when it is whole.

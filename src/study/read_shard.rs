@@ -9,14 +9,14 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
-/// Bytes of a shard at the most.
+/// Bytes of a shard at most.
 const LARGEST_FILE: u64 = 1 << 44;
 
 /// Rows that are taken from a shard at a time: some blocks, so that 10,000 shards fit into memory.
 const ROWS_AT_A_TIME: u64 = 4 * BLOCK;
 
-/// Checks every line of a whole shard; returns what its first one says, or why it is not taken.
-/// `progress` is told the points.
+/// Checks every line of a whole shard; returns the content of its first line, or why it is
+/// rejected. `progress` receives the number of points.
 pub(super) fn verify(path: &Path, progress: &mut dyn FnMut(u64)) -> Result<Header, String> {
     let file = InputFile::open(path, LARGEST_FILE).map_err(|error| error.to_string())?;
     let mut lines = Lines {

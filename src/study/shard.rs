@@ -1,11 +1,11 @@
 //! Shards: which points are whose, and where their files lie.
 
-use super::{BLOCK, StudyError};
+use super::BLOCK;
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-/// Shards that a study is cut into at the most: more files than that burden a cluster's disks.
+/// Shards that a study is cut into at most: more files than that burden a cluster's disks.
 pub const MOST_SHARDS: u32 = 10_000;
 
 /// The folder of the shards, within that of the study's results.
@@ -22,6 +22,17 @@ pub struct Shard {
     of: u32,
 }
 
+/// Text or numbers that name no shard.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("a shard must be K/N with K from 1 to N and N at most {most}, not {said:?}")]
+#[non_exhaustive]
+pub struct NoShard {
+    /// The given text.
+    pub said: String,
+    /// The most shards that a study is cut into.
+    pub most: u32,
+}
+
 impl Shard {
     /// All of the study.
     pub const WHOLE: Shard = Shard { number: 1, of: 1 };
@@ -29,12 +40,12 @@ impl Shard {
     /// The shard of a number, from 1, of so many.
     ///
     /// # Errors
-    /// [`StudyError::NoShard`] unless 1 ≤ `number` ≤ `of` ≤ [`MOST_SHARDS`].
-    pub fn new(number: u32, of: u32) -> Result<Shard, StudyError> {
+    /// [`NoShard`] unless 1 ≤ `number` ≤ `of` ≤ [`MOST_SHARDS`].
+    pub fn new(number: u32, of: u32) -> Result<Shard, NoShard> {
         if (1..=of).contains(&number) && of <= MOST_SHARDS {
             return Ok(Shard { number, of });
         }
-        Err(StudyError::NoShard {
+        Err(NoShard {
             said: format!("{number}/{of}"),
             most: MOST_SHARDS,
         })
@@ -93,14 +104,14 @@ impl fmt::Display for Shard {
 }
 
 impl FromStr for Shard {
-    type Err = StudyError;
+    type Err = NoShard;
 
-    fn from_str(said: &str) -> Result<Shard, StudyError> {
+    fn from_str(said: &str) -> Result<Shard, NoShard> {
         let numbers = said.split_once('/').and_then(|(number, of)| {
             let number = number.trim().parse().ok()?;
             Some((number, of.trim().parse().ok()?))
         });
-        let refused = || StudyError::NoShard {
+        let refused = || NoShard {
             said: said.to_owned(),
             most: MOST_SHARDS,
         };

@@ -85,7 +85,7 @@ fn points_are_in_the_order_of_the_axes() {
     assert_eq!(at.to_array(), [1.0, 0.0, 5.0]);
 }
 
-/// Fields that make no sense, and what is told of each.
+/// Invalid fields, and the error for each.
 const WRONG: &[(&str, &str)] = &[
     ("seeds: List([])", "seeds must be 1 to"),
     ("seeds: Range(from: 4294967295, count: 2)", "seeds.count"),
@@ -143,7 +143,7 @@ const WRONG: &[(&str, &str)] = &[
     ),
 ];
 
-/// Protects a study from fields that make no sense: each is told by its place and its range.
+/// Invalid fields of a study are reported with their place and range.
 #[test]
 fn every_field_is_checked() {
     let with = |more: &str| format!("Study(scenes: [Scene(of: \"corner\")], {more})");
@@ -165,8 +165,8 @@ fn every_field_is_checked() {
     );
 }
 
-/// Protects whoever writes a study in other words than it has: none of Rust's are told, and the way
-/// to write it is.
+/// Errors of a study in a wrong form contain no word of Rust, but the correct
+/// form.
 #[test]
 fn a_study_is_refused_in_its_own_words() {
     let with = |more: &str| format!("Study(scenes: [Scene(of: \"corner\")], {more})");
@@ -285,7 +285,7 @@ fn any_number_of_shards_joins_to_the_same_bytes() {
     assert_eq!(csv.lines().count(), 61);
 }
 
-/// A change of a folder of shards, and what is told of it.
+/// A change of a folder of shards, and its error.
 type Change<'a> = (&'a dyn Fn(&Path), &'a [&'a str]);
 
 /// What is said of four shards after a change.

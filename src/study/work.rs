@@ -2,8 +2,8 @@
 //!
 //! What is kept is one point: its line is written at once, and the disk is waited for once a second.
 //! A process that is killed loses the point that it computes; a machine that fails, a second of
-//! them. The first line says whose shard it is. A last line without its end was being written; it is
-//! dropped. Whatever else is wrong is refused. When all points are there the last line is added, and
+//! them. The first line identifies the shard. A last line without its end was being written; it is
+//! dropped. Whatever else is wrong is rejected. When all points are there the last line is added, and
 //! the file, which lies beside its place, is renamed.
 
 use super::lines::{Header, LONGEST_LINE, end_text, index_of, is_end, line, text_of};
@@ -22,7 +22,7 @@ use std::time::{Duration, Instant};
 const BETWEEN_SYNCS: Duration = Duration::from_secs(1);
 
 /// Computes what is missing of a shard, into the folder of the study's results. A shard that is there
-/// already is checked, and nothing is computed. `progress` is told how many of the shard's points are
+/// already is checked, and nothing is computed. `progress` receives how many of the shard's points are
 /// done, first of all how many were before.
 ///
 /// # Errors
@@ -209,8 +209,8 @@ impl WorkFile {
     }
 }
 
-/// Opens a working file, which no other process may have. Where the disk knows no locks, nobody
-/// guards it.
+/// Opens a working file, which no other process may have open. A file system without locks gives
+/// no such protection.
 fn locked(shard: Shard, path: &Path) -> Result<File, StudyError> {
     let about = std::fs::metadata(path);
     if about.is_ok_and(|about| !about.is_file()) {
@@ -252,7 +252,7 @@ mod tests {
     use crate::study::tests::read;
 
     /// Protects what was computed from an interruption at any byte of the file: it is gone on with, to
-    /// the same bytes. Whatever else is wrong is refused, and the file stays as it is.
+    /// the same bytes. Whatever else is wrong is rejected, and the file stays as it is.
     #[test]
     fn a_shard_is_gone_on_with_after_any_byte() {
         let study = read(

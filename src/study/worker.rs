@@ -29,7 +29,7 @@ impl<'a> Worker<'a> {
         }
     }
 
-    /// Name and version of the renderer, as they stand in shards.
+    /// Name and version of the renderer, as written in shards.
     pub fn renderer(&self) -> &str {
         &self.renderer
     }

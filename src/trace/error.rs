@@ -17,7 +17,7 @@ pub enum TraceError {
         what: &'static str,
         /// Its range.
         must: String,
-        /// What was asked for.
+        /// The requested value.
         value: String,
     },
     /// More waves than the renderer's textures hold.
@@ -25,7 +25,7 @@ pub enum TraceError {
         "{waves} waves need a texture of {side} texels a side, and {renderer} allows {limit}: use at most {most} waves"
     )]
     TooManyWaves {
-        /// Waves asked for.
+        /// Waves requested.
         waves: u32,
         /// Side of the texture that they need.
         side: u32,
@@ -57,7 +57,7 @@ pub enum TraceError {
         file: String,
         /// The line, counted from 1, where there is one.
         line: Option<u32>,
-        /// What the driver says, or what is missing.
+        /// The driver's message, or what is missing.
         message: String,
     },
     /// A user's field whose value is not a number somewhere.
@@ -100,7 +100,7 @@ pub enum TraceError {
         place: Vec3,
         /// The gradient stated, in units of the value a metre.
         stated: Vec3,
-        /// The gradient that differences of the value tell.
+        /// The gradient by differences of the value.
         found: Vec3,
     },
     /// A user's field that is evaluated too slowly.
@@ -131,7 +131,7 @@ pub enum TraceError {
         /// What it did.
         why: String,
     },
-    /// Arrivals were asked for in a profile whose waves stop at the listener.
+    /// Arrivals were requested in a profile whose waves stop at the listener.
     #[error(
         "arrivals cannot be traced by the profile {profile}, whose waves stop at the listener: use hybrid or march"
     )]
@@ -139,13 +139,13 @@ pub enum TraceError {
         /// Its name.
         profile: String,
     },
-    /// Waves were asked for before any frame was traced.
+    /// Waves were requested before any frame was traced.
     #[error("no frame was traced yet")]
     NothingTraced,
 }
 
 impl TraceError {
-    /// Refuses the text of a field that cannot be one, before it is compiled.
+    /// Rejects the text of a field that cannot be one, before it is compiled.
     pub(super) fn check_text(field: &UserField) -> Result<(), TraceError> {
         let refused = |(line, message)| TraceError::FieldDoesNotCompile {
             file: field.file.display().to_string(),

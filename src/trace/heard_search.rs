@@ -5,8 +5,8 @@ use crate::error::Error;
 use crate::scene::Scene;
 use glam::Vec3;
 
-/// Traces waves of one seed after the other, and keeps the start directions of those that are
-/// looked for: whoever follows them sees their ways.
+/// Traces waves with one seed after another, and keeps the start directions of those searched
+/// for. Tracing these again gives their paths.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct HeardSearch {
     /// Of waves that reached the listener.
@@ -17,7 +17,7 @@ pub(crate) struct HeardSearch {
     pub searches: u32,
 }
 
-/// Directions that are kept at the most.
+/// Directions that are kept at most.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MostKept {
     pub heard: usize,

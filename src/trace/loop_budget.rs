@@ -2,7 +2,7 @@
 //!
 //! Mesa's llvmpipe leaves a loop of a shader in silence once all loops of the shader together
 //! have taken 65,536 turns, nested ones included. So the turns that an iteration of a scene may
-//! take at the most are counted here, and nowhere else: over the iterations of a pass, the steps
+//! take at most are counted here, and nowhere else: over the iterations of a pass, the steps
 //! of a march, the lists of cells and the copies of repetitions. From that follow the
 //! iterations of a pass and, where a single march could take more, its steps: what is given up
 //! at the step limit is counted and reported.
@@ -14,7 +14,7 @@ use super::{
 use crate::kernel::{self, Lists, Loops, SceneCells};
 use crate::scene::Scene;
 
-/// Turns of all loops of a shader together at the most.
+/// Turns of all loops of a shader together at most.
 const MOST_TURNS: u64 = 65_535;
 
 /// Turns of the loops in `marchFields` for one step: an inner and an outer one.
@@ -42,7 +42,7 @@ pub struct Budget {
 }
 
 impl Budget {
-    /// The budget of a scene as it stands.
+    /// The budget of a scene in its current state.
     pub fn of(scene: &Scene, settings: &Settings) -> Budget {
         let lists = lists(settings);
         let layout = kernel::Layout::of(&scene.surfaces, lists);
@@ -50,7 +50,7 @@ impl Budget {
         Budget::with_cells(scene, settings, cells.as_ref())
     }
 
-    /// The same for who has the scene's cells.
+    /// The same for callers that have the scene's cells.
     pub(super) fn with_cells(
         scene: &Scene,
         settings: &Settings,
@@ -170,7 +170,7 @@ mod tests {
     use crate::trace::Profile;
     use glam::Vec3;
 
-    /// Every profile, with as many iterations in a pass as may be asked for.
+    /// Every profile, with as many iterations in a pass as may be requested.
     fn asked(profile: Profile) -> Settings {
         Settings::new(profile).with_iterations_per_pass(super::super::MAX_ITERATIONS)
     }

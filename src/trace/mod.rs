@@ -9,13 +9,14 @@
 //! 4. one read-back of that one texture, summed on the CPU to a [`Panning`].
 //!
 //! The state of a wave never leaves the GPU in between. Departures from the thesis
-//! stand where they are made, in `glsl/`, and together in `docs/thesis.md`.
+//! are documented where they are made, in `glsl/`, and together in `docs/thesis.md`.
 
 mod arrivals;
 mod directions;
 mod error;
 mod field_trial;
 mod frame;
+mod gpu_sum;
 mod heard_search;
 mod loop_budget;
 mod panning;
@@ -24,7 +25,6 @@ mod reload;
 mod renderer_limits;
 mod scene_data;
 mod settings;
-mod sum;
 mod tracer;
 mod user_fields;
 mod waves;

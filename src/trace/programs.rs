@@ -8,7 +8,7 @@ use crate::scene::Scene;
 use std::num::NonZeroUsize;
 use std::rc::Rc;
 
-/// Programs that are kept at the most: all three profiles of three scenes, and the passes that
+/// Programs that are kept at most: all three profiles of three scenes, and the passes that
 /// know no scene. Mesa's llvmpipe holds some 2 MiB for each.
 const PROGRAMS_KEPT: NonZeroUsize = NonZeroUsize::new(12).unwrap();
 
@@ -86,14 +86,18 @@ impl Programs {
     }
 
     /// The first pass of the sum on the GPU.
-    pub fn sum_contributions(&mut self, context: &Context) -> Result<Rc<Program>, Error> {
-        let text = kernel::sum_contributions_text;
-        self.get(context, Key::SumContributions, "sum of contributions", text)
+    pub fn first_sum(&mut self, context: &Context) -> Result<Rc<Program>, Error> {
+        self.get(context, Key::FirstSum, "first sum", kernel::first_sum_text)
     }
 
     /// Its further passes.
-    pub fn sum(&mut self, context: &Context) -> Result<Rc<Program>, Error> {
-        self.get(context, Key::Sum, "sum", kernel::sum_text)
+    pub fn further_sum(&mut self, context: &Context) -> Result<Rc<Program>, Error> {
+        self.get(
+            context,
+            Key::FurtherSum,
+            "further sum",
+            kernel::further_sum_text,
+        )
     }
 
     /// A program whose text has the surfaces of a scene: these are checked before the first of

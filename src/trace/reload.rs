@@ -141,7 +141,7 @@ fn begin_trial(
     Trial::begin(scene, &programs)
 }
 
-/// A scene that is opened while another one goes on: nothing waits for the trial of its fields.
+/// A scene that is opened while another one continues: nothing waits for the trial of its fields.
 #[cfg(feature = "demo")]
 pub(crate) struct Opening {
     reloading: Reloading,
@@ -153,7 +153,7 @@ impl Opening {
     /// Reads a scene and begins to try its fields, in the tracer's program and in `others`.
     ///
     /// # Errors
-    /// As [`Scene::load`], and [`Error::Trace`] for a field that is refused at once.
+    /// As [`Scene::load`], and [`Error::Trace`] for a field that is rejected at once.
     pub fn begin(
         name_or_file: &str,
         settings: &Settings,

@@ -5,10 +5,10 @@ use crate::gpu::Context;
 use crate::kernel;
 use crate::scene::Scene;
 
-/// Uniform vectors that any of the shaders needs at the most beside those of the surfaces.
+/// Uniform vectors that any of the shaders needs at most beside those of the surfaces.
 const OWN_UNIFORM_VECTORS: usize = 16;
 
-/// Waves that do not fit in a texture are told before anything is allocated.
+/// Waves that do not fit in a texture are reported before anything is allocated.
 pub(super) fn check_waves(context: &Context, grid: Grid) -> Result<(), TraceError> {
     let limit = context.limits().max_texture_size;
     if grid.width <= limit {
@@ -23,7 +23,7 @@ pub(super) fn check_waves(context: &Context, grid: Grid) -> Result<(), TraceErro
     })
 }
 
-/// Surfaces that do not fit in the uniforms are told before anything is compiled.
+/// Surfaces that do not fit in the uniforms are reported before anything is compiled.
 pub(crate) fn check_surfaces(context: &Context, scene: &Scene) -> Result<(), TraceError> {
     check_uniforms(context, scene, OWN_UNIFORM_VECTORS)
 }

@@ -11,11 +11,11 @@ mod throughput;
 use super::arrivals::ArrivalTargets;
 use super::directions::unit_directions;
 use super::frame::timed;
+use super::gpu_sum::GpuSum;
 use super::loop_budget::{self, Budget};
 use super::programs::{Pass, Programs, shader_text};
 use super::renderer_limits::{check_surfaces, check_waves};
 use super::scene_data::SceneData;
-use super::sum::Sum;
 use super::user_fields::UserFields;
 use super::waves::waves;
 use super::{Frame, Grid, Profile, Settings, Wave};
@@ -61,7 +61,7 @@ use throughput::Throughput;
 /// # Ok::<(), echomarch::Error>(())
 /// ```
 ///
-/// A frame goes in three steps: begin, advance, and poll or wait
+/// A frame has three steps: begin, advance, and poll or wait
 /// ([`frame_begin`](Tracer::frame_begin) shows them); [`frame`](Tracer::frame) takes them in a
 /// row.
 pub struct Tracer {
@@ -76,7 +76,7 @@ pub struct Tracer {
     spare: Option<ReadBack>,
 }
 
-/// Whether the waves of a frame are asked for, besides what is heard of them.
+/// Whether the waves of a frame are requested, besides what is heard of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Waves {
     Kept,
@@ -100,7 +100,7 @@ impl Tracer {
         Tracer::with(context, Rc::default())
     }
 
-    /// Another tracer on the same context, with textures and a frame under way of its own,
+    /// Another tracer on the same context, with textures and a frame in progress of its own,
     /// for another count of waves. The two share their programs: what the one has compiled,
     /// the other need not.
     ///
@@ -153,7 +153,7 @@ impl Tracer {
         Ok(())
     }
 
-    /// Traces one frame of the scene as it stands.
+    /// Traces one frame of the scene in its current state.
     ///
     /// The first frame of a scene's structure compiles its programs, and the first of a count
     /// of waves makes its textures; neither is in the frame's times.
@@ -306,7 +306,7 @@ impl Tracer {
         }
         if settings.sum_on_gpu && targets.sum.is_none() {
             let programs = &mut self.shared.borrow_mut().programs;
-            targets.sum = Some(Sum::new(&self.context, programs, grid)?);
+            targets.sum = Some(GpuSum::new(&self.context, programs, grid)?);
         }
         Ok(())
     }
@@ -323,7 +323,7 @@ impl Tracer {
         })
     }
 
-    /// The waves as they stand, and after each iteration.
+    /// The current waves, and those after each iteration.
     fn follow(&mut self, frame: &PreparedFrame) -> Result<Vec<Vec<Wave>>, Error> {
         self.set_march_uniforms(frame);
         let starts = self.read_pair()?;
@@ -339,7 +339,7 @@ impl Tracer {
 
 /// Whether all passes of a frame are drawn as one. The thesis' are not. Users' fields, whose
 /// programs are tried before they are used, have one program: that of the march. The budget is
-/// only asked for of the others, for it may need the scene's cells.
+/// only computed for the others, because it may need the scene's cells.
 fn fits_one_pass(scene: &Scene, settings: &Settings, budget: impl FnOnce() -> Budget) -> bool {
     settings.profile() != Profile::Thesis
         && scene.user_fields().next().is_none()

@@ -1,16 +1,16 @@
 //! Users' fields, checked before they are part of anything.
 //!
-//! Each is compiled by itself, so that what is wrong with it is told with its own file and
+//! Each is compiled separately, so that errors are reported with its own file and
 //! line; its values are taken on a grid of 65 points a side, for the CPU to know where the
 //! solid is; and it is tried, there and at 16,384 points in between, whether it is a number
 //! everywhere and grows as it promises. Only what is measured between two points counts as
 //! growth: that proves it. (The length of a gradient by differences does not, at a ridge.)
 //! What is narrower than a step between points can still pass unseen. A gradient that the text
-//! states is held against differences (`gradient.rs`).
+//! states is compared with differences (`gradient.rs`).
 //!
 //! # Cost
 //! Once for each context and field: one short program, and some 400,000 evaluations in four
-//! passes, and what takes too long in the first of them is refused. With Mesa's llvmpipe on two cores that is a tenth of a second for a Menger
+//! passes, and what takes too long in the first of them is rejected. With Mesa's llvmpipe on two cores that is a tenth of a second for a Menger
 //! sponge of five levels, on a graphics card a few milliseconds; a stated gradient takes another
 //! 100,000. A frame whose fields are
 //! known compares pointers.
@@ -55,7 +55,7 @@ const TIMED: usize = ROW;
 /// where the value is nearly that of a plane.
 const CLOSER_TO_SURFACE: usize = 3;
 
-/// Times that are taken at the least, of which the shortest counts: whatever else the machine
+/// Times that are taken at least, of which the shortest counts: whatever else the machine
 /// does holds up the others.
 const TIMINGS: u32 = 8;
 
@@ -82,7 +82,7 @@ pub(crate) struct UserFields {
 impl UserFields {
     /// Checks those of the scene that are not known yet, and gives all their samples; together
     /// with `program`, of which they will be part, they are tried first as
-    /// [`FieldTrial`](super::FieldTrial) says.
+    /// [`FieldTrial`](super::FieldTrial) is set.
     ///
     /// # Errors
     /// [`Error::Trace`] for a field that cannot be used, [`Error::Gpu`] when the renderer
@@ -184,7 +184,7 @@ pub(super) fn check(context: &Context, field: &UserField) -> Result<(), Error> {
     Ok(())
 }
 
-/// Line and message of what a log says first about the user's text.
+/// Line and message of the first error of a log in the user's text.
 fn first_error(log: &str) -> (Option<u32>, String) {
     let errors = log_errors(log);
     // What the text defines has another name in the shader.
@@ -252,7 +252,7 @@ impl Probe<'_> {
         self.judge(steepest)
     }
 
-    /// Refuses what grows too fast, after a closer look at where it does so.
+    /// Rejects what grows too fast, after a closer look at where it does so.
     fn judge(&self, steepest: Steepest) -> Result<(), Error> {
         let stated = self.field.lipschitz;
         if steepest.growth <= stated * (1.0 + TOLERANCE) {
@@ -284,8 +284,8 @@ impl Probe<'_> {
         }
     }
 
-    /// Seconds that an evaluation takes anywhere in the box, as a rule; refuses what is too slow
-    /// before much of it is asked for.
+    /// Seconds that an evaluation takes anywhere in the box, as a rule; rejects what is too slow
+    /// before much of it is requested.
     fn time_anywhere(&self) -> Result<f64, Error> {
         let half = 0.5 * self.field.size;
         let points: Vec<Vec3> = (1..=TIMED)
@@ -306,7 +306,7 @@ impl Probe<'_> {
         self.time_at(&points)
     }
 
-    /// Points on the surface, or next to it, that are spread over it: [`TIMED`] at the most.
+    /// Points on the surface, or next to it, that are spread over it: [`TIMED`] at most.
     fn surface_points(&self, values: &[f32]) -> Result<Vec<Vec3>, Error> {
         let crosses = |&(from, to): &(usize, usize)| (values[from] > 0.0) != (values[to] > 0.0);
         let mut ends: Vec<_> = neighbours().filter(crosses).collect();

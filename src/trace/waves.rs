@@ -15,7 +15,7 @@ pub(crate) const STATUS_STARTED: f32 = 0.5;
 /// Marches that reached the step limit count in multiples of this in a wave's counters (`glsl/wave.glsl`).
 const LIMIT_REACHED: u32 = 4096;
 
-/// The largest square of a place in metres² and of a direction that a wave can have (`glsl/panning.glsl`).
+/// The largest square of a place in metres² and of a direction that a wave can have (`glsl/contribution.glsl`).
 const MOST_SQUARED_PLACE: f32 = 1e30;
 const MOST_SQUARED_DIRECTION: f32 = 2.0;
 
@@ -56,7 +56,7 @@ pub enum Fate {
 }
 
 impl Fate {
-    /// The fate that a status says; the margin is figure 8's.
+    /// The fate that a status encodes; the margin is figure 8's.
     pub(crate) fn of(status: f32) -> Fate {
         match status {
             s if s > -0.1 && s < 0.1 => Fate::Listener,

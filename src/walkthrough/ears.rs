@@ -1,4 +1,4 @@
-//! What is heard in full, for a player that shares no memory with who has traced it.
+//! What is heard in full, for a player that shares no memory with the tracing thread.
 
 use super::hearing::{EarsStatus, Hearing, SourceHeard};
 use super::mix::HeardMessage;
@@ -7,7 +7,7 @@ use crate::gpu::Context;
 use crate::scene::Scene;
 use crate::trace::Settings;
 
-/// Follows a scene with a renderer of its own, and says what comes to the ears.
+/// Follows a scene with its own renderer, and reports what arrives at the listener.
 pub struct Ears {
     hearing: Hearing,
     status: EarsStatus,
@@ -26,7 +26,7 @@ impl Ears {
     }
 
     /// What is heard of each source, for a [`Mix`](super::Mix) of so many samples a second; nothing where nothing
-    /// has changed since the last time. `is_new_mix` says that the mix has heard nothing yet.
+    /// has changed since the last time. `is_new_mix` means that the mix has received nothing yet.
     ///
     /// # Errors
     /// As [`Response::trace`](crate::response::Response::trace).

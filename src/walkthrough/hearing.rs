@@ -1,6 +1,6 @@
-//! What is heard in full while one walks: looks at the scene, one after the other.
+//! What is heard in full while one walks: looks at the scene, one after another.
 //!
-//! Echoes are those of the last look and glide to the next; the late part is made anew four times a second at the
+//! Echoes are those of the last look and glide to the next; the late part is made again four times a second at the
 //! most.
 
 use crate::acoustics::{ListenerAxes, strength_db};
@@ -14,11 +14,11 @@ use crate::trace::{Profile, Settings, Tracer};
 use serde::Serialize;
 use std::time::Duration;
 
-/// Waves of a response at the most: echoes are exact, and a late part that lasts a quarter of a second
+/// Waves of a response at most: echoes are exact, and a late part that lasts a quarter of a second
 /// needs no more.
 const MOST_WAVES: u32 = 16_384;
 
-/// Waves that late arrivals come from at the least. With fewer, the energy of 10 ms is that of a few arrivals, and the
+/// Waves that late arrivals come from at least. With fewer, the energy of 10 ms is that of a few arrivals, and the
 /// late part is rough.
 const LEAST_LATE_WAVES: u32 = 1024;
 
@@ -28,13 +28,13 @@ const LOOK_S: f64 = 0.25;
 /// Reflections of exact paths.
 const ORDER: u32 = 3;
 
-/// Seconds of a response at the most: a kernel of two seconds takes 4 % of a core to convolve with.
+/// Seconds of a response at most: a kernel of two seconds takes 4 % of a core to convolve with.
 pub(super) const LONGEST_S: f64 = 2.0;
 
 /// Seconds between two late parts.
 const LATE_EVERY_S: f64 = 0.25;
 
-/// How often the length of the responses is foretold anew, in seconds.
+/// How often the length of the responses is estimated again, in seconds.
 const LENGTH_EVERY_S: f64 = 4.0;
 
 /// Seconds in which echoes glide from one look to the next: what one of them took, within these.
@@ -92,7 +92,7 @@ pub struct Hearing {
     last_late: Option<Instant>,
 }
 
-/// What a look has found of one source, to be told to whoever plays it.
+/// What an update has found of one source, to be passed to the player.
 #[derive(Clone, Copy, Debug)]
 pub struct Found<'a> {
     /// The source, from 0.
@@ -124,7 +124,7 @@ impl Hearing {
         })
     }
 
-    /// Whether something is heard otherwise than at the last look, or a player that came since waits to be told. A
+    /// Whether something is heard otherwise than at the last look, or a new player waits for it. A
     /// late part that was not due then is made once things have come to rest, and so is one that there was too little
     /// time for.
     pub fn is_new(&self, scene: &Scene, settings: &Settings, is_waited_for: bool) -> bool {
@@ -140,7 +140,7 @@ impl Hearing {
         self.last_late.is_none_or(since)
     }
 
-    /// Traces what is heard of every source, and tells it.
+    /// Traces what is heard of every source, and passes it to `tell`.
     ///
     /// # Errors
     /// As [`Response::trace`], and those of `tell`.
@@ -198,7 +198,7 @@ impl Hearing {
         Ok(status)
     }
 
-    /// How long responses are: as foretold some seconds ago.
+    /// Length of the responses, as estimated some seconds ago.
     fn length_s(&mut self, scene: &Scene, settings: &Settings) -> Result<f64, Error> {
         let is_another = self
             .scene
@@ -275,7 +275,7 @@ fn in_decibels(curve: &[f64]) -> Vec<f32> {
 mod tests {
     use super::*;
 
-    /// Protects who walks from waiting seconds for echoes, and the late part from being rougher than it must be.
+    /// Protects the user from waiting seconds for echoes, and the late part from being rougher than it must be.
     #[test]
     fn late_waves_follow_the_time_of_looks() {
         let after = |before, seconds| late_waves(before, Duration::from_secs_f64(seconds));

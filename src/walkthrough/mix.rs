@@ -59,7 +59,7 @@ fn own_voice(spec: &SoundSpec, number: u64) -> SoundSpec {
     }
 }
 
-/// What is heard of a source as plain numbers, to go from who has traced it to who plays it.
+/// What is heard of a source as plain numbers, for transfer from the tracing thread to the player.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeardMessage {
     /// The source, from 0.
@@ -169,11 +169,11 @@ impl Mix {
         })
     }
 
-    /// Another scene or another sound, which is silent until something is heard of it: what is told by
+    /// Another scene or another sound, which is silent until something is heard of it: what is passed to
     /// [`hear`](Mix::hear) from now on is of this one.
     ///
     /// # Errors
-    /// As [`Sound::load`]; then the one before goes on.
+    /// As [`Sound::load`]; then the previous one continues.
     pub fn set_scene(&mut self, scene: &Scene, spec: &SoundSpec) -> Result<(), AudioError> {
         self.wanted.voices = Some(Voices::new(scene, spec, self.rate_hz)?);
         Ok(())
@@ -195,7 +195,7 @@ impl Mix {
         self.pan = pan;
     }
 
-    /// Glides to what is heard of a source. False, and nothing changes, if too much is under way.
+    /// Glides to what is heard of a source. False, and nothing changes, if too much is in progress.
     pub fn hear(&mut self, message: HeardMessage) -> bool {
         let parts = HeardParts {
             echoes: message.echoes,
@@ -326,7 +326,7 @@ mod tests {
         check(&mut mix, "balance");
     }
 
-    /// Protects what is told of a new scene while the old one fades: it is the new one's.
+    /// What is reported of a new scene while the old one fades is the new one's.
     #[test]
     fn what_is_heard_while_a_scene_fades_is_of_the_next() {
         let scene = Scene::builtin("corner").unwrap();

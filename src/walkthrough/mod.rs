@@ -3,12 +3,12 @@
 //! | file | what it does |
 //! | --- | --- |
 //! | `visit` | one walk through a scene, for the page: time passes, waves are traced, the picture and the plan are drawn |
-//! | `world`, `walk` | the scene as it stands, where one stands in it |
+//! | `world`, `walk` | the scene in its current state, the listener's position in it |
 //! | `values` | its named values |
 //! | `view` | what the listener sees |
 //! | `plan`, `paths` | the scene from above, and the waves that are shown in it |
 //! | `hearing` | what is heard in full |
-//! | `ears`, `mix` | for the page: that told in numbers, and mixed into slices |
+//! | `ears`, `mix` | for the page: the same as numbers, and mixed into slices |
 //!
 //! Nothing here knows a window, a clock of its own, or a thread: a [`MoveInput`] and seconds go in.
 

@@ -6,20 +6,20 @@ use crate::scene::Scene;
 use crate::trace::{HeardSearch, MostKept, Profile, Settings, Tracer, Wave};
 use std::time::Duration;
 
-/// Paths that are shown at the most: more cover each other.
+/// Paths that are shown at most: more cover each other.
 const SHOWN: MostKept = MostKept {
     heard: 16,
     others: 48,
 };
-/// Iterations that the paths are followed for at the most.
+/// Iterations that the paths are followed for at most.
 pub(crate) const PATH_ITERATIONS: u32 = 16;
 /// Waves that are traced at a time to find heard ones: about a millisecond of them.
 const AT_A_TIME: u32 = 2048;
 /// The same in the profile `thesis`, whose waves take some dozen times as long.
 const THESIS_AT_A_TIME: u32 = 256;
-/// Times that waves are traced for one scene at the most.
+/// Times that waves are traced for one scene at most.
 const SEARCHES: u32 = 32;
-/// After so long a search goes on in another frame.
+/// After so long a search continues in another frame.
 const AT_MOST: Duration = Duration::from_millis(2);
 
 /// The paths shown, kept while what they depend on stands still.

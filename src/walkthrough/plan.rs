@@ -7,7 +7,7 @@ use glam::{Vec2, Vec3};
 
 /// Pixels of the plan on its longer side.
 const PIXELS: usize = 220;
-/// A change of the listener's height that cuts the scene anew, in metres.
+/// A change of the listener's height that cuts the scene again, in metres.
 const LEVEL: f32 = 0.25;
 
 /// Length of a dead wave's stub, as a share of the plan's width.
@@ -65,7 +65,7 @@ impl Cut {
         self.of.as_ref().map_or(nothing, |of| of.bounds)
     }
 
-    /// Cuts the scene of that name anew if it has changed, and says whether it has.
+    /// Cuts the scene of that name again if it has changed, and returns whether it has.
     pub fn refresh(&mut self, name: &str, scene: &Scene) -> bool {
         let old = self.of.as_ref().filter(|cut| cut.scene == name);
         let height = scene.listener.position.y;
@@ -139,7 +139,7 @@ fn shade(pixels: f32, object: u32) -> [u8; 3] {
 }
 
 /// What became of one wave of `states`, as [`Tracer::paths`](crate::Tracer::paths) gives them, and the places where it
-/// was until then; a dead one, or one that is not finite, goes on for `stub` metres.
+/// was until then; a dead one, or one that is not finite, continues for `stub` metres.
 pub fn way(states: &[Vec<Wave>], wave: usize, source: Vec3, stub: f32) -> (Fate, Vec<Vec3>) {
     let mut points = vec![source];
     let mut heading = states[0][wave].start_direction;
@@ -187,7 +187,7 @@ mod tests {
         assert_ne!(at(-18.0, 0.0), air);
     }
 
-    /// Protects moving things from standing still in the plan, and a walk from cutting it anew at each step.
+    /// Protects moving things from standing still in the plan, and a walk from cutting it again at each step.
     #[test]
     fn the_plan_is_cut_anew_when_a_surface_moves() {
         let mut scene = Scene::builtin("corner").unwrap();

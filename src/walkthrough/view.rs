@@ -27,7 +27,7 @@ const STILL: u32 = 8;
 /// Milliseconds of a frame that refining may take.
 const REFINING: f64 = 12.0;
 
-/// Rows that are refined in a frame at the least.
+/// Rows that are refined in a frame at least.
 const LEAST_ROWS: u32 = 4;
 
 /// Rows that are refined in a frame where their time cannot be taken: of a picture as wide as a window about as many
@@ -43,7 +43,7 @@ const REFINED: f64 = 0.1;
 /// Evaluations for a pixel, as a rule: the steps of its ray, and of the shadow where it ends.
 const EVALUATIONS_PER_PIXEL: f64 = 30.0;
 
-/// Programs that are kept at the most: those of the scenes seen last.
+/// Programs that are kept at most: those of the scenes seen last.
 const PROGRAMS_KEPT: NonZeroUsize = NonZeroUsize::new(4).unwrap();
 
 /// What the picture shows: the same again is not drawn again.
@@ -88,7 +88,7 @@ enum Marked {
 pub struct Drawn {
     /// Pixels drawn, across and down.
     pub size: [u32; 2],
-    /// Whether the picture was drawn anew rather than shown again.
+    /// Whether the picture was drawn again rather than shown again.
     pub anew: bool,
     /// Milliseconds that drawing took: on a graphics card, where nothing waits for it, those
     /// of the picture before.
@@ -126,7 +126,7 @@ impl View {
     }
 
     /// Draws the scene as its listener sees it, at `scale` of the window's size, and puts
-    /// it into the window; `refines` says that it may be drawn finer where all stands still.
+    /// it into the window; `refines` allows a finer picture where nothing moves.
     ///
     /// # Errors
     /// [`Error::Trace`] for a scene that does not fit, [`Error::Gpu`] when the renderer fails.
@@ -259,7 +259,7 @@ impl View {
         Ok(program)
     }
 
-    /// Draws anew whatever comes: the window's size or the scene has changed.
+    /// Draws again whatever comes: the window's size or the scene has changed.
     pub fn forget(&mut self) {
         self.shown = None;
     }
@@ -267,10 +267,10 @@ impl View {
 
 /// The fragment shader of the picture, `#version` apart.
 pub fn shader_text(scene: &Scene) -> String {
-    let roots = vec![
-        kernel::source!("view/colour.glsl"),
-        kernel::source!("view/first_person_fast.frag"),
-    ];
+    let mut roots = vec![kernel::source!("view/colour.glsl")];
+    roots.extend(kernel::first_person(kernel::source!(
+        "view/shading_fast.glsl"
+    )));
     kernel::join(&kernel::link(roots, kernel::distance_parts(scene)))
 }
 
@@ -283,7 +283,7 @@ fn pixels_foreseen(scene: &Scene, seconds: f64) -> f64 {
     }
 }
 
-/// The share of the window's size at which a first picture does not hold up the window.
+/// The share of the window's size at which a first picture does not block the window.
 fn foreseen_scale(scene: &Scene, [width, height]: [u32; 2]) -> f32 {
     let whole = f64::from(width) * f64::from(height);
     (pixels_foreseen(scene, FIRST_PICTURE) / whole.max(1.0))

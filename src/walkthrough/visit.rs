@@ -35,7 +35,7 @@ pub struct Visit {
     view: View,
     paths: Paths,
     cut: Cut,
-    /// What the frame under way is traced in and with, or the last one; none where a frame is wanted anyway.
+    /// What the frame in progress is traced in and with, or the last one; none where a frame is wanted anyway.
     traced: Option<(Scene, Settings)>,
     heard: Option<Frame>,
 }
@@ -61,7 +61,7 @@ pub struct Way {
 }
 
 impl Visit {
-    /// A walk that begins where the scene's listener stands.
+    /// A walk that begins at the scene's listener.
     ///
     /// # Errors
     /// [`Error::Gpu`] when the renderer fails; as [`set_scene`](Visit::set_scene).
@@ -99,7 +99,7 @@ impl Visit {
         Ok(())
     }
 
-    /// Begins anew in a scene, whatever its name: nobody has walked in it, and nothing was set.
+    /// Restarts in a scene, whatever its name, from its initial state.
     ///
     /// # Errors
     /// As [`set_scene`](Visit::set_scene); then all stays as it was.
@@ -139,7 +139,7 @@ impl Visit {
         &self.settings
     }
 
-    /// The scene as it stands.
+    /// The scene in its current state.
     pub fn scene(&self) -> &Scene {
         &self.world.now
     }
@@ -217,12 +217,12 @@ impl Visit {
         Ok(self.world.set(name, value)?)
     }
 
-    /// Traces waves for about so many milliseconds: goes on with the frame under way, or begins one where what is heard
+    /// Traces waves for about so many milliseconds: continues the current frame, or begins one where what is heard
     /// has changed since the last one began. The frame, if one has come: none comes where nothing changes, since it
     /// would be the last one again.
     ///
     /// # Errors
-    /// As [`Tracer::frame`]; then a frame is begun anew at the next call.
+    /// As [`Tracer::frame`]; then a frame is begun again at the next call.
     pub fn trace(&mut self, milliseconds: f64) -> Result<Option<Frame>, Error> {
         let traced = self.trace_on(milliseconds);
         if traced.is_err() {
@@ -245,7 +245,7 @@ impl Visit {
         Ok(came)
     }
 
-    /// Whether a frame is to be begun: one under way is heard first, but for other settings.
+    /// Whether a frame is to be begun: one in progress is heard first, but for other settings.
     fn is_frame_due(&self) -> bool {
         let Some((scene, settings)) = &self.traced else {
             return true;
@@ -255,7 +255,7 @@ impl Visit {
     }
 
     /// Draws what the listener sees over the window or canvas of the context, of that size in pixels, at a share of
-    /// its size (0 to 1). Whether it was drawn anew: where nothing has moved the last picture is shown again, and
+    /// its size (0 to 1). Whether it was drawn again: where nothing has moved the last picture is shown again, and
     /// by and by refined.
     ///
     /// # Errors
@@ -265,7 +265,7 @@ impl Visit {
         Ok(drawn.anew)
     }
 
-    /// The plan, and whether it has changed since it was last asked for.
+    /// The plan, and whether it has changed since it was last requested.
     pub fn plan(&mut self) -> (Plan<'_>, bool) {
         let is_new = self.cut.refresh(&self.world.name, &self.world.now);
         let bounds = self.cut.bounds();
@@ -274,7 +274,7 @@ impl Visit {
         (Plan { size, rgb, bounds }, is_new)
     }
 
-    /// Follows waves that are heard, and some others, for the plan; goes on with the search for them where nothing
+    /// Follows waves that are heard, and some others, for the plan; continues the search for them where nothing
     /// has moved.
     ///
     /// # Errors
@@ -330,7 +330,7 @@ mod tests {
         assert!(next_frame(&mut visit).is_some());
     }
 
-    /// Protects a walk from settings and scenes that cannot be traced: they are refused, and all goes on.
+    /// Protects a walk from settings and scenes that cannot be traced: they are rejected, and the walk continues.
     #[test]
     fn what_cannot_be_traced_is_refused_and_the_walk_goes_on() {
         let mut visit = visit("corner");

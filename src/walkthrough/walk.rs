@@ -20,9 +20,9 @@ const STEEPEST: f32 = FRAC_PI_2 - 0.05;
 /// Step of the gradient by differences, in metres.
 const DIFFERENCE: f32 = 0.005;
 /// Metres that a step may come nearer than [`BODY`], and by which a correction goes beyond
-/// what is asked for: rounding, and distances that grow slower than the way.
+/// what is needed: rounding, and distances that grow slower than the way.
 const SLACK: f32 = 1e-3;
-/// Corrections of one step at the most: a corner of three walls takes three.
+/// Corrections of one step at most: a corner of three walls takes three.
 const CORRECTIONS: usize = 6;
 /// The longest time that one frame walks, in seconds: a frame that stuck does not leap.
 const LONGEST: f32 = 0.1;
@@ -61,7 +61,7 @@ impl MoveInput {
     }
 }
 
-/// Where the walker stands and looks.
+/// Position and gaze of the walker.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Walker {
     /// The eye, in world metres.
@@ -110,7 +110,7 @@ impl Walker {
         self.step(scene, way.clamp_length_max(1.0) * speed * seconds);
     }
 
-    /// Goes `way` metres, as far as the surfaces allow.
+    /// Moves by `way` metres, as far as the surfaces allow.
     fn step(&mut self, scene: &Scene, way: Vec3) {
         // No part is longer than the body, so that none leaps through a wall.
         let parts = (way.length() / (0.5 * BODY)).ceil().max(1.0);
@@ -245,8 +245,8 @@ mod tests {
         }
     }
 
-    /// Protects walls of fields, near which the distance grows slower than the way: whoever leans against one for
-    /// minutes does not come through.
+    /// Protects walls of fields, near which the distance grows slower than the way: a listener that leans against one
+    /// for minutes does not pass through.
     #[test]
     fn leaning_against_a_field_brings_nobody_through() {
         let scene = Scene::builtin("cave").unwrap();
@@ -270,7 +270,7 @@ mod tests {
         }
     }
 
-    /// Protects the sky: nobody looks over backwards.
+    /// Protects the view: the pitch stays within ±90°.
     #[test]
     fn the_gaze_stops_short_of_straight_up() {
         let mut walker = Walker::default();

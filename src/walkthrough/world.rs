@@ -1,4 +1,4 @@
-//! The scene as it stands while one walks in it.
+//! The current state of the scene during a walk.
 
 use super::values::{ValueSlider, value_sliders};
 use super::walk::{MoveInput, Walker, carried};
@@ -30,7 +30,7 @@ pub struct World {
     pub carrying: bool,
 }
 
-/// How a scene stands while one walks in it, apart from the scene itself.
+/// The state of a walk, apart from the scene itself.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Standing {
     /// Named values that are set otherwise than in its text, in the unit of that.

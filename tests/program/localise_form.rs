@@ -1,8 +1,8 @@
 //! The form for people, filled in by a headless browser: played, answered, interrupted, taken
 //! up, saved, and scored.
 
-use crate::browser::{Browser, Driver};
 use crate::common::cli::{argument, json, succeed};
+use crate::webdriver::{Browser, Driver};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};

@@ -6,7 +6,6 @@ mod common;
 
 mod answers;
 mod bad_input;
-mod browser;
 mod cli;
 mod cli_options;
 mod cost;
@@ -26,3 +25,4 @@ mod render_full;
 mod strange_egl;
 mod study;
 mod untrusted;
+mod webdriver;

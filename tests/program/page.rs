@@ -6,8 +6,8 @@
 
 mod sound;
 
-use crate::browser::{Browser, Driver};
 use crate::common::cli::{argument, json};
+use crate::webdriver::{Browser, Driver};
 use serde_json::Value;
 use std::fmt::Write as _;
 use std::io::{BufRead, BufReader};

@@ -5,8 +5,7 @@ use echomarch::bands::{BAND_COUNT, Bands};
 use echomarch::glam::Vec3;
 use echomarch::reference::ShoeboxEnergies;
 use echomarch::response::{Response, ResponseSettings};
-use echomarch::scene::Material;
-use echomarch::scene::shape::{Cuboid, Room, Sphere};
+use echomarch::scene::shape::{Cuboid, Sphere};
 use echomarch::{Listener, Scene, Settings, Source, Surface};
 use std::f64::consts::PI;
 
@@ -38,18 +37,8 @@ impl Shoebox {
     }
 
     fn scene(&self) -> Scene {
-        let mut room = Surface::new(Room { size: self.size });
-        let mut materials = Vec::new();
-        for (wall, absorption) in self.absorption.iter().enumerate() {
-            let mut material = Material::absorbing(0.0);
-            material.absorption = *absorption;
-            materials.push((format!("wall {wall}"), material));
-            room = room.with_wall_material(wall, format!("wall {wall}"));
-        }
         let (source, listener) = (Source::at(self.source), Listener::at(self.listener, 0.3));
-        let mut scene = Scene::new("shoebox", vec![room], source, listener);
-        scene.materials = materials.into_iter().collect();
-        scene
+        Scene::shoebox(self.size, &self.absorption, source, listener)
     }
 
     /// By image sources.

@@ -121,7 +121,7 @@ pub(super) struct Follow<'a> {
     pub exact: &'a ExactScene,
     pub edge: EdgeStart<'a>,
     pub ends: &'a Ends,
-    /// Reflections at the most.
+    /// Reflections at most.
     pub order: u32,
     /// Metres from the listener's centre within which a flight is a candidate.
     pub reach_m: f64,

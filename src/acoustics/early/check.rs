@@ -3,15 +3,15 @@
 //! Rules for what arithmetic cannot decide, with *touch* = 10⁴ roundings of the scene, some 10⁻⁹
 //! of its extent:
 //! - A point up to *touch* beyond the edge of a face is on the face.
-//! - A reflection at less than [`GRAZING`] to the surface is none: the path cannot be told from
+//! - A reflection at less than [`GRAZING`] to the surface is none: the path cannot be distinguished from
 //!   the one that goes straight on. But a source on a surface has an image there for a listener on it, too.
 //! - A segment is free if it is shorter than 20 *touches*, or if nothing is met on it before *touch* of its end; the surface that it
 //!   ends on may be met earlier by *touch* ÷ cosine, as its distance is measured along the segment.
 //! - Two points closer than *touch* lie in an edge, or are an end on a surface: between them the wave has
 //!   the direction that mirroring gives (`flight.rs`). At an end that must come from the solid, or lead into
 //!   it: where it does not, as before an edge of a box, the wave flies on in the air. In an edge that
-//!   points into the air what flies against several faces is mirrored by one of them, and which one nothing tells: that
-//!   is no path, and its waves stay statistics.
+//!   points into the air a wave that reaches several faces is mirrored by one of them, and the choice is ambiguous:
+//!   there is no exact path, and its waves stay statistics.
 
 use super::NoPath;
 use super::surfaces::{Surfaces, Vertex};

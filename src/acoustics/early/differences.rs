@@ -31,7 +31,7 @@ pub(super) struct Differenced<'a> {
 
 impl<'a> Differenced<'a> {
     /// Where the value of `shape` is `level` metres; `largest` is the largest coordinate that
-    /// it is asked at, in metres.
+    /// of a point, in metres.
     pub fn new(shape: &'a Shape, level: f64, largest: f64) -> Differenced<'a> {
         let lengths = shape.nodes().into_iter();
         let own = lengths.map(|tree| tree.node.part().own_length());

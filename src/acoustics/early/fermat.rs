@@ -30,15 +30,15 @@ const SPECULAR: f64 = 1e-10;
 /// The same at a sheet that is known by differences, whose normals are good to some 10⁻¹⁰.
 const SPECULAR_BY_DIFFERENCES: f64 = 1e-8;
 
-/// Steps at the most. From a wave that passed close by it takes three to six; a focus some
+/// Steps at most. From a wave that passed close by it takes three to six; a focus some
 /// twenty.
 const STEPS: usize = 60;
 
-/// Halvings of a step at the most, and tenfold growths of Marquardt's number.
+/// Halvings of a step at most, and tenfold growths of Marquardt's number.
 const TRIES: usize = 12;
 
 /// A step goes no further than this share of the shorter segment beside its point, and turns the
-/// normal by no more than so many radians: beyond, second derivatives say nothing.
+/// normal by at most so many radians: beyond, second derivatives are not valid.
 const TRUST: f64 = 0.5;
 
 /// Two consecutive points closer than this share of the path are a corner, not a path.
@@ -49,7 +49,7 @@ const SHORTEST_SEGMENT: f64 = 1e-13;
 const LANDING_STEPS: usize = 8;
 const LANDED: f64 = 4.0 * f64::EPSILON;
 
-/// A path between fixed ends by way of sheets.
+/// A path between fixed ends over sheets.
 pub(super) struct Chain<'a> {
     pub source: DVec3,
     pub listener: DVec3,
@@ -184,7 +184,7 @@ impl Chain<'_> {
     }
 }
 
-/// Moves a point along normals onto its sheet, and says what is there.
+/// Moves a point along normals onto its sheet, and returns what is there.
 fn land(sheet: &Sheet, point: &mut DVec3) -> Option<Osculation> {
     let mut at = sheet.at(*point)?;
     for _ in 0..LANDING_STEPS {

@@ -1,4 +1,4 @@
-//! Paths by way of planes: mirror images of the source (Allen and Berkley, *Image method for
+//! Paths over planes: mirror images of the source (Allen and Berkley, *Image method for
 //! efficiently simulating small-room acoustics*, JASA 65, 1979).
 
 use super::sheet::Sheet;

@@ -3,31 +3,31 @@
 //! A sequence of planes has one path. One of curved surfaces may have many, and each is found from a
 //! wave that passes close by; but near a focus every wave passes by, again and again, and to solve for
 //! all of them takes minutes. So of the waves of one sequence [`SOLVED_OF_A_SEQUENCE`] are solved for
-//! at the most, spread evenly over them, and each other one takes what was found from that which was
+//! at most, spread evenly over them, and each other one takes what was found from that which was
 //! mirrored nearest to it. A path that fewer than one in so many waves of its sequence lead to may be
 //! missed. Altogether [`SOLVED_AT_CURVES`] are solved for, of the sequences with the fewest reflections
 //! first, then of those with the most waves; the waves of all other sequences stay statistics.
 
 use super::NoPath;
 use super::candidates::Candidates;
-use super::missed::FoundBy;
+use super::paths::FoundBy;
 use super::surfaces::{Surfaces, Vertex};
 use rayon::prelude::*;
 use std::cmp::Reverse;
 use std::collections::HashMap;
 use std::ops::Range;
 
-/// Of one sequence of surfaces with a curved one so many waves are solved for at the most.
+/// Of one sequence of surfaces with a curved one so many waves are solved for at most.
 const SOLVED_OF_A_SEQUENCE: usize = 512;
 
-/// Waves at curved surfaces that are solved for at the most: some seconds on one core, a fraction of a
+/// Waves at curved surfaces that are solved for at most: some seconds on one core, a fraction of a
 /// millisecond each.
 const SOLVED_AT_CURVES: usize = 1 << 15;
 
 /// A sequence of surfaces to find a path for, and from where.
 pub(super) struct Job<'a> {
     pub vertices: &'a [Vertex],
-    /// What it stands for.
+    /// What it represents.
     pub found_by: FoundBy,
 }
 
@@ -43,7 +43,7 @@ pub(super) struct Jobs<'a> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum Mirror {
     NotExact,
-    /// A plane, by the surface's number and its sheet's id, which tells sheets of one surface apart. A sequence of
+    /// A plane, by the surface's number and its sheet's id, which identifies the sheet of a surface. A sequence of
     /// planes has one path, whatever the wave.
     Flat(u32, u64),
     /// What is solved for from the wave's own vertices, by the surface's number.
@@ -169,7 +169,7 @@ mod tests {
     use glam::Vec3;
 
     /// Protects the time that a focus takes: of waves that all arrive, after each of three reflections,
-    /// so many are solved for as the limits say, and each stands for one or others.
+    /// as many are solved for as the limits allow, and each represents one or more.
     #[test]
     fn a_focus_has_few_jobs() {
         let radii = Vec3::new(10.0, 6.0, 6.0);

@@ -17,22 +17,6 @@
 
 use super::paths::SpecularPath;
 
-/// What found a path.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct FoundBy {
-    /// Waves.
-    pub waves: u32,
-    /// Whether it was looked for besides the waves.
-    pub search: bool,
-}
-
-impl FoundBy {
-    pub fn add(&mut self, other: FoundBy) {
-        self.waves += other.waves;
-        self.search |= other.search;
-    }
-}
-
 /// How much of the early part the waves, and the search besides, have missed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
@@ -66,7 +50,7 @@ impl Missed {
         (self.waves > 0).then(|| self.found_once as f64 / self.waves as f64)
     }
 
-    /// How many paths were missed at the least.
+    /// How many paths were missed at least.
     pub fn paths(&self) -> f64 {
         let once = self.found_once as f64;
         once * (once - 1.0).max(0.0) / (2.0 * (self.found_twice as f64 + 1.0))

@@ -1,6 +1,6 @@
 //! The early part of an impulse response exactly: specular paths from point to point.
 //!
-//! Waves that were followed from the source say which sequences of surfaces there are; for each
+//! Waves that were traced from the source give the sequences of surfaces; for each
 //! the path itself is found, so that delay and energy do not depend on the number of waves.
 //!
 //! # Finding a path
@@ -31,7 +31,7 @@
 //! # Foci
 //! Where a mirror gathers a front A can be 0, and the density at a point infinite. A listener
 //! of radius r catches less: if all waves pass through its centre, their chords are 2r, and the
-//! density in it 2r / (4/3 π r³) = 3/(2π r²). A path whose front says more than that is marked as
+//! density in it 2r / (4/3 π r³) = 3/(2π r²). A path whose front gives more than that is marked as
 //! a focus, [`SpecularPath::is_focus`]; its spreading is no more than this bound times the share of
 //! all waves that found it. At a perfect focus a whole area of the mirror has the same
 //! length; all of that is one path with one of its points. Where the energy itself matters, take
@@ -144,7 +144,7 @@ impl Ends {
 }
 
 impl EarlyPaths {
-    /// Takes over the surfaces of `scene`, as it stands (paths are not followed: see
+    /// Uses the surfaces of `scene` in its current state (paths are not followed: see
     /// [`Scene::at`]).
     ///
     /// # Errors
@@ -195,7 +195,7 @@ impl EarlyPaths {
     }
 
     /// Adds each sequence of planes over which sound could go from the source to the listener if nothing were in the
-    /// way, `order` of them at the most; of surfaces that are made of shapes with planes alone
+    /// way, `order` of them at most; of surfaces that are made of shapes with planes alone
     /// ([`Room`](crate::scene::shape::Room), `Cuboid`, `Plane`, `HalfSpace`, `Prism`), moved, turned, scaled, turned
     /// inside out, united and cut. Like directions that are searched besides the waves they name
     /// paths, and do not count among the waves that found them.

@@ -1,9 +1,24 @@
 //! Specular paths, which of them are one, and their order.
 
-use super::missed::FoundBy;
 use glam::DVec3;
 use std::cmp::Ordering;
 use std::f64::consts::PI;
+
+/// What found a path.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct FoundBy {
+    /// Waves.
+    pub waves: u32,
+    /// Whether it was looked for besides the waves.
+    pub search: bool,
+}
+
+impl FoundBy {
+    pub fn add(&mut self, other: FoundBy) {
+        self.waves += other.waves;
+        self.search |= other.search;
+    }
+}
 
 /// A path of sound from point to point, mirrored at surfaces.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,7 +69,7 @@ pub(super) struct Draft {
 }
 
 /// Points of two paths closer than this share of their length are one point, and so are lengths:
-/// Newton's method leaves less, and a path that is told apart by less is not heard.
+/// Newton's method leaves less, and paths that differ by less sound the same.
 const SAME: f64 = 1e-6;
 
 /// Normals that differ by no more radians are one, and so are directions at the ends: by this they differ at curved

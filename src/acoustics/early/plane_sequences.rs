@@ -10,13 +10,13 @@ use super::surfaces::{Surfaces, Vertex};
 use super::{Ends, images};
 use glam::DVec3;
 
-/// Images at the most, some tens of milliseconds: in a room all up to order 8.
+/// Images at most, some tens of milliseconds: in a room all up to order 8.
 const MOST_IMAGES: usize = 1 << 17;
 
-/// Nodes of a field for which so many images are tried; of a larger one fewer, as for each its value is asked.
+/// Nodes of a field for which so many images are tried; of a larger one fewer, as for each its value is computed.
 const NODES: usize = 16;
 
-/// Images times planes of a level at the most: some tens of milliseconds as well, where planes are thousands.
+/// Images times planes of a level at most: some tens of milliseconds as well, where planes are thousands.
 const MOST_TRIED: usize = 1 << 24;
 
 /// An image of the source: mirrored at a plane, and before as its parent was.
@@ -27,7 +27,7 @@ struct Image {
     parent: Option<usize>,
 }
 
-/// Adds each sequence of planes of `surfaces`, `order` of them at the most, over which sound could go from the source
+/// Adds each sequence of planes of `surfaces`, `order` of them at most, over which sound could go from the source
 /// to the listener if nothing were in the way: it names its path, as what was searched besides the waves. Returns up
 /// to how many planes no sequence was left out.
 pub(super) fn add_all(

@@ -1,6 +1,7 @@
 //! A search for the sheets of a tree at a point: the way down to each, and what is found.
 
 use super::sheet::{Form, Frame, Quadratic, Sheet};
+use crate::fnv;
 use glam::{DMat3, DVec3};
 
 /// A way down a tree.
@@ -11,7 +12,7 @@ pub(super) struct Way {
     pub level: f64,
     /// 1 where the air lies on the side of greater values, else −1.
     pub sign: f64,
-    /// Tells this way from others.
+    /// Identifies this way.
     pub id: u64,
 }
 
@@ -31,22 +32,18 @@ pub(super) struct Search<'a> {
 impl Way {
     /// The way to the surface with this number, of these axes.
     pub fn to_surface(number: u32, frame: Frame) -> Way {
-        /// The offset of FNV-1a for 64 bits. (From a small number ways of different lengths meet.)
-        const OFFSET: u64 = 0xcbf2_9ce4_8422_2325;
         let way = Way {
             frame,
             level: 0.0,
             sign: 1.0,
-            id: OFFSET,
+            id: fnv::OFFSET,
         };
         way.branch(number.into())
     }
 
     /// The branch with this number.
     pub fn branch(self, number: u64) -> Way {
-        /// The multiplier of FNV-1a for 64 bits.
-        const SPREAD: u64 = 0x0000_0100_0000_01b3;
-        let id = (self.id ^ (number + 1)).wrapping_mul(SPREAD);
+        let id = fnv::with(self.id, number + 1);
         Way { id, ..self }
     }
 

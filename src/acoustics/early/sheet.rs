@@ -55,7 +55,7 @@ pub(super) struct Sheet<'a> {
     pub frame: Frame,
     /// 1 where the air lies on the side of positive values, else −1.
     pub sign: f64,
-    /// Tells the sheets of one surface apart.
+    /// Identifies the sheet of a surface.
     pub id: u64,
     /// The wall of a room: −x, +x, −y, +y, −z, +z as 0 to 5.
     pub wall: Option<u8>,
@@ -121,7 +121,7 @@ pub(super) fn outer(a: DVec3, b: DVec3) -> DMat3 {
 impl Sheet<'_> {
     /// The same number for sheets that are one plane with the air on one side, but for rounding: for most of them.
     pub fn rounded_plane(&self, touch: f64) -> Option<[i64; 4]> {
-        /// Parts of a normal's length that are told apart: more than turned axes are rounded by.
+        /// Resolution of normals, as a share of their length: more than turned axes are rounded by.
         const PARTS: f64 = 1e11;
         let (normal, offset) = self.plane()?;
         let [x, y, z] = (normal * PARTS).to_array().map(|part| part.round() as i64);

@@ -27,7 +27,7 @@ impl Neighbour {
 }
 
 /// The area of the wave front at the listener per solid angle at the source, in m² per
-/// steradian, for a path along `points` from source to listener by way of `sheets`; `None`
+/// steradian, for a path along `points` from source to listener over `sheets`; `None`
 /// where a sheet has no normal.
 pub(super) fn front_area(points: &[DVec3], sheets: &[Sheet]) -> Option<f64> {
     let legs: Vec<DVec3> = points.windows(2).map(|pair| pair[1] - pair[0]).collect();

@@ -32,7 +32,7 @@ pub(super) struct Surfaces {
 
 /// Units of the scene's rounding that still count as on a surface: solutions of Newton's method
 /// and hits of marched fields are off by some tens of them, and what lies closer to an edge
-/// cannot be told from it anyway. In a scene of 100 m this is 0.1 µm.
+/// cannot be distinguished from it anyway. In a scene of 100 m this is 0.1 µm.
 const TOUCH_IN_ROUNDINGS: f64 = 1e4;
 
 /// A place in a corner lies in three solids by rounding, and setting it out of one may set it into another.
@@ -133,7 +133,7 @@ impl Surfaces {
     /// The place on the surface with this number next to a world point, by steps along the
     /// gradient of its value; `None` where they lead nowhere.
     pub fn onto(&self, surface: u32, point: DVec3) -> Option<Vertex> {
-        /// Newton's steps at the most: next to a surface three are enough.
+        /// Newton's steps at most: next to a surface three are enough.
         const STEPS: usize = 16;
         let (shape, frame) = self.surfaces.get((surface as usize).checked_sub(1)?)?;
         let value = Differenced::new(shape, 0.0, self.largest);

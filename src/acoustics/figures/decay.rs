@@ -12,7 +12,7 @@ const TAIL_DECAY_DB: f64 = 10.0;
 const WINDOW_STEP: f64 = 0.97;
 
 /// The record must end so far below the lower limit of a decay, in decibels: what ISO 3382-1:2009
-/// asks for between that limit and noise.
+/// requires between that limit and noise.
 const MARGIN_DB: f64 = 10.0;
 
 /// Of a sum of energies at most this share may be beyond the record: an error of a fifth in the
@@ -64,7 +64,7 @@ const NO_TAIL: Tail = Tail {
 };
 
 impl<'a> Decay<'a> {
-    /// The decay of a band; `None` if there is no energy, or if its tail cannot be told: the second half
+    /// The decay of a band; `None` if there is no energy, or if its tail cannot be estimated: the second half
     /// of the record has not 5 dB less energy than the first, so that its decay is not 10 dB.
     pub(super) fn new(pieces: &'a [Piece], band: usize, bin_s: f64) -> Option<Decay<'a>> {
         let mut remaining = vec![0.0; pieces.len() + 1];

@@ -6,7 +6,7 @@ use crate::acoustics::{AcousticsError, Echogram, MAX_SECONDS};
 use crate::reference::{ImageSource, ShoeboxEnergies};
 use glam::DVec3;
 
-/// Reflections of the image sources that are told one by one; with more the decay is smooth.
+/// Reflections of the image sources that are computed one by one; with more the decay is smooth.
 const TAPS_ORDER: u32 = 12;
 
 /// Seconds in which all further image sources are added up: the shortest of which an echogram of the record has
@@ -16,7 +16,7 @@ const CELLS_S: [f64; 4] = [1e-4, 2e-4, 5e-4, 1e-3];
 impl Figures {
     /// The exact figures of a rectangular room, for `seconds` after the source's impulse and a speed of sound in metres
     /// a second: image sources of up to twelve reflections one by one, all others in cells of 0.1 ms (up to 1 ms in
-    /// records of more than 6.5 s). What is found of such a room can be held against them.
+    /// records of more than 6.5 s). Results for such a room can be compared with them.
     ///
     /// # Errors
     /// [`AcousticsError::BadLength`] for more than [`MAX_SECONDS`](crate::acoustics::MAX_SECONDS).
@@ -51,7 +51,7 @@ mod tests {
     use super::*;
     use crate::bands::BAND_COUNT;
 
-    /// Protects the decay times of long records, whose cells are more than an echogram has bins: a longer record tells
+    /// Protects the decay times of long records, whose cells are more than an echogram has bins: a longer record gives
     /// the same.
     #[test]
     fn long_records_are_whole() {

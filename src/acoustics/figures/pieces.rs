@@ -24,7 +24,7 @@ pub(super) struct Span {
 /// All that arrives within `span`, without a gap, in the order of time. What is before it counts
 /// as at its beginning. A tap within a bin parts the bin.
 ///
-/// `energy` tells the energy of a bin.
+/// `energy` returns the energy of a bin.
 pub(super) fn pieces(
     taps: &[Tap],
     echogram: &Echogram,

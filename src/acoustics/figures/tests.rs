@@ -1,5 +1,6 @@
 //! Figures against decays whose figures are known in closed form.
 
+use super::uncertainty::student_975;
 use super::*;
 use crate::acoustics::tests::mean;
 use crate::rng::{hash, unit_interval};
@@ -83,7 +84,7 @@ fn a_record_that_is_too_short_tells_less() {
     assert_eq!(at_9, BandFigures::default());
 }
 
-/// Protects decay times from being told by exact paths alone, or by a few waves: a row of taps falls by
+/// No decay time is reported from exact paths alone, or from a few waves: a row of taps falls by
 /// 60 dB, and behind it are no waves, few, or many that fall on.
 #[test]
 fn decay_times_need_waves_behind_the_decay() {

@@ -18,7 +18,7 @@ pub(super) fn check(rate_hz: u32, measured: &[MeasuredHrir]) -> Result<usize, Hr
     Ok(samples)
 }
 
-/// Refuses what is too much to be read.
+/// Rejects what is too much to be read.
 pub(super) fn sizes(directions: usize, samples: usize) -> Result<(), HrirError> {
     if !(1..=MAX_DIRECTIONS).contains(&directions) {
         return Err(HrirError::BadCount { count: directions });

@@ -6,7 +6,7 @@ use super::{HRIR_RATES_HZ, MAX_DIRECTIONS, MAX_SAMPLES, MAX_VALUES};
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum HrirError {
-    /// A sampling rate outside of [`HRIR_RATES_HZ`].
+    /// A sampling rate outside [`HRIR_RATES_HZ`].
     #[error(
         "head-related impulse responses at {rate_hz} Hz: the rate must be {} Hz to {} Hz",
         HRIR_RATES_HZ.start(),
@@ -81,16 +81,16 @@ pub enum HrirError {
     /// Both ears are silent in all directions.
     #[error("all samples are 0")]
     Silent,
-    /// The resampler refuses the two rates.
+    /// The resampler rejects the two rates.
     #[error(
         "cannot resample head-related impulse responses from {from_hz} Hz to {to_hz} Hz: {reason}"
     )]
     Resample {
         /// The rate of the set, in hertz.
         from_hz: u32,
-        /// The rate that was asked for, in hertz.
+        /// The requested rate, in hertz.
         to_hz: u32,
-        /// What the resampler says.
+        /// The resampler's error.
         reason: String,
     },
 }

@@ -19,7 +19,7 @@ use glam::{DMat3, DVec3};
 use spade::{DelaunayTriangulation, Point2, Triangulation};
 
 /// Directions nearer to each other than this (radians) are one: 0.0006°, far below what any
-/// measurement tells, and far above the rounding of degrees in `f32`.
+/// measurement resolves, and far above the rounding of degrees in `f32`.
 const LEAST_ANGLE: f64 = 1e-5;
 
 /// A facet whose plane is nearer to the listener than this (1 is the directions' distance) says

@@ -77,7 +77,7 @@ pub struct MeasuredHrir {
     pub from: DVec3,
     /// Samples of the left and of the right ear.
     pub ears: [Vec<f32>; 2],
-    /// How much later each response stands than its samples say, in seconds.
+    /// Delay of each response beside that of its samples, in seconds.
     pub delays_s: [f64; 2],
 }
 
@@ -86,7 +86,7 @@ pub struct MeasuredHrir {
 pub struct Hrir {
     /// The samples, at the set's rate.
     pub samples: Vec<f32>,
-    /// When the first of them stands: seconds after the sound would pass the head's centre without
+    /// Time of the first of them: seconds after the sound would pass the head's centre without
     /// the head. Mostly negative: silent samples come before the onset.
     pub delay_s: f64,
 }

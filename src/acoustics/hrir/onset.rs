@@ -102,7 +102,7 @@ impl OnsetFinder {
     }
 }
 
-/// Moves a response so that `onset` (in samples) comes to stand at `place`, in a response of
+/// Moves a response so that `onset` (in samples) is at `place`, in a response of
 /// `samples`: exactly, for what is below half the sampling rate.
 pub(super) struct Mover {
     samples: usize,

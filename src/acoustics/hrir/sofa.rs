@@ -8,7 +8,7 @@
 //! # Files of strangers
 //! No more than [`LARGEST_FILE`] bytes are read, and no variable before its shape and the sizes of its
 //! pieces have been checked.
-//! The HDF5 reader is safe Rust. Should it panic at a damaged file, that is caught and told as damage.
+//! The HDF5 reader is safe Rust. If it panics at a damaged file, the panic is caught and reported as damage.
 
 mod error;
 mod geometry;
@@ -24,7 +24,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use variables::Variables;
 
-/// Bytes of a SOFA file at the most: [`MAX_VALUES`](super::MAX_VALUES) numbers of 64 bits, and as much
+/// Bytes of a SOFA file at most: [`MAX_VALUES`](super::MAX_VALUES) numbers of 64 bits, and as much
 /// again for all else.
 const LARGEST_FILE: u64 = 2 * 8 * super::MAX_VALUES;
 

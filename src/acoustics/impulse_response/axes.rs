@@ -42,7 +42,7 @@ impl ListenerAxes {
         })
     }
 
-    /// The axes of a scene's listener, as it stands.
+    /// The axes of a scene's listener.
     ///
     /// # Errors
     /// [`AcousticsError::BadAxes`] for one that is not finite.

@@ -42,7 +42,7 @@ pub(super) fn channels(
     spectra.into_channels(samples)
 }
 
-/// A response between samples, and where its first sample stands.
+/// A response between samples, and the position of its first sample.
 struct Placed {
     first: i64,
     samples: Vec<f32>,
@@ -98,7 +98,7 @@ fn add_taps(spectra: &mut Spectra, taps: &[Tap], hrirs: &HrirSet, sound: &Sound)
     }
 }
 
-/// The responses as filters of a spectrum: what comes before time 0 stands at the end.
+/// The responses as filters of a spectrum: what comes before time 0 is at the end.
 fn filters(spectra: &Spectra, pair: &HrirPair, sound: &Sound) -> Vec<Vec<f64>> {
     let filter = |placed: Placed| {
         let mut filter = spectra.silence();

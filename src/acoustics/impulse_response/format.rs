@@ -31,7 +31,7 @@ pub enum Format {
     Binaural(Arc<HrirSet>),
 }
 
-/// How a direction is told by gains alone.
+/// How a direction is encoded by gains alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Encoding {
     Mono,

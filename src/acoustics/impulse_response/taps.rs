@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 const REACH: i64 = 32;
 
 /// An impulse at a time in samples, not only at a whole one: a sinc function under the window of
-/// Blackman (R. B. Blackman and J. W. Tukey, 1958). Its samples, and where the first of them stands.
+/// Blackman (R. B. Blackman and J. W. Tukey, 1958). Its samples, and the position of the first of them.
 pub(super) fn impulse(place: f64) -> (i64, impl Iterator<Item = f64>) {
     let nearest = place.round() as i64;
     let samples =

@@ -250,7 +250,7 @@ fn share(response: &ImpulseResponse, a: usize, b: usize) -> f64 {
 }
 
 /// Protects where the late part comes from: one direction, and two opposite ones, which are
-/// diffuse for what a first order tells. The decaying noise has some 2000 independent values:
+/// diffuse as far as a first order resolves. The decaying noise has some 2000 independent values:
 /// deviations are 2 %, and four of them are allowed.
 #[test]
 fn noise_comes_from_where_the_energy_came() {

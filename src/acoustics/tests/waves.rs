@@ -113,7 +113,7 @@ impl Room {
 }
 
 impl Line {
-    /// Goes into the next copy, and tells how far it begins.
+    /// Moves to the next copy, and returns the distance of its start.
     fn advance(&mut self) -> f64 {
         let nearer = |a, b| {
             if self.ahead_m[b] < self.ahead_m[a] {

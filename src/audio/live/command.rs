@@ -13,7 +13,7 @@ pub(super) enum Command {
     Device(Option<String>),
     /// A recording waits in the state.
     Record,
-    /// Something that is to be told: it happened on another thread.
+    /// An event on another thread that has to be reported.
     Notice(String),
     /// A stream broke off.
     Lost { generation: u64, reason: String },

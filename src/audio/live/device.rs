@@ -23,7 +23,7 @@ pub struct DeviceInfo {
     pub id: String,
     /// Whether it is played on when none is chosen.
     pub default: bool,
-    /// Channels that it plays on when it is not asked for others.
+    /// Channels that it uses by default.
     pub channels: u16,
     /// Samples a second that it takes, in hertz.
     pub rates: RangeInclusive<u32>,
@@ -60,7 +60,7 @@ fn host() -> Arc<Host> {
     host
 }
 
-/// Looks for the sound system anew next time if its client broke down. One that only does not
+/// Looks for the sound system again next time if its client broke down. One that only does not
 /// answer is kept: it answers when the server does, and another would have to wait as well.
 pub(super) fn forget_broken(error: &LiveError) {
     if matches!(error, LiveError::BrokenDown) {
@@ -206,7 +206,7 @@ impl Found {
         self.config.sample_rate()
     }
 
-    /// Opens the device with a buffer of `buffer_frames`, or of what length it likes if it refuses
+    /// Opens the device with a buffer of `buffer_frames`, or of what length it likes if it rejects
     /// that, and lets it play.
     pub(super) fn open(&self, buffer_frames: u32, link: &Link) -> Result<Stream, LiveError> {
         hush();

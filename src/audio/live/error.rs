@@ -12,13 +12,13 @@ pub enum LiveError {
     /// The sound system has no output device, or is not there itself.
     #[error("there is no sound device to play on ({reason})")]
     NoDevice {
-        /// What the sound system said.
+        /// The sound system's error.
         reason: String,
     },
     /// No output device of that name.
     #[error("no sound device is called `{name}` (known: {known})")]
     UnknownDevice {
-        /// The name that was asked for.
+        /// The requested name.
         name: String,
         /// The names that there are, in words.
         known: String,
@@ -36,7 +36,7 @@ pub enum LiveError {
     Open {
         /// The device.
         device: String,
-        /// What the sound system said.
+        /// The sound system's error.
         reason: String,
     },
     /// The sound system did not answer in time.
@@ -53,10 +53,10 @@ pub enum LiveError {
     Lost {
         /// The device.
         device: String,
-        /// What the sound system said.
+        /// The sound system's error.
         reason: String,
     },
-    /// A recording is under way already.
+    /// A recording is in progress already.
     #[error("a recording is under way: stop it first")]
     AlreadyRecording,
     /// There is no recording to stop.
@@ -76,7 +76,7 @@ pub enum LiveError {
     /// The operating system gave no thread.
     #[error("cannot start a thread: {source}")]
     Thread {
-        /// What it said.
+        /// Its error.
         source: std::io::Error,
     },
 }

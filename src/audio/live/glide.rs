@@ -2,7 +2,7 @@
 
 use crate::audio::Gains;
 
-/// Runs linearly from the gains that stand to those that are wanted.
+/// Runs linearly from the current gains to the target gains.
 #[derive(Debug)]
 pub(super) struct Glide {
     current: Gains,
@@ -37,7 +37,7 @@ impl Glide {
         self.left == 0 && self.target == Gains::SILENT
     }
 
-    /// Goes on by up to `most` samples: how many, and the gains that the last of them has.
+    /// Advances by up to `most` samples: how many, and the gains that the last of them has.
     pub(super) fn advance(&mut self, most: usize) -> (usize, Gains) {
         if self.left == 0 {
             return (most, self.target);

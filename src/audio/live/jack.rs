@@ -1,7 +1,7 @@
 //! Turns off the messages of JACK's client library.
 //!
-//! ALSA has a plugin that plays to JACK. Whoever asks ALSA for its devices has that plugin look
-//! for a server, and where there is none the library writes so to the standard error stream, some
+//! ALSA has a plugin that plays to JACK. When the devices of ALSA are listed that plugin looks
+//! for a server, and without one the library writes an error to the standard error stream, some
 //! six lines a time. It offers two functions to send its messages elsewhere.
 
 use std::ffi::c_char;

@@ -107,8 +107,8 @@ impl Link {
         self.shared.callbacks.fetch_add(1, Relaxed);
     }
 
-    /// The callback for errors: under-runs are counted; of those that end the stream the first is
-    /// told, and no more, for there may be hundreds.
+    /// The callback for errors: under-runs are counted; of the errors that end the stream only the
+    /// first is reported, because there may be hundreds.
     pub(super) fn error_callback(&self) -> impl FnMut(cpal::Error) + Send + 'static {
         let link = self.clone();
         let mut is_told = false;

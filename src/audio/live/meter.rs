@@ -5,7 +5,7 @@ use super::shared::Shared;
 /// Windows a second.
 const WINDOWS_HZ: u32 = 20;
 
-/// Sums squares until a window is full, then tells its level (RMS).
+/// Sums squares until a window is full, then returns its level (RMS).
 #[derive(Debug)]
 pub(super) struct Meter {
     squares: [f64; 2],

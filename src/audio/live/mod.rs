@@ -1,12 +1,12 @@
 //! Live output: a sound that is heard while its panning changes.
 //!
 //! # Theory
-//! A sound system asks for blocks of samples from a *callback*, on a thread that must never be
+//! A sound system requests blocks of samples from a *callback*, on a thread that must never be
 //! late: a late block is a gap that is heard. So the callback here allocates nothing, locks
 //! nothing and waits for nothing ([`Renderer`]). Pan, volume and law reach it as single atomic
 //! values, sounds and recordings through rings without locks, and what it has done with is freed
 //! by a *supervisor* thread, which also opens the device and opens it again when it is lost. How
-//! the threads work together is told in `docs/audio.md`.
+//! the threads work together is described in `docs/audio.md`.
 //!
 //! ```no_run
 //! use echomarch::audio::live::{Live, LiveOptions};
@@ -73,7 +73,7 @@ impl Default for LiveOptions {
     }
 }
 
-/// How live output stands.
+/// The status of live output.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct LiveStatus {
@@ -81,17 +81,17 @@ pub struct LiveStatus {
     pub device: Option<String>,
     /// Samples a second, in hertz; without a device, of the last one.
     pub sample_rate: u32,
-    /// Frames that the device asked for last; 0 before it has.
+    /// Frames that the device requested last; 0 before it has.
     pub buffer_frames: u32,
-    /// Milliseconds from when a sample is made to when it is heard, as the sound system tells it
+    /// Milliseconds from when a sample is made to when it is heard, as the sound system reports it
     /// for the first sample of a block; none if it does not.
     pub latency_ms: Option<f64>,
     /// Milliseconds that pans wait until a block is made with them, smoothed over the last ones;
     /// none before the first.
     pub pan_waited_ms: Option<f64>,
-    /// Times that the sound system said it ran dry. PulseAudio never says so.
+    /// Under-runs reported by the sound system. PulseAudio reports none.
     pub under_runs: u64,
-    /// Times that a block was asked for later than the length of two blocks after the one before:
+    /// Times that a block was requested later than the length of two blocks after the one before:
     /// a device that holds two has run dry then.
     pub late_callbacks: u64,
     /// Times that a device was opened after the first one.
@@ -125,7 +125,7 @@ impl Live {
     /// Starts to play `sound`, in the middle and at full volume.
     ///
     /// This never fails: without a device, or with one that cannot be opened, nothing is heard,
-    /// the sound stands still, and [`status`](Self::status) says why; the device is tried again
+    /// the sound pauses, and [`status`](Self::status) contains the reason; the device is retried
     /// from time to time. The same goes for a sound that cannot be loaded.
     pub fn start(sound: SoundSource, options: LiveOptions) -> Self {
         let (commands, receiver) = mpsc::channel();
@@ -172,7 +172,7 @@ impl Live {
 
     /// Cross-fades to the start of another sound, within 20 ms after it is loaded.
     ///
-    /// If it cannot be loaded, the old one plays on and [`status`](Self::status) says why.
+    /// If it cannot be loaded, the old one continues and [`status`](Self::status) contains the reason.
     pub fn set_sound(&self, sound: SoundSource) {
         self.send(Command::Sound(sound));
     }
@@ -184,12 +184,12 @@ impl Live {
     }
 
     /// Plays on the device of this name or id, or on the system's default. The sound fades out and
-    /// goes on there.
+    /// continues there.
     pub fn set_device(&self, device: Option<String>) {
         self.send(Command::Device(device));
     }
 
-    /// How it stands.
+    /// The current status.
     pub fn status(&self) -> LiveStatus {
         let shared = &self.common.shared;
         let state = lock(&self.common.state);
@@ -228,7 +228,7 @@ impl Live {
     ///
     /// While there is no device nothing is heard, and nothing written. If the device comes back at
     /// another rate than what was written the recording ends, as it does when the disk is full or
-    /// after 4 GiB; [`status`](Self::status) says so. One that has ended makes room for the next.
+    /// after 4 GiB; [`status`](Self::status) reports that. The next recording may then begin.
     ///
     /// Until the file is complete it is called as `path`, with `-`, six letters and `.part.wav`
     /// at the end; it is playable up to the last second.
@@ -254,11 +254,11 @@ impl Live {
         Ok(())
     }
 
-    /// Completes the recording; the frames in the file. Those that were lost are told by
+    /// Completes the recording; the frames in the file. Lost frames are counted by
     /// [`LiveStatus::dropped_frames`].
     ///
     /// # Errors
-    /// [`LiveError::NotRecording`], [`LiveError::Audio`] if the disk refused, or
+    /// [`LiveError::NotRecording`], [`LiveError::Audio`] if the disk rejected, or
     /// [`LiveError::Thread`].
     pub fn stop_recording(&self) -> Result<u64, LiveError> {
         let mut state = lock(&self.common.state);

@@ -38,7 +38,7 @@ pub fn player<T: Sample + FromSample<f32>>(
 pub struct Recorder(Recording);
 
 impl Recorder {
-    /// Starts a file at `rate_hz` samples a second; it stays empty if too much is under way.
+    /// Starts a file at `rate_hz` samples a second; it stays empty if too much is queued.
     ///
     /// # Errors
     /// As [`Live::start_recording`](super::Live::start_recording).

@@ -60,7 +60,7 @@ pub(super) struct Programs {
 }
 
 impl Programs {
-    /// Whether a fade is under way.
+    /// Whether a fade is in progress.
     pub(super) fn is_fading(&self) -> bool {
         self.next.is_some()
     }
@@ -75,7 +75,7 @@ impl Programs {
         self.next = Some((program, 0));
     }
 
-    /// Goes on with another program at once; the ones before are freed: not for the callback.
+    /// Switches to another program at once; earlier ones are freed: not for the callback.
     pub(super) fn set(&mut self, program: Program) {
         *self = Self {
             current: program,

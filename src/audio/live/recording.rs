@@ -23,7 +23,7 @@ const PERIOD: Duration = Duration::from_millis(20);
 /// How often the file is made playable as far as it is: what an interrupted program loses.
 const FLUSH: Duration = Duration::from_secs(1);
 
-/// A recording under way, or one that is over and was not finished yet.
+/// A recording in progress, or one that has ended and was not completed yet.
 #[derive(Debug)]
 pub(super) struct Recording {
     path: PathBuf,
@@ -50,7 +50,7 @@ impl Recording {
     }
 
     /// Starts the thread that writes; the tap is for the callback. None if it was started before.
-    /// What goes wrong is told to the supervisor.
+    /// Errors are reported to the supervisor.
     pub(super) fn begin(&mut self, commands: &Sender<Command>) -> Option<Tap> {
         let file = self.waiting.take()?;
         let (ring, from_ring) = RingBuffer::new(2 * RING_S * self.rate_hz as usize);
@@ -76,7 +76,7 @@ impl Recording {
     /// Begins a file at another rate in place of one that nothing was written to.
     ///
     /// # Errors
-    /// [`LiveError::RecordingRate`] if something was: the recording is over then.
+    /// [`LiveError::RecordingRate`] if something was: the recording then ends.
     pub(super) fn change_rate(&mut self, rate_hz: u32) -> Result<(), LiveError> {
         if self.rate_hz == rate_hz || self.is_over() {
             return Ok(());
@@ -135,7 +135,7 @@ fn tell(commands: &Sender<Command>, error: &dyn std::error::Error) {
     let _ = commands.send(Command::Notice(error.to_string()));
 }
 
-/// As [`write`]; what ended the recording before it was stopped is told when it happens.
+/// As [`write`]; an error that ends the recording before it is stopped is reported when it happens.
 fn write_or_tell(
     file: WavWriter,
     ring: Consumer<f32>,
@@ -150,7 +150,7 @@ fn write_or_tell(
     written
 }
 
-/// Writes what comes through the ring until the recording is over, or the file is full.
+/// Writes what comes through the ring until the recording has ended, or the file is full.
 fn write(
     mut file: WavWriter,
     mut ring: Consumer<f32>,

@@ -24,7 +24,7 @@ const BLOCK: usize = 256;
 /// A second divided by the time that a change of gains and a cross-fade take.
 const FADES_HZ: u32 = 50;
 
-/// What may be under way to the callback, and back from it.
+/// What may be queued to the callback, and back from it.
 const MESSAGES: usize = 8;
 
 /// Something for the callback, or something that it has done with.
@@ -43,7 +43,7 @@ pub(super) enum Message {
 pub(super) struct Tap {
     /// Interleaved samples.
     pub(super) ring: Producer<f32>,
-    /// Whether the recording is over.
+    /// Whether the recording has ended.
     pub(super) is_over: Arc<AtomicBool>,
     /// Frames that found no room.
     pub(super) dropped: Arc<AtomicU64>,
@@ -143,7 +143,7 @@ impl Renderer {
         newest as f64 / f64::from(self.rate_hz)
     }
 
-    /// Goes on at another rate with a sound made for it. Frees what it had: not for the callback.
+    /// Continues at another rate with a sound made for it. Frees what it had: not for the callback.
     pub(super) fn change_rate(&mut self, rate_hz: u32, sound: Option<Sound>) {
         self.settle();
         let position = (self.position_s() * f64::from(rate_hz)).round() as u64;
@@ -156,7 +156,7 @@ impl Renderer {
         self.meter = Meter::new(rate_hz);
     }
 
-    /// Takes what is under way at once, without a fade. Frees what it had: not for the callback.
+    /// Applies what is queued at once, without a fade. Frees what it had: not for the callback.
     fn settle(&mut self) {
         if let Some((sound, played)) = self.next.take() {
             self.sound = Some(sound);
@@ -191,7 +191,7 @@ impl Renderer {
         self.mixer = silent_mixer();
     }
 
-    /// Goes on with another program at once. Frees what it had: not for the callback.
+    /// Switches to another program at once. Frees what it had: not for the callback.
     pub(super) fn set_program(&mut self, program: Program) {
         self.programs.set(program);
     }
@@ -304,7 +304,7 @@ impl Renderer {
         }
     }
 
-    /// Plays what stands in place of the one sound, if something does.
+    /// Plays what replaces the one sound, if anything does.
     fn play(&mut self, stereo: &mut [f32]) {
         let count = stereo.len() / 2;
         self.fill_volumes(count);
@@ -368,14 +368,14 @@ impl Remote {
         self.shared.levels()
     }
 
-    /// Fades to a sound made at `rate_hz`; false, if too much is under way already. A sound for
+    /// Fades to a sound made at `rate_hz`; false, if too much is queued already. A sound for
     /// another rate than the renderer's is not played.
     pub fn set_sound(&mut self, sound: Sound, rate_hz: u32) -> bool {
         self.send(Message::Sound { sound, rate_hz }).is_ok()
     }
 
     /// Fades to channels made at `rate_hz`, in place of the one sound and its pan, or back to these
-    /// (`None`); false, if too much is under way already.
+    /// (`None`); false, if too much is queued already.
     pub fn set_stereo(&mut self, signal: Option<Box<dyn StereoSignal>>, rate_hz: u32) -> bool {
         let program = match signal {
             None => Program::Balance,

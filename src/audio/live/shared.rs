@@ -6,13 +6,13 @@ use std::time::Instant;
 
 use crate::audio::{Gains, PanningLaw};
 
-/// Latency that was not told, or not measured yet.
+/// Latency that was not reported, or not measured yet.
 const NO_LATENCY: u64 = u64::MAX;
 
-/// The share of the newest waiting time in what is told.
+/// The share of the newest waiting time in the reported value.
 const FRESH: f64 = 0.15;
 
-/// Each value stands for itself, so the order in which they are seen does not matter.
+/// The values are independent, so the order in which they are seen does not matter.
 #[derive(Debug)]
 pub(super) struct Shared {
     /// −1 to 1, as the bits of an `f32`.
@@ -26,7 +26,7 @@ pub(super) struct Shared {
     /// 0 to 1, as the bits of an `f32`.
     volume: AtomicU32,
     law: AtomicU8,
-    /// Whether a device is open: what is told of levels is else of the past.
+    /// Whether a device is open: otherwise the levels are outdated.
     pub(super) is_open: AtomicBool,
     /// Whether all fades to silence, before a stream is closed.
     pub(super) is_muted: AtomicBool,
@@ -36,11 +36,11 @@ pub(super) struct Shared {
     pub(super) generation: AtomicU64,
     /// Callbacks so far, over all streams.
     pub(super) callbacks: AtomicU64,
-    /// Frames that the last callback was asked for.
+    /// Frames requested from the last callback.
     pub(super) callback_frames: AtomicU32,
     /// Microseconds from a callback to when its first sample is heard.
     latency_us: AtomicU64,
-    /// Under-runs that the sound system told of.
+    /// Under-runs that the sound system reported.
     pub(super) under_runs: AtomicU64,
     /// Callbacks that came later than two buffers after the one before.
     pub(super) late_callbacks: AtomicU64,
@@ -174,12 +174,12 @@ impl Shared {
     }
 }
 
-/// A value that goes on towards another.
+/// A value that glides towards another.
 fn glide(from: u64, to: u64) -> u64 {
     (from as f64 + FRESH * (to as f64 - from as f64)).round() as u64
 }
 
-/// In milliseconds, if it was told at all.
+/// In milliseconds, if it was reported at all.
 fn told(microseconds: u64) -> Option<f64> {
     (microseconds != NO_LATENCY).then_some(microseconds as f64 / 1000.0)
 }

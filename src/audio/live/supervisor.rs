@@ -31,12 +31,12 @@ const PROVEN: Duration = Duration::from_secs(2);
 /// What a fade-out before closing takes beside the buffers: the glide, and a little to spare.
 const FADE_OUT: Duration = Duration::from_millis(25);
 /// How long is waited beside two buffers, for the callback to fade and for what it made to be
-/// heard each: a stream that hangs shall not hold up the end.
+/// heard each: a stream that hangs must not delay the end.
 const FADE_OUT_LIMIT: Duration = Duration::from_millis(100);
 /// How often is looked whether the callback has faded.
 const FADE_OUT_GLANCE: Duration = Duration::from_millis(2);
 
-/// What it tells of itself; never locked by the callback.
+/// Its status; never locked by the callback.
 #[derive(Debug)]
 pub(super) struct State {
     pub(super) device: Option<String>,
@@ -46,7 +46,7 @@ pub(super) struct State {
     /// Whether the renderer has a sound.
     pub(super) has_sound: bool,
     pub(super) last_error: Option<String>,
-    /// The last of them that says nothing of the device.
+    /// The last of them that does not concern the device.
     pub(super) notice: Option<String>,
     pub(super) recording: Option<Recording>,
     /// Frames that the last finished recording lost.
@@ -221,7 +221,7 @@ impl Supervisor {
         }
     }
 
-    /// Tells what is wrong with a sound or a recording.
+    /// Reports an error of a sound or a recording.
     fn note(&self, text: String) {
         let mut state = lock(&self.common.state);
         state.last_error = Some(text.clone());
@@ -326,7 +326,7 @@ impl Supervisor {
         thread::sleep(latency.min(limit) + FADE_OUT);
     }
 
-    /// The length of the block that the callback was asked for last.
+    /// The length of the last block requested from the callback.
     fn buffer(&self) -> Duration {
         let frames = self.common.shared.callback_frames.load(Relaxed);
         Duration::from_secs_f64(f64::from(frames) / f64::from(self.rate_hz))

@@ -13,15 +13,15 @@ pub(super) const ANSWER_LIMIT: Duration = Duration::from_secs(5);
 /// How often a waiting thread looks whether it shall give up.
 const GLANCE: Duration = Duration::from_millis(20);
 
-/// Whether a request is under way. There is one at a time, so that a sound system that hangs
-/// holds one thread and one connection, however often it is asked.
+/// Whether a request is in progress. There is one at a time, so that a sound system that hangs
+/// holds one thread and one connection, however many requests there are.
 static IS_PENDING: AtomicBool = AtomicBool::new(false);
 
 /// Ends the request when the thread that makes it ends, by a panic too.
 struct PendingRequest;
 
 impl PendingRequest {
-    /// None while another is under way.
+    /// None while another is in progress.
     fn begin() -> Option<Self> {
         (!IS_PENDING.swap(true, Acquire)).then(|| Self)
     }
@@ -33,10 +33,10 @@ impl Drop for PendingRequest {
     }
 }
 
-/// Runs `work`, which asks the sound system, on a thread of its own and waits for it up to a
+/// Runs `work`, which calls the sound system, on a separate thread and waits for it up to a
 /// limit, or until `is_off`.
 ///
-/// If it answers later, the answer is dropped on that thread; until then nothing else is asked.
+/// If it answers later, the answer is dropped on that thread; until then there is no other request.
 pub(super) fn within<T: Send + 'static>(
     limit: Duration,
     is_off: impl Fn() -> bool,

@@ -14,7 +14,7 @@ use anyhow::anyhow;
 use std::io::{self, Write};
 use std::path::Path;
 
-/// Writes what was asked for.
+/// Writes the requested files.
 pub fn write(
     arguments: &Arguments,
     format: &Format,

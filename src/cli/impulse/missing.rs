@@ -5,7 +5,7 @@ use crate::bands::{BAND_COUNT, BANDS_HZ};
 use crate::response::Response;
 use crate::scene::Scene;
 
-/// More of the energy than this, if it comes after the response's end, is told: a tenth of what
+/// Share of the energy after the response's end above which it is reported: a tenth of what
 /// figures allow.
 const TOLD_CUT_OFF: f64 = 0.001;
 
@@ -14,9 +14,9 @@ const TOLD_CUT_OFF: f64 = 0.001;
 enum Reason {
     /// The response ends before its sound has decayed.
     TooShort,
-    /// Nothing arrives so late that clarity could be told: there is no reverberation.
+    /// Nothing arrives late enough for a clarity figure: there is no reverberation.
     NoLateSound,
-    /// Sound decays, and too few waves tell how.
+    /// Sound decays, but there are too few waves to estimate the decay.
     TooNoisy,
 }
 
@@ -116,7 +116,7 @@ fn sentence(
 mod tests {
     use super::*;
 
-    /// Protects the advice: what helps is told by what is missing, and nothing where all is told.
+    /// The advice follows from what is missing, and there is none where nothing is missing.
     #[test]
     fn each_missing_figure_has_its_reason() {
         let whole = BandFigures {

@@ -6,7 +6,7 @@ use super::pairs::Pair;
 use crate::response::{HeardPath, Response};
 use crate::scene::{Scene, Surface};
 
-/// Said before waves are traced, as that takes long where sound does not decay.
+/// Printed before waves are traced, because tracing takes long where sound does not decay.
 const NOTHING_ABSORBS: &str = "note: no surface absorbs in this scene: where sound cannot leave it, it does not decay, and figures will be missing; give its surfaces a material (docs/scene-format.md)";
 
 /// One sentence about a response.
@@ -22,14 +22,14 @@ pub fn texts(scene: &Scene, response: &Response) -> Vec<String> {
     all(scene, response).into_iter().map(|n| n.text).collect()
 }
 
-/// Tells before anything is traced that no decay can be told.
+/// Prints before anything is traced that no decay can be estimated.
 pub fn tell_first(common: &Common, scene: &Scene) {
     if !scene.has_materials() && scene.air.is_none() {
         common.note(NOTHING_ABSORBS);
     }
 }
 
-/// Tells what the responses do not hold: each sentence once, with the pairs of which it is true.
+/// Prints what the responses lack: each sentence once, with the pairs it applies to.
 pub fn tell(common: &Common, scene: &Scene, heard: &[(Pair, Response)]) {
     let mut told: Vec<(Note, Vec<String>)> = Vec::new();
     for (pair, response) in heard {

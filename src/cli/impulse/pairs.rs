@@ -38,7 +38,7 @@ pub fn listener(scene: &Scene, wanted: Option<&str>) -> Result<usize, BadInput> 
     Ok(chosen[0])
 }
 
-/// Says that files hold one pair.
+/// Reports that files contain one pair.
 pub fn too_many(scene: &Scene, count: usize) -> String {
     format!(
         "files hold one source and one listener, and {} has {count} such pairs: choose by --source and --listener",

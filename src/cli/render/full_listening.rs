@@ -13,7 +13,7 @@ use crate::response::{MAX_ORDER, ResponseSettings};
 use clap::Args;
 use serde::Serialize;
 
-/// The loudest and the softest that can be asked for, in decibels: beyond lies nothing to be heard.
+/// The highest and the lowest gain accepted, in decibels: beyond these nothing is audible.
 const MOST_GAIN_DB: f64 = 120.0;
 
 /// The shortest response, in seconds.
@@ -23,18 +23,18 @@ const SHORTEST_TAIL_S: f64 = 1e-3;
 #[derive(Args, Debug)]
 #[command(next_help_heading = "With --listen full")]
 pub struct FullOptions {
-    /// Make all louder by so many decibels; 0: a source 1 m off, in the open, is as loud as its sound
+    /// Gain of all sources in decibels; at 0 a source 1 m off, in the open, is as loud as its sound
     #[arg(long, allow_negative_numbers = true, value_name = "DB", value_parser = real::<f64>)]
     gain: Option<f64>,
     /// The listener who hears, by name or number [default: the first]
     #[arg(long, value_name = "NAME")]
     listener: Option<String>,
-    /// Reflections of the paths that are found exactly, at the most [default: 8 where all surfaces
+    /// Maximum number of reflections of exact paths [default: 8 where all surfaces
     /// are flat, else 3]
     #[arg(long, allow_negative_numbers = true, value_name = "N", value_parser = count::<u32>)]
     order: Option<u32>,
-    /// How long a sound is heard after it has ended, 0.001 to 60 [default: until all bands have
-    /// fallen by 60 dB, 3 at the most]
+    /// Length of the reverberation after a sound has ended, 0.001 to 60 [default: until all bands have
+    /// fallen by 60 dB, 3 at most]
     #[arg(long, allow_negative_numbers = true, value_name = "SECONDS", value_parser = real::<f64>)]
     tail: Option<f64>,
 }
@@ -173,7 +173,7 @@ fn source_lines(names: &[String], sources: &[offline::HeardSource]) -> Vec<Sourc
     names.iter().zip(sources).map(line).collect()
 }
 
-/// Tells when the sound is louder than other programs can play it.
+/// Prints a note when the sound is louder than other programs can play it.
 fn note_peak(job: &Job, report: &Report) {
     if let Some(peak_db) = report.peak_db.filter(|peak| *peak > 0.0) {
         job.common.note(&format!(

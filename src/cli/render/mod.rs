@@ -6,7 +6,7 @@ mod sounds;
 
 use super::exit::BadInput;
 use super::numbers::real;
-use super::options::{Common, LawOption, TraceOptions, check_ending, check_range};
+use super::options::{Common, FrameRateOption, LawOption, TraceOptions, check_ending, check_range};
 use super::print;
 use super::scene::SceneArguments;
 use crate::audio::SoundSpec;
@@ -52,16 +52,11 @@ pub struct Arguments {
     /// (looped); NAME=SOUND for one source, by its name or number; repeatable [default: speech, each source another voice]
     #[arg(long = "sound", value_name = "SOUND")]
     sounds: Vec<SourceSound>,
-    /// Length [default: the scene's longest path, or 5]
+    /// Length of the output [default: duration of the scene's longest path, or 5]
     #[arg(long, allow_negative_numbers = true, value_name = "SECONDS", value_parser = real::<f64>)]
     seconds: Option<f64>,
-    /// Frames traced a second
-    #[arg(
-        long,
-        allow_negative_numbers = true,
-        default_value_t = 30.0,
-        value_name = "N", value_parser = real::<f64>)]
-    fps: f64,
+    #[command(flatten)]
+    frame_rate: FrameRateOption,
     #[command(flatten)]
     full: full_listening::FullOptions,
     #[command(flatten, next_help_heading = "With --listen balance")]
@@ -127,7 +122,7 @@ impl Arguments {
         }
     }
 
-    /// Tells when an option, and no `--listen`, has chosen the balance.
+    /// Prints a note when an option, and not `--listen`, has chosen the balance.
     fn note_balance(&self, common: &Common, listen: Listen) {
         if self.listen.is_some()
             || listen == Listen::Full
@@ -159,7 +154,7 @@ impl Arguments {
     }
 }
 
-/// Refuses an option of the balance, which changes nothing when all is heard, and says why.
+/// Rejects an option of the balance, which has no effect on sound in full, with the reason.
 pub(super) fn no_effect_in_full(option: &str) -> BadInput {
     let why = match option {
         "--law" => "where each arrival is panned with constant power",
@@ -205,7 +200,7 @@ impl Job<'_> {
     }
 }
 
-/// Refuses what becomes impossible while things move, before anything is traced.
+/// Rejects what becomes impossible while things move, before anything is traced.
 fn check_on_the_way(scene: &Scene, timing: Timing) -> Result<(), Error> {
     if scene.duration() == 0.0 {
         return Ok(());
@@ -257,9 +252,9 @@ fn timing(arguments: &Arguments, duration: f64) -> anyhow::Result<Timing> {
     }
     let seconds = arguments.seconds.unwrap_or(standing);
     check_range("--seconds", seconds, 0.001, LONGEST_SECONDS)?;
-    check_range("--fps", arguments.fps, 1.0, 1000.0)?;
+    check_range("--fps", arguments.frame_rate.fps, 1.0, 1000.0)?;
     Ok(Timing {
         seconds,
-        fps: arguments.fps,
+        fps: arguments.frame_rate.fps,
     })
 }

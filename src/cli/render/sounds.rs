@@ -94,7 +94,7 @@ mod tests {
         Ok(names(&specs))
     }
 
-    /// Protects who plays what: voices of their own, one sound for all, and a source's own.
+    /// Which source plays what: separate voices, one sound for all, and a source's own.
     #[test]
     fn each_source_has_its_sound() {
         assert_eq!(sounds(&[]).unwrap(), "speech:0, speech:1");

@@ -2,7 +2,7 @@
 //!
 //! Processes, not threads: a driver that crashes takes one of them with it, each has its own OpenGL
 //! context with the driver's own threads, and what runs is what runs on a cluster. They share the
-//! cores: each gets as many threads as there are cores for it, unless the environment says otherwise.
+//! cores: each gets as many threads as there are cores for it, unless the environment sets them.
 
 use super::Arguments;
 use crate::cli::exit::BadInput;
@@ -19,7 +19,7 @@ use std::time::Duration;
 /// Time between two looks at the processes.
 const BETWEEN_LOOKS: Duration = Duration::from_millis(100);
 
-/// What says how many threads are used: by llvmpipe, and by this program for all else.
+/// The variables that set the number of threads: of llvmpipe, and of this program.
 const THREADS: [&str; 2] = ["LP_NUM_THREADS", "RAYON_NUM_THREADS"];
 
 /// Bytes of a process' message that are read.

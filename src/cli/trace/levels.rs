@@ -23,7 +23,7 @@ pub struct Heard {
     one_sided: Option<f64>,
 }
 
-/// A mean direction of a smaller share of the energy is told as none: it is noise of the waves.
+/// A mean direction of a smaller share of the energy is not reported: it is noise of the waves.
 const LEAST_ONE_SIDED: f64 = 0.1;
 
 /// Traces every pair of a source and a listener, as `impulse` does.

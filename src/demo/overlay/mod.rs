@@ -48,11 +48,11 @@ const ROOM_FOR_TIMES: f32 = 330.0;
 struct Room {
     /// The window's size in points.
     size: Vec2,
-    /// Whether the lines of text stand below the panels, for want of room between them.
+    /// Whether the lines of text are below the panels, if there is no space between them.
     is_narrow: bool,
-    /// Width of a line's text at the most.
+    /// Width of a line's text at most.
     line: f32,
-    /// Rows of a message at the most.
+    /// Rows of a message at most.
     rows: usize,
     /// Height below panels that is left to the lines.
     below: f32,
@@ -91,7 +91,7 @@ impl Room {
     }
 }
 
-/// What the panels show and nobody changes there.
+/// What the panels only show.
 pub struct HudState<'a> {
     /// The scene as it stands.
     pub world: &'a World,
@@ -117,7 +117,7 @@ pub struct HudState<'a> {
     pub levels: [f32; 2],
     /// What is heard in full, if it is.
     pub ears: Option<&'a EarsStatus>,
-    /// Frames after which GL reported an error; none where GL is not asked.
+    /// Frames after which GL reported an error; none where they are not queried.
     pub gl_errors: Option<u64>,
     /// The last thing that was done or went wrong.
     pub message: Option<&'a str>,
@@ -129,7 +129,7 @@ pub struct HudState<'a> {
     pub renderer: &'a str,
 }
 
-/// Lays out everything; what was asked for comes out.
+/// Lays out everything; returns the requests.
 pub fn draw(ui: &mut Ui, hud: &HudState, chosen: &mut Choices, plan: &mut Plan) -> Vec<Action> {
     let mut actions = Vec::new();
     let room = Room::of(ui, hud, chosen);
@@ -195,7 +195,7 @@ fn lower(ui: &Ui, hud: &HudState, room: Room, chosen: &Choices) {
 }
 
 /// The line that is always there, the last message above it, and why the scene's file as it
-/// is now is not what is seen, which stands until the file is mended.
+/// is now is not what is seen; it is shown until the file is fixed.
 fn lines(ui: &Ui, hud: &HudState, room: Room) {
     let text = if hud.mouse_looks {
         "the mouse looks about: Esc or a click frees it    WASD walk    F1 help"
@@ -223,7 +223,7 @@ fn lines(ui: &Ui, hud: &HudState, room: Room) {
 }
 
 /// A line of text in the middle, that far from the lower edge, of that width and so many rows
-/// at the most.
+/// at most.
 fn line(ui: &Ui, name: &str, up: f32, most: (f32, usize), text: RichText) {
     let offset = Vec2::new(0.0, -up);
     style::line(ui, name, Align2::CENTER_BOTTOM, offset, most, text);

@@ -53,7 +53,7 @@ impl Plan {
         painter.text(corner, egui::Align2::LEFT_BOTTOM, text, font, style::TEXT);
     }
 
-    /// Cuts the scene anew if it has changed; the part of the world that is shown.
+    /// Cuts the scene again if it has changed; the part of the world that is shown.
     fn refresh(&mut self, context: &Context, name: &str, scene: &Scene) -> Bounds {
         if self.cut.refresh(name, scene) {
             let image = self.cut.image();

@@ -16,7 +16,7 @@ pub const TIMES: f32 = 126.0;
 pub const INNER: f32 = 7.0;
 /// Space before and after a line of text on its own ground, in points.
 pub const LINE_INNER: f32 = 8.0;
-/// Width of what stands before a slider, in points.
+/// Width of the label before a slider, in points.
 pub const LABEL: f32 = 58.0;
 /// Width of a slider, in points.
 const SLIDER: f32 = 66.0;
@@ -110,7 +110,7 @@ pub fn sheet(ui: &Ui, name: &str, down: f32, add: impl FnOnce(&mut Ui)) {
 }
 
 /// Text at a place of the window, on a ground of its own, of that width in points and so many
-/// rows at the most; no mouse meets it.
+/// rows at most; no mouse meets it.
 pub fn line(ui: &Ui, name: &str, at: Align2, offset: Vec2, most: (f32, usize), text: RichText) {
     let area = Area::new(Id::unique(name)).anchor(at, offset);
     at_once(ui, name, area.interactable(false), |ui| {
@@ -179,7 +179,7 @@ pub fn slider(ui: &mut Ui, name: &str, slider: Slider) -> Response {
     })
 }
 
-/// Small text in a box of so many rows, whatever it says.
+/// Small text in a box with a fixed number of rows.
 pub fn note(ui: &mut Ui, text: &str, colour: Color32, rows: usize) {
     let size = Vec2::new(ui.available_width(), SMALL_ROW * rows as f32);
     let (rect, response) = ui.allocate_exact_size(size, Sense::hover());

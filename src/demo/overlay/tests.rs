@@ -11,7 +11,7 @@ const AREAS: [&str; 7] = [
     "left", "right", "lower", "hint", "message", "refusal", "help",
 ];
 
-/// What differs from frame to frame while somebody reads.
+/// What differs from frame to frame while the panels are open.
 #[derive(Clone, Copy)]
 struct Moment {
     waves: u32,
@@ -144,7 +144,7 @@ const SIZES: [[u32; 2]; 6] = [
     [1600, 900],
 ];
 
-/// Protects whoever reads the panels: whatever the numbers, all stays where it is.
+/// The panels keep their places and sizes, whatever the numbers.
 #[test]
 fn panels_stand_still_while_one_reads() {
     for size in SIZES {

@@ -1,11 +1,11 @@
-//! Chaos told apart from error.
+//! Separates chaos from error.
 //!
 //! # Theory
 //! Two rays side by side part in proportion to what they fly, but a convex mirror makes
 //! them part exponentially: a flight of length l between mirrors of radius r multiplies
 //! their separation by about 1 + 2 l / (r cos θ) (Sinai 1970, dispersing billiards). No
 //! arithmetic of finite precision follows such a wave for long: past its *horizon* an
-//! end-point error tells of the precision, not of the algorithm.
+//! end-point error depends on the precision, not on the algorithm.
 //!
 //! # Method
 //! Exact waves in pairs, started a billionth of a radian apart, are followed as long as

@@ -3,7 +3,7 @@
 use super::report::{AccuracyReport, PanningError, Row, SceneReport, Target, WaveErrors};
 use crate::report::{self, Cell, Column, significant};
 
-/// A row with what it stands in.
+/// A row with its context.
 pub(super) struct Line<'a> {
     pub report: &'a AccuracyReport,
     pub scene: &'a SceneReport,

@@ -7,7 +7,7 @@
 //!   closed form in `f64`) of the same start direction: status, surfaces met, metres
 //!   between the ends. Taken over at most [`Plan::compared_waves`] waves of seed 1; more have
 //!   the same distribution. A wave whose exact twin dies has no end and no error; one that dies
-//!   alone counts where it says that it is.
+//!   alone counts at its own end point.
 //! - *Panning*: over at least 16 seeds, against the same start directions followed exactly
 //!   (twin bias) and against the limit of many waves (limit bias, mean square error,
 //!   efficiency). When

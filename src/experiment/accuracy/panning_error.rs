@@ -7,7 +7,7 @@
 //! n frames the spread is the estimate with n − 1, the error a plain mean: spread² counts
 //! (n − 1) ÷ n times in it.) The first, the *limit bias*, is only known to spread ÷ √n. The
 //! *twin bias* is against the exact panning of the same start directions and so free of
-//! their chance; it tells of the tracing alone. What a frame is worth is its *efficiency*, 1 ÷ (mean square error × time): it does not change with the number
+//! their randomness; it depends on the tracing alone. What a frame is worth is its *efficiency*, 1 ÷ (mean square error × time): it does not change with the number
 //! of waves while the spread of independent directions dominates (Veach 1997, section
 //! 2.4.1), and falls with it once bias does.
 

@@ -1,10 +1,10 @@
 //! What is run in which scene.
 //!
 //! The truth of a few basic shapes is a handful of formulas a flight. That of a field is a march in
-//! `f64` of some hundred evaluations, and of many surfaces each is asked, so that a thousand flights
-//! take a hundred times as long. Such scenes get the short sweep, and of all that the truth is asked
-//! for less: directions for the limit, waves that are compared one by one, seeds of the twin bias.
-//! How sure each figure is then stands beside it.
+//! `f64` of some hundred evaluations, and of many surfaces each is evaluated, so that a thousand flights
+//! take a hundred times as long. Such scenes get the short sweep, with fewer evaluations of the
+//! exact reference: directions for the limit, waves that are compared one by one, seeds of the twin bias.
+//! The uncertainty of each figure is then given beside it.
 
 use super::sweep::{Case, full, quick, short};
 use crate::kernel::{Layout, Lists};
@@ -43,9 +43,9 @@ pub struct Plan {
     pub cases: Vec<Case>,
     /// Directions for the limit of many waves.
     pub limit_directions: u64,
-    /// Waves of a row that are compared one by one, at the most.
+    /// Waves of a row that are compared one by one, at most.
     pub compared_waves: u32,
-    /// Seeds that the twin bias is taken over, the first ones, at the most.
+    /// Seeds that the twin bias is taken over, the first ones, at most.
     pub twin_seeds: u32,
     /// Pairs of waves that chaos is measured on.
     pub chaos_pairs: u64,

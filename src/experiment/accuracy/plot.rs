@@ -37,7 +37,7 @@ type Dot = (Point, i32);
 /// The report as an SVG picture: a row of two plots for each scene.
 ///
 /// # Errors
-/// When the drawing fails, which its text says.
+/// When the drawing fails; the text contains the reason.
 pub(super) fn plot_svg(report: &AccuracyReport) -> Result<String, PlotError> {
     let title = format!(
         "Speed against error, {ITERATIONS} iterations, {} (larger dots: more waves)",

@@ -19,11 +19,11 @@ pub struct AccuracyReport {
     pub seconds: f64,
     /// The panning error that [`SceneReport::recommendation`] stays below.
     pub stated_error: f64,
-    /// In the order they were asked for.
+    /// In the order they were requested.
     pub scenes: Vec<SceneReport>,
-    /// The project's own targets; empty when their scenes were not asked for.
+    /// The project's own targets; empty when their scenes were not requested.
     pub targets: Vec<Target>,
-    /// Impulse responses; empty when they were not asked for.
+    /// Impulse responses; empty when they were not requested.
     pub responses: Vec<ResponseRow>,
 }
 
@@ -292,7 +292,7 @@ pub struct Target {
     pub what: String,
     /// What was found.
     pub measured: f64,
-    /// What it is held against; `None` for a figure beside the targets.
+    /// What it is compared with; `None` for a figure without a target.
     pub bound: Option<f64>,
     /// Whether it has to be at least the bound, else at most.
     pub at_least: bool,

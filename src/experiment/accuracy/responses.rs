@@ -1,8 +1,8 @@
 //! Impulse responses against image sources: the error of their figures against the time they take.
 //!
 //! One room of 8 × 3 × 5 m whose walls and bands absorb differently (0.1 to 0.43), from 4,096 waves to
-//! 262,144. Errors are the largest of the bands whose figure is told; what is not told is counted.
-//! Beside them stand the least differences that are noticed: 5 % in reverberation times, 1 dB in clarity
+//! 262,144. Errors are the largest of the bands whose figure is reported; the others are counted.
+//! They are compared with the just noticeable differences: 5 % in reverberation times, 1 dB in clarity
 //! and strength (ISO 3382-1:2009, annex A, table A.1).
 
 use super::report::{AccuracyReport, ResponseRow};
@@ -15,8 +15,7 @@ use crate::experiment::plot::{
 use crate::reference::ShoeboxEnergies;
 use crate::report::{Column, PlotError, Row};
 use crate::response::{Response, ResponseSettings};
-use crate::scene::shape::Room;
-use crate::scene::{Listener, Material, Scene, Source, Surface};
+use crate::scene::{Listener, Scene, Source};
 use crate::stats::median;
 use crate::trace::{Profile, Settings, Tracer};
 use glam::Vec3;
@@ -28,7 +27,7 @@ const WAVES: [u32; 4] = [1 << 12, 1 << 14, 1 << 16, 1 << 18];
 /// Profiles that have responses.
 const PROFILES: [Profile; 2] = [Profile::Hybrid, Profile::March];
 
-/// Runs of each, whose median time is told. The first compiles.
+/// Runs of each, whose median time is reported. The first compiles.
 const RUNS: usize = 4;
 
 /// Length of the record in seconds: a decay of 60 dB and a quarter more.
@@ -49,18 +48,8 @@ fn absorption() -> [Bands; 6] {
 }
 
 fn room() -> Scene {
-    let mut walls = Surface::new(Room { size: SIZE });
-    let mut materials = Vec::new();
-    for (wall, absorption) in absorption().into_iter().enumerate() {
-        let mut material = Material::absorbing(0.0);
-        material.absorption = absorption;
-        materials.push((format!("wall {wall}"), material));
-        walls = walls.with_wall_material(wall, format!("wall {wall}"));
-    }
-    let listener = Listener::at(LISTENER, 0.3);
-    let mut scene = Scene::new("room", vec![walls], Source::at(SOURCE), listener);
-    scene.materials.extend(materials);
-    scene
+    let (source, listener) = (Source::at(SOURCE), Listener::at(LISTENER, 0.3));
+    Scene::shoebox(SIZE, &absorption(), source, listener)
 }
 
 /// By image sources.

@@ -71,7 +71,7 @@ impl Case {
         })
     }
 
-    /// What the report tells of it in a scene.
+    /// What the report contains of it in a scene.
     pub fn report(&self, scene: &Scene) -> CaseReport {
         let settings = &self.settings;
         let (min_distance, exact_normals, landing) = match &settings.algorithm {
@@ -332,7 +332,7 @@ mod tests {
         }
     }
 
-    /// Protects "fused" from settings that the tracer does not follow: what fits a pass is told
+    /// Protects "fused" from settings that the tracer does not follow: what fits a pass is computed
     /// by the tracer's own rule, and depends on the scene.
     #[test]
     fn fused_is_what_runs_in_one_pass() {

@@ -1,4 +1,4 @@
-//! The figures that the project sets itself, measured and held against their bounds.
+//! The project's own target figures, measured and compared with their bounds.
 
 use super::measure::wave_errors;
 use super::plan::ROOMS;

@@ -25,7 +25,7 @@ pub struct Truth<'a> {
     pub exact: ExactScene,
     /// Directions that the limits are taken over.
     limit_directions: u64,
-    /// By iterations, from 0: as far as they were asked for.
+    /// By iterations, from 0: as far as they were requested.
     limits: Vec<Limit>,
     /// The panning by iterations.
     twins: HashMap<Start, Vec<f64>>,
@@ -63,7 +63,7 @@ impl<'a> Truth<'a> {
     }
 
     /// The exact waves of the start directions of these settings, which are `starts`: followed
-    /// once, whatever else the settings say.
+    /// once, whatever the other settings.
     pub fn twins(&mut self, settings: &Settings, starts: &[Vec3]) -> Rc<[ExactWave]> {
         let key = (start(settings), settings.iterations);
         if let Some(known) = self.followed.get(&key) {
@@ -104,7 +104,7 @@ impl<'a> Truth<'a> {
 
     /// The exact panning of the very waves that the GPU starts with these settings.
     ///
-    /// `most`: iterations that will ever be asked for with these waves.
+    /// `most`: iterations that will ever be requested with these waves.
     ///
     /// # Errors
     /// Those of [`Tracer::frame`].

@@ -30,7 +30,7 @@ struct Line<'a> {
 enum Heard<'a> {
     /// By another seed.
     Noise(&'a Noise),
-    /// By a change; `None` where it cannot be told.
+    /// By a change; `None` where it cannot be estimated.
     Change(Option<&'a Change>),
 }
 
@@ -81,7 +81,7 @@ impl<'a> Line<'a> {
         }
     }
 
-    /// What is changed, and what it is set beside where that is not what was asked for.
+    /// What is changed, and what it is compared with, if not the requested settings.
     fn change(&self) -> String {
         if self.verdict.is_none() {
             return "another seed".to_owned();
@@ -125,7 +125,7 @@ impl<'a> Line<'a> {
         })
     }
 
-    /// Only where it can be told.
+    /// Only where it can be estimated.
     fn within_noise(&self) -> Option<bool> {
         match self.heard {
             Heard::Change(Some(_)) => Some(self.verdict == Some(Verdict::CanBeLeftOut)),

@@ -12,7 +12,7 @@ use serde::Serialize;
 pub struct OptionRow {
     /// What is changed, as it is typed where it can be.
     pub name: String,
-    /// What it is set beside: `as asked`, or another profile.
+    /// What it is compared with: `as asked`, or another profile.
     pub against: String,
     /// What the change saves of the march.
     pub march: Timing,
@@ -24,13 +24,13 @@ pub struct OptionRow {
     pub within_noise: bool,
 }
 
-/// What [`OptionRow::against`] says of the settings that were asked for.
+/// The value of [`OptionRow::against`] for the requested settings.
 pub(super) const AS_ASKED: &str = "as asked";
 
 /// Settings that are changed in one thing.
 pub(super) struct Variant {
     name: String,
-    /// What they are compared with, if not with the settings that were asked for.
+    /// What they are compared with, if not with the settings requested.
     against: Option<Settings>,
     settings: Settings,
 }
@@ -130,7 +130,7 @@ pub(super) fn measure(
 mod tests {
     use super::*;
 
-    /// Protects the rows: each is something else than what was asked for, and can be traced.
+    /// Protects the rows: each differs from the requested settings, and can be traced.
     #[test]
     fn every_variant_is_another_and_valid() {
         for profile in Profile::ALL {

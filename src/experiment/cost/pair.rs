@@ -108,7 +108,7 @@ impl Pair {
 }
 
 impl Timing {
-    /// How much of a saving in percent this one, of no difference, says is noise.
+    /// Noise of a saving in percent, from this pair without a difference.
     pub(super) fn own_noise_percent(&self) -> f64 {
         match self.base_ms > 0.0 {
             true => 100.0 * (self.saved_ms.abs() + self.spread_ms) / self.base_ms,

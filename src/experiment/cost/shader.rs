@@ -191,7 +191,7 @@ fn unused(lines: &[String], functions: &[String]) -> Vec<String> {
 mod tests {
     use super::*;
 
-    /// Protects the table of features: functions are told from what merely helps them.
+    /// Protects the table of features: functions are distinguished from their helpers.
     #[test]
     fn functions_are_told_by_their_names() {
         let of = [

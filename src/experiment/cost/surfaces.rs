@@ -1,4 +1,4 @@
-//! What each surface costs, who meets it, and what is heard without it.
+//! What each surface costs, which waves meet it, and what is heard without it.
 
 use super::Bench;
 use super::change::Change;
@@ -13,7 +13,7 @@ use serde::Serialize;
 /// Surfaces up to which each is measured alone; of more, each kind of shape is.
 pub const MOST_SURFACES: usize = 32;
 
-/// Waves followed at the most, and their states at the most.
+/// Waves followed at most, and their states at most.
 const MOST_FOLLOWED: u32 = 16_384;
 const MOST_STATES: u32 = 1 << 21;
 
@@ -52,7 +52,7 @@ pub enum Verdict {
     IsHeard,
     /// The scene would have no surface.
     LeavesNothing,
-    /// Nothing is heard with everything in, so it cannot be told.
+    /// Nothing is heard with everything in, so there is no verdict.
     NothingHeard,
 }
 

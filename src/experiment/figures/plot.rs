@@ -44,7 +44,7 @@ struct Curve {
 /// The report as an SVG picture: a row of two plots for each table, and what their lines mean.
 ///
 /// # Errors
-/// When the drawing fails, which its text says.
+/// When the drawing fails; the text contains the reason.
 pub(super) fn plot_svg(report: &FiguresReport) -> Result<String, PlotError> {
     let title = format!("Figures 11.1 to 11.4, on {}", report.renderer);
     SHEET.svg(&title, report.tables.len(), |rows| {

@@ -1,6 +1,6 @@
 //! The answers of a test person, as the form saves them: JSON, complete or interrupted.
 //!
-//! Nothing is taken silently: a file is read in full or refused with what is wrong in it, and
+//! Nothing is taken silently: a file is read in full or rejected with what is wrong in it, and
 //! a trial without an answer counts as such.
 
 use super::observer::Side;
@@ -10,16 +10,16 @@ use crate::trace::Settings;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
-/// Trials in a form at the most.
+/// Trials in a form at most.
 pub const MOST_TRIALS: usize = 999;
 
-/// What a file of answers says that it is.
+/// The type that a file of answers declares.
 pub const FORMAT: &str = "echomarch-localise-answers";
 
 /// The only version that is read: since 2 the order of the trials is each person's own.
 pub const VERSION: u32 = 2;
 
-/// Bytes of a file of answers at the most: a form of 999 trials makes about one megabyte.
+/// Bytes of a file of answers at most: a form of 999 trials makes about one megabyte.
 const LARGEST_FILE: u64 = 16 << 20;
 
 /// Confidence runs from 1, a guess, to this, certain.
@@ -60,7 +60,7 @@ pub struct TrialAnswer {
     pub number: u32,
     /// What was heard.
     pub stimulus: StimulusInfo,
-    /// What was said.
+    /// The answer.
     pub answer: Option<Answer>,
 }
 
@@ -90,13 +90,13 @@ pub struct StimulusInfo {
     pub hits: u64,
     /// Straight to the source, right of the gaze, in degrees, −180 … 180.
     pub source_azimuth_deg: f64,
-    /// The same as far as levels can tell it, in degrees, −90 … 90.
+    /// The same as far as levels determine it, in degrees, −90 … 90.
     pub source_lateral_deg: f64,
     /// What the [`Observer`](super::Observer) answers to this very sound, in degrees.
     pub observer_lateral_deg: f64,
 }
 
-/// What a person said.
+/// What a person answered.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Answer {
@@ -150,7 +150,7 @@ pub enum AnswersError {
     Format {
         /// The file.
         path: PathBuf,
-        /// What it says that it is.
+        /// The type that it declares.
         format: String,
         /// Its version.
         version: u32,
@@ -163,7 +163,7 @@ pub enum AnswersError {
         /// Where, what is there, and what should be.
         what: String,
     },
-    /// Two files of one session that say different things.
+    /// Two files of one session that contradict each other.
     #[error(
         "{} and {} are of one session ({session}) and differ in trial {number}: give one of them",
         first.display(),

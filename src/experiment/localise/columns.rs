@@ -1,18 +1,18 @@
-//! The columns of what is told of the observer and of people.
+//! The columns of the reports on the observer and on people.
 
 use super::report::{Cell as RoomCell, LocaliseReport, OpenDirection, OpenReport};
 use super::score::Group;
 use super::statistics::{ErrorFigures, Figure, Share};
 use crate::report::{Cell, Column, Row};
 
-/// Sides of the source, and what was said.
+/// Sides of the source, and the answers.
 const SIDES: [&str; 3] = ["left", "centre", "right"];
 const SAID: [&str; 4] = ["left", "centre", "right", "nothing"];
 
 /// One line of the observer's: a direction in the open, or a sound and setting in a room.
 /// Angles in degrees, positive to the right; shares from 0 to 1 for programs.
 pub(super) struct Line<'a> {
-    /// `open` (all around the listener), `alike` (three sources that levels cannot tell apart)
+    /// `open` (all around the listener), `alike` (three sources with the same levels)
     /// or `room`.
     kind: &'static str,
     scene: &'a str,

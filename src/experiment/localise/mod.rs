@@ -10,7 +10,7 @@
 //! - *For machines*: an [`Observer`] answers from the levels of the rendered channels alone.
 //!   [`run`] measures its error in the open, where it has to be right, and in rooms, for each
 //!   sound, profile, count of waves and of iterations, over several seeds and three ways to
-//!   face ([`facings`]). Every answer is held against two truths: the *source*, the lateral
+//!   face ([`facings`]). Every answer is compared with two truths: the *source*, the lateral
 //!   angle of the straight way to it; and the *limit*, what the observer answers to the
 //!   converged panning of `hybrid` after as many iterations. A trial in which nothing is heard
 //!   has no answer and is counted apart.
@@ -86,7 +86,7 @@ pub struct LocaliseOptions {
     pub profiles: Vec<Profile>,
     /// Counts of waves.
     pub waves: Vec<u32>,
-    /// Counts of iterations. Settings of more than [`MOST_WORK`] are left out, and told of.
+    /// Counts of iterations. Settings of more than [`MOST_WORK`] are left out, and reported.
     pub iterations: Vec<u32>,
     /// Frames of each setting and facing, a seed each.
     pub seeds: u32,

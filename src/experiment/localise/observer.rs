@@ -21,16 +21,16 @@
 //! which is about 2/3 + *k*/2 for a far source, and 1 for one that touches the listener. The
 //! panning value of a source with the *lateral angle* λ (between its direction and the
 //! median plane, sin λ = **u** · right) is *m* sin λ, and the observer answers
-//! λ = asin(pan / *m*), having read the panning value off the channels' levels by way of
+//! λ = asin(pan / *m*), having read the panning value off the channels' levels through
 //! the panning law.
 //!
 //! # What it cannot know
 //! Two levels are one number. Front and back, above and below have the same levels: only the
-//! lateral angle can be told, which for a source at the height of the ears is its azimuth,
-//! folded to the front. The observer is told *R* and the true straight distance *D*, which no
-//! test person is: the source is on no picture. So it knows more than a person can. The
-//! *blind* observer ([`Observer::blind`]) is not told *D* and takes the source for a far one,
-//! *m* = 2/3; a near source then seems further beside than it is. Neither is told what is
+//! lateral angle can be determined, which for a source at the height of the ears is its azimuth,
+//! folded to the front. The observer knows *R* and the true straight distance *D*, which no
+//! test person does: the source is not in the picture. So it knows more than a person can. The
+//! *blind* observer ([`Observer::blind`]) does not know *D* and assumes a distant source,
+//! *m* = 2/3; a near source then seems further to the side than it is. Neither knows what is
 //! reflected where.
 
 use crate::audio::PanningLaw;
@@ -38,7 +38,7 @@ use crate::scene::Scene;
 use glam::DVec3;
 
 /// Lateral angles below this, in degrees to either side, are in the centre. Twice the
-/// accuracy of a few degrees that is asked of the observer, and far more.
+/// accuracy of a few degrees that is required of the observer, and far more.
 pub const CENTRE_DEG: f64 = 15.0;
 
 /// Levels of the two channels: root mean squares, of full scale 1.
@@ -81,7 +81,7 @@ impl Levels {
     }
 }
 
-/// Where a direction lies as two ears can tell it.
+/// A direction as far as two ears can determine it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Side {
@@ -118,7 +118,7 @@ impl Side {
     }
 }
 
-/// The observer, told how large the listener is and how far the source, or neither.
+/// The observer, which knows the listener's radius and the source's distance, or neither.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Observer {
     mean_side: f64,
@@ -135,7 +135,7 @@ impl Observer {
         }
     }
 
-    /// An observer that is told no distance: *m* is that of a far source.
+    /// An observer that does not know the distance: *m* is that of a far source.
     pub fn blind(law: PanningLaw) -> Observer {
         Observer {
             mean_side: mean_side(0.0),

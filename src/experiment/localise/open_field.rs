@@ -1,4 +1,4 @@
-//! The observer in the open: where it has to be right, and where levels tell nothing.
+//! The observer in the open: where it has to be right, and where levels contain no information.
 
 use super::listen::{source_towards, without_ground};
 use super::observer::{Observer, lateral_deg};

@@ -35,7 +35,7 @@ const LOOKS: [(Axis, Measure); 5] = [
     (ITERATIONS, SPREAD),
 ];
 
-/// A count says nothing of where from this share of unheard trials on.
+/// From this share of unheard trials on a count gives no direction.
 const MOST_UNHEARD: f64 = 0.5;
 
 /// The plateaus of every scene, sound and profile, along waves and along iterations: one for

@@ -63,7 +63,7 @@ struct Line {
 /// The report as an SVG picture.
 ///
 /// # Errors
-/// When the drawing fails, which its text says.
+/// When the drawing fails; the text contains the reason.
 pub(super) fn plot_svg(report: &LocaliseReport) -> Result<String, PlotError> {
     let interval = match report.rough {
         true => format!("rough interval (fewer than {LEAST_DRAWN} seeds)"),

@@ -49,11 +49,11 @@ pub struct OpenReport {
     pub distance_m: f64,
     /// *m* of the observer.
     pub mean_side: f64,
-    /// *m* of the observer that is not told the distance.
+    /// *m* of the observer that does not know the distance.
     pub blind_mean_side: f64,
     /// Over all azimuths; none if nothing is heard.
     pub all: Option<ErrorFigures>,
-    /// The same of the observer that is not told the distance.
+    /// The same of the observer that does not know the distance.
     pub blind: Option<ErrorFigures>,
     /// An entry an azimuth.
     pub azimuths: Vec<OpenDirection>,
@@ -68,13 +68,13 @@ pub struct OpenDirection {
     pub azimuth_deg: f64,
     /// Where it is, above the ears, in degrees.
     pub elevation_deg: f64,
-    /// What levels can tell of that, in degrees.
+    /// What levels determine of that, in degrees.
     pub lateral_deg: f64,
     /// The mean answer, in degrees; none if nothing is heard.
     pub answer_deg: Option<f64>,
     /// How the answers are; none if nothing is heard.
     pub error: Option<ErrorFigures>,
-    /// The same of the observer that is not told the distance.
+    /// The same of the observer that does not know the distance.
     pub blind: Option<ErrorFigures>,
 }
 
@@ -102,7 +102,7 @@ pub struct FacingReport {
     pub yaw_deg: f64,
     /// Straight to the source, right of the gaze, in degrees.
     pub azimuth_deg: f64,
-    /// The same as far as levels can tell it.
+    /// The same as far as levels determine it.
     pub lateral_deg: f64,
     /// The converged panning of `hybrid`, an entry a count of iterations.
     pub limits: Vec<LimitReport>,

@@ -1,11 +1,11 @@
-//! What test persons answered, set beside where the source is and what levels can tell.
+//! What test persons answered, compared with the source's position and what levels determine.
 //!
-//! A click on the plan has an azimuth all around; levels tell only its lateral angle. So the
-//! error is that of the azimuth folded to the front, and how many clicks lie behind is told
-//! apart. Intervals and spread are those of persons ([`figures_of_people`]): one person's
+//! A click on the plan has an azimuth all around; levels determine only its lateral angle. So the
+//! error is that of the azimuth folded to the front, and the number of clicks behind is reported
+//! separately. Intervals and spread are those of persons ([`figures_of_people`]): one person's
 //! answers are not independent. Sounds in which no wave was heard are a group of their own:
 //! they are in the middle, wherever their source is. Several files of one session are one session: answers are locked once given, so
-//! later files only add to earlier ones; two that contradict each other are refused.
+//! later files only add to earlier ones; two that contradict each other are rejected.
 
 use super::answers::{Answer, AnswersError, Session, StimulusInfo, TrialAnswer};
 use super::observer::{Side, folded_deg};

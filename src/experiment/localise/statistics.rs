@@ -1,15 +1,15 @@
 //! Figures over answers: median, bias, spread, and how sure they are.
 //!
-//! Intervals are the percentile bootstrap (Efron 1979): answers are drawn anew, with
+//! Intervals are the percentile bootstrap (Efron 1979): answers are drawn again, with
 //! replacement, [`RESAMPLES`] times by a generator of a fixed seed, and the interval of each
 //! figure holds the middle 95 % of what the drawings give. That makes no assumption about
 //! the errors' distribution, which is far from normal: answers end at ±90°, and each truth
 //! has a bias of its own. What is drawn is what chance has chosen:
 //!
 //! - for the observer, the seeds: as many answers to each truth as there were, so that the
-//!   interval tells of the chance in the waves, not of the choice of truths ([`figures`]);
-//! - for people, the persons, each with all that they answered: what one person says is not
-//!   independent ([`figures_of_people`]). It still tells nothing of the choice of truths.
+//!   interval covers the randomness of the waves, not the choice of truths ([`figures`]);
+//! - for people, the persons, each with all that they answered: the answers of one person are not
+//!   independent ([`figures_of_people`]). It still does not cover the choice of truths.
 //!
 //! Drawing with replacement narrows a spread by √((*n* − 1)/*n*); a drawing's spread is widened
 //! by as much. With [`LEAST_DRAWN`] seeds the interval of a bias holds the truth in 92 of 100
@@ -62,7 +62,7 @@ pub struct ErrorFigures {
 pub struct Pair {
     /// What would have been right.
     pub truth_deg: f64,
-    /// What was said.
+    /// The answer.
     pub answer_deg: f64,
 }
 
@@ -81,7 +81,7 @@ struct Point {
     spread: Option<f64>,
 }
 
-/// The figures of an observer's answers, drawn anew truth by truth; none for no answers.
+/// The figures of an observer's answers, drawn again truth by truth; none for no answers.
 pub fn figures(pairs: &[Pair]) -> Option<ErrorFigures> {
     let strata = by_truth(pairs);
     let fewest = strata.iter().map(Vec::len).min()?;
@@ -99,7 +99,7 @@ pub fn figures(pairs: &[Pair]) -> Option<ErrorFigures> {
 }
 
 /// The figures of people's answers, an entry of `people` for each person; the persons are
-/// drawn anew. No intervals for fewer than [`LEAST_DRAWN`] persons; none for no answers.
+/// drawn again. No intervals for fewer than [`LEAST_DRAWN`] persons; none for no answers.
 pub fn figures_of_people(people: &[Vec<Pair>]) -> Option<ErrorFigures> {
     let all: Vec<Pair> = people.iter().flatten().copied().collect();
     if all.is_empty() {

@@ -25,7 +25,7 @@ pub(super) struct Run<'a> {
 pub(super) struct Answers {
     /// An answer a sound, in degrees.
     pub(super) told: Vec<f64>,
-    /// The first sound's, of the observer that is not told the distance.
+    /// The first sound's, of the observer that does not know the distance.
     pub(super) blind: Option<f64>,
     /// Waves that arrived.
     pub(super) hits: u64,

@@ -5,7 +5,7 @@ use crate::scene::Scene;
 use crate::trace::{Settings, Tracer};
 use glam::{DVec3, Vec3};
 
-/// A hard case: what is traced, and what is asked of it.
+/// A hard case: what is traced, and its requirements.
 #[derive(Clone, Debug)]
 pub struct Case {
     /// What the command line calls it.
@@ -23,7 +23,7 @@ pub struct Case {
 pub enum Check {
     /// Waves against their exact end points.
     Waves(Box<WaveCheck>),
-    /// Input that must be refused with a typed error, each with what is wrong with it. A profile
+    /// Input that must be rejected with a typed error, each with what is wrong with it. A profile
     /// is given what has its settings.
     Refused(Vec<(&'static str, Scene, Settings)>),
     /// Energies of arrivals.
@@ -39,7 +39,7 @@ pub struct EnergyCheck {
     pub(super) judge: fn(&mut Tracer, &Settings) -> Result<Verdict, Error>,
 }
 
-/// What came of it.
+/// The result.
 #[derive(Clone, Debug)]
 pub(super) struct Verdict {
     pub passed: bool,

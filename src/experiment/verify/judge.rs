@@ -220,7 +220,7 @@ impl Judge {
         self.extent.max(end.distance(self.start))
     }
 
-    /// How far the exact waves are from planted answers at the most, as a share of the
+    /// How far the exact waves are from planted answers at most, as a share of the
     /// extent, or of the way there if that is longer; infinite where they meet other objects.
     pub fn exact_against(&self, directions: &[Vec3], answers: &[Planted]) -> f64 {
         let off = |(direction, answer): (&Vec3, &Planted)| {

@@ -5,10 +5,10 @@
 //! aimed at what is hard, or a lattice of thousands. The GPU follows them by every profile
 //! and every state of every wave is read back. The judge is [`ExactScene`](crate::reference::ExactScene), which solves
 //! each flight in `f64`, in closed form where there is one, and shares no code with the shaders.
-//! A user's text it cannot read: there it goes by a second scene, in which a tree of the
+//! It cannot read a user's text: there it uses a second scene, in which a tree of the
 //! library's own states the same surface. Some answers are
 //! *planted* besides (head-on and grazing flights, edges and vertices of a room, sources in
-//! a solid and in the listener): written down by hand, and the judge itself is held against
+//! a solid and in the listener): written down by hand, and the judge itself is compared with
 //! them.
 //!
 //! # Which answers are right

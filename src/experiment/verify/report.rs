@@ -34,9 +34,9 @@ pub struct CaseReport {
 pub struct ProfileResult {
     /// Name of the profile.
     pub profile: String,
-    /// Whether all that is asked of it holds.
+    /// Whether all its requirements hold.
     pub passed: bool,
-    /// Waves traced; 0 for input that must be refused.
+    /// Waves traced; 0 for input that must be rejected.
     pub waves: usize,
     /// Waves with no right answer: other objects, or too far off.
     pub off: usize,
@@ -56,7 +56,7 @@ pub struct ProfileResult {
     pub not_finite: usize,
     /// Waves that were in a solid after some iteration.
     pub inside: usize,
-    /// How deep at the most; metres.
+    /// How deep at most; metres.
     pub deepest: f64,
     /// Marches that reached the step limit.
     pub step_limit_reached: u64,

@@ -10,5 +10,5 @@ pub const END_ROUNDING: f64 = 16.0 * f32::EPSILON as f64;
 
 /// What a direction's length may be off: what GLSL allows. `inversesqrt` may be 2 units in the last place
 /// off, a division 2.5 and a square root both (GLSL 4.60, section 4.7.1): `normalize` 4 units with the dot product
-/// and the products, and a reflection at such a normal has twice its error. A unit is [`f32::EPSILON`] at the most.
+/// and the products, and a reflection at such a normal has twice its error. A unit is [`f32::EPSILON`] at most.
 pub const LENGTH_ROUNDING: f64 = 8.0 * f32::EPSILON as f64;

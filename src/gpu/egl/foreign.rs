@@ -19,7 +19,7 @@ pub(in crate::gpu) struct Foreign {
 }
 
 impl Foreign {
-    /// What EGL says is current on this thread, if anything; nothing where there was no context by way of EGL yet.
+    /// The EGL context that is current on this thread, if any; none where there was no EGL context yet.
     pub fn of_system() -> Option<Foreign> {
         let functions = loaded()?;
         let egl = &functions.egl;
@@ -51,7 +51,7 @@ impl Foreign {
         };
     }
 
-    /// Makes it current again. If its owner has destroyed it in the meantime EGL refuses, and none is current.
+    /// Makes it current again. If its owner has destroyed it in the meantime EGL rejects, and none is current.
     pub fn make_current(&self) {
         let egl = &self.functions.egl;
         // SAFETY: EGL checks handles against those that there are.

@@ -59,7 +59,7 @@ enum Failure {
 
 static FUNCTIONS: OnceLock<Result<Functions, Failure>> = OnceLock::new();
 
-/// The functions, loaded when first asked for.
+/// The functions, loaded when first requested.
 ///
 /// # Errors
 /// [`GpuError::NoEglLibrary`], [`GpuError::StrangeEglLibrary`].
@@ -73,7 +73,7 @@ pub fn functions() -> Result<&'static Functions, GpuError> {
     }
 }
 
-/// The functions, if they were asked for before.
+/// The functions, if they were requested before.
 pub fn loaded() -> Option<&'static Functions> {
     FUNCTIONS.get()?.as_ref().ok()
 }

@@ -1,5 +1,5 @@
 //! Contexts without a window where EGL lists no devices: on Mesa's platform without surfaces, or on the default display.
-//! ANGLE and older drivers are used by way of them.
+//! ANGLE and older drivers are used through them.
 
 use std::ffi::{CStr, c_void};
 use std::fmt;
@@ -183,7 +183,7 @@ impl Opened {
         }
     }
 
-    /// A context that is told of resets, where that is offered; otherwise a lost one looks like one that is slow.
+    /// A context with reports of resets, where these are offered; otherwise a lost context looks like a slow one.
     fn new_context(&self, api: Api, config: EGLConfig) -> Result<EGLContext, Refusal> {
         let (minor, profile) = match api {
             Api::Gles => (0, &[][..]),
@@ -218,7 +218,7 @@ impl Opened {
         Err(refusal(self.functions, "eglCreateContext"))
     }
 
-    /// The attribute that asks to be told of resets.
+    /// The attribute that requests reports of resets.
     fn reset_attribute(&self) -> Option<u32> {
         if has(&self.extensions, "EGL_EXT_create_context_robustness") {
             return Some(egl::CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY_EXT);

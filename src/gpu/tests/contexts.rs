@@ -117,8 +117,8 @@ fn gpu_contexts_are_freed() {
     });
 }
 
-/// Protects from waiting for ever for a context that a reset of the graphics card has taken: where the driver offers
-/// to tell, it was asked to.
+/// Protects from waiting without end for a context that a reset of the graphics card has taken: where the driver offers
+/// to report them, that was requested.
 #[test]
 fn gpu_contexts_are_told_of_resets_where_the_driver_offers_it() {
     // Of KHR_robustness.

@@ -77,7 +77,7 @@ impl ForeignProgram {
         (0..SIDE * SIDE).flat_map(pixel).collect()
     }
 
-    /// An error that the program has not asked for.
+    /// An error that the program has not queried.
     pub fn make_an_error(&self) {
         // SAFETY: the program's own context is current while a test calls this, and the names are its own.
         unsafe { self.gl.enable(0xFFFF) };

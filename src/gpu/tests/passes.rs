@@ -35,7 +35,7 @@ fn bits(floats: &[f32]) -> Vec<u32> {
     floats.iter().map(|float| float.to_bits()).collect()
 }
 
-/// Floats come back from a texture bit for bit, of the attachment asked for, whole and in part.
+/// Floats come back from a texture bit for bit, of the attachment requested, whole and in part.
 #[test]
 fn gpu_textures_keep_every_bit() {
     on_every_api(|context| {
@@ -150,7 +150,7 @@ const COORDINATES: &str = "
     layout(location = 0) out vec4 result;
     void main() { result = vec4(gl_FragCoord.xy, sqrt(gl_FragCoord.x * gl_FragCoord.y), round); }";
 
-/// Bands of rows drawn one by one give what one draw gives, each row once, and nothing outside of the viewport.
+/// Bands of rows drawn one by one give what one draw gives, each row once, and nothing outside the viewport.
 #[test]
 fn gpu_bands_cover_what_one_draw_covers() {
     on_every_api(|context| {

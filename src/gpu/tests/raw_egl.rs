@@ -96,7 +96,7 @@ impl RawEgl {
         self.context.is_current()
     }
 
-    /// Whether its display offers contexts that are told of resets.
+    /// Whether its display offers contexts with reports of resets.
     pub fn offers_robustness(&self) -> bool {
         let features = self.display.supported_features();
         features.contains(DisplayFeatures::CONTEXT_ROBUSTNESS)

@@ -8,7 +8,7 @@ use glam::{DVec3, UVec3};
 /// of `hybrid` differ by less than a tenth; fewer make lists longer, more make ways longer.
 const CELLS_A_SURFACE: f64 = 2.0;
 
-/// Cells along an axis at the most: rounding puts a face of the last one a quarter of [`PAD`] off.
+/// Cells along an axis at most: rounding puts a face of the last one a quarter of [`PAD`] off.
 const MOST_CELLS: f64 = 1024.0;
 
 /// What is added to every cell when lists are made, as a share of its size: a place that

@@ -1,9 +1,8 @@
-//! Groups of surfaces that lie together: what a distance from outside of the grid asks.
+//! Groups of surfaces that lie together, for distances from outside the grid.
 //!
-//! Outside of the grid any surface can be the nearest. A group whose box is further away than
-//! what is already known is passed over as a whole; about √n groups of √n surfaces each are
-//! looked at and few of them opened. No bound stands in for a distance: what comes of it is
-//! the least distance itself.
+//! Outside the grid any surface can be the nearest. A group whose box is further away than the
+//! least distance found so far is skipped as a whole; about √n groups of √n surfaces each are
+//! tested and few of them opened. The result is the least distance itself, not a bound.
 
 use super::ENDLESS;
 use super::member::Member;

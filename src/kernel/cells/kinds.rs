@@ -20,7 +20,7 @@ pub struct SceneCells {
 }
 
 impl SceneCells {
-    /// The cells of a scene with the lists that are asked for, or `None` for one without.
+    /// The cells of a scene with the lists requested, or `None` for one without.
     pub fn new(scene: &Scene, layout: &Layout, which: Lists) -> Option<SceneCells> {
         if !layout.has_cells() {
             return None;
@@ -42,7 +42,7 @@ impl SceneCells {
         })
     }
 
-    /// Follows the scene, if it is still laid out so; else says that it is not.
+    /// Follows the scene, if its layout is unchanged; otherwise reports that it is not.
     pub fn update(&mut self, scene: &Scene, layout: &Layout, which: Lists) -> bool {
         if *layout != self.layout || which != self.which {
             return false;

@@ -26,7 +26,7 @@ impl Member {
         }
     }
 
-    /// Whether its value at the middle of a box says the distance there: not where there are
+    /// Whether its value at the centre of a box is the distance there: not where there are
     /// unbounded axes and it has ends.
     fn is_told_by_value(&self, unbounded_axes: [bool; 3]) -> bool {
         let column = (0..3).find(|&axis| unbounded_axes[axis]);

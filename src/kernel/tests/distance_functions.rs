@@ -13,10 +13,10 @@ use glam::{EulerRot, Quat, Vec3};
 /// Units in the last place, of the largest number that an evaluation meets, by which shader and
 /// CPU may part. Without a rotation there are some five operations (the offset, squares, a sum,
 /// a root, the radius), each off by half a unit here and perhaps by more in a shader, whose root
-/// OpenGL hardly bounds. (llvmpipe: 0.9 at the most.)
+/// OpenGL hardly bounds. (llvmpipe: 0.9 at most.)
 const PLAIN_ULPS: f32 = 4.0;
 
-/// A turn adds two cross products: some ten more operations. (llvmpipe: 3.3 at the most.)
+/// A turn adds two cross products: some ten more operations. (llvmpipe: 3.3 at most.)
 const TURNED_ULPS: f32 = 12.0;
 
 const KINDS: usize = 5;

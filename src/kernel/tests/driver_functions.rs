@@ -2,7 +2,7 @@
 
 use crate::gpu::{Context, Program, RenderTarget, Texture, full_screen_pass};
 use crate::kernel::text::library;
-use crate::kernel::{Source, join, link, pan_text, sum_contributions_text};
+use crate::kernel::{Source, first_sum_text, join, link, pan_text};
 use crate::test_common::for_each_api;
 use std::f64::consts::TAU;
 use std::fs;
@@ -143,7 +143,7 @@ fn waves_that_are_not_finite_are_counted() {
             .collect();
         assert_eq!(statuses, [0.0, -1.0, 2.0, -2.0, -2.0, -2.0, -2.0, -2.0]);
 
-        let sum = Program::fragment(context, "sum", &sum_contributions_text()).unwrap();
+        let sum = Program::fragment(context, "sum", &first_sum_text()).unwrap();
         sum.set_texture("uContributions", 0, &contributions);
         sum.set_u32("uWaveCount", count);
         sum.set_u32("uGridWidth", count);

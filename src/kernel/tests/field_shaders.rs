@@ -245,12 +245,12 @@ fn check_batch(context: &Context, batch: &[(Entry, Surface)], worst: &mut Worst)
     failures
 }
 
-/// Units by which values may part: some four operations a node, eight nodes deep at the most,
-/// and a turn of the whole. (llvmpipe: 2.2 at the most.)
+/// Units by which values may part: some four operations a node, eight nodes deep at most,
+/// and a turn of the whole. (llvmpipe: 2.2 at most.)
 const VALUE_ULPS: f64 = 16.0;
 
 /// By how much gradients may part: where the CPU's own differences change by 0.01 within the
-/// rounding of the place, they are no edge yet. (llvmpipe: 1.1e-3 at the most; the longest is
+/// rounding of the place, they are no edge yet. (llvmpipe: 1.1e-3 at most; the longest is
 /// 1.016.)
 const GRADIENT: f64 = 0.03;
 

@@ -7,7 +7,7 @@ use super::link::Part;
 use super::listener::ListenerText;
 use super::over_kinds::of_kind;
 use super::reflect::reflect_text;
-use super::scene_text::Text;
+use super::scene_text::{Text, by_object};
 use super::surface_names::Named;
 use crate::kernel::cells::Lists;
 use crate::scene::{Node, Scene};
@@ -103,14 +103,8 @@ fn directed_gradient(text: &Text) -> String {
         "// The gradient of the distance to one object, and what rounding may do to it.\n\
          vec3 directedGradient(vec3 p, vec3 d, float object, out float errorBound) {\n",
     );
-    for named in text.unrolled.iter().filter(|named| named.field().is_none()) {
-        let (number, statement) = (&named.tag, gradient_statement(named));
-        let label = &named.label;
-        let _ = writeln!(
-            out,
-            "    if (object == {number}.0) {{ {statement} }} // {label}"
-        );
-    }
+    let closed_forms = text.unrolled.iter().filter(|named| named.field().is_none());
+    out += &by_object(closed_forms, gradient_statement);
     if text.instanced.iter().any(|named| named.field().is_none()) {
         out.push_str(
             "    if (object > 0.0) {\n        vec4 entry = entryOf(object);\n        \

@@ -4,7 +4,7 @@ use super::field::{free_text, is_bounded};
 use super::link::Part;
 use super::link::parts;
 use super::over_kinds::of_kind;
-use super::scene_text::Text;
+use super::scene_text::{Text, by_object};
 use super::shader_source::source;
 use super::surface_names::Named;
 use std::fmt::Write;
@@ -158,14 +158,8 @@ fn gradient(text: &Text, marched: Marched, in_cells: bool) -> String {
         "// The gradient of one of them, and what rounding may do to its value.\n\
          vec3 fieldGradient(vec3 p, float object, out float errorBound) {\n    errorBound = 0.0;\n",
     );
-    for named in text.unrolled.iter().filter(|named| marched.takes(named)) {
-        let (number, statement) = (&named.tag, gradient_statement(named));
-        let label = &named.label;
-        let _ = writeln!(
-            out,
-            "    if (object == {number}.0) {{ {statement} }} // {label}"
-        );
-    }
+    let taken = text.unrolled.iter().filter(|named| marched.takes(named));
+    out += &by_object(taken, gradient_statement);
     if in_cells {
         out.push_str(
             "    if (object > 0.0) {\n        vec4 entry = entryOf(object);\n        \

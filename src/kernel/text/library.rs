@@ -45,7 +45,7 @@ pub(in crate::kernel) fn library() -> Vec<Part> {
     LIBRARY.clone()
 }
 
-/// Whether the library has a function of this name: what a shape can be asked for is what its
+/// Whether the library has a function of this name: the use of a shape depends on what its
 /// file answers.
 pub(super) fn has_function(name: &str) -> bool {
     static DEFINED: LazyLock<HashSet<&str>> = LazyLock::new(|| {

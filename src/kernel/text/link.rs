@@ -146,7 +146,7 @@ mod tests {
         sources.iter().map(|source| &*source.text).collect()
     }
 
-    /// Protects the order and the choice: callees stand first, what nothing calls is left out,
+    /// Protects the order and the choice: callees come first, what nothing calls is left out,
     /// a name in a comment calls nothing.
     #[test]
     fn what_is_called_comes_first_and_nothing_else() {

@@ -72,9 +72,6 @@ pub fn materials_parts(scene: &Scene, lists: Lists, rooms: &[usize]) -> Vec<Part
 }
 
 fn in_cells(text: &Text) -> String {
-    let unrolled = text.unrolled.iter();
-    let others: String = unrolled
-        .map(|named| format!(" && object != {}.0", named.tag))
-        .collect();
+    let others = text.not_unrolled();
     format!("    if (object > 0.0{others}) {{\n        material = entryOf(object).w;\n    }}\n")
 }

@@ -121,7 +121,7 @@ fn at_kind(members: &[&Named]) -> String {
     block(members, &select(members, values), &reflection)
 }
 
-/// Declarations of the values of the surface that is met: a basic shape has three at the most.
+/// Declarations of the values of the surface that is met: a basic shape has three at most.
 const SELECTED: [&str; 3] = ["vec4 selected0", "vec4 selected1", "vec4 selected2"];
 
 /// Declares the values of the first of some surfaces, and selects those of the one that is met.
@@ -165,10 +165,7 @@ fn at_field(named: &Named) -> String {
 }
 
 fn in_cells(text: &Text) -> String {
-    let unrolled = text.unrolled.iter();
-    let others: String = unrolled
-        .map(|named| format!(" && object != {}.0", named.tag))
-        .collect();
+    let others = text.not_unrolled();
     format!(
         "    if (object > 0.0{others}) {{\n        vec4 entry = entryOf(object);\n        p = hit;\n        \
          projectOntoKind(entry.y, int(entry.z), along, p, normal);\n        \
@@ -176,7 +173,7 @@ fn in_cells(text: &Text) -> String {
     )
 }
 
-/// Puts the point `p`, met along `d`, onto a surface, and says the normal there.
+/// Puts the point `p`, met along `d`, onto a surface, and computes the normal there.
 fn projection(named: &Named, p: &str, d: &str) -> Vec<String> {
     let mut statements = vec![format!("q = {};", named.point(p))];
     let vector = named.vector(d);

@@ -24,7 +24,7 @@ pub(in crate::kernel) struct Text<'a> {
 }
 
 impl<'a> Text<'a> {
-    /// For who reads these lists of cells.
+    /// For readers of these lists of cells.
     pub fn new(scene: &'a Scene, lists: Lists) -> Text<'a> {
         let layout = Layout::of(&scene.surfaces, lists);
         let mut first = 0;
@@ -66,6 +66,14 @@ impl<'a> Text<'a> {
         text: impl Into<Cow<'static, str>>,
     ) {
         parts.extend(link::parts(Source::new(name, text)));
+    }
+
+    /// `&& object != …` for each unrolled surface.
+    pub fn not_unrolled(&self) -> String {
+        let unrolled = self.unrolled.iter();
+        unrolled
+            .map(|named| format!(" && object != {}.0", named.tag))
+            .collect()
     }
 
     /// Adds a function of each field that is wanted.
@@ -112,4 +120,16 @@ impl<'a> Text<'a> {
              void copyUniforms() {{\n{copies}}}\n\n"
         )
     }
+}
+
+/// A line for each of these surfaces: its statement where it is the object.
+pub(super) fn by_object<'a>(
+    surfaces: impl Iterator<Item = &'a Named<'a>>,
+    statement: impl Fn(&Named) -> String,
+) -> String {
+    let line = |named: &Named| {
+        let (number, label, statement) = (&named.tag, &named.label, statement(named));
+        format!("    if (object == {number}.0) {{ {statement} }} // {label}\n")
+    };
+    surfaces.map(line).collect()
 }

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::fmt::Write;
 
-/// A piece of shader text: the file that it stands in, and from which line on.
+/// A piece of shader text: its file, and its first line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Source {
     /// The file under the repository's root, or what the piece is about.
@@ -26,7 +26,7 @@ impl Source {
 }
 
 /// A [`Source`] out of a file under `glsl/`. `scripts/mutate.sh` builds the tests with
-/// `--cfg glsl_at_run_time`: it changes the files and builds nothing anew.
+/// `--cfg glsl_at_run_time`: it changes the files and builds nothing again.
 macro_rules! source {
     ($file:expr) => {{
         #[cfg(not(glsl_at_run_time))]

@@ -15,7 +15,7 @@ pub(in crate::kernel) struct Named<'a> {
     values: Values,
 }
 
-/// Where the values of a surface stand.
+/// Where the values of a surface are stored.
 #[derive(Clone, Copy)]
 enum Values {
     /// In variables that are copied from `uSurfaces`, from this vector on.
@@ -36,7 +36,7 @@ fn squared_radius_name(place: usize) -> String {
     format!("squaredRadius{place}")
 }
 
-/// What must not stand in a comment: GLSL's character set is ASCII, and a backslash would
+/// What must not be in a comment: GLSL's character set is ASCII, and a backslash would
 /// carry the comment on to the next line.
 pub(super) fn no_comment(character: char) -> bool {
     character == '\\' || !(character.is_ascii_graphic() || character == ' ')

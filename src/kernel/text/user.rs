@@ -18,6 +18,6 @@ pub(crate) fn user_sources(user: &UserField) -> Vec<Source> {
     };
     let function = format!("vec3 statedGradient(vec3 p) {{\n    return {stated};\n}}\n");
     sources.push(Source::new("the stated gradient", function));
-    sources.push(source!("check_user_field.frag"));
+    sources.push(source!("user/check.frag"));
     sources
 }

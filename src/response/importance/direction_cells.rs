@@ -121,7 +121,7 @@ mod tests {
         }
     }
 
-    /// Protects what is known of a direction from being told of another one.
+    /// An estimate for one direction is not used for another one.
     #[test]
     fn directions_have_cells_and_neighbours() {
         let cells = Cells::about(5000.0);

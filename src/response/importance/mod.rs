@@ -1,10 +1,10 @@
 //! Start directions by importance: more waves where those start that bring the end of the decay.
 //!
-//! Between two hard walls sound goes to and fro long after all other sound has been absorbed, and the end of the decay
-//! is what a few waves in ten thousand bring. So the first waves of a response, the pilot waves, tell how much each
-//! direction brings after each moment ([`Pilot`]). The first half of them start evenly. If by these at least
-//! [`ENOUGH_WAVES`] effective waves carry each part of the decay, or if one half of these does not tell of directions
-//! what the other half tells, all other waves start evenly. Otherwise the second half of the pilot waves is drawn by
+//! Between two hard walls a flutter echo remains long after all other sound has been absorbed, and the end of the decay
+//! comes from a few waves in ten thousand. So the first waves of a response, the pilot waves, estimate the energy from
+//! each direction after each moment ([`Pilot`]). The first half of them start evenly. If by these at least
+//! [`ENOUGH_WAVES`] effective waves carry each part of the decay, or if the two halves of these disagree about the
+//! directions, all other waves start evenly. Otherwise the second half of the pilot waves is drawn by
 //! importance, so that there are more where more must be known; then most of the other waves are drawn by
 //! importance and some evenly, and each has the weight that makes up for it. The pilot waves are dropped then, as they
 //! have decided where the others start, and sums have no bias. (Where the others start evenly the pilot waves count,
@@ -32,7 +32,7 @@ const ONE_OF: u32 = 4;
 const PILOT_WAVES: RangeInclusive<u32> = 2048..=65_536;
 
 /// So many waves of one energy are enough behind what comes after each moment: a level is then 0.06 dB off, and a
-/// decay time, told from 30 dB, 0.3 %.
+/// decay time, evaluated over 30 dB, 0.3 %.
 const ENOUGH_WAVES: f64 = 5000.0;
 
 /// The share of waves that start evenly: levels and early decays come from these. In six very uneven rooms of 262,144
@@ -53,7 +53,7 @@ const WAVES_IN_CELL: f64 = 2.0;
 const DIVIDED: usize = 4;
 
 /// How many pilot waves there are. None where the waves are too few, where their directions are a lattice, which
-/// is even as a whole alone, and where something scatters these bands: there the direction of a start tells little.
+/// is even as a whole alone, and where something scatters these bands: there the start direction has little influence.
 pub(super) fn pilot_waves(scene: &Scene, bands: &Range<usize>, trace: &Settings) -> u32 {
     let waves = (trace.waves / ONE_OF).min(*PILOT_WAVES.end());
     let is_random = trace.directions == Directions::Random;
@@ -74,7 +74,7 @@ pub(super) struct Importance {
 }
 
 impl Importance {
-    /// As the pilot waves of so many waves tell, which started in these directions; `None` where waves may start evenly.
+    /// From the pilot waves of so many waves, which started in these directions; `None` where waves may start evenly.
     pub fn of(pilot: &Pilot, directions: &[Vec3], waves: u32) -> Option<Importance> {
         let sums = pilot.sums();
         let pilot_waves = directions.len() as f64;
@@ -93,7 +93,7 @@ impl Importance {
         Some(Importance::by(cells, &wanted))
     }
 
-    /// As all pilot waves tell, those in these directions that were drawn by importance among them.
+    /// From all pilot waves, including those in these directions that were drawn by importance.
     pub fn refined(pilot: &Pilot, directions: &[Vec3]) -> Importance {
         let importance = pilot.importance(&pilot.sums());
         let cells = Cells::about(directions.len() as f64 / WAVES_IN_CELL);
@@ -197,7 +197,7 @@ mod tests {
 
     const WAVES: u32 = 1 << 15;
 
-    /// What the waves near the z axis tell that alone bring the end of a decay.
+    /// Estimate from waves near the z axis that alone carry the end of a decay.
     fn importance_of_few() -> Importance {
         let directions: Vec<Vec3> = lattice(u64::from(WAVES / ONE_OF))
             .map(|d| d.as_vec3())
@@ -262,7 +262,7 @@ mod tests {
         );
     }
 
-    /// Protects waves from being drawn by chance: who brings much is no one's direction here.
+    /// Without an important direction waves are not drawn by importance.
     #[test]
     fn importance_that_does_not_repeat_is_none() {
         let directions: Vec<Vec3> = lattice(4096).map(|d| d.as_vec3()).collect();

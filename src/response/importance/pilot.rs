@@ -1,4 +1,4 @@
-//! What pilot waves tell of the others: in which directions those start that bring the end of a decay.
+//! What pilot waves predict of the others: the start directions of those that carry the end of a decay.
 
 use crate::bands::{BAND_COUNT, Bands};
 use rayon::prelude::*;
@@ -11,8 +11,8 @@ const MOMENTS: usize = 20;
 /// The first of them, as a share of the response's length.
 const FIRST_MOMENT: f64 = 0.01;
 
-/// The decay is looked at until this share of the energy is left: T30 is told from a decay of 35 dB, and
-/// what is still to come there decides its end.
+/// The decay is looked at until this share of the energy is left: T30 is evaluated from a decay of 35 dB, and
+/// the energy after that decides its end.
 const LEAST_LEFT: f64 = 3e-5;
 
 /// How often the noise of sums is evened out: in six very uneven rooms of 262,144 waves the worst error of T30 was
@@ -37,7 +37,7 @@ pub struct Sums {
 }
 
 impl Sums {
-    /// So many waves of one energy would be as noisy as the noisiest sum that figures are told from (L. Kish, *Survey
+    /// Number of waves of one energy that would be as noisy as the noisiest sum used for figures (L. Kish, *Survey
     /// Sampling*, 1965, section 11.7).
     pub fn fewest_waves(&self) -> f64 {
         let waves = |(moment, band): (usize, usize)| {
@@ -46,7 +46,7 @@ impl Sums {
         self.told().map(waves).fold(f64::INFINITY, f64::min)
     }
 
-    /// The moments and bands that figures are told from.
+    /// The moments and bands that figures are computed from.
     fn told(&self) -> impl Iterator<Item = (usize, usize)> {
         all().filter(|(moment, band)| {
             self.energies[*moment][*band] > LEAST_LEFT * self.energies[0][*band]
@@ -97,7 +97,7 @@ impl Pilot {
     /// How important each wave is: the root of the sum of the squares of its shares of what comes after each moment in
     /// each band. Waves drawn by it make the variance of all these sums together the least (H. Kahn and A. W. Marshall,
     /// *Methods of reducing sample size in Monte Carlo computations*, 1953). Then the shares of sums that would still be
-    /// noisier than others are weighted more, as every band is to be told.
+    /// noisier than others are weighted more, since every band is to be reported.
     pub fn importance(&self, sums: &Sums) -> Vec<f64> {
         let squared = |moment: usize, band: usize| sums.energies[moment][band].powi(2);
         let mut weights = [[0.0; BAND_COUNT]; MOMENTS];

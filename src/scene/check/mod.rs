@@ -11,14 +11,14 @@ use crate::scene::{Motion, Scene, SceneError, Surface};
 use glam::Vec3;
 use std::fmt;
 
-/// Times of a surface's key frames times nodes of its field, at the most: some seconds of looking
+/// Times of a surface's key frames times nodes of its field, at most: some seconds of looking
 /// at each node at each time.
 const MOST_WORK: usize = 3_000_000;
 
 /// As [`MOST_WORK`], of all surfaces and the times between keys alone: less than a second.
 const MOST_WORK_BETWEEN: usize = 300_000;
 
-/// Frames between keys that are looked at, at the most: a minute and a half.
+/// Frames between keys that are looked at, at most: a minute and a half.
 const MOST_BETWEEN: usize = 2700;
 
 impl Scene {
@@ -76,7 +76,7 @@ impl Scene {
         self.at_checked_times(|scene, label, posed, _| scene.validate_pose(label, posed))
     }
 
-    /// Looking at every node at every key must take seconds at the most.
+    /// Looking at every node at every key must take seconds at most.
     fn validate_work(&self, label: &str, surface: &Surface) -> Result<(), SceneError> {
         let nodes = surface.nodes();
         let keys = surface.checked_times(0).len();
@@ -88,8 +88,8 @@ impl Scene {
         Err(self.bad_number(&what, must, keys))
     }
 
-    /// Tries each surface as it stands at every time that is looked at; `check` is told how
-    /// many of those there are.
+    /// Checks each surface in its state at every sampled time; `check` receives the number of
+    /// these times.
     fn at_checked_times(
         &self,
         check: impl Fn(&Scene, &str, &Surface, usize) -> Result<(), SceneError>,

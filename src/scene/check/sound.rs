@@ -13,7 +13,7 @@ use std::ops::RangeInclusive;
 /// Decibels of a source against others: more than lies between the softest sound and pain.
 pub(crate) const LEVELS: RangeInclusive<f32> = -120.0..=120.0;
 
-/// Sources of a scene, and listeners, at the most: each pair of them is looked at, and is a sound of
+/// Sources of a scene, and listeners, at most: each pair of them is looked at, and is a sound of
 /// its own to be traced.
 pub(crate) const MOST_PLACED: usize = 256;
 
@@ -167,7 +167,7 @@ impl Scene {
     }
 }
 
-/// Why walls of something else cannot be told apart.
+/// Why walls of other shapes cannot be distinguished.
 pub(in crate::scene) const NOT_A_ROOM: &str =
     "only the walls of a Room have materials of their own";
 
@@ -219,7 +219,7 @@ mod tests {
         scene
     }
 
-    /// Protects who is meant in a sentence: one alone has no number, one of several has.
+    /// Naming in sentences: one alone has no number, one of several has.
     #[test]
     fn one_of_several_is_called_by_its_number() {
         let mut scene = hall();
@@ -232,7 +232,7 @@ mod tests {
         assert_eq!(labels(&scene), ["the source", "the listener"]);
     }
 
-    /// Protects who is meant by a number: no name is the number of another without a name.
+    /// Numbers are unambiguous: no name is the number of another without a name.
     #[test]
     fn no_name_is_the_number_of_another() {
         let named = |first: Option<&str>, second: Option<&str>| {
@@ -255,7 +255,7 @@ mod tests {
         }
     }
 
-    /// Protects from numbers that are no shares, no air and no sources, and tells which.
+    /// Numbers that are not valid shares, air or sources are reported by name.
     #[test]
     fn bad_sound_is_refused_by_its_name() {
         hall().validate().unwrap();

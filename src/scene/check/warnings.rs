@@ -48,7 +48,7 @@ pub enum Warning {
     },
 }
 
-/// Metres without digits that say nothing.
+/// Metres without insignificant digits.
 fn to_millimetres(metres: f32) -> f64 {
     (1e3 * f64::from(metres)).round() / 1e3
 }
@@ -107,7 +107,7 @@ impl fmt::Display for Warning {
 }
 
 impl Scene {
-    /// What is odd about the scene as it stands, although it can be traced.
+    /// Warnings about the scene in its current state, although it can be traced.
     pub fn warnings(&self) -> Vec<Warning> {
         let mut warnings = self.odd_sources();
         for (index, listener) in self.listeners().enumerate() {
@@ -199,7 +199,7 @@ impl Scene {
 mod tests {
     use super::*;
 
-    /// Protects the warnings: they name the surface and do not refuse.
+    /// Protects the warnings: they name the surface and do not reject.
     #[test]
     fn odd_places_are_warned_of() {
         let mut scene = super::super::tests::room();

@@ -26,7 +26,7 @@ use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// A scene file with a base, as its text says it.
+/// The content of a scene file with a base.
 #[derive(Deserialize)]
 #[serde(rename = "Scene", deny_unknown_fields)]
 pub(super) struct BasedFile<'a> {
@@ -63,7 +63,7 @@ impl ValueFile {
     }
 }
 
-/// What of a scene file tells whether it has a base.
+/// The part of a scene file that shows whether it has a base.
 #[derive(Deserialize)]
 #[serde(rename = "Scene")]
 struct Head<'a> {
@@ -193,7 +193,7 @@ fn at_value(text: &str, files: &Attached, value: &RawValue, why: String) -> Scen
     malformed(files, line, column, &why)
 }
 
-/// Refuses a name that the first has and one of the others.
+/// Rejects a name that the first has and one of the others.
 fn once_each<'a, T: Placed>(
     names: impl Iterator<Item = &'a Option<String>>,
 ) -> Result<(), Refused> {
@@ -270,7 +270,7 @@ mod tests {
             Scene::from_file(&self.path("small.ron"))
         }
 
-        /// What is said of it, without the folder.
+        /// The error, without the folder.
         fn refused(&self, text: &str) -> String {
             let said = self.read(text).unwrap_err().to_string();
             said.replace(&format!("{}/", self.0.path().display()), "")
@@ -329,7 +329,7 @@ mod tests {
         assert_eq!(menger.listener.radius, 0.5);
     }
 
-    /// Protects whoever looks for the mistake: each error names the file that it is in, and the line there.
+    /// Each error names the file that it is in, and the line there.
     #[test]
     fn errors_point_at_their_own_file_and_line() {
         let folder = Folder::new();
@@ -406,7 +406,7 @@ mod tests {
         }
     }
 
-    /// Protects from chains without an end, and from deep ones: a cycle is told, through links too, and nine bases.
+    /// Protects from chains without an end, and from deep ones: a cycle is reported, through links too, and nine bases.
     #[test]
     fn chains_of_bases_have_an_end() {
         let folder = Folder::new();

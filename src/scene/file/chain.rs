@@ -2,11 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-/// Scenes that one is based on, one on the other, at the most: a chain is written by hand, and
+/// Scenes that one is based on, one on the other, at most: a chain is written by hand, and
 /// each file of it may have the full size.
 pub(super) const MOST_BASES: usize = 8;
 
-/// The files from the scene that was asked for down to the one being read, by their real paths.
+/// The files from the requested scene down to the one being read, by their real paths.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Chain {
     files: Vec<PathBuf>,

@@ -1,12 +1,12 @@
 //! What is wrong with a shape, a material and the like in a scene file, in the words of scene files.
 //!
-//! RON's own errors tell where they are found and what a parser would have liked there. Whoever
-//! writes `Sphere(1)` or `Air(20)` wants to know how that is written.
+//! RON's own errors report their place and what the parser expected there. The author of
+//! `Sphere(1)` or `Air(20)` needs to know how that is written.
 
 use super::air::AirFile;
 use super::material::MaterialFile;
 use super::sources_and_listeners::{ListenerFile, SourceFile};
-use crate::notation_error::offset;
+use crate::ron_error::offset;
 use crate::scene::notation::{FixedRadius, Form};
 use crate::scene::shape::{form_of, shape_names};
 use crate::text::nearest_or_all;
@@ -37,7 +37,7 @@ fn no_such_shape(found: &str) -> String {
     nearest_or_all(&told, found, shape_names())
 }
 
-/// How the part is written whose name stands before the error.
+/// The correct form of the part whose name is before the error.
 fn how_written(before: &str, behind: &str, is_list: bool) -> Option<String> {
     let before = before.trim_end();
     let named = before.strip_suffix(['(', '[', '{']).unwrap_or(before);
@@ -76,7 +76,7 @@ mod tests {
         Scene::from_ron(&text, "scene").unwrap_err().to_string()
     }
 
-    /// Protects whoever writes a shape otherwise than it is written.
+    /// A shape in a wrong form is reported with its correct form.
     #[test]
     fn a_shape_is_told_by_its_name_and_how_it_is_written() {
         for (shape, sentence) in [
@@ -98,7 +98,7 @@ mod tests {
         }
     }
 
-    /// Protects whoever writes a material, the air or a source otherwise than it is written.
+    /// A material, air or source in a wrong form is reported with its correct form.
     #[test]
     fn sound_is_told_how_it_is_written() {
         for (said, sentence) in [
@@ -122,7 +122,7 @@ mod tests {
         }
     }
 
-    /// Protects whoever mistypes a shape: the nearest is named, or else all are.
+    /// For a mistyped shape the nearest one is suggested, or else all are listed.
     #[test]
     fn the_nearest_shape_is_suggested() {
         for (shape, nearest) in [

@@ -1,4 +1,4 @@
-//! The materials of a scene file, and who is made of them.
+//! The materials of a scene file, and the surfaces made of them.
 
 use crate::bands::{BAND_COUNT, Bands};
 use crate::scene::notation::Name;
@@ -18,7 +18,7 @@ pub(super) struct Materials(pub BTreeMap<String, Material>);
 pub(super) struct MaterialFile {
     absorption: Option<Shares<false>>,
     scattering: Option<Shares<true>>,
-    /// What it has that it does not say.
+    /// Its values that are not given.
     #[serde(default)]
     base: Base,
 }
@@ -50,7 +50,7 @@ impl MaterialFile {
     }
 }
 
-/// What a file says of single walls of a room.
+/// A file's values for single walls of a room.
 #[derive(Deserialize)]
 #[serde(rename = "Walls", deny_unknown_fields, bound = "T: Deserialize<'de>")]
 pub(super) struct Walls<T> {
@@ -89,11 +89,11 @@ impl Walls<Name> {
     }
 }
 
-/// Shares of energy by octave bands, said by one number or by eight; of the energy that is
+/// Shares of energy by octave bands, given by one number or by eight; of the energy that is
 /// scattered if `SCATTERED`, else of that absorbed.
 struct Shares<const SCATTERED: bool>(Bands);
 
-/// One share, checked where it stands.
+/// One share, checked at its place.
 struct Share<const SCATTERED: bool>(f64);
 
 const fn what(scattered: bool) -> &'static str {

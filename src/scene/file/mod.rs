@@ -1,6 +1,6 @@
 //! Scene files in RON.
 //!
-//! The types here are what the text says (degrees, full sizes); they turn into
+//! The types here are the content of the text (degrees, full sizes); they turn into
 //! the plain [`Scene`] at once. Every number is checked while it is read, so that
 //! an error points at its line and column. See `docs/scene-format.md`.
 
@@ -20,7 +20,7 @@ mod write;
 use super::check::NOT_A_ROOM;
 use super::{Scene, SceneError};
 use crate::file_input::{MalformedText, read_text};
-use crate::notation_error;
+use crate::ron_error;
 use crate::scene::notation::{Attached, FixedRadius, Name};
 use crate::text::in_a_line;
 use air::AirFile;
@@ -38,8 +38,8 @@ pub(crate) use base_scene::bases_of;
 #[cfg(feature = "demo")]
 pub(crate) use write::BasedScene;
 
-/// Bytes of a scene file at the most: 100,000 key frames are 2 MB, and what a text of this size
-/// can say (a shape in six bytes) fits into a gigabyte of memory.
+/// Bytes of a scene file at most: 100,000 key frames are 2 MB, and what a text of this size
+/// can contain (a shape in six bytes) fits into a gigabyte of memory.
 const LARGEST_FILE: u64 = 4 << 20;
 
 /// How deep the text may be nested; a shape within a shape takes four or five of it. It keeps
@@ -52,7 +52,7 @@ impl Scene {
     /// # Errors
     /// [`SceneError::Unreadable`], [`SceneError::Malformed`] with line and column,
     /// [`SceneError::Attached`] for the files that it names, or what
-    /// [`Scene::check`] refuses.
+    /// [`Scene::check`] rejects.
     pub fn from_file(path: &path::Path) -> Result<Scene, SceneError> {
         let scene = scene_of_file(path, &text_of(path)?, &Chain::at(path))?;
         scene.check()?;
@@ -90,7 +90,7 @@ impl Scene {
         Ok(scene)
     }
 
-    /// Reads a scene whose files stand within the program.
+    /// Reads a scene whose files are embedded in the program.
     pub(super) fn from_embedded(
         text: &str,
         origin: &str,
@@ -135,7 +135,7 @@ fn options() -> ron::Options {
         .with_recursion_limit(DEEPEST)
 }
 
-/// The scene that the text says, not yet checked as a whole.
+/// The scene of the text, not yet checked as a whole.
 fn parse(text: &str, files: &Attached, chain: &Chain) -> Result<Scene, SceneError> {
     // Some editors put a byte-order mark before the text.
     let text = text.trim_start_matches('\u{feff}');
@@ -160,7 +160,7 @@ fn from_ron(files: &Attached, text: &str, error: &ron::error::SpannedError) -> S
     let message = match (&error.code, hints::about_part(text, error)) {
         (_, Some(hint)) => hint,
         (ron::Error::ExceededRecursionLimit, _) => "shapes are nested too deeply here".to_owned(),
-        (_, None) => notation_error::sentence(text, error, notation_error::SCENE),
+        (_, None) => ron_error::sentence(text, error, ron_error::SCENE),
     };
     malformed(files, start.line, start.col, &message)
 }

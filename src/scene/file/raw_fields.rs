@@ -1,10 +1,10 @@
-//! The fields of a scene file as they stand in its text, not read.
+//! The fields of a scene file as in its text, not read.
 
 use super::options;
 use ron::value::RawValue;
 use serde::Deserialize;
 
-/// What a scene file says, field by field.
+/// The content of a scene file, field by field.
 #[derive(Deserialize)]
 #[serde(rename = "Scene")]
 pub(super) struct RawFields<'a> {
@@ -36,7 +36,7 @@ impl<'a> RawFields<'a> {
         options().from_str(text).ok()
     }
 
-    /// What a field says; `None` where the file says nothing in it.
+    /// The value of a field; `None` where the file has none.
     pub fn get(&self, name: &str) -> Option<&'a RawValue> {
         match name {
             "base" => self.base,

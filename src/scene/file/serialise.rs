@@ -1,4 +1,4 @@
-//! Scenes by serde: what a scene file says, in any format.
+//! Scenes by serde: the content of a scene file, in any format.
 //!
 //! Fields have the names that the types ask for which read them ([`Form`]), and stand in the units
 //! of the file, so that there is one notation.
@@ -6,7 +6,7 @@
 use super::SceneFile;
 use crate::bands::BAND_COUNT;
 use crate::scene::notation::{Attached, Fields, Form, Written};
-use crate::scene::shape::form_of;
+use crate::scene::shape::{form_of, numbered};
 use crate::scene::{
     Air, Driver, Listener, Material, Motion, Path, Quantity, Scene, Shape, Source, Surface,
     WALL_NAMES,
@@ -15,7 +15,7 @@ use glam::{EulerRot, Quat, Vec3};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de, ser};
 use std::collections::BTreeMap;
 
-/// A scene is written as its file would say it; a base is written out. Height images and users'
+/// A scene is written as the content of its file; a base is written out. Height images and users'
 /// GLSL are named, not included, and looked for there when the scene is read.
 ///
 /// ```
@@ -28,7 +28,7 @@ use std::collections::BTreeMap;
 /// ```
 ///
 /// Angles are written in degrees, and rotations as three of them: what is read may differ in the
-/// last places. A scene is read as it stands at time 0. A scene that [`Scene::check`] refuses is
+/// last places. A scene is read as it stands at time 0. A scene that [`Scene::check`] rejects is
 /// neither written nor read.
 impl Serialize for Scene {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
@@ -209,11 +209,11 @@ fn node(of: &Shape, at: &str, drivers: &[Driver]) -> Written {
         Some(Form::Fields(fields)) => {
             let fields = fields.iter().copied();
             let fields = fields.filter_map(|field| Some((field, said.remove(field)?)));
-            Written::With(name, fields.collect())
+            Written::With(numbered(name), fields.collect())
         }
         _ => match said.into_values().next() {
-            Some(value) => Written::Holding(name, Box::new(value)),
-            None => Written::Plain(name),
+            Some(value) => Written::Holding(numbered(name), Box::new(value)),
+            None => Written::Plain(numbered(name)),
         },
     }
 }
@@ -288,7 +288,7 @@ mod tests {
         Scene::from_ron(&text, "written").unwrap_or_else(|error| panic!("{error}\n{text}"))
     }
 
-    /// Whether nothing of it stands in a file of its own.
+    /// Whether nothing of it is in a separate file.
     fn is_whole(entry: &Entry) -> bool {
         let mut nodes = entry.field.nodes().into_iter();
         nodes.all(|part| {

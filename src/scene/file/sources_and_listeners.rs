@@ -108,15 +108,15 @@ impl From<&KeyFile> for Key {
 }
 
 impl SourceFile {
-    /// The source that the file says.
+    /// The source of the file.
     pub fn read(&self) -> Source {
         let mut source = Source::at(Vec3::ZERO);
         self.change(&mut source);
         source
     }
 
-    /// Puts a source where the file says: without a position it is where its path begins.
-    /// A source that is put somewhere has no path but the one said with it.
+    /// Puts a source where the file has it: without a position it is where its path begins.
+    /// A source with a given position has no path but the one given with it.
     pub fn change(&self, source: &mut Source) {
         if let Some(name) = &self.name {
             source.name = Some(name.0.clone());
@@ -135,7 +135,7 @@ impl SourceFile {
 }
 
 impl ListenerFile<FixedRadius> {
-    /// The listener that the file says.
+    /// The listener of the file.
     pub fn read(&self) -> Listener {
         let mut listener = Listener::at(Vec3::ZERO, self.radius.0);
         self.change(&mut listener);
@@ -144,8 +144,8 @@ impl ListenerFile<FixedRadius> {
 }
 
 impl<R: Copy + Into<Option<FixedRadius>>> ListenerFile<R> {
-    /// Puts a listener where the file says: without a position it stands and looks as its path
-    /// begins. A listener that is put somewhere has no path but the one said with it.
+    /// Puts a listener where the file has it: without a position it stands and looks as its path
+    /// begins. A listener with a given position has no path but the one given with it.
     pub fn change(&self, listener: &mut Listener) {
         if let Some(name) = &self.name {
             listener.name = Some(name.0.clone());
@@ -210,7 +210,7 @@ pub(super) struct Several<T> {
     further: Vec<T>,
 }
 
-/// Refuses a scene that says it by both forms, `source: …` and `sources: […]`.
+/// Rejects a scene that uses both forms, `source: …` and `sources: […]`.
 pub(super) fn one_form<T: Placed>(one: bool, several: bool) -> Result<(), Refused> {
     if one && several {
         let why = format!("a scene has {} or {}, not both", T::ONE, T::SEVERAL);
@@ -220,7 +220,7 @@ pub(super) fn one_form<T: Placed>(one: bool, several: bool) -> Result<(), Refuse
 }
 
 impl<T: Placed> Several<T> {
-    /// What a scene says by one of the two forms.
+    /// The values that a scene gives by one of the two forms.
     pub fn needed(one: Option<T>, several: Option<Several<T>>) -> Result<Several<T>, Refused> {
         one_form::<T>(one.is_some(), several.is_some())?;
         let alone = |first| Several {

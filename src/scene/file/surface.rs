@@ -27,7 +27,7 @@ pub(super) struct SurfaceFile {
 }
 
 impl SurfaceFile {
-    /// The surface that the file says.
+    /// The surface of the file.
     ///
     /// # Errors
     /// What is wrong with the files that it names.

@@ -1,4 +1,4 @@
-//! Where something stands in the text of a scene file that can be read, and is refused for what else
+//! Where something stands in the text of a scene file that can be read, and is rejected for what else
 //! the file says.
 
 use super::material::Walls;
@@ -10,15 +10,15 @@ use ron::value::RawValue;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 
-/// What is refused in a file that can be read.
+/// What is rejected in a file that can be read.
 pub(super) enum Refused {
-    /// What stands at a place, and why it cannot.
+    /// The text at a place, and why it is invalid.
     At(Place, String),
-    /// What has no place, or tells its own.
+    /// What has no place, or reports its own.
     Scene(SceneError),
 }
 
-/// Where something stands in a scene file.
+/// The place of something in a scene file.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Place {
     /// The value of a field of the scene.
@@ -65,7 +65,7 @@ pub(super) fn place_of(text: &str, value: &RawValue) -> (usize, usize) {
     (count, last.chars().count() + 1)
 }
 
-/// The values of a surface that may be refused after the whole file was read.
+/// The values of a surface that may be rejected after the whole file was read.
 #[derive(Deserialize)]
 #[serde(rename = "Surface")]
 struct SurfaceValues<'a> {
@@ -75,7 +75,7 @@ struct SurfaceValues<'a> {
     walls: Option<Walls<&'a RawValue>>,
 }
 
-/// A file's scene, whose end is refused.
+/// A file's scene, whose end is rejected.
 #[derive(Deserialize)]
 #[serde(try_from = "IgnoredAny")]
 struct Ended;

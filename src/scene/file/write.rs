@@ -18,7 +18,7 @@ use std::path::{Component, Path, PathBuf};
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct BasedScene {
     base: String,
-    /// Each field but the values, as it stands in the file.
+    /// Each field except the values, as it is in the file.
     fields: BTreeMap<Field, String>,
     values: BTreeMap<String, f32>,
 }
@@ -104,7 +104,7 @@ impl BasedScene {
         Ok(BasedScene { base, ..said })
     }
 
-    /// What a file says; `None` if it has no base.
+    /// The content of a file; `None` if it has no base.
     fn read(text: &str) -> Option<BasedScene> {
         let said = RawFields::of(text)?;
         let fields = Field::ALL.into_iter().filter_map(|field| {
@@ -156,7 +156,7 @@ impl BasedScene {
         self.fields.insert(Field::Listener, text);
     }
 
-    /// What the file says in a field; nothing where it says nothing, and the base's stands.
+    /// The file's value of a field; nothing where it has none and the base's is used.
     fn said<'a, T: Deserialize<'a> + Default>(&'a self, field: Field) -> T {
         let said = self.fields.get(&field).map_or("()", String::as_str);
         // What was read before has this form.
@@ -195,7 +195,7 @@ fn point(p: Vec3) -> String {
     format!("({}, {}, {})", p.x, p.y, p.z)
 }
 
-/// Fields as they were said, each with a comma behind it.
+/// Fields as they were written, each with a comma behind it.
 fn again<const N: usize>(fields: [(&str, Option<&RawValue>); N]) -> String {
     let said = fields.into_iter().filter_map(|(field, value)| {
         let value = value?.trim();
@@ -204,7 +204,7 @@ fn again<const N: usize>(fields: [(&str, Option<&RawValue>); N]) -> String {
     said.collect()
 }
 
-/// A list as a scene file says it, in one line.
+/// A list as a scene file writes it, in one line.
 fn in_ron(list: &Written) -> String {
     let notation = PrettyConfig::new()
         .struct_names(true)

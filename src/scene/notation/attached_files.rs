@@ -9,7 +9,7 @@ use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Bytes of a GLSL field at the most: what is larger is no field that was meant.
+/// Bytes of a GLSL field at most: what is larger is no field that was meant.
 const LARGEST_FIELD: u64 = 1 << 20;
 
 /// Where the files of one scene lie; each is read once.

@@ -1,10 +1,10 @@
-//! How a shape or an operator is written in a scene file, as the type that reads it says.
+//! How a shape or an operator is written in a scene file, as defined by the type that reads it.
 
 use serde::de::{self, Deserialize, Deserializer, Visitor};
 use serde::forward_to_deserialize_any;
 use std::fmt;
 
-/// What stands behind the name of a shape or an operator.
+/// What follows the name of a shape or an operator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Form {
     /// Numbers and children by their names: `Torus(ring: …, tube: …)`.
@@ -16,7 +16,7 @@ pub(crate) enum Form {
 }
 
 impl Form {
-    /// What `F` asks for when it is read; nothing where it takes what comes.
+    /// What `F` requests when it is read; nothing where it accepts anything.
     pub fn of<'de, F: Deserialize<'de>>() -> Option<Form> {
         F::deserialize(Asked).err().and_then(|answer| answer.0)
     }
@@ -32,10 +32,10 @@ impl Form {
     }
 }
 
-/// Reads nothing, and tells what was asked for.
+/// Reads nothing, and records what was requested.
 struct Asked;
 
-/// What was asked for, as the error that ends the reading.
+/// What was requested, as the error that ends the reading.
 #[derive(Debug)]
 struct Answer(Option<Form>);
 

@@ -3,19 +3,19 @@
 
 mod attached_files;
 mod form;
+mod moving_numbers;
 mod numbers;
-mod reader;
 mod variant;
 mod words;
 mod written;
 
 pub(crate) use attached_files::Attached;
 pub(crate) use form::Form;
+pub(crate) use moving_numbers::{ReadNumbers, Reader};
 pub(crate) use numbers::{
     Angle, Degrees, Factor, Finite, FixedRadius, Length, Lipschitz, Metres, Name, Number, Plain,
     Point, Radius, Share, Side, Size, Unit, Vector,
 };
-pub(crate) use reader::{ReadNumbers, Reader};
 pub(crate) use variant::Variant;
 pub(crate) use words::{Axis, Corners, MirrorAxes, Sheets};
-pub(crate) use written::{Fields, Written};
+pub(crate) use written::{Fields, ShapeName, Written};

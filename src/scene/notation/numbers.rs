@@ -121,7 +121,7 @@ pub(crate) struct Vector<U>(pub [Number<U>; 3]);
 #[serde(from = "(Number<U>, Number<U>)", bound(deserialize = "U: Unit"))]
 pub(crate) struct Pair<U>(pub [Number<U>; 2]);
 
-/// A number as the file says it.
+/// A number as the file writes it.
 #[derive(Deserialize)]
 #[serde(
     untagged,

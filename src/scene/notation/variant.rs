@@ -1,4 +1,4 @@
-//! A variant of an enum, read as the type that says what is in it.
+//! A variant of an enum, read as the type of its content.
 //!
 //! `Torus(ring: 1, tube: 2)` is a variant with fields, `Union([…])` one with a value, `Plane`
 //! one with nothing. Read through this, each is an ordinary struct, newtype or unit type that

@@ -1,6 +1,5 @@
 //! Values of a scene file, to be written: the notation that is read, the other way.
 
-use crate::scene::shape::shape_names;
 use serde::ser::{
     Serialize, SerializeStruct, SerializeStructVariant, SerializeTuple, SerializeTupleVariant,
     Serializer,
@@ -23,16 +22,23 @@ pub(crate) enum Written {
     Keys(Vec<(f64, f32)>),
     /// A number that follows a named value, and where it is.
     Named(String, f32),
-    /// Texts and what they stand for: `{"name": …}`.
+    /// Texts and their values: `{"name": …}`.
     Map(Vec<(String, Written)>),
-    /// A name of the notation, and what stands behind it.
+    /// A name of the notation, and what follows it.
     Struct(&'static str, Fields),
     /// The name of a shape or an operator.
-    Plain(&'static str),
+    Plain(ShapeName),
     /// The same with one value: `Union([…])`.
-    Holding(&'static str, Box<Written>),
+    Holding(ShapeName, Box<Written>),
     /// The same with fields: `Torus(ring: …, tube: …)`.
-    With(&'static str, Fields),
+    With(ShapeName, Fields),
+}
+
+/// The name of a shape or an operator, and its number, which formats without names write.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ShapeName {
+    pub name: &'static str,
+    pub index: u32,
 }
 
 /// Names and values, in order.
@@ -72,13 +78,15 @@ impl Serialize for Written {
                 }
                 all.end()
             }
-            Written::Plain(name) => to.serialize_unit_variant("Shape", index_of(name), name),
-            Written::Holding(name, value) => {
-                to.serialize_newtype_variant("Shape", index_of(name), name, value)
+            Written::Plain(ShapeName { name, index }) => {
+                to.serialize_unit_variant("Shape", *index, name)
             }
-            Written::With(name, fields) => {
-                let (index, count) = (index_of(name), fields.len());
-                let mut variant = to.serialize_struct_variant("Shape", index, name, count)?;
+            Written::Holding(ShapeName { name, index }, value) => {
+                to.serialize_newtype_variant("Shape", *index, name, value)
+            }
+            Written::With(ShapeName { name, index }, fields) => {
+                let mut variant =
+                    to.serialize_struct_variant("Shape", *index, name, fields.len())?;
                 for (field, value) in fields {
                     variant.serialize_field(field, value)?;
                 }
@@ -86,10 +94,4 @@ impl Serialize for Written {
             }
         }
     }
-}
-
-/// The number of a shape or an operator, which formats without names write.
-fn index_of(name: &str) -> u32 {
-    let index = shape_names().iter().position(|known| *known == name);
-    index.unwrap_or_default() as u32
 }

@@ -19,6 +19,10 @@ impl Part for Capsule {
         "Capsule"
     }
 
+    fn is_smooth(&self) -> bool {
+        true
+    }
+
     fn properties(&self, _: &[Shape]) -> Properties {
         Properties::round(self.radius, f64::from(self.radius) + self.half_height())
     }

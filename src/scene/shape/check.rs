@@ -1,10 +1,10 @@
 //! Checks of a tree of shapes; each refusal is one sentence.
 
-use super::part::in_range;
+use super::parameter::in_range;
 use super::{Node, Shape, User};
 use glam::DVec3;
 
-/// Nodes of one tree at the most: a shader takes more memory and time to compile than they do. A
+/// Nodes of one tree at most: a shader takes more memory and time to compile than they do. A
 /// field of 4,000 nodes took llvmpipe more than 7 GB.
 pub(crate) const MOST_NODES: usize = 512;
 
@@ -14,10 +14,10 @@ const TRIES: usize = 4096;
 /// Times at which it is tried at all these points; of more times each gets a share of them.
 const TIMES_IN_FULL: usize = 64;
 
-/// Points at which it is tried at each time at the least.
+/// Points at which it is tried at each time at least.
 const LEAST_TRIES: usize = 32;
 
-/// By how much a difference quotient may exceed a stated constant before it is refused:
+/// By how much a difference quotient may exceed a stated constant before it is rejected:
 /// what rounding does to a quotient over a thousandth of the size.
 const ROUNDING: f64 = 1e-3;
 
@@ -26,7 +26,7 @@ impl Shape {
     /// cheap enough for every frame. What takes evaluations is in [`Shape::check`].
     ///
     /// # Errors
-    /// A sentence that names the node and says what it must be.
+    /// A sentence that names the node and states what it must be.
     pub fn validate(&self) -> Result<(), String> {
         let nodes = self.nodes();
         if nodes.len() > MOST_NODES {
@@ -53,7 +53,7 @@ impl Shape {
     /// by some thousand evaluations; the text of users' fields is read, but not yet compiled.
     ///
     /// # Errors
-    /// A sentence that names the node and says what it must be.
+    /// A sentence that names the node and states what it must be.
     pub fn check(&self) -> Result<(), String> {
         self.validate()?;
         for field in self.nodes() {
@@ -66,7 +66,7 @@ impl Shape {
     }
 
     /// Tries every stated Lipschitz constant as the field stands at one of so many times, all
-    /// of which take some seconds together at the most.
+    /// of which take some seconds together at most.
     pub(in crate::scene) fn check_growth_at_one_of(&self, times: usize) -> Result<(), String> {
         let tries = TRIES * TIMES_IN_FULL / times.max(1);
         let tries = tries.clamp(LEAST_TRIES, TRIES);

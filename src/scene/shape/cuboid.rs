@@ -17,6 +17,14 @@ impl Part for Cuboid {
         "Box"
     }
 
+    fn is_basic(&self) -> bool {
+        true
+    }
+
+    fn is_flat(&self) -> bool {
+        true
+    }
+
     fn properties(&self, _: &[Shape]) -> Properties {
         Properties::exact(0.5 * self.size.as_dvec3())
     }

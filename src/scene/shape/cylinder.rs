@@ -1,4 +1,4 @@
-//! An endless cylinder, and what a scene file says of cylinders of all kinds.
+//! An endless cylinder, and the form of all cylinders in a scene file.
 
 use super::part::parameters;
 use super::{CappedCylinder, Part, Properties, Rotate, Shape};
@@ -15,7 +15,7 @@ pub struct Cylinder {
     pub radius: f32,
 }
 
-/// What a scene file says: one with a height ends, one with an axis is turned.
+/// Its form in a scene file: with a height it is bounded, with an axis it is turned.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct File {
@@ -63,6 +63,14 @@ parameters!(Cylinder {
 impl Part for Cylinder {
     fn name(&self) -> &'static str {
         "Cylinder"
+    }
+
+    fn is_basic(&self) -> bool {
+        true
+    }
+
+    fn is_smooth(&self) -> bool {
+        true
     }
 
     fn properties(&self, _: &[Shape]) -> Properties {

@@ -18,6 +18,10 @@ impl Part for Ellipsoid {
         "Ellipsoid"
     }
 
+    fn is_smooth(&self) -> bool {
+        true
+    }
+
     fn properties(&self, _: &[Shape]) -> Properties {
         Properties {
             convex: true,

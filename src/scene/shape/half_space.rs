@@ -14,12 +14,20 @@ numbers! {
     }
 }
 
-/// A normal shorter than this has no direction that `f32` could tell.
+/// A normal shorter than this has no direction that `f32` can resolve.
 const SHORTEST_NORMAL: f32 = 1e-6;
 
 impl Part for HalfSpace {
     fn name(&self) -> &'static str {
         "HalfSpace"
+    }
+
+    fn is_flat(&self) -> bool {
+        true
+    }
+
+    fn is_smooth(&self) -> bool {
+        true
     }
 
     fn check(&self) -> Result<(), String> {

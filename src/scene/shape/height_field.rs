@@ -1,6 +1,7 @@
 //! Ground under an image of heights.
 
 use super::cuboid::box_value;
+use super::part::Asset;
 use super::part::parameters;
 use super::{Bounds3, HeightImage, Part, Properties, Shape};
 use crate::scene::notation::{Fields, ReadNumbers, Reader, Side, Vector, Written};
@@ -20,7 +21,7 @@ pub struct HeightField {
     pub size: Vec3,
 }
 
-/// What a scene file says of it.
+/// Its form in a scene file.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct File {
@@ -43,6 +44,10 @@ parameters!(HeightField {
 impl Part for HeightField {
     fn name(&self) -> &'static str {
         "HeightField"
+    }
+
+    fn asset(&self) -> Option<Asset<'_>> {
+        Some(Asset::Image(&self.image))
     }
 
     fn words(&self) -> Fields {

@@ -8,10 +8,10 @@ use std::io::Cursor;
 use std::path::Path;
 use std::sync::OnceLock;
 
-/// Pixels along a side at the most: a million heights are 16 MB on the GPU.
+/// Pixels along a side at most: a million heights are 16 MB on the GPU.
 const LARGEST_SIDE: u32 = 1024;
 
-/// Bytes of an image file at the most: four channels of 16 bits need 8 MiB as they are.
+/// Bytes of an image file at most: four channels of 16 bits need 8 MiB as they are.
 const LARGEST_FILE: u64 = 32 << 20;
 
 /// Bytes that the decoder may take for itself beside the picture: rows, and what stands in
@@ -25,7 +25,7 @@ pub struct HeightImage {
     size: UVec2,
     heights: Vec<f32>,
     name: String,
-    /// The width and depth that the steepest slope was asked for first, and that slope.
+    /// The width and depth for which the steepest slope was computed first, and that slope.
     steepest: OnceLock<(DVec2, f64)>,
 }
 
@@ -135,7 +135,7 @@ impl HeightImage {
 
     /// The steepest slope there is, in heights for the full width, along x and z.
     ///
-    /// Walks over the whole image once; asked again for the same size it remembers.
+    /// Walks over the whole image once; the result for the same size is cached.
     pub fn steepest(&self, size: DVec2) -> f64 {
         let (known_size, known) = self
             .steepest
@@ -219,7 +219,7 @@ fn luma(bytes: &[u8]) -> Result<ImageBuffer<Luma<u16>, Vec<u16>>, PngError> {
 
 /// The decoder takes a palette of whole colours for granted, and panics at others.
 fn check_palette(info: &png::Info) -> Result<(), PngError> {
-    /// Red, green and blue, of 256 colours at the most.
+    /// Red, green and blue, of 256 colours at most.
     const COLOUR: usize = 3;
     const MOST: usize = 256 * COLOUR;
     let length = info.palette.as_ref().map_or(0, |palette| palette.len());

@@ -21,7 +21,7 @@ pub struct Hyperboloid {
     pub two_sheets: bool,
 }
 
-/// What a scene file says of it.
+/// Its form in a scene file.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct File {
@@ -49,6 +49,10 @@ parameters!(Hyperboloid {
 impl Part for Hyperboloid {
     fn name(&self) -> &'static str {
         "Hyperboloid"
+    }
+
+    fn is_smooth(&self) -> bool {
+        true
     }
 
     fn words(&self) -> Fields {

@@ -11,7 +11,7 @@ use super::{
     capped_cylinder, capsule, cone, cuboid, cylinder, ellipsoid, half_space, height_field,
     hyperboloid, paraboloid, plane, prism, quadric, room, rounded_box, sphere, torus, user,
 };
-use crate::scene::notation::{Form, Reader, Variant};
+use crate::scene::notation::{Form, Reader, ShapeName, Variant};
 use crate::scene::shape::{FromFile, Operands};
 use crate::scene::{SceneError, Shape};
 use serde::de::{Deserialize, Deserializer, EnumAccess, Visitor};
@@ -69,13 +69,13 @@ macro_rules! parts {
             }
         })*
 
-        /// What a scene file says of a shape or an operator.
+        /// The form of a shape or an operator in a scene file.
         pub(crate) enum ShapeFile {
             $($(#[$attr])* $part($module::File),)*
         }
 
         impl ShapeFile {
-            /// The tree that it says.
+            /// Its tree.
             ///
             /// # Errors
             /// What is wrong with the files that it names.
@@ -199,6 +199,13 @@ every_part!(all_parts);
 /// The names of all shapes and operators in scene files.
 pub(crate) fn shape_names() -> &'static [&'static str] {
     NAMES
+}
+
+/// This name with its number.
+pub(crate) fn numbered(name: &'static str) -> ShapeName {
+    let index = NAMES.iter().position(|known| *known == name);
+    let index = index.unwrap_or_default() as u32;
+    ShapeName { name, index }
 }
 
 /// Reads the name of a shape or operator, and what belongs to it.

@@ -1,6 +1,6 @@
 //! Shapes: implicit surfaces as trees of shapes and operators.
 //!
-//! A [`Shape`] is a function of space whose sign tells air (positive) from solid
+//! A [`Shape`] is a function of space whose sign separates air (positive) from solid
 //! (negative). Its leaves are shapes, its inner nodes operators, nested to any depth.
 //! What a tree promises about its value is in its [`Properties`]: whether the value is
 //! the distance to the surface, a bound of it, or only Lipschitz (Hart 1996, section 3);
@@ -31,6 +31,7 @@ mod list;
 mod octahedron;
 mod operator;
 mod paraboloid;
+mod parameter;
 mod part;
 mod plane;
 mod prism;
@@ -48,8 +49,9 @@ mod user_field;
 mod user_glsl;
 
 pub(crate) use check::{MOST_NODES, halton};
-pub(crate) use list::{ShapeFile, every_part, form_of, shape_names};
-pub(crate) use part::{LARGEST, Numbers, Part};
+pub(crate) use list::{ShapeFile, every_part, form_of, numbered, shape_names};
+pub(crate) use parameter::{LARGEST, Numbers};
+pub(crate) use part::{Asset, Part};
 use quadric::Quadric;
 pub(crate) use read::{FromFile, Operands};
 #[cfg(feature = "experiment")]
@@ -73,7 +75,7 @@ pub use operator::{
     Scale, Shell, SmoothUnion, Translate, Twist, Union,
 };
 pub use paraboloid::Paraboloid;
-pub(crate) use part::Parameter;
+pub(crate) use parameter::Parameter;
 pub use plane::Plane;
 pub use prism::Prism;
 pub use properties::{Exactness, Properties};
@@ -106,60 +108,45 @@ impl Node {
 
     /// The user's field that it is, if it is one.
     pub fn user(&self) -> Option<&Arc<UserField>> {
-        match self {
-            Node::User(User { field }) => Some(field),
+        match self.asset() {
+            Some(Asset::User(field)) => Some(field),
             _ => None,
         }
+    }
+
+    /// See [`Part::asset`].
+    pub(crate) fn asset(&self) -> Option<Asset<'_>> {
+        self.part().asset()
     }
 }
 
 impl Shape {
     /// Whether it is one of the thesis' five shapes alone: a plane, a box, a room, a sphere or
-    /// a cylinder. Their sizes are told to the shader relative to the listener, with every
-    /// frame; the numbers of all other trees stand in its text.
+    /// a cylinder. Their sizes are passed to the shader relative to the listener, with every
+    /// frame; the numbers of all other trees are in its text.
     pub fn is_basic(&self) -> bool {
-        matches!(
-            self.node,
-            Node::Plane(_) | Node::Cuboid(_) | Node::Room(_) | Node::Sphere(_) | Node::Cylinder(_)
-        )
+        self.node.part().is_basic()
     }
 
     /// Whether it is one shape all of whose faces are planes.
     pub(crate) fn is_flat(&self) -> bool {
-        matches!(
-            self.node,
-            Node::Plane(_) | Node::HalfSpace(_) | Node::Cuboid(_) | Node::Room(_) | Node::Prism(_)
-        )
+        self.children.is_empty() && self.node.part().is_flat()
     }
 
     /// Whether all of its surface lies in planes, however they are put together and copied.
     pub(crate) fn has_planes_alone(&self) -> bool {
-        let copies = matches!(self.node, Node::Mirror(_) | Node::Repeat(_));
-        self.is_flat()
-            || (copies || self.keeps_planes()) && self.children.iter().all(Shape::has_planes_alone)
+        self.all_parts(|part| part.is_flat())
     }
 
     /// Whether its surface has no edges and no corners: it is one smooth shape or a blend of such, moved, turned, scaled or
     /// turned inside out.
     pub(crate) fn is_smooth(&self) -> bool {
-        let is_smooth = matches!(
-            self.node,
-            Node::Plane(_)
-                | Node::HalfSpace(_)
-                | Node::Sphere(_)
-                | Node::Cylinder(_)
-                | Node::Capsule(_)
-                | Node::Torus(_)
-                | Node::Ellipsoid(_)
-                | Node::Paraboloid(_)
-                | Node::Hyperboloid(_)
-                | Node::Complement(_)
-                | Node::Translate(_)
-                | Node::Rotate(_)
-                | Node::Scale(_)
-                | Node::SmoothUnion(_)
-        );
-        is_smooth && self.children.iter().all(Shape::is_smooth)
+        self.all_parts(|part| part.is_smooth())
+    }
+
+    /// Whether all of its surface lies in the planes of its leaves.
+    pub(crate) fn has_planes_of_leaves(&self) -> bool {
+        self.all_parts(|part| part.is_flat() && !part.copies())
     }
 
     /// Whether it is hollow and curved, so that it may gather sound.
@@ -167,24 +154,9 @@ impl Shape {
         !self.has_planes_alone() && !self.is_convex()
     }
 
-    /// Whether all of its surface lies in the planes of its leaves.
-    pub(crate) fn has_planes_of_leaves(&self) -> bool {
-        self.is_flat()
-            || self.keeps_planes() && self.children.iter().all(Shape::has_planes_of_leaves)
-    }
-
-    /// Whether its surface lies in that of its children.
-    fn keeps_planes(&self) -> bool {
-        matches!(
-            self.node,
-            Node::Union(_)
-                | Node::Intersection(_)
-                | Node::Difference(_)
-                | Node::Complement(_)
-                | Node::Translate(_)
-                | Node::Rotate(_)
-                | Node::Scale(_)
-        )
+    /// Whether something holds for all nodes of the tree.
+    fn all_parts(&self, holds: fn(&dyn Part) -> bool) -> bool {
+        holds(self.node.part()) && self.children.iter().all(|child| child.all_parts(holds))
     }
 
     /// The tree, if it is no [basic](Shape::is_basic) shape.
@@ -197,8 +169,8 @@ impl Shape {
         self.node.part().properties(&self.children)
     }
 
-    /// The value at a point of the tree's own axes (metres): positive in the air. What it
-    /// says of the distance stands in [`Shape::properties`].
+    /// The value at a point of the tree's own axes (metres): positive in the air. Its
+    /// relation to the distance is given by [`Shape::properties`].
     pub fn value(&self, p: DVec3) -> f64 {
         self.node.part().value(&self.children, p)
     }

@@ -1,25 +1,25 @@
-//! What every shape and every operator says of itself.
+//! The interface of every shape and every operator.
 //!
 //! A part is one node of a tree without its children. Each has a file of its own, with its
-//! numbers, their ranges, what its value says of the distance, and the value itself in `f64`.
-//! Its shader stands in `glsl/shape/` or `glsl/operator/`. [`parts`](super::list) lists all.
+//! numbers, their ranges, the relation of its value to the distance, and the value itself in `f64`.
+//! Its shader is in `glsl/shape/` or `glsl/operator/`. [`parts`](super::list) lists all.
 
-use super::{Properties, Shape};
-use crate::scene::Quantity;
+use super::parameter::Parameters;
+use super::{HeightImage, Properties, Shape, UserField};
 use crate::scene::notation::{Fields, Written};
-use glam::{DVec3, Vec2, Vec3};
+use glam::DVec3;
+use std::sync::Arc;
 
-/// A number of a part that may move.
-pub struct Parameter<'a> {
-    /// What a scene file calls it: `radius`, `size.x`, `corners.2.y`.
-    pub name: String,
-    /// Where it stands, in the unit of the code.
-    pub number: &'a mut f32,
-    /// What it measures.
-    pub quantity: Quantity,
+/// A large thing that a shape's value comes from, beside its numbers.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Asset<'a> {
+    /// The heights of an image.
+    Image(&'a Arc<HeightImage>),
+    /// A user's field.
+    User(&'a Arc<UserField>),
 }
 
-/// What a shape or an operator says of itself. `children` are the fields that an operator
+/// The interface of a shape or an operator. `children` are the fields that an operator
 /// works on; of a shape there are none.
 pub(crate) trait Part: Parameters {
     /// The name that scene files, shaders and reports use.
@@ -30,12 +30,12 @@ pub(crate) trait Part: Parameters {
         self.name()
     }
 
-    /// What a scene file says of it beside its children and the numbers that may move.
+    /// Its form in a scene file apart from its children and the numbers that may move.
     fn words(&self) -> Fields {
         Fields::new()
     }
 
-    /// Its children as a scene file says them.
+    /// Its children as a scene file writes them.
     fn written_children(&self, mut children: Vec<Written>) -> Fields {
         match self.operands() {
             (_, 0) => Fields::new(),
@@ -48,12 +48,32 @@ pub(crate) trait Part: Parameters {
         }
     }
 
+    /// Whether it is one of the thesis' five shapes: [`Shape::is_basic`].
+    fn is_basic(&self) -> bool {
+        false
+    }
+
+    /// Whether all of its surface lies in planes; of an operator, if that of its children does.
+    fn is_flat(&self) -> bool {
+        false
+    }
+
+    /// Whether its surface has no edges and no corners; of an operator, if those of its children have none.
+    fn is_smooth(&self) -> bool {
+        false
+    }
+
+    /// Whether it is an operator whose surface lies elsewhere than that of its children: it has copies of them.
+    fn copies(&self) -> bool {
+        false
+    }
+
     /// How many children it takes: least and most.
     fn operands(&self) -> (usize, usize) {
         (0, 0)
     }
 
-    /// Refuses what the ranges of the parameters alone do not.
+    /// Rejects what the ranges of the parameters alone do not.
     ///
     /// # Errors
     /// A sentence on what must be.
@@ -61,7 +81,7 @@ pub(crate) trait Part: Parameters {
         Ok(())
     }
 
-    /// Refuses children that it cannot work on; their numbers are sound.
+    /// Rejects children that it cannot work on; their numbers are sound.
     ///
     /// # Errors
     /// A sentence on what must be.
@@ -105,20 +125,16 @@ pub(crate) trait Part: Parameters {
         &[1; 8]
     }
 
-    /// How fast its value may grow, in metres a metre, where its scene says that instead of
+    /// The large thing beside its numbers that its value comes from.
+    fn asset(&self) -> Option<Asset<'_>> {
+        None
+    }
+
+    /// How fast its value may grow, in metres a metre, where its scene states that instead of
     /// having it computed.
     fn stated_lipschitz(&self) -> Option<f32> {
         None
     }
-}
-
-/// The numbers of a part that may move.
-pub(crate) trait Parameters {
-    /// Each with its name and what it measures, in order.
-    fn parameters_mut(&mut self) -> Vec<Parameter<'_>>;
-
-    /// Each without its name, which takes no memory: for every frame.
-    fn each_number(&self, visit: &mut dyn FnMut(Quantity, f32));
 }
 
 /// The greatest slowness of some trees, at least 1.
@@ -126,112 +142,7 @@ pub(super) fn slowest(of: &[Shape]) -> f64 {
     of.iter().map(Shape::slowness).fold(1.0, f64::max)
 }
 
-/// The largest coordinate, size or time that a scene may hold, in metres or seconds: what is
-/// computed of it in `f32`, squares included, stays finite.
-pub(crate) const LARGEST: f32 = 1e9;
-
-/// Whether a number is in the range of its quantity, and what it must be.
-fn range(quantity: Quantity, value: f32) -> (bool, &'static str) {
-    match quantity {
-        Quantity::Length | Quantity::Factor => (
-            value > 0.0 && value <= LARGEST,
-            "greater than 0 and at most 1e9",
-        ),
-        Quantity::Share => ((0.0..=1.0).contains(&value), "0 to 1"),
-        _ => (
-            value.is_finite() && value.abs() <= LARGEST,
-            "finite and at most 1e9 in size",
-        ),
-    }
-}
-
-/// Whether every number of a part is in the range of its quantity.
-pub(super) fn in_range(part: &dyn Part) -> bool {
-    let mut all = true;
-    part.each_number(&mut |quantity, value| all &= range(quantity, value).0);
-    all
-}
-
-impl Parameter<'_> {
-    /// Refuses a number out of the range of its quantity.
-    ///
-    /// # Errors
-    /// A sentence on what it must be.
-    pub(super) fn check(&self) -> Result<(), String> {
-        let value = *self.number;
-        let (is_right, must) = range(self.quantity, value);
-        if is_right {
-            return Ok(());
-        }
-        let (name, unit) = (self.name.replace('_', " "), self.quantity.unit());
-        Err(format!("its {name} must be {must}{unit}, not {value}"))
-    }
-}
-
-/// Numbers that stand together: one, or a vector's.
-pub(crate) trait Numbers {
-    /// Adds each with its name.
-    fn add_to<'a>(&'a mut self, name: &str, quantity: Quantity, all: &mut Vec<Parameter<'a>>);
-
-    /// Visits each.
-    fn each(&self, visit: &mut dyn FnMut(f32));
-}
-
-impl Numbers for f32 {
-    fn add_to<'a>(&'a mut self, name: &str, quantity: Quantity, all: &mut Vec<Parameter<'a>>) {
-        all.push(Parameter {
-            name: name.to_owned(),
-            number: self,
-            quantity,
-        });
-    }
-
-    fn each(&self, visit: &mut dyn FnMut(f32)) {
-        visit(*self);
-    }
-}
-
-impl Numbers for Vec2 {
-    fn add_to<'a>(&'a mut self, name: &str, quantity: Quantity, all: &mut Vec<Parameter<'a>>) {
-        let Vec2 { x, y } = self;
-        x.add_to(&format!("{name}.x"), quantity, all);
-        y.add_to(&format!("{name}.y"), quantity, all);
-    }
-
-    fn each(&self, visit: &mut dyn FnMut(f32)) {
-        self.to_array().into_iter().for_each(visit);
-    }
-}
-
-impl Numbers for Vec3 {
-    fn add_to<'a>(&'a mut self, name: &str, quantity: Quantity, all: &mut Vec<Parameter<'a>>) {
-        let Vec3 { x, y, z } = self;
-        x.add_to(&format!("{name}.x"), quantity, all);
-        y.add_to(&format!("{name}.y"), quantity, all);
-        z.add_to(&format!("{name}.z"), quantity, all);
-    }
-
-    fn each(&self, visit: &mut dyn FnMut(f32)) {
-        self.to_array().into_iter().for_each(visit);
-    }
-}
-
-/// Numbers in a row are called after their place: `corners.0.x`.
-impl<T: Numbers, const N: usize> Numbers for [T; N] {
-    fn add_to<'a>(&'a mut self, name: &str, quantity: Quantity, all: &mut Vec<Parameter<'a>>) {
-        for (index, number) in self.iter_mut().enumerate() {
-            number.add_to(&format!("{name}.{index}"), quantity, all);
-        }
-    }
-
-    fn each(&self, visit: &mut dyn FnMut(f32)) {
-        for number in self {
-            number.each(visit);
-        }
-    }
-}
-
-/// A part whose numbers all may move: the struct, what a scene file says of it, and the list of
+/// A part whose numbers all may move: the struct, its form in a scene file, and the list of
 /// its parameters. Each number is `name: type as Unit`, or `= default` where a file may leave
 /// it out.
 ///
@@ -247,7 +158,7 @@ impl<T: Numbers, const N: usize> Numbers for [T; N] {
 /// }
 /// ```
 ///
-/// An operator says before its numbers what it works on: `Shell over (of: Box<ShapeFile>) {…}`.
+/// An operator states before its numbers what it works on: `Shell over (of: Box<ShapeFile>) {…}`.
 macro_rules! numbers {
     (
         $(#[$doc:meta])*
@@ -264,7 +175,7 @@ macro_rules! numbers {
             $($(#[$field_doc])* pub $field: $kind,)*
         }
 
-        /// What a scene file says of it.
+        /// Its form in a scene file.
         #[derive(serde::Deserialize)]
         #[serde(deny_unknown_fields)]
         pub(crate) struct File {
@@ -301,14 +212,14 @@ macro_rules! numbers {
 }
 pub(super) use numbers;
 
-/// Says which numbers of a part may move, and what each measures.
+/// Lists which numbers of a part may move, and what each measures.
 macro_rules! parameters {
     ($part:ident { $($field:ident: $quantity:expr),* $(,)? }) => {
-        impl $crate::scene::shape::part::Parameters for $part {
+        impl $crate::scene::shape::parameter::Parameters for $part {
             fn parameters_mut(&mut self) -> Vec<$crate::scene::shape::Parameter<'_>> {
                 #[allow(unused_mut)]
                 let mut all = Vec::new();
-                $($crate::scene::shape::part::Numbers::add_to(
+                $($crate::scene::shape::parameter::Numbers::add_to(
                     &mut self.$field,
                     stringify!($field),
                     $quantity,
@@ -319,7 +230,7 @@ macro_rules! parameters {
 
             #[allow(unused_variables)]
             fn each_number(&self, visit: &mut dyn FnMut($crate::scene::Quantity, f32)) {
-                $($crate::scene::shape::part::Numbers::each(
+                $($crate::scene::shape::parameter::Numbers::each(
                     &self.$field,
                     &mut |number| visit($quantity, number),
                 );)*
@@ -329,14 +240,14 @@ macro_rules! parameters {
 }
 pub(super) use parameters;
 
-/// A part without numbers: a unit struct. What a scene file says of a shape is its name alone.
+/// A part without numbers: a unit struct. Its form in a scene file is its name alone.
 macro_rules! no_numbers {
     ($(#[$doc:meta])* $part:ident) => {
         $(#[$doc])*
         #[derive(Clone, Debug, PartialEq)]
         pub struct $part;
 
-        /// What a scene file says of it: nothing but its name.
+        /// Its form in a scene file: nothing but its name.
         #[derive(serde::Deserialize)]
         pub(crate) struct File;
 
@@ -356,7 +267,7 @@ macro_rules! no_numbers {
         #[derive(Clone, Debug, PartialEq)]
         pub struct $part;
 
-        /// What a scene file says of it: what it works on.
+        /// Its form in a scene file: what it works on.
         #[derive(serde::Deserialize)]
         pub(crate) struct File($operands);
 

@@ -14,6 +14,18 @@ impl Part for Plane {
         "Plane"
     }
 
+    fn is_basic(&self) -> bool {
+        true
+    }
+
+    fn is_flat(&self) -> bool {
+        true
+    }
+
+    fn is_smooth(&self) -> bool {
+        true
+    }
+
     fn properties(&self, _: &[Shape]) -> Properties {
         let endless = f64::INFINITY;
         Properties {

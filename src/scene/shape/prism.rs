@@ -19,7 +19,7 @@ pub struct Prism {
     pub depth: f32,
 }
 
-/// What a scene file says of it.
+/// Its form in a scene file.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct File {
@@ -44,12 +44,16 @@ parameters!(Prism {
 });
 
 /// Area of a triangle, as a share of its longest side's square, below which its corners count
-/// as lying on one line: `f32` does not tell their places better.
+/// as lying on one line: `f32` does not resolve their places better.
 const LEAST_AREA: f64 = 1e-6;
 
 impl Part for Prism {
     fn name(&self) -> &'static str {
         "Prism"
+    }
+
+    fn is_flat(&self) -> bool {
+        true
     }
 
     fn check(&self) -> Result<(), String> {

@@ -9,7 +9,7 @@
 use super::Bounds3;
 use glam::DVec3;
 
-/// What a value says about the distance to the surface.
+/// How a value is related to the distance to the surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Exactness {
     /// It is the Euclidean distance.
@@ -24,11 +24,11 @@ pub enum Exactness {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Properties {
-    /// What positive values say.
+    /// The relation of positive values to the distance.
     pub in_air: Exactness,
-    /// What negative values say.
+    /// The relation of negative values to the distance.
     pub in_solid: Exactness,
-    /// How much faster than the way the value changes at the most; at least 1.
+    /// How much faster than the way the value changes at most; at least 1.
     pub lipschitz: f64,
     /// What holds the solid.
     pub bounds: Bounds3,
@@ -82,7 +82,7 @@ impl Properties {
 }
 
 impl Exactness {
-    /// What several values say together, where the constant is that of the steepest.
+    /// The relation of several values together, where the constant is that of the steepest.
     pub(super) fn worst(of: impl Iterator<Item = Exactness>, lipschitz: f64) -> Exactness {
         let mut of = of;
         match lipschitz > 1.0 {

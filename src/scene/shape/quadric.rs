@@ -21,7 +21,7 @@ pub struct GeneralQuadric {
     pub coefficients: [f32; 10],
 }
 
-/// What a scene file says of it: the coefficients alone.
+/// Its form in a scene file: the coefficients alone.
 #[derive(Deserialize)]
 pub(crate) struct File([Number<Plain>; 10]);
 
@@ -179,7 +179,7 @@ impl Quadric {
         (value, 2.0 * form + self.linear)
     }
 
-    /// What Q stretches a vector by at the most: of a diagonal form its largest number, else
+    /// What Q stretches a vector by at most: of a diagonal form its largest number, else
     /// the Frobenius norm, which is never less.
     pub fn norm(&self) -> f64 {
         if self.mixed == DVec3::ZERO {

@@ -1,10 +1,10 @@
-//! From what a scene file says to trees.
+//! From the content of a scene file to trees.
 
 use super::Shape;
 use crate::scene::SceneError;
 use crate::scene::notation::Reader;
 
-/// What a file says of one shape or operator.
+/// The form of one shape or operator in a file.
 pub(crate) trait FromFile {
     /// The tree with it as its root.
     ///
@@ -13,7 +13,7 @@ pub(crate) trait FromFile {
     fn read(self, reader: &mut Reader) -> Result<Shape, SceneError>;
 }
 
-/// The children of an operator, as a file says them.
+/// The children of an operator, as a file writes them.
 pub(crate) trait Operands {
     /// Each read in its place.
     ///

@@ -17,6 +17,14 @@ impl Part for Room {
         "Room"
     }
 
+    fn is_basic(&self) -> bool {
+        true
+    }
+
+    fn is_flat(&self) -> bool {
+        true
+    }
+
     fn properties(&self, _: &[Shape]) -> Properties {
         Properties {
             in_air: Exactness::Exact,

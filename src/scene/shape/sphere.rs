@@ -17,6 +17,14 @@ impl Part for Sphere {
         "Sphere"
     }
 
+    fn is_basic(&self) -> bool {
+        true
+    }
+
+    fn is_smooth(&self) -> bool {
+        true
+    }
+
     fn properties(&self, _: &[Shape]) -> Properties {
         Properties::round(self.radius, self.radius.into())
     }

@@ -19,6 +19,10 @@ impl Part for Torus {
         "Torus"
     }
 
+    fn is_smooth(&self) -> bool {
+        true
+    }
+
     fn properties(&self, _: &[Shape]) -> Properties {
         Properties {
             // A tube that reaches over the axis covers its own inner side: that is no

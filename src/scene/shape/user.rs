@@ -1,6 +1,7 @@
 //! A user's own field, as a shape.
 
 use super::cuboid::box_value;
+use super::part::Asset;
 use super::part::parameters;
 use super::{Bounds3, Part, Properties, Shape, UserField};
 use crate::scene::SceneError;
@@ -18,7 +19,7 @@ pub struct User {
     pub field: Arc<UserField>,
 }
 
-/// What a scene file says of it.
+/// Its form in a scene file.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct File {
@@ -41,6 +42,10 @@ parameters!(User {});
 impl Part for User {
     fn name(&self) -> &'static str {
         "Field"
+    }
+
+    fn asset(&self) -> Option<Asset<'_>> {
+        Some(Asset::User(&self.field))
     }
 
     fn words(&self) -> Fields {

@@ -1,11 +1,11 @@
-//! A field of one's own: GLSL text with a `float field(vec3 p)` in it, and perhaps a
+//! A user's field: GLSL text with a `float field(vec3 p)` in it, and perhaps a
 //! `vec3 fieldGradient(vec3 p)`.
 //!
 //! Only a GPU can evaluate it. What the CPU needs to know (whether the source is in a solid,
 //! where a walker may go) it has from samples, which are taken once on the GPU when the
 //! field is checked; see `crate::trace`.
 
-use super::part::Numbers;
+use super::parameter::Numbers;
 use super::{Parameter, user_glsl};
 use crate::scene::Quantity;
 use glam::{DVec3, Vec3};
@@ -23,14 +23,14 @@ pub struct UserField {
     /// Full size in metres of the box about the origin that it fills: it is cut off there,
     /// and never evaluated beyond.
     pub size: Vec3,
-    /// How fast its value may grow at the most, in metres a metre.
+    /// How fast its value may grow at most, in metres a metre.
     pub lipschitz: f32,
     samples: OnceLock<Arc<UserSamples>>,
     read: OnceLock<Read>,
     evaluation_seconds: OnceLock<f64>,
 }
 
-/// What the text is asked for every frame: it is read once.
+/// Properties of the text needed in every frame: it is read once.
 #[derive(Clone, Copy, Debug, Default)]
 struct Read {
     has_loops: bool,
@@ -60,7 +60,7 @@ impl UserField {
         }
     }
 
-    /// Refuses a box without a size, and a constant that cannot be meant.
+    /// Rejects a box without a size, and a constant that cannot be meant.
     ///
     /// # Errors
     /// A sentence on what it must be.
@@ -82,7 +82,7 @@ impl UserField {
         let _ = self.samples.set(samples);
     }
 
-    /// What the GPU answered, once it was asked.
+    /// The GPU's samples, once they were taken.
     pub(crate) fn samples(&self) -> Option<&Arc<UserSamples>> {
         self.samples.get()
     }
@@ -115,7 +115,7 @@ impl UserField {
 
     /// The text as it may stand within a shader, line by line: in ASCII, its macros expanded,
     /// without directives and `precision` statements, which are the whole shader's. Empty for
-    /// a text that [`UserField::check_text`] refuses.
+    /// a text that [`UserField::check_text`] rejects.
     pub fn shader_text(&self) -> String {
         user_glsl::read(&self.text).map_or_else(|_| String::new(), |text| text.code)
     }
@@ -152,7 +152,7 @@ impl UserField {
 
     /// All names in the text that are not GLSL's own: they are renamed when it is taken into a
     /// shader, so that two fields never clash, and no field reaches what is around it. Empty
-    /// for a text that [`UserField::check_text`] refuses.
+    /// for a text that [`UserField::check_text`] rejects.
     pub fn names(&self) -> Vec<String> {
         user_glsl::read(&self.text).map_or_else(|_| Vec::new(), |text| text.names)
     }

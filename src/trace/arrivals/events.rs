@@ -3,7 +3,7 @@
 use crate::bands::{BAND_COUNT, Bands};
 use crate::kernel::{Materials, WORD_BITS};
 
-/// Words of events that a wave has at the most: one in its tally, four in a texture.
+/// Words of events that a wave has at most: one in its tally, four in a texture.
 const WORDS: usize = 5;
 
 /// Bits of the events that are looked up at a time: a table of 64 KiB, five events of two bits.
@@ -22,12 +22,12 @@ pub struct EventTable {
     materials: Materials,
 }
 
-/// The events of one wave in a chunk, of which those before an iteration are over.
+/// The events of one wave in a chunk, of which those before an iteration are done.
 #[derive(Debug)]
 pub struct Events<'a> {
     table: &'a EventTable,
     words: [u32; WORDS],
-    /// The word under way, without the events that are over.
+    /// The word in progress, without the events that are done.
     word: u32,
     next_word: usize,
     in_word: u32,

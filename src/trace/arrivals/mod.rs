@@ -4,13 +4,13 @@
 //! The listener is transparent here. A pass (`glsl/arrivals/`) takes the waves of a *block* through
 //! a *chunk* of iterations and writes a record for each crossing, so many to a wave. What was
 //! written is read back and added up here in `f64` while the next chunk is drawn. A wave that
-//! crosses oftener than there are records is drawn again from the chunk's start, as one of a list,
-//! with the crossings before passed over. Nothing is blended: the same input gives the same bits.
+//! crosses more often than there are records is drawn again from the chunk's start, as one of a
+//! list, and earlier crossings are skipped. Nothing is blended: the same input gives the same bits.
 //!
 //! | file | what it does |
 //! | --- | --- |
 //! | `events.rs` | what reflections leave of a wave's energy |
-//! | `settings.rs` | what is asked for, and what came of it |
+//! | `settings.rs` | settings, and counts |
 //! | `starts.rs` | which waves are followed, and how they start |
 //! | `volume.rs` | the open volume of the listener's sphere |
 //! | `targets.rs` | textures, and what is read back of them |

@@ -3,7 +3,7 @@
 use super::super::Grid;
 use super::ArrivalCounts;
 use super::events::{EventTable, Events};
-use crate::acoustics::Arrival;
+use crate::arrival::Arrival;
 use crate::bands::{self, BAND_COUNT, Bands};
 use glam::DVec3;
 use std::ops::Range;
@@ -14,7 +14,7 @@ const CROSSINGS: u32 = 1024;
 /// What arrivals are computed with.
 #[derive(Clone, Debug)]
 pub struct Replay {
-    /// Reflections of an early arrival at the most.
+    /// Reflections of an early arrival at most.
     pub early_order: u32,
     /// Metres that waves are followed.
     pub length_limit: f64,
@@ -26,7 +26,7 @@ pub struct Replay {
     pub events: Option<EventTable>,
 }
 
-/// A wave that is drawn once more, because it crosses the listener oftener than is recorded.
+/// A wave that is drawn once more, because it crosses the listener more often than is recorded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Listed {
     /// Number in the block.
@@ -70,7 +70,7 @@ pub struct Block {
     first: u32,
     grid: Grid,
     waves: Vec<WaveSoFar>,
-    /// The energy with which all start, in each band that they tell of.
+    /// The energy with which all start, in each band that they carry.
     energy_at_start: f64,
     /// What is left of their energies, where these are not always 1.
     energies: Vec<Bands>,
@@ -124,7 +124,7 @@ impl Block {
         start * self.grid.width..(end * self.grid.width).min(self.grid.waves)
     }
 
-    /// The waves that cross the listener oftener than is recorded, once for each so many
+    /// The waves that cross the listener more often than is recorded, once for each so many
     /// crossings.
     pub fn list(&self, tally: &[f32], records: u32) -> Vec<Listed> {
         let mut list = Vec::new();
@@ -246,7 +246,7 @@ impl Block {
         all.iter().any(|energy| *energy > least)
     }
 
-    /// Follows no wave any more, as what they have left does not matter: they have flown as far as is asked for.
+    /// Stops tracing all waves, because their remaining energy is negligible: they count as flown as far as requested.
     pub fn end_flights(&mut self) {
         for wave in &mut self.waves {
             if wave.fate == Fate::Travelling {
@@ -286,7 +286,7 @@ fn tally_of(texels: &[f32], wave: u32) -> u32 {
 /// The unit vector of which a record holds x, y and the sign of z.
 ///
 /// Its length is 1 within 2e-7, and so is that of x and y within as much of what it was: the
-/// angle is off by 2e-7 / |z|, and by √(4e-7) = 6e-4 (0.04°) at the most, where z is 0.
+/// angle is off by 2e-7 / |z|, and by √(4e-7) = 6e-4 (0.04°) at most, where z is 0.
 fn direction(record: &[f32]) -> DVec3 {
     let (x, y) = (f64::from(record[2]), f64::from(record[3]));
     let z = (1.0 - x * x - y * y).max(0.0).sqrt();

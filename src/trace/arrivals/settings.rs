@@ -1,4 +1,4 @@
-//! What is asked of arrivals, and what came of it.
+//! Settings of arrivals, and counts.
 
 use super::super::TraceError;
 use super::super::settings::MAX_ITERATIONS;
@@ -13,21 +13,21 @@ use std::ops::Range;
 pub struct ArrivalSettings {
     /// Waves are followed until they have flown as far as sound flies in this time, in seconds.
     pub seconds: f64,
-    /// Reflections of an arrival that is called early at the most: 3 by default.
+    /// Reflections of an arrival that is called early at most: 3 by default.
     pub early_order: u32,
-    /// Iterations of a wave at the most, 1 … [`MAX_ITERATIONS`], however short its way was until
+    /// Iterations of a wave at most, 1 … [`MAX_ITERATIONS`], however short its way was until
     /// then: by default as many as that.
     pub iterations: u32,
-    /// Octave bands that waves tell of, by number: all by default. The energies of the others are 0.
+    /// Octave bands that are traced, by number: all by default. The energies of the others are 0.
     pub(crate) bands: Range<usize>,
     /// Waves are followed while those of a block together have more than this share of the energy that they
     /// started with, in some band: 0 by default.
     pub(crate) least_energy: f64,
-    /// Iterations in a chunk at the most.
+    /// Iterations in a chunk at most.
     pub(crate) iterations_in_chunk: u32,
-    /// Crossings that a pass records of a wave at the most.
+    /// Crossings that a pass records of a wave at most.
     pub(crate) records: u32,
-    /// Outputs of a pass at the most, if the driver allows as many.
+    /// Outputs of a pass at most, if the driver allows as many.
     pub(crate) outputs: u32,
 }
 
@@ -58,7 +58,7 @@ impl ArrivalSettings {
         self
     }
 
-    /// The same for waves that tell of these bands.
+    /// The same for waves that carry these bands.
     pub(crate) fn with_bands(mut self, bands: Range<usize>) -> ArrivalSettings {
         self.bands = bands;
         self
@@ -93,7 +93,7 @@ impl ArrivalSettings {
     }
 }
 
-/// The longest time that may be asked for, in seconds: no room sounds for as long.
+/// The longest time that may be requested, in seconds: no room sounds for as long.
 const MOST_SECONDS: f64 = 1000.0;
 
 /// What became of the waves whose arrivals were traced.
@@ -108,11 +108,11 @@ pub struct ArrivalCounts {
     pub gone: u64,
     /// Waves that were given up at the step limit of a march.
     pub step_limit_reached: u64,
-    /// Waves that flew as far as was asked for, or of a response until they had too little energy to be heard.
+    /// Waves that flew as far as requested, or of a response until they had too little energy to be heard.
     pub flown: u64,
     /// Waves that were cut off after [`ArrivalSettings::iterations`].
     pub cut_off: u64,
-    /// Metres from the source within which all waves were followed but one in a thousand at the most;
+    /// Metres from the source within which all waves were followed but one in a thousand at most;
     /// ∞ where no more than these were cut off.
     pub followed_m: f64,
     /// Iterations that were traced; waves of a later block may have needed more than those before.
@@ -157,7 +157,7 @@ pub(crate) struct Followed {
     pub cut_off_m: Vec<f64>,
 }
 
-/// One wave in so many may be cut off without a word: a thousandth of the energy at the most is then missing, as early
+/// One wave in so many may be cut off silently: a thousandth of the energy at most is then missing, as early
 /// as they ended (three thousandths where importance weights are up to 2.9).
 const CUT_OFF_UNTOLD: usize = 1000;
 

@@ -13,7 +13,7 @@ const LIST_WIDTH: u32 = 256;
 /// Rows of a list.
 const LIST_HEIGHT: u32 = 64;
 
-/// Waves that are drawn as one list at the most.
+/// Waves that are drawn as one list at most.
 pub const LISTED_AT_MOST: usize = (LIST_WIDTH * LIST_HEIGHT) as usize;
 
 /// What a place of a list holds that no wave has.

@@ -1,4 +1,4 @@
-//! The child's side: compile and try what the parent asks for, within limits.
+//! The child's side: compiles and tries what the parent requests, within limits.
 
 use super::STACK;
 use super::protocol::{self, Answer, Request, RequestedField, TriedField};
@@ -14,13 +14,13 @@ use glam::Vec3;
 use std::io::{Read, Write};
 use std::process::ExitCode;
 
-/// Bytes of a request at the most: many fields, each as long as may be, in many programs.
+/// Bytes of a request at most: many fields, each as long as may be, in many programs.
 const LONGEST_REQUEST: u64 = 1 << 26;
 
 /// Pixels of the pass by which a program is tried: a driver compiles the rest of it then.
 const TRIED: [u32; 2] = [8, 1];
 
-/// Answers what another process of this program asks by [`FieldTrial`](super::FieldTrial): reads from standard
+/// Answers a request of another process of this program by [`FieldTrial`](super::FieldTrial): reads from standard
 /// input which texts to try, tries them on a renderer, and writes to standard output what came
 /// of it. To be called at the beginning of a process that does nothing else: it limits the
 /// time and memory that this process may take.
@@ -88,7 +88,7 @@ fn tried(
     Ok(fields)
 }
 
-/// Compiles a program, and draws it once. Of what does not compile the parent will say so: its
+/// Compiles a program, and draws it once. What does not compile is reported by the parent: its
 /// own compiler gets no further.
 fn try_program(context: &Context, text: &str) -> Result<(), GpuError> {
     let program = match Program::fragment(context, "a trial", text) {

@@ -1,13 +1,13 @@
 //! Tries users' fields in a child process, where they can do no harm.
 //!
-//! A field's text is a program, and what compiles it, the driver, runs within the process that
-//! asks: a division that the compiler folds, a sum of twenty thousand terms or a loop of a
-//! billion turns can end or hold up that process. So the texts of a scene are compiled and
+//! A field's text is a program, and what compiles it, the driver, runs within the calling
+//! process: a division that the compiler folds, a sum of twenty thousand terms or a loop of a
+//! billion iterations can end or block that process. So the texts of a scene are compiled and
 //! tried first in a child process, with limits on time, memory and stack; what dies or takes
-//! too long there is refused here. What has passed is remembered as long as the process lives.
+//! too long there is rejected here. What has passed is remembered as long as the process lives.
 //!
-//! A library cannot start itself. Whoever uses this crate chooses by [`FieldTrial::set`]; the
-//! command line chooses a child of its own.
+//! A library cannot start itself as a process. The user of this crate chooses with
+//! [`FieldTrial::set`]; the command line starts a child process.
 
 // A page in a browser has no other processes: there nothing can be chosen but to try in this one.
 #[cfg(not(target_arch = "wasm32"))]
@@ -61,7 +61,7 @@ pub enum FieldTrial {
 pub struct TrialCommand {
     /// The program: usually this one, see [`TrialCommand::this_program`].
     pub program: PathBuf,
-    /// Its arguments. They must lead to [`answer_field_trial`] and say on which renderer.
+    /// Its arguments. They must lead to [`answer_field_trial`] and set the renderer.
     pub arguments: Vec<OsString>,
 }
 
@@ -69,7 +69,7 @@ impl TrialCommand {
     /// The running program, with other arguments.
     ///
     /// # Errors
-    /// Where the system does not tell which program is running.
+    /// Where the system does not report which program is running.
     pub fn this_program(
         arguments: impl IntoIterator<Item = impl Into<OsString>>,
     ) -> std::io::Result<TrialCommand> {

@@ -1,4 +1,4 @@
-//! The parent's side: start the child, wait for it or look after it now and then.
+//! The parent's side: starts the child, and waits for it or polls it.
 
 use super::protocol::{self, Answer, Request, RequestedField};
 use super::{FieldTrial, LONGEST, LONGEST_BESIDE_OTHERS, MOST_MEMORY, TrialCommand};
@@ -16,7 +16,7 @@ use std::time::{Duration, Instant};
 /// From one look at the child to the next, where it is waited for.
 const BETWEEN_LOOKS: Duration = Duration::from_millis(2);
 
-/// Texts and refusals that are remembered at the most; then all are forgotten.
+/// Texts and refusals that are remembered at most; then all are forgotten.
 const MOST_KNOWN: usize = 1024;
 
 /// A child process that tries fields. Dropping it ends it.
@@ -40,7 +40,7 @@ struct Known {
 
 static KNOWN: LazyLock<Mutex<Known>> = LazyLock::new(Mutex::default);
 
-/// Keys of another process are others, so that nobody can make two texts of one key.
+/// Keys differ from process to process, so that hash collisions cannot be prepared.
 static KEYS: LazyLock<RandomState> = LazyLock::new(RandomState::new);
 
 fn known() -> MutexGuard<'static, Known> {
@@ -67,8 +67,8 @@ impl Trial {
     /// not tried yet; nothing if there is nothing to try, or fields are trusted.
     ///
     /// # Errors
-    /// [`Error::Trace`] for a text that is refused without being compiled, for what was tried
-    /// and refused before, and where no child can be started.
+    /// [`Error::Trace`] for a text that is rejected without being compiled, for what was tried
+    /// and rejected before, and where no child can be started.
     pub fn begin(scene: &Scene, programs: &[&str]) -> Result<Option<Trial>, Error> {
         let FieldTrial::InChild(command) = FieldTrial::chosen() else {
             return Ok(None);
@@ -127,7 +127,7 @@ impl Trial {
         }))
     }
 
-    /// Whether the fields can be used, once that is known: for whoever has other things to do.
+    /// Whether the fields can be used, once that is known. Does not block.
     pub fn poll(&mut self) -> Option<Result<(), Error>> {
         let longest = self.longest();
         let ended = match self.child.try_wait() {
@@ -287,7 +287,7 @@ fn start(command: &TrialCommand, request: &Request) -> std::io::Result<(Child, F
         .args(&command.arguments)
         .stdin(Stdio::from(question))
         .stdout(Stdio::from(answer.try_clone()?))
-        // What a driver or a compiler says when it dies helps nobody.
+        // Driver crash output is discarded.
         .stderr(Stdio::null())
         .spawn()?;
     Ok((child, answer))

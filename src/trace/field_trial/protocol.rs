@@ -1,10 +1,10 @@
-//! What parent and child tell each other: the parent a line of RON, the child a mark, a line
+//! What parent and child send each other: the parent a line of RON, the child a mark, a line
 //! of RON and the samples as they are in memory.
 
 use super::super::TraceError;
 use serde::{Deserialize, Serialize};
 
-/// Stands before the answer: drivers may write to standard output as well.
+/// Precedes the answer: drivers may write to standard output as well.
 const MARK: &[u8] = b"\nechomarch field trial\n";
 
 /// What is to be tried.
@@ -24,7 +24,7 @@ pub struct RequestedField {
     pub lipschitz: f32,
 }
 
-/// What came of it.
+/// The result.
 #[derive(Debug, Serialize, Deserialize)]
 pub enum Answer {
     /// All can be used; the fields in order.
@@ -66,7 +66,7 @@ pub fn read(bytes: &[u8]) -> Option<(Answer, Vec<f32>)> {
 mod tests {
     use super::*;
 
-    /// Protects what a child tells from what a driver prints, and from half an answer.
+    /// A child's answer is separated from a driver's output, and half an answer is rejected.
     #[test]
     fn an_answer_is_read_as_it_was_written() {
         let tried = TriedField {

@@ -15,7 +15,7 @@ pub enum Profile {
     Hybrid,
     /// Accurate sphere tracing, for any distance function with a Lipschitz bound.
     March,
-    /// Figures 8 and 9 of the thesis as they stand, with all they get wrong.
+    /// Figures 8 and 9 of the thesis as printed, including their errors.
     Thesis,
 }
 

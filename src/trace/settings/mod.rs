@@ -5,38 +5,18 @@
 //! for the experiments alone.
 
 mod algorithm;
+mod limits;
 mod variant;
 
 use super::TraceError;
 use crate::kernel::Directions;
 pub use algorithm::{Algorithm, HybridOptions, MarchOptions, Profile, ThesisOptions};
+use limits::MAX_DISTANCE;
+pub use limits::{MAX_COPY_STEPS, MAX_FIELD_STEPS, MAX_ITERATIONS, MAX_STEPS, MAX_WAVES};
 use serde::Serialize;
 use std::fmt;
 #[cfg(feature = "experiment")]
 pub(crate) use variant::MarchVariant;
-
-/// The most waves in one frame: 2^24, a 4096 x 4096 texture pair.
-pub const MAX_WAVES: u32 = 1 << 24;
-
-/// The most iterations. A wave's two counters share one float of 24 bits, 12 each.
-pub const MAX_ITERATIONS: u32 = 4095;
-
-/// Evaluations of the distance in one march, at the most.
-///
-/// Every step of the thesis' march is at least the minimum distance long, so at its
-/// own constants no wave takes more than 300 / 0.1 = 3000 of them. The bound lies
-/// above that and keeps any other setting from hanging the GPU.
-pub const MAX_STEPS: u32 = 4096;
-
-/// Evaluations of the fields in one march, at the most. Relaxed steps and Newton's at the end
-/// take some tens of them; what takes more grazes a surface.
-pub const MAX_FIELD_STEPS: u32 = 1024;
-
-/// Turns that `hybrid` takes a line past the copies of repetitions without end, or of more than
-/// 1,024 cells, in one flight at the most. Two flights of so many turns fit a pass on llvmpipe.
-/// Among turned boxes 3 m to 4 m apart 10 of 524,288 waves reach it, and others still meet a box
-/// after hundreds of kilometres, where a float tells places to some centimetres.
-pub const MAX_COPY_STEPS: u32 = 32_000;
 
 /// Where a wave of `march` and `hybrid` counts as gone, in metres: far beyond what a
 /// listener hears of, and well inside what `f32` can square.
@@ -47,10 +27,6 @@ pub const MARCHES_PER_PASS: u32 = 8;
 
 /// Where a wave of `thesis` counts as gone, in metres (section 4.2.3).
 const THESIS_MAX_DISTANCE: f32 = 300.0;
-
-/// The largest distance that may be asked for, in metres: its square and the square of
-/// what a wave moves on the way are still finite in `f32`.
-const MAX_DISTANCE: f32 = 1e15;
 
 /// Everything about a frame that is not the scene: what all algorithms share, and the
 /// [`Algorithm`] with its own options.
@@ -63,11 +39,11 @@ const MAX_DISTANCE: f32 = 1e15;
 /// assert!(settings.validate().is_ok());
 /// ```
 ///
-/// Serialised flat: the algorithm's options stand beside its name as `profile`.
+/// Serialised flat: the algorithm's options are beside its name as `profile`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct Settings {
-    /// The algorithm and its own options. Whoever changes to another one begins with
+    /// The algorithm and its own options. To change to another one begin with
     /// [`Settings::new`] or [`Settings::with_profile`]: the maximum distance and the
     /// iterations in a pass have defaults by algorithm.
     #[serde(flatten)]
@@ -83,7 +59,7 @@ pub struct Settings {
     pub seed: u32,
     /// How the start directions are chosen.
     pub directions: Directions,
-    /// Iterations in one pass at the most; 1 is the thesis' way, more save texture traffic.
+    /// Iterations in one pass at most; 1 is the thesis' way, more save texture traffic.
     /// A pass has no more than the loops of the scene allow, for drivers leave loops in silence
     /// after so many turns. By default 1 in `thesis`, 8 in `march`, [`MAX_ITERATIONS`] in `hybrid`.
     pub iterations_per_pass: u32,

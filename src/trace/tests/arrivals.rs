@@ -397,8 +397,8 @@ fn given_starts_go_on_from_block_to_block() {
     assert_eq!(given, all);
 }
 
-/// Protects what is foretold of a decay: who follows waves until their energy is gone gets the same arrivals as who
-/// follows them to the end, but for those that have nothing left to bring.
+/// Protects the estimate of a decay: tracing waves until their energy is gone gives the same arrivals as tracing them
+/// to the end, except those without energy.
 #[test]
 fn waves_are_followed_until_their_energy_is_gone() {
     let context = context(Api::Gl);
@@ -439,7 +439,7 @@ fn waves_are_followed_until_their_energy_is_gone() {
     assert!(left < 1e-5, "{left}");
 }
 
-/// Protects what is told of waves that were given up: where bands have waves of their own, the band whose waves come least
+/// Protects the report of waves that were given up: where bands have separate waves, the band whose waves get least
 /// far decides.
 #[test]
 fn the_band_that_comes_least_far_decides() {

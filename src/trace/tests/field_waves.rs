@@ -13,7 +13,7 @@ const WAVES: u32 = 200;
 
 /// How far the ends of a wave may lie apart, in metres, where no twin parts: places are right to
 /// some 1e-6 m, and a ball of a centimetre makes that a few millimetres over the next ten metres.
-/// (llvmpipe: 1.04e-3 at the most of those that need no SHARE, and no close call among 29,600 waves.)
+/// (llvmpipe: 1.04e-3 at most of those that need no SHARE, and no close call among 29,600 waves.)
 const SAME_PLACE: f64 = 2e-3;
 
 /// What more they may, of how far the ends of its twins do: a turn of 2e-6 at the source, which

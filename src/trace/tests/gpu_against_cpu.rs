@@ -18,7 +18,7 @@ const WAVES: u32 = 65_536;
 /// How far the ends of a wave may lie apart and be the same, in metres. A distance near 15 m is
 /// rounded by up to 1e-6 m; a difference normal divides that by twice its step of 0.01 m, which
 /// turns the next direction by up to 5e-5, and most flights are shorter than 20 m. (Seen with
-/// llvmpipe, of 1,048,576 waves in 8 iterations: 2.6e-4 at the most, 3e-8 for most waves.)
+/// llvmpipe, of 1,048,576 waves in 8 iterations: 2.6e-4 at most, 3e-8 for most waves.)
 const SAME_PLACE: f32 = 1e-3;
 
 /// A decision may fall either way below this difference of two distances, in metres: a hundred

@@ -107,7 +107,7 @@ fn passes_of_any_length_give_the_same_bits() {
     }
 }
 
-/// Protects the rule from a loop that nobody counts: each of these scenes allows fewer
+/// Protects the rule from a loop that is not counted: each of these scenes allows fewer
 /// iterations in a pass than the room alone.
 #[test]
 fn every_loop_shortens_the_passes() {

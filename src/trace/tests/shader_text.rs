@@ -1,6 +1,6 @@
 //! The text that scenes become, against golden files, and what may be in it.
 //!
-//! `ECHOMARCH_UPDATE_GOLDEN=1` writes `tests/golden/shaders/` anew. Only what is written for
+//! `ECHOMARCH_UPDATE_GOLDEN=1` writes `tests/golden/shaders/` again. Only what is written for
 //! the scene is in the golden files: the files under `glsl/` that it takes in are named.
 
 use crate::scene::shape::{

@@ -9,7 +9,7 @@ use super::super::renderer_limits::check_uniforms;
 use super::super::{Algorithm, Grid, MAX_ITERATIONS, Profile, Settings, TraceError};
 use super::Tracer;
 use super::prepared::{FramePrograms, PreparedFrame};
-use crate::acoustics::Arrival;
+use crate::arrival::Arrival;
 use crate::bands::{BAND_COUNT, Bands};
 use crate::error::Error;
 use crate::gpu::{Context, Program, RenderTarget};
@@ -20,12 +20,12 @@ use glam::Vec4;
 use std::ops::Range;
 use std::rc::Rc;
 
-/// By how much farther than asked for waves are followed, as a share: the GPU adds up in `f32`,
-/// which rounds by 6e-8 in each chunk, and there are 4,095 at the most; what is too much is left
+/// By how much farther than requested waves are followed, as a share: the GPU adds up in `f32`,
+/// which rounds by 6e-8 in each chunk, and there are 4,095 at most; what is too much is left
 /// out on the CPU.
 const FARTHER: f64 = 3e-4;
 
-/// Uniform vectors of the shader beside those of surfaces and materials, at the most.
+/// Uniform vectors of the shader beside those of surfaces and materials, at most.
 const OWN_VECTORS: usize = 40;
 
 /// What one call of [`Tracer::arrivals`] goes by.
@@ -35,11 +35,11 @@ struct Run {
     replay: Replay,
     /// The values of `uMaterials`.
     materials: Vec<Vec4>,
-    /// Iterations of a wave at the most.
+    /// Iterations of a wave at most.
     iterations: u32,
     /// Those of a chunk.
     iterations_in_chunk: u32,
-    /// Bands that the waves tell of.
+    /// Bands that the waves carry.
     bands: Range<usize>,
     /// The waves of a block are followed while they have more than this share of their energy.
     least_energy: f64,
@@ -116,7 +116,7 @@ impl Tracer {
         Ok(counts)
     }
 
-    /// Follows some of the waves, or waves whose starts are given, that tell of `how.bands` together.
+    /// Follows some of the waves, or waves whose starts are given, that carry `how.bands` together.
     pub(crate) fn arrivals_of(
         &mut self,
         scene: &Scene,
@@ -382,7 +382,7 @@ fn iterations_in_chunk(frame: &PreparedFrame, text: &ArrivalsText) -> u32 {
     if is_limited { (fit - 1).max(1) } else { fit }
 }
 
-/// Materials that cannot be told apart, or do not fit in the uniforms, are told before anything is
+/// Materials that cannot be distinguished, or do not fit in the uniforms, are reported before anything is
 /// compiled.
 fn check_materials(
     context: &Context,

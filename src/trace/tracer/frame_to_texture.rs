@@ -6,7 +6,7 @@ use crate::error::Error;
 use crate::gpu::glow;
 use crate::scene::Scene;
 
-/// What each wave of a frame gives to either ear, as a texture: for whoever draws with the tracer's context, which
+/// The contribution of each wave of a frame to either ear, as a texture: for drawing with the tracer's context, which
 /// [`Context::from_glow`](crate::gpu::Context::from_glow) makes one of the caller's own.
 ///
 /// Wave number n is the texel (n mod `width`, n / `width`), of four floats: shares to the left and to the right, which are 0

@@ -1,8 +1,8 @@
 //! The passes of a frame, and the textures that they draw to.
 
 use super::super::directions::start_texels;
+use super::super::gpu_sum::GpuSum;
 use super::super::renderer_limits::check_waves;
-use super::super::sum::Sum;
 use super::super::{Grid, Settings, TraceError};
 use super::Tracer;
 use super::prepared::{EVALUATIONS_PER_DRAW, FramePrograms, PreparedFrame, set_direction_uniforms};
@@ -13,7 +13,7 @@ use crate::gpu::{
 use glam::Vec3;
 use std::ops::Range;
 
-/// Waves in one draw call at the most: a frame of more is drawn in bands of rows, so that
+/// Waves in one draw call at most: a frame of more is drawn in bands of rows, so that
 /// a graphics card's watchdog does not take a long pass for a hang.
 const WAVES_PER_DRAW: u64 = 1 << 20;
 
@@ -25,7 +25,7 @@ pub(super) struct Targets {
     pub contributions: Texture,
     pub pan: RenderTarget,
     /// Made for the first frame that is summed on the GPU.
-    pub sum: Option<Sum>,
+    pub sum: Option<GpuSum>,
 }
 
 impl Targets {
@@ -178,7 +178,7 @@ impl Tracer {
         Ok([origins, directions])
     }
 
-    /// Draws some rows of one pass in bands, of so many evaluations a wave at the most.
+    /// Draws some rows of one pass in bands, of so many evaluations a wave at most.
     pub(super) fn draw(
         &self,
         program: &Program,

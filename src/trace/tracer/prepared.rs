@@ -11,7 +11,7 @@ use crate::scene::Scene;
 use glam::{Vec3, Vec4};
 use std::rc::Rc;
 
-/// Evaluations of one surface in one draw call at the most, were every march in it to take
+/// Evaluations of one surface in one draw call at most, were every march in it to take
 /// all the steps it may: some 2^38 operations, about a second on the slowest card that has
 /// OpenGL 3.3.
 pub(super) const EVALUATIONS_PER_DRAW: u64 = 1 << 33;
@@ -67,7 +67,7 @@ impl FramePrograms {
     }
 }
 
-/// What the programs are told of the scene, in the shaders' coordinates.
+/// The scene's values that the programs receive, in the shaders' coordinates.
 struct Uniforms {
     surfaces: Vec<Vec4>,
     source: Vec3,
@@ -86,7 +86,7 @@ impl PreparedFrame {
         }
     }
 
-    /// Of a scene whose surfaces lie in the shaders' coordinates as `rebased` says.
+    /// Of a scene whose surfaces lie in the shaders' coordinates according to `rebased`.
     pub fn new(
         scene: &Scene,
         settings: &Settings,

@@ -2,15 +2,15 @@
 //!
 //! *Begin* checks the input and draws the waves at the source. *Advance* traces them for about
 //! the time that it is given: as many rows of a pass as fit, in the order of the passes. After
-//! the last one it draws the panning pass, and asks for a copy of the result in a pixel buffer.
-//! *Poll* and *wait* take the copy, when a fence tells that it is there, and sum it.
+//! the last one it draws the panning pass, and requests a copy of the result in a pixel buffer.
+//! *Poll* and *wait* take the copy, when a fence signals that it is complete, and sum it.
 //!
-//! [`Tracer::frame`] is the three in a row. Not a bit of the result depends on how a frame was
-//! divided, or on what was drawn in between.
+//! [`Tracer::frame`] is the three in a row. The result does not depend on how a frame was
+//! divided, or on what was drawn in between, bit for bit.
 
 use super::super::frame::in_milliseconds;
 use super::super::{
-    Counts, Frame, Grid, Milliseconds, Panning, Settings, TraceError, panning, sum,
+    Counts, Frame, Grid, Milliseconds, Panning, Settings, TraceError, gpu_sum, panning,
 };
 use super::prepared::PreparedFrame;
 use super::throughput::Progress;
@@ -55,7 +55,7 @@ impl ReadBack {
         })
     }
 
-    /// Asks for the result of a frame whose passes are all drawn.
+    /// Requests the result of a frame whose passes are all drawn.
     fn ask(&mut self, context: &Context, targets: &Targets, on_gpu: bool) -> Result<(), Error> {
         let grid = targets.grid;
         if !on_gpu {
@@ -68,8 +68,8 @@ impl ReadBack {
         Ok(self.heard.begin(sum.last(), 0, 1, 1)?)
     }
 
-    /// The sum of what came back, if it is there, after a wait for it if asked: done on the CPU, or
-    /// on the GPU if the settings say so.
+    /// The sum of what came back, if it is there, after waiting if requested: computed on the CPU, or
+    /// on the GPU, as set in the settings.
     fn sum(
         &mut self,
         settings: &Settings,
@@ -86,7 +86,7 @@ impl ReadBack {
             return Ok(None);
         };
         self.passes
-            .wait(|passes| sum::totals(&heard, passes, grid, are_evaluations))
+            .wait(|passes| gpu_sum::totals(&heard, passes, grid, are_evaluations))
     }
 
     /// Milliseconds of initialise and pan. Waits until both are done.
@@ -96,7 +96,7 @@ impl ReadBack {
     }
 }
 
-/// What a read-back gives, after a wait for it if asked.
+/// The result of a read-back, after waiting if requested.
 fn take<T>(
     from: &mut AsyncRead,
     wait: bool,
@@ -111,10 +111,10 @@ fn take<T>(
 
 /// Frames in steps.
 impl Tracer {
-    /// Begins a frame of the scene as it stands. [`frame_advance`](Tracer::frame_advance)
+    /// Begins a frame of the scene in its current state. [`frame_advance`](Tracer::frame_advance)
     /// traces its waves, [`frame_poll`](Tracer::frame_poll) or
-    /// [`frame_wait`](Tracer::frame_wait) gives its result, so that who draws pictures in
-    /// between is never held up. On a graphics card nothing here waits for the card.
+    /// [`frame_wait`](Tracer::frame_wait) gives its result, so that drawing in between is never
+    /// blocked. On a graphics card nothing here waits for the card.
     ///
     /// A frame begun before and not yet collected is given up. So is this one by any other
     /// frame of this tracer before all of it is drawn.
@@ -152,7 +152,7 @@ impl Tracer {
         self.begin(scene, settings, Waves::Dropped)
     }
 
-    /// Traces the frame begun for about so many milliseconds, one row of waves at the least;
+    /// Traces the frame begun for about so many milliseconds, one row of waves at least;
     /// without end for [`f64::INFINITY`]. Whether all of it is drawn now, so that
     /// [`Tracer::frame_poll`] will give it. Without such a frame there is nothing to draw.
     ///
@@ -258,7 +258,7 @@ impl Tracer {
         Ok(())
     }
 
-    /// Forgets the frame under way, but keeps what it was read back with.
+    /// Forgets the frame in progress, but keeps what it was read back with.
     pub(super) fn give_up(&mut self) {
         if let Some(frame) = self.under_way.take() {
             self.spare = Some(frame.read_back);
@@ -281,7 +281,7 @@ impl Tracer {
         Ok(is_drawn)
     }
 
-    /// Draws rows of waves, one at the least, until so many milliseconds are used up or all
+    /// Draws rows of waves, one at least, until so many milliseconds are used up or all
     /// passes are drawn.
     pub(super) fn march_for(
         &mut self,

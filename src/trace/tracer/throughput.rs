@@ -1,7 +1,7 @@
 //! How many rows of waves fit a time.
 //!
 //! It is foreseen from the rows before. Software renderers are waited for, so that their time
-//! is measured at once; on a graphics card the time of all rows of a call is asked for in the
+//! is measured at once; on a graphics card the time of all rows of a call is requested in the
 //! next one, a picture later, when they should long be over.
 
 use super::super::{Grid, Settings};
@@ -12,7 +12,7 @@ use std::rc::Rc;
 /// quick by chance shall not be followed by one that takes far too long.
 const MOST_FASTER: f64 = 4.0;
 
-/// Milliseconds that rows are taken to need at the least: no division by zero where the clock
+/// Milliseconds that rows are taken to need at least: no division by zero where the clock
 /// did not move.
 const LEAST_MILLISECONDS: f64 = 1e-6;
 
@@ -20,7 +20,7 @@ const LEAST_MILLISECONDS: f64 = 1e-6;
 pub(super) struct Progress {
     /// Iterations that are not in any pass yet.
     left: u32,
-    /// Iterations of the pass under way; 0 when all passes are over.
+    /// Iterations of the pass in progress; 0 when all passes are done.
     pub iterations_in_pass: u32,
     /// Rows of it that are drawn.
     pub rows: u32,
@@ -118,8 +118,8 @@ impl Throughput {
         self.milliseconds = Some((took / work).max(least));
     }
 
-    /// Milliseconds of the last call on a graphics card, if that was not asked before. Waits for
-    /// the call, unless it is over.
+    /// Milliseconds of the last call on a graphics card, if that was not queried before. Waits for
+    /// the call, unless it has ended.
     pub fn take(&mut self) -> f64 {
         let Some(work) = self.untaken.take() else {
             return 0.0;

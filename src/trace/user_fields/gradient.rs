@@ -1,10 +1,10 @@
 //! Whether the gradient that a text states is that of its value.
 //!
-//! It is held against differences at points on the surface, where normals are taken, and at
+//! It is compared with differences at points on the surface, where normals are taken, and at
 //! points all over the box. Along each axis five values in a row give four slopes. Where the
-//! value is smooth these say nearly the same, and the gradient must too; where they differ, by
+//! value is smooth these nearly agree, and the gradient must too; where they differ, by
 //! curvature, an edge or rounding, it may be off by as much. That is done over four distances,
-//! and the one that tells most counts. No two of them have a common measure, so that no ripple
+//! and the most precise one counts. No two of them have a common measure, so that no ripple
 //! looks flat over all of them.
 
 use super::{Probe, TraceError};
@@ -28,7 +28,7 @@ const NEIGHBOURS: [f32; 4] = [-2.0, -1.0, 1.0, 2.0];
 /// Values around a point.
 const AROUND: usize = DISTANCES.len() * 3 * NEIGHBOURS.len();
 
-/// By how much a component may be off whatever the differences say, as a share of the
+/// By how much a component may be off whatever the differences are, as a share of the
 /// gradient's length: a hundredth of a radian is seen in no picture.
 const TOLERANCE: f64 = 0.01;
 
@@ -39,7 +39,7 @@ const ROUNDING: f32 = 8.0 * f32::EPSILON;
 /// Off every line that a text is likely to have, as in `glsl/user/gradient.glsl`.
 const ASIDE: Vec3 = Vec3::new(0.53, -0.62, 0.58);
 
-/// What differences over one distance tell of a component.
+/// The estimate of a component by differences over one distance.
 #[derive(Clone, Copy)]
 struct Slope {
     slope: f64,
@@ -48,7 +48,7 @@ struct Slope {
 }
 
 impl Probe<'_> {
-    /// Refuses a stated gradient that is further off than differences can be.
+    /// Rejects a stated gradient that is further off than differences can be.
     pub(super) fn check_gradient(&self, surface: &[Vec3]) -> Result<(), Error> {
         if !self.field.states_gradient() {
             return Ok(());
@@ -149,7 +149,7 @@ impl Probe<'_> {
 }
 
 /// By how much a gradient is further off than it may be, as a share of what it may be, or 0; and
-/// what the differences tell.
+/// the gradient by differences.
 fn compared(stated: Vec3, known: &[Vec<Slope>; 3]) -> (f64, Vec3) {
     let told = [0, 1, 2].map(|axis| best(&known[axis]));
     let found = Vec3::from(told.map(|told| told.slope as f32));
@@ -168,7 +168,7 @@ fn compared(stated: Vec3, known: &[Vec<Slope>; 3]) -> (f64, Vec3) {
     (most, found)
 }
 
-/// The slope that is told best, of those over all distances, the widest first. A ripple may look
+/// The most precise slope, of those over all distances, the widest first. A ripple may look
 /// flat over a wide one, and rounding over a narrow one: what a narrower one says or leaves open
 /// is doubt, and what a wider one says that its own doubt does not cover.
 fn best(slopes: &[Slope]) -> Slope {

@@ -2,7 +2,7 @@
 //! not have what it needs.
 
 use super::{FLAGS, Stage, TIMEOUT, on_page, wait, write_text};
-use crate::browser::Browser;
+use crate::webdriver::Browser;
 use std::time::{Duration, Instant};
 
 /// Decibels of either channel of the last 32,768 samples that the page has played (0.7 s at 48 kHz), recorded by its

@@ -18,7 +18,7 @@ fn hollow(radius: f32) -> Surface {
     Surface::new(Shape::from(Sphere { radius }).complement())
 }
 
-/// Lengths of stationary paths by way of a circle of the radius, in the plane of both ends and
+/// Lengths of stationary paths over a circle of the radius, in the plane of both ends and
 /// the centre, by a search over the whole circle (Alhazen's problem).
 fn alhazen(source: DVec3, listener: DVec3, radius: f64) -> Vec<f64> {
     let x = source.normalize();

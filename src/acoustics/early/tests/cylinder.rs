@@ -5,7 +5,7 @@ use crate::Surface;
 use crate::scene::shape::{CappedCylinder, Cylinder, Plane};
 use glam::{DVec2, DVec3, Quat, Vec3};
 
-/// The shortest path by way of a cylinder about y, by a search: seen along y it is a path at a
+/// The shortest path over a cylinder about y, by a search: seen along y it is a path at a
 /// circle, whose stationary angle does not depend on heights, for the length of a straight
 /// line on the unrolled strip is √(flat² + rise²).
 fn searched(source: DVec3, listener: DVec3, radius: f64) -> f64 {

@@ -48,7 +48,7 @@ pub fn found(scene: &Scene, waves: usize, order: u32, reach: f64) -> Found {
     early.find(&ends, &candidates)
 }
 
-/// The paths by way of these surfaces.
+/// The paths over these surfaces.
 pub fn by_way_of<'a>(found: &'a Found, surfaces: &[u32]) -> Vec<&'a SpecularPath> {
     let paths = found.paths.iter();
     paths.filter(|path| path.surfaces == surfaces).collect()

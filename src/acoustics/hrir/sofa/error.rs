@@ -8,7 +8,7 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 #[error("cannot take head-related impulse responses from {}: {problem}", path.display())]
 pub struct SofaError {
-    /// The file that was asked for.
+    /// The requested file.
     pub path: PathBuf,
     /// What is wrong with it.
     #[source]
@@ -22,13 +22,13 @@ pub enum SofaProblem {
     /// The file is missing, too large, or may not be read.
     #[error("{source}")]
     Unreadable {
-        /// What the operating system said, or why it is not read.
+        /// The operating system's error, or the reason why it is not read.
         source: InputError,
     },
     /// The file is not HDF5, in which SOFA files are written.
     #[error("it is no SOFA file ({reason})")]
     NotHdf5 {
-        /// What the HDF5 reader says.
+        /// The HDF5 reader's error.
         reason: String,
     },
     /// A part of the file cannot be read: it breaks off, contradicts itself, or is stored in a way
@@ -37,7 +37,7 @@ pub enum SofaProblem {
     Damaged {
         /// The variable or the part.
         what: String,
-        /// What the HDF5 reader says.
+        /// The HDF5 reader's error.
         reason: String,
     },
     /// An attribute of the file is not that of the convention SimpleFreeFieldHRIR with FIR filters.
@@ -45,9 +45,9 @@ pub enum SofaProblem {
     WrongConvention {
         /// The attribute's name.
         attribute: &'static str,
-        /// What the file says, quoted, or that it says nothing.
+        /// What the file contains, quoted, or that it contains nothing.
         found: String,
-        /// What it should say.
+        /// What it should contain.
         expected: &'static str,
     },
     /// A variable is missing.

@@ -1,4 +1,4 @@
-//! SOFA files that are read, and such as are refused.
+//! SOFA files that are read, and such as are rejected.
 
 use super::*;
 use crate::acoustics::hrir::{Hrir, HrirError};
@@ -126,7 +126,7 @@ fn the_farthest_distance_counts() {
     assert!((peak(&set.pair(DVec3::X).left).0 - 0.9).abs() < 1e-3);
 }
 
-/// Protects from files of another convention, and from numbers that make no sense: each is refused
+/// Protects from files of another convention, and from numbers that make no sense: each is rejected
 /// with what is wrong.
 #[test]
 fn what_is_wrong_is_told() {

@@ -7,7 +7,7 @@ use hdf5_pure::{Dataset, File};
 /// Characters of a file's text or of the reader's words that are shown.
 const SHOWN: usize = 120;
 
-/// Bytes of one number at the most: `f64`. Wider ones are no numbers that are read here.
+/// Bytes of one number at most: `f64`. Wider ones are no numbers that are read here.
 const WIDEST: u64 = 8;
 
 /// An open file.
@@ -22,7 +22,7 @@ impl Variables {
         })
     }
 
-    /// Refuses a file whose attribute says anything else.
+    /// Rejects a file whose attribute has any other value.
     pub(super) fn expect_global(
         &self,
         attribute: &'static str,
@@ -111,7 +111,7 @@ impl Variables {
         variable: &'static str,
         count: usize,
     ) -> Result<(Vec<f64>, usize), SofaProblem> {
-        /// Numbers of a row at the most: coordinates, or ears.
+        /// Numbers of a row at most: coordinates, or ears.
         const MOST_COLUMNS: u64 = 3;
         let shape = self.shape(variable)?;
         match shape[..] {
@@ -130,8 +130,8 @@ impl Variables {
         }
     }
 
-    /// Refuses values that are no numbers, and pieces of a variable (chunks) that are larger than
-    /// all that a set may have or than the file: the reader takes as much memory as they say.
+    /// Rejects values that are no numbers, and pieces of a variable (chunks) that are larger than
+    /// all that a set may have or than the file: the reader allocates as much memory as they declare.
     fn check_storage(&self, dataset: &Dataset, variable: &'static str) -> Result<(), SofaProblem> {
         let failed = |error: hdf5_pure::Error| damaged(variable, &error);
         let width = dataset.element_size().map_err(failed)?;

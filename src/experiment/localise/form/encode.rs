@@ -2,6 +2,7 @@
 
 use super::Trial;
 use crate::audio::{SAMPLE_RATE, wav_to_io};
+use crate::fnv;
 use base64::prelude::{BASE64_STANDARD, Engine};
 use hound::{SampleFormat, WavSpec, WavWriter};
 use std::io::{self, Cursor};
@@ -41,10 +42,7 @@ pub fn data_url(kind: &str, bytes: &[u8]) -> String {
 pub fn fingerprint(trials: &[Trial]) -> String {
     // Trials are plain data, which JSON always takes.
     let text = serde_json::to_vec(trials).unwrap_or_default();
-    let hash = text.iter().fold(0xcbf2_9ce4_8422_2325_u64, |hash, &byte| {
-        (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)
-    });
-    format!("{hash:016x}")
+    format!("{:016x}", fnv::of_bytes(&text))
 }
 
 #[cfg(test)]

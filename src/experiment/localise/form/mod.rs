@@ -1,7 +1,7 @@
 //! The experiment for people: a page that plays the sounds and takes the answers.
 //!
 //! One HTML file holds everything: the sounds (16 bits), a plan and a view for each facing,
-//! and what every answer is to be saved with. It asks nothing of a network. The plan has
+//! and what every answer is to be saved with. It needs no network. The plan has
 //! the gaze upwards, as the listener faces the screen, and does not show the source; the view
 //! is lit from behind the listener, so that no light gives the source away.
 //!
@@ -10,7 +10,7 @@
 //! seed and an order seed: the form's ([`FormOptions::order_seed`]), or else one that each
 //! session draws. It saves both with the answers. Answers are locked
 //! once given. Beside the page lie the same sounds as WAV files (16 bits, which every browser
-//! plays), by the trials' numbers, and `experiment.json`, which says what each is.
+//! plays), by the trials' numbers, and `experiment.json`, which lists what each is.
 
 mod encode;
 mod page;

@@ -98,7 +98,7 @@ fn seen_by(scene: &Scene, bounds: Bounds) -> (DVec2, DVec2) {
     })
 }
 
-/// The cut through the scene; what is outside of the world's `bounds` is grey.
+/// The cut through the scene; what is outside the world's `bounds` is grey.
 fn draw(scene: &Scene, bounds: Bounds, min: DVec2, max: DVec2) -> RgbaImage {
     let (right, ahead) = horizontal_axes(scene);
     let listener = scene.listener.position.as_dvec3();

@@ -165,7 +165,7 @@ fn silenced(tracer: &mut Tracer, settings: &Settings) -> Result<Verdict, Error> 
 }
 
 fn independent(tracer: &mut Tracer, settings: &Settings) -> Result<Verdict, Error> {
-    /// Bands that are held against a scene of their own.
+    /// Bands that are compared with a separate scene.
     const HELD: [usize; 3] = [0, 3, 7];
     const ITERATIONS: u32 = 50;
     let all = heard(tracer, &furnished(by_band()), settings, ITERATIONS)?;

@@ -14,7 +14,7 @@ pub fn cases() -> Vec<Case> {
     cases
 }
 
-/// To and fro between two walls.
+/// Back and forth between two walls.
 fn normal() -> Case {
     let source = Vec3::new(-8.0, 1.0, -8.0);
     let directions = [

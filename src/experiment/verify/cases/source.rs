@@ -1,4 +1,4 @@
-//! Sources where none should stand.
+//! Sources at places where none should be.
 
 use super::super::{Case, Planted};
 use super::build::{block, hall, lattice, scene};

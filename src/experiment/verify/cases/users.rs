@@ -18,14 +18,14 @@ const VALUES: &str = "of a user's text only values are known, as coarse as its o
 /// What is hard where it states a gradient.
 const STATED: &str = "the normal is what a user's text says, edges included";
 
-/// What the judge goes by.
+/// The judge's reference.
 const TREE: &str = "that of a tree of the library's own that states the same surface";
 
 /// One surface, twice.
 struct Statement {
     /// As a user states it.
     text: &'static str,
-    /// How fast the text's value grows at the most, in a cube of this size.
+    /// How fast the text's value grows at most, in a cube of this size.
     lipschitz: fn(f32) -> f32,
     /// As a tree states it.
     tree: Shape,

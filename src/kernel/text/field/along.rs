@@ -12,7 +12,7 @@ use crate::kernel::text::library::has_function;
 use crate::scene::shape::{HeightField, Mirror, Repeat};
 use crate::scene::{Copies, Node, Shape};
 
-/// Shells within each other that are bounded at the most: each doubles the text.
+/// Shells within each other that are bounded at most: each doubles the text.
 const MOST_SHELLS: usize = 3;
 
 /// Which side of a surface the wave is on.
@@ -348,7 +348,7 @@ impl Writer<'_> {
     }
 
     /// Of copies that keep to their cells: as far as no box about a copy is met, or where there
-    /// is nothing else in the cell, as far as the bound of what is repeated says.
+    /// is nothing else in the cell, as far as the bound of what is repeated allows.
     fn copy_along(&mut self, field: &Shape, line: Line, side: Side, n: &[String]) -> String {
         let free = match (side, line.sign_alone) {
             (Air, true) => self.free_of_copies(field, line, n),

@@ -14,7 +14,7 @@ pub(super) fn keep_to_cells(field: &Shape) -> bool {
     field.copies().is_ok_and(|c| c.iter().all(within))
 }
 
-/// Cells that a line crosses at the most on its way past all copies; `None` for so many that a
+/// Cells that a line crosses at most on its way past all copies; `None` for so many that a
 /// traversal has a step limit.
 pub(in crate::kernel) fn cells_crossed(field: &Shape) -> Option<u64> {
     let Node::Repeat(Repeat { period, count }) = &field.node else {

@@ -4,7 +4,7 @@
 //! one place: where its growth 2 (A t + B) is negative, t = (−B − √(B² − A C)) / A. That one
 //! formula serves outside and inside, convex or not, and never finds the place that a wave
 //! leaves. Moving, turning and scaling carry the line along; a union is met at the nearest.
-//! Of copies that keep to their cells the line is taken past one after the other: the first that
+//! Of copies that keep to their cells the line is taken past one after another: the first that
 //! it meets is the nearest. Where there may be too many for one flight the traversal has a step limit;
 //! it ends at what else the wave meets, so that the limit counts only where nothing else does.
 
@@ -28,7 +28,7 @@ pub(in crate::kernel) fn has_closed_form(field: &Shape) -> bool {
     }
 }
 
-/// Whether a shape has a function that says where a line intersects it.
+/// Whether a shape has a function that computes where a line intersects it.
 fn has_hit_function(node: &Node) -> bool {
     node.part().operands() == (0, 0) && has_function(&format!("hit{}", node.name()))
 }

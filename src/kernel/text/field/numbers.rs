@@ -1,4 +1,4 @@
-//! Where the numbers of a field stand: in the text, in `uSurfaces`, or in the scene's data.
+//! Where the numbers of a field are stored: in the text, in `uSurfaces`, or in the scene's data.
 
 use super::Place;
 use crate::kernel::surface_values::divides;
@@ -40,7 +40,7 @@ impl<'a> Numbers<'a> {
         }
     }
 
-    /// The place in the tree, for who writes a part of it more than once.
+    /// The place in the tree, for callers that write a part of it more than once.
     pub fn mark(&self) -> (usize, usize) {
         (self.taken, self.node)
     }

@@ -51,7 +51,7 @@ pub(in crate::kernel) fn gradient_text(field: &Shape, place: &Place, assets: &As
     Writer::new(place, assets).whole(field, Kind::Gradient)
 }
 
-/// `vec4 normal<number>(vec3 p)`: the same for who wants its direction, of a field whose
+/// `vec4 normal<number>(vec3 p)`: the same for callers that need its direction, of a field whose
 /// gradient is one of differences; nothing for another.
 pub(in crate::kernel) fn normal_text(field: &Shape, place: &Place, assets: &Assets) -> String {
     if !has_differences(field) {
@@ -314,7 +314,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// A field as a function of its own, for who calls it more than once.
+    /// A field as a separate function, for callers that need it more than once.
     fn child_function(&mut self, field: &Shape, kind: Kind) -> String {
         // Two repetitions right after each other have used no name in between.
         let name = self.name(&format!("{}{}_", kind.function(), self.place.tag));

@@ -14,6 +14,14 @@ impl Part for Complement {
         "Complement"
     }
 
+    fn is_flat(&self) -> bool {
+        true
+    }
+
+    fn is_smooth(&self) -> bool {
+        true
+    }
+
     fn operands(&self) -> (usize, usize) {
         (1, 1)
     }

@@ -12,7 +12,7 @@ use serde::Deserialize;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Difference;
 
-/// What a scene file says of it.
+/// Its form in a scene file.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct File {
@@ -33,6 +33,10 @@ parameters!(Difference {});
 impl Part for Difference {
     fn name(&self) -> &'static str {
         "Difference"
+    }
+
+    fn is_flat(&self) -> bool {
+        true
     }
 
     fn written_children(&self, mut children: Vec<Written>) -> Fields {

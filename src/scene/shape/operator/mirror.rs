@@ -15,7 +15,7 @@ pub struct Mirror {
     pub axes: [bool; 3],
 }
 
-/// What a scene file says of it.
+/// Its form in a scene file.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct File {
@@ -35,6 +35,14 @@ parameters!(Mirror {});
 impl Part for Mirror {
     fn name(&self) -> &'static str {
         "Mirror"
+    }
+
+    fn is_flat(&self) -> bool {
+        true
+    }
+
+    fn copies(&self) -> bool {
+        true
     }
 
     fn words(&self) -> Fields {

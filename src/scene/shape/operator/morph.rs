@@ -15,7 +15,7 @@ pub struct Morph {
     pub amount: f32,
 }
 
-/// What a scene file says of it.
+/// Its form in a scene file.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct File {

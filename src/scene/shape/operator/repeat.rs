@@ -8,7 +8,7 @@
 //!
 //! That is true of distances. A bound of the distance may be less for a copy that is further
 //! away, and then would jump where that copy is evaluated no longer. So it is held at what
-//! such a copy has at the least there, see [`Cap`].
+//! such a copy has at least there, see [`Cap`].
 
 use super::part::parameters;
 use super::{Bounds3, Exactness, Node, Part, Properties, Shape, ShapeFile};
@@ -27,7 +27,7 @@ pub struct Repeat {
     pub count: [u32; 3],
 }
 
-/// What a scene file says of it.
+/// Its form in a scene file.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct File {
@@ -49,12 +49,20 @@ parameters!(Repeat {
     period: Quantity::Position
 });
 
-/// Counts below which `f32` can tell each copy from the next.
+/// Counts below which `f32` can distinguish neighbouring copies.
 const MOST_COUNTED: u32 = 1 << 24;
 
 impl Part for Repeat {
     fn name(&self) -> &'static str {
         "Repeat"
+    }
+
+    fn is_flat(&self) -> bool {
+        true
+    }
+
+    fn copies(&self) -> bool {
+        true
     }
 
     fn words(&self) -> Fields {
@@ -130,7 +138,7 @@ impl Part for Repeat {
     }
 }
 
-/// Copies that are evaluated at the most: more would cost more than they are worth.
+/// Copies that are evaluated at most: more would cost more than they are worth.
 const MOST_COPIES: u32 = 64;
 
 /// Which copies along one axis are evaluated, relative to the cell that the point is in.

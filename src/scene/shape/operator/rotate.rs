@@ -17,6 +17,14 @@ impl Part for Rotate {
         "Rotate"
     }
 
+    fn is_flat(&self) -> bool {
+        true
+    }
+
+    fn is_smooth(&self) -> bool {
+        true
+    }
+
     fn operands(&self) -> (usize, usize) {
         (1, 1)
     }

@@ -17,6 +17,10 @@ impl Part for SmoothUnion {
         "SmoothUnion"
     }
 
+    fn is_smooth(&self) -> bool {
+        true
+    }
+
     fn operands(&self) -> (usize, usize) {
         (1, usize::MAX)
     }

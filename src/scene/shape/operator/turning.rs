@@ -20,7 +20,7 @@ pub(super) struct Turning {
 /// A constant is stated between 1 and this: below 1 no turning is, above it no march ends.
 const LARGEST_LIPSCHITZ: f32 = 1e6;
 
-/// Refuses a stated constant that cannot be meant; 0 stands for none.
+/// Rejects a stated constant that cannot be meant; 0 stands for none.
 ///
 /// # Errors
 /// A sentence on what it must be.
@@ -65,7 +65,7 @@ impl Turning {
         }
     }
 
-    /// The point is turned back, so that what it is asked of is turned right-handedly.
+    /// The point is turned back, so that the child is turned right-handedly.
     pub fn value(&self, child: &Shape, p: DVec3) -> f64 {
         let most = child.properties().bounds.radius_about(self.axis);
         let mut aside = p;
@@ -98,7 +98,7 @@ impl Turning {
 
     /// Rate, radius of the child's own bounds, Lipschitz constant.
     pub fn shader_numbers(&self, child: &Shape) -> Vec<f64> {
-        /// Stands for a radius without end.
+        /// Represents an infinite radius.
         const ENDLESS: f64 = 1e30;
         let radius = child.properties().bounds.radius_about(self.axis);
         let lipschitz = self.properties(child).lipschitz;
@@ -114,7 +114,7 @@ fn norm_of_turning(axis: usize, s: f64) -> f64 {
     }
 }
 
-/// A twist or a bend: the struct, what a scene file says of it, and what it promises, all by
+/// A twist or a bend: the struct, its form in a scene file, and its properties, all by
 /// [`Turning`] about one axis.
 macro_rules! turning {
     ($(#[$doc:meta])* $part:ident $name:literal about $axis:literal, a metre of $along:literal) => {
@@ -136,7 +136,7 @@ macro_rules! turning {
             pub lipschitz: f32,
         }
 
-        /// What a scene file says of it.
+        /// Its form in a scene file.
         #[derive(Deserialize)]
         #[serde(deny_unknown_fields)]
         pub(crate) struct File {

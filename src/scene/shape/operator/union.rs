@@ -14,6 +14,10 @@ impl Part for Union {
         "Union"
     }
 
+    fn is_flat(&self) -> bool {
+        true
+    }
+
     fn operands(&self) -> (usize, usize) {
         (1, usize::MAX)
     }

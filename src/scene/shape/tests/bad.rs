@@ -1,4 +1,4 @@
-//! What cannot be a field is refused, with a sentence that names the node.
+//! What cannot be a field is rejected, with a sentence that names the node.
 
 use super::table::{cuboid, sphere};
 use crate::scene::shape::{
@@ -217,7 +217,7 @@ fn refusals() -> Vec<(Shape, &'static str)> {
     list
 }
 
-/// Protects who writes a field: each wrong number is told, and at which node, alone and within
+/// Each wrong number of a field is reported, and its node, alone and within
 /// a tree.
 #[test]
 fn bad_fields_are_refused_by_name() {

@@ -1,14 +1,14 @@
-//! Refuses what a field's text must not contain.
+//! Rejects what a field's text must not contain.
 
 use super::Refusal;
 use super::tokens::{Kind, Token};
 use super::words::{is_known, is_selection, refusal};
 use std::collections::HashSet;
 
-/// Brackets within brackets, at the most.
+/// Brackets within brackets, at most.
 const DEEPEST: usize = 128;
 
-/// Elements of an array at the most. Each wave that is evaluated at once has its own: 2^14
+/// Elements of an array at most. Each wave that is evaluated at once has its own: 2^14
 /// vectors are 256 KiB, which is what a processor's core keeps at hand for all of them.
 const LONGEST_ARRAY: u64 = 1 << 14;
 
@@ -36,7 +36,7 @@ pub fn leave_out_precisions<'a>(tokens: &[Token<'a>]) -> Vec<Token<'a>> {
     left
 }
 
-/// Refuses a text that is no field, or does what a field cannot do; whether it states its
+/// Rejects a text that is no field, or does what a field cannot do; whether it states its
 /// gradient besides.
 pub fn check(tokens: &[Token]) -> Result<bool, Refusal> {
     let mut open: Vec<&Token> = Vec::new();

@@ -2,7 +2,7 @@
 
 use super::tokens::{Kind, Token};
 
-/// Brackets and signs within each other, at the most.
+/// Brackets and signs within each other, at most.
 const DEEPEST: u32 = 64;
 
 /// Operators of two sides, those that bind least first.

@@ -1,13 +1,13 @@
 //! Loops whose text shows that they never end.
 //!
-//! Software renderers leave a loop after 65,536 turns, and a compiler leaves out a loop whose
-//! outcome nobody uses, so that a trial alone does not tell of them.
+//! Software renderers end a loop after 65,536 iterations, and a compiler removes a loop whose
+//! result is not used, so that a trial alone does not find them.
 
 use super::Refusal;
 use super::tokens::Token;
 
-/// Refuses `while (true)` and its like without a `break` or a `return`. What stands after a
-/// condition that the text only computes is for the trial to tell.
+/// Rejects `while (true)` and its like without a `break` or a `return`. Loops whose condition
+/// is computed at run time are left to the trial.
 pub fn check(tokens: &[Token]) -> Result<(), Refusal> {
     let endless = (0..tokens.len()).find(|&at| is_endless(tokens, at));
     match endless {
@@ -113,8 +113,8 @@ mod tests {
         format!("float field(vec3 p) {{\n float a = 0.0; int i = 0;\n{body}\n return p.x; }}")
     }
 
-    /// Protects whoever forgot the end of a loop: a renderer would leave it somewhere, without a
-    /// word.
+    /// A loop without an end is rejected: a renderer would end it at an arbitrary iteration, without an
+    /// error.
     #[test]
     fn a_loop_without_an_end_is_refused_with_its_line() {
         for body in [

@@ -2,14 +2,14 @@
 //!
 //! A driver's compiler trusts what it is given: macros that double, a hundred thousand terms
 //! or brackets within brackets end it, and the program with it. So the text is cut into
-//! tokens and preprocessed here, within limits, and what a field cannot have is refused by
+//! tokens and preprocessed here, within limits, and what a field cannot have is rejected by
 //! name. The driver gets the outcome: no directive, no macro, no line that goes on in the
 //! next; lines, blanks and comments (but those beside directives) stay where they were. What is checked is what is compiled.
 //!
-//! Of what remains (sums that overflow a compiler's stack, loops without end) only trying it
-//! tells: see [`crate::trace::FieldTrial`].
+//! What remains (sums that overflow a compiler's stack, infinite loops) is found only by compiling
+//! and running it: see [`crate::trace::FieldTrial`].
 //!
-//! The same preprocessor, without limits, tells `echomarch cost` what is in a whole shader.
+//! The same preprocessor, without limits, analyses whole shaders for `echomarch cost`.
 
 mod check;
 mod condition;
@@ -20,11 +20,11 @@ mod words;
 
 use tokens::Token;
 
-/// Bytes of a text at the most. The largest fields that people share, whole scenes or small
+/// Bytes of a text at most. The largest fields that people share, whole scenes or small
 /// neural networks, have some 30,000.
 const LARGEST_TEXT: usize = 1 << 18;
 
-/// Tokens of a text at the most once its macros are expanded: four times those of the largest
+/// Tokens of a text at most once its macros are expanded: four times those of the largest
 /// fields. Drivers take some 20 µs and 1 KB for each.
 const MOST_TOKENS: usize = 1 << 15;
 
@@ -44,7 +44,7 @@ pub(super) struct Text {
     pub states_gradient: bool,
 }
 
-/// Reads a text, and refuses what is no field or has in it what a field cannot have.
+/// Reads a text, and rejects what is no field or has in it what a field cannot have.
 ///
 /// `#version` lines and `precision` statements belong to whole shaders: they are left out.
 pub(super) fn read(text: &str) -> Result<Text, Refusal> {
@@ -203,7 +203,7 @@ mod tests {
         }
     }
 
-    /// Protects whoever states a gradient of another type: it is refused, and not passed over.
+    /// A gradient of another type is rejected, not skipped.
     #[test]
     fn a_gradient_of_another_type_is_refused() {
         for text in [
@@ -286,7 +286,7 @@ mod tests {
         }
     }
 
-    /// Protects the compilers: what grows or nests without bound is refused, and at once.
+    /// Protects the compilers: what grows or nests without bound is rejected, and at once.
     #[test]
     fn what_would_overwhelm_a_compiler_is_refused() {
         let doubling = |levels: usize| {

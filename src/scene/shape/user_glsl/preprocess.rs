@@ -8,20 +8,20 @@ use std::collections::{HashMap, HashSet};
 /// every level of eight.
 const STEPS_A_TOKEN: usize = 8;
 
-/// Characters of an `#error` that are told.
+/// Maximum number of characters of an `#error` that are reported.
 const LONGEST_ERROR: usize = 200;
 
-/// Macros' calls within calls, at the most.
+/// Macros' calls within calls, at most.
 const DEEPEST_CALL: u32 = 64;
 
-/// Conditions within conditions, at the most.
+/// Conditions within conditions, at most.
 const DEEPEST_CONDITION: usize = 64;
 
 /// What `__VERSION__` is: the lower of the two languages that a field is compiled in, GLSL ES
 /// 3.00 and GLSL 3.30.
 const VERSION: &str = "300";
 
-/// The text without directives and macros, of so many tokens at the most.
+/// The text without directives and macros, of so many tokens at most.
 pub fn preprocess<'a>(tokens: &[Token<'a>], most_tokens: usize) -> Result<Vec<Token<'a>>, Refusal> {
     let mut state = Preprocessor {
         expander: Expander::new(most_tokens),

@@ -2,7 +2,7 @@
 
 use super::Refusal;
 
-/// Characters of a name or a number at the most: GLSL ES 3.00 has the same limit for names.
+/// Characters of a name or a number at most: GLSL ES 3.00 has the same limit for names.
 const LONGEST_WORD: usize = 1024;
 
 /// Marks of more than one character, longer ones first.

@@ -14,9 +14,9 @@ pub(crate) struct Reader<'a> {
     at: String,
 }
 
-/// Numbers that stand together, one or a vector's, as a file says them.
+/// Numbers that belong together, one or a vector's, as a file writes them.
 pub(crate) trait ReadNumbers: Sized {
-    /// What the file says.
+    /// The file's values.
     type Said<U: Unit>;
 
     /// Where they start; what moves them is kept.

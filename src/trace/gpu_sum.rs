@@ -15,23 +15,23 @@ use std::rc::Rc;
 const BLOCK: u32 = 8;
 
 /// The programs, and the textures of each pass, the last of one texel.
-pub(super) struct Sum {
+pub(super) struct GpuSum {
     first: Rc<Program>,
     further: Rc<Program>,
     levels: Vec<TexturePair>,
 }
 
-impl Sum {
-    pub fn new(context: &Context, programs: &mut Programs, grid: Grid) -> Result<Sum, Error> {
-        let first = programs.sum_contributions(context)?;
-        let further = programs.sum(context)?;
+impl GpuSum {
+    pub fn new(context: &Context, programs: &mut Programs, grid: Grid) -> Result<GpuSum, Error> {
+        let first = programs.first_sum(context)?;
+        let further = programs.further_sum(context)?;
         let (mut width, mut height) = (grid.width, grid.height);
         let mut levels = Vec::new();
         loop {
             (width, height) = (width.div_ceil(BLOCK), height.div_ceil(BLOCK));
             levels.push(TexturePair::new(context, width, height)?);
             if width == 1 && height == 1 {
-                return Ok(Sum {
+                return Ok(GpuSum {
                     first,
                     further,
                     levels,

@@ -1,6 +1,6 @@
 //! What is wrong with a text in RON, in the words of scene files and study files.
 //!
-//! RON's own errors speak of structs, enums and identifiers. Whoever writes a scene or a study knows
+//! RON's own errors mention structs, enums and identifiers. An author of a scene or a study knows
 //! fields, names, lists and numbers.
 
 use crate::text::{there_is_no, which_there_are};
@@ -65,7 +65,7 @@ fn of_end(text: &str, error: &SpannedError, kind: FileKind) -> Option<String> {
     (!is_of_value && text[at..].trim().is_empty()).then(|| ends(kind))
 }
 
-/// Something has another name than what must stand there.
+/// Something has another name than what must be there.
 fn other_name(kind: FileKind, expected: &str, found: &str) -> String {
     match (expected == kind.outermost, found) {
         (true, "Scene") => {
@@ -110,7 +110,7 @@ fn of_name(code: &Error) -> Option<String> {
     })
 }
 
-/// Says that a part has no such field, and which it has.
+/// Reports that a part has no such field, and which it has.
 fn field_unknown(found: &str, within: &str, known: &[&str]) -> String {
     which_there_are(
         &format!("there is no field `{found}`{within}"),
@@ -119,12 +119,12 @@ fn field_unknown(found: &str, within: &str, known: &[&str]) -> String {
     )
 }
 
-/// What stands about an error.
+/// The text around an error.
 #[derive(Clone, Copy, Default)]
 struct Around<'a> {
     /// The field whose value is wrong, where the error is at its beginning.
     field: Option<&'a str>,
-    /// The word, number or text that stands there.
+    /// The word, number or text at that place.
     found: &'a str,
 }
 
@@ -147,7 +147,7 @@ impl<'a> Around<'a> {
         }
     }
 
-    /// That this must be said otherwise: the field, or what stands here.
+    /// That this must be written differently: the field, or the text here.
     fn must_be(self, what: &str, example: &str) -> String {
         match self.field {
             Some(field) => format!("{field} must be {what}: {field}: {example}"),
@@ -236,7 +236,7 @@ mod tests {
         Scene::from_ron(text, "f").unwrap_err().to_string()
     }
 
-    /// Protects whoever's file as a whole is wrong: empty, cut, or something else.
+    /// Errors of a file that is wrong as a whole: empty, cut, or of another kind.
     #[test]
     fn a_file_that_is_no_scene_is_told_what_it_is() {
         for (text, sentence) in [
@@ -259,7 +259,7 @@ mod tests {
         assert!(told(early).contains("closed too early?"), "{}", told(early));
     }
 
-    /// Protects whoever writes a value in another form than its field has: no word of Rust.
+    /// The error for a value in another form than its field has contains no word of Rust.
     #[test]
     fn values_of_the_wrong_form_are_told_how_they_are_written() {
         for (field, sentence) in [

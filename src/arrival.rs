@@ -12,8 +12,8 @@ use glam::DVec3;
 pub struct Arrival {
     /// The wave's number.
     pub wave: u32,
-    /// Whether the wave was mirrored alone, and no oftener than the exact paths go: then such a
-    /// path stands for it.
+    /// Whether the wave was mirrored alone, and no more often than the exact paths go: then such a
+    /// path replaces it.
     pub is_early: bool,
     /// Metres flown from the source to the middle of the chord through the sphere. The middle is
     /// the place next to the sphere's centre, so that for mirrored waves this is the length of

@@ -1,0 +1,172 @@
+//! How wrong the waves make the figures: the spread over halves of the batches, what all waves have in common, and what
+//! two ways of counting differ by.
+
+use super::{BandFigures, DECAY_TIMES, FIGURE_COUNT, Figures, List, Span, lists, pieces};
+use crate::acoustics::{Echogram, Tap};
+use crate::bands::BAND_COUNT;
+use rayon::prelude::*;
+
+/// A time of decay with a larger error, as a share of itself, is none: its decay is too noisy. Two
+/// errors are 3 %, less than the least difference in reverberation that is noticed (5 %, ISO 3382-1,
+/// annex A).
+const WORST_TIME_ERROR: f64 = 0.015;
+
+/// Errors that all waves have in common, one standard deviation each.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CommonErrors {
+    /// Of T20 and T30, as a share of them.
+    pub decay_share: f64,
+    /// Of EDT, as a share of it.
+    pub early_decay_share: f64,
+    /// Of C50 and C80, in decibels.
+    pub clarity_db: f64,
+    /// Of G, in decibels.
+    pub strength_db: f64,
+    /// Of Ts, in seconds.
+    pub centre_s: f64,
+}
+
+impl CommonErrors {
+    /// Of D50: what that of C50 makes of it, as C50 is 10 lg(D50 / (1 − D50)).
+    fn definition(&self, d50: f64) -> f64 {
+        let change_in_db = 10.0 / (std::f64::consts::LN_10 * d50 * (1.0 - d50));
+        self.clarity_db / change_in_db
+    }
+}
+
+impl Figures {
+    /// The same with the differences from the figures of other taps and another echogram, of a record that ends after so
+    /// many seconds, as errors besides; in the bands of `of_bands`.
+    pub(crate) fn with_differences(
+        mut self,
+        (taps, echogram, ends_s): (&[Tap], &Echogram, f64),
+        of_bands: [bool; BAND_COUNT],
+    ) -> Figures {
+        let Some(begins_s) = self.begins_s.filter(|&begins_s| begins_s < ends_s) else {
+            return self;
+        };
+        let span = Span { begins_s, ends_s };
+        let other = pieces(taps, echogram, |bin| echogram.energy(bin), span);
+        let (others, ..) = lists(&other, echogram.bin_s());
+        for band in (0..BAND_COUNT).filter(|band| of_bands[*band]) {
+            let pairs = self.bands[band].list().into_iter().zip(others[band]);
+            let differences =
+                pairs.map(|(own, other)| own.zip(other).map(|(own, other)| own - other));
+            let mut errors = self.errors[band].list();
+            for (error, difference) in errors.iter_mut().zip(differences) {
+                let difference = difference.filter(|difference| difference.is_finite());
+                *error = error.map(|error| error.hypot(difference.unwrap_or(0.0)));
+            }
+            self.errors[band] = BandFigures::from_list(errors);
+        }
+        self
+    }
+
+    /// The same with errors besides that all waves have in common.
+    pub(crate) fn with_common_errors(mut self, common: &CommonErrors) -> Figures {
+        for (band, error) in self.bands.iter().zip(&mut self.errors) {
+            let add = |error: &mut Option<f64>, common: Option<f64>| {
+                *error = error.zip(common).map(|(error, common)| error.hypot(common));
+            };
+            let share = |time_s: Option<f64>, share: f64| time_s.map(|time_s| share * time_s);
+            add(
+                &mut error.edt_s,
+                share(band.edt_s, common.early_decay_share),
+            );
+            add(&mut error.t20_s, share(band.t20_s, common.decay_share));
+            add(&mut error.t30_s, share(band.t30_s, common.decay_share));
+            add(&mut error.c50_db, Some(common.clarity_db));
+            add(&mut error.c80_db, Some(common.clarity_db));
+            add(&mut error.d50, band.d50.map(|d50| common.definition(d50)));
+            add(&mut error.ts_s, Some(common.centre_s));
+            add(&mut error.g_db, Some(common.strength_db));
+        }
+        self
+    }
+}
+
+/// The figures of halves of the batches.
+pub(super) struct Halves {
+    lists: Vec<[List; BAND_COUNT]>,
+    widening: f64,
+}
+
+impl Halves {
+    /// Every half and its complement: batch b is in half h by the sign of Sylvester's matrix,
+    /// whose rows are orthogonal, and half of whose entries in each row but the first are positive.
+    pub fn new(taps: &[Tap], echogram: &Echogram, span: Span) -> Halves {
+        let batches = echogram.batches();
+        let is_in = |half: usize, batch: usize| (half & batch).count_ones() % 2 == 1;
+        let of = |(half, complement): (usize, bool)| {
+            let energy = |bin: usize| {
+                let mut sum = [0.0; BAND_COUNT];
+                for batch in (0..batches).filter(|&batch| is_in(half, batch) != complement) {
+                    let energy = echogram.batch_energy(bin, batch);
+                    for (sum, energy) in sum.iter_mut().zip(energy) {
+                        *sum += 2.0 * energy;
+                    }
+                }
+                sum
+            };
+            lists(&pieces(taps, echogram, energy, span), echogram.bin_s()).0
+        };
+        let halves: Vec<(usize, bool)> = (1..batches)
+            .flat_map(|half| [(half, false), (half, true)])
+            .collect();
+        Halves {
+            lists: halves.into_par_iter().map(of).collect(),
+            widening: student_975(batches - 1) / 2.0,
+        }
+    }
+
+    /// A band's figures as far as they can be estimated, and their errors.
+    pub fn judge(&self, band: usize, list: List) -> (List, List) {
+        let (mut told, mut errors) = (list, [None; FIGURE_COUNT]);
+        if self.lists.is_empty() {
+            return (told, errors);
+        }
+        for figure in 0..FIGURE_COUNT {
+            errors[figure] = list[figure].and_then(|whole| self.error(band, figure, whole));
+            let limit = match list[figure] {
+                Some(time_s) if figure < DECAY_TIMES => WORST_TIME_ERROR * time_s,
+                _ => f64::INFINITY,
+            };
+            if errors[figure].is_none_or(|error| error > limit) {
+                (told[figure], errors[figure]) = (None, None);
+            }
+        }
+        (told, errors)
+    }
+
+    /// The error of a figure; `None` if there is no such figure for some half.
+    fn error(&self, band: usize, figure: usize, whole: f64) -> Option<f64> {
+        let mut squares = 0.0;
+        for list in &self.lists {
+            squares += (list[band][figure]? - whole).powi(2);
+        }
+        Some(self.widening * (squares / self.lists.len() as f64).sqrt())
+    }
+}
+
+/// Student's t that a variate with so many degrees of freedom is below in 97.5 % of cases.
+///
+/// M. Abramowitz and I. Stegun, *Handbook of Mathematical Functions*, 1964, 26.7.5: a series in
+/// 1/degrees about the normal variate. From 3 degrees on it is right to 1 %; with 1 and 2, where
+/// it is not, the numbers themselves.
+pub(super) fn student_975(degrees: usize) -> f64 {
+    /// The normal variate that 97.5 % are below.
+    const NORMAL: f64 = 1.959_963_984_540_054;
+    match degrees {
+        0 => f64::INFINITY,
+        1 => 12.706_204_736,
+        2 => 4.302_652_730,
+        _ => {
+            let n = degrees as f64;
+            let x = NORMAL;
+            let first = (x.powi(3) + x) / 4.0;
+            let second = (5.0 * x.powi(5) + 16.0 * x.powi(3) + 3.0 * x) / 96.0;
+            let third = (3.0 * x.powi(7) + 19.0 * x.powi(5) + 17.0 * x.powi(3) - 15.0 * x) / 384.0;
+            x + first / n + second / n.powi(2) + third / n.powi(3)
+        }
+    }
+}

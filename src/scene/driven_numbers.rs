@@ -1,0 +1,220 @@
+//! Sets the moving numbers of surfaces: by the time of their key frames, or by named values.
+
+use super::shape::{Numbers, Parameter};
+use super::{Driver, Motion, Quantity, Scene, SceneError, Shape, Surface};
+use crate::text::nearest;
+use glam::{EulerRot, Quat, Vec3};
+use std::collections::{BTreeMap, HashMap, HashSet};
+
+/// Frames a second at which a surface is looked at between its keys: as many as a rendering
+/// has by default, so that what can be loaded can be rendered.
+const CHECKED_FPS: f64 = 30.0;
+
+impl Surface {
+    /// Every number that may be driven; see [`Surface::parameter_names`].
+    /// The rotation's, `rotation.x` … in radians, go by [`Surface::angles`].
+    pub(crate) fn parameters_mut(&mut self) -> Vec<Parameter<'_>> {
+        let mut all = Vec::new();
+        self.position
+            .add_to("position", Quantity::Position, &mut all);
+        self.angles.add_to("rotation", Quantity::Angle, &mut all);
+        all.extend(self.shape.parameters_mut());
+        all
+    }
+
+    /// The same surface with one of its numbers driven.
+    pub fn driven(mut self, parameter: &str, motion: Motion) -> Surface {
+        let parameter = parameter.to_owned();
+        self.dynamic_rotation |= parameter.starts_with("rotation.");
+        self.drivers.push(Driver { parameter, motion });
+        self
+    }
+
+    /// Sets the numbers whose driver answers.
+    fn drive(&mut self, value: impl Fn(&Surface, &Driver) -> Option<f32>) {
+        let drivers = std::mem::take(&mut self.drivers);
+        let mut values: HashMap<&str, f32> = HashMap::with_capacity(drivers.len());
+        for driver in &drivers {
+            if let Some(value) = value(self, driver) {
+                values.insert(&driver.parameter, value);
+            }
+        }
+        if !values.is_empty() {
+            for parameter in self.parameters_mut() {
+                if let Some(value) = values.get(parameter.name.as_str()) {
+                    *parameter.number = *value;
+                }
+            }
+        }
+        if values.keys().any(|name| name.starts_with("rotation.")) {
+            let Vec3 { x, y, z } = self.angles;
+            self.rotation = Quat::from_euler(EulerRot::XYZEx, x, y, z);
+        }
+        self.drivers = drivers;
+    }
+
+    /// Sets what follows key frames to where it is at `seconds`.
+    pub(super) fn drive_to(&mut self, seconds: f64) {
+        if !self.drivers.is_empty() {
+            self.drive(|_, driver| driver.motion.at(seconds));
+        }
+    }
+
+    /// The names of the numbers that a [`Driver`] may move: `position.x` …, `rotation.x` …, the
+    /// shape's own (`radius`, `size.x` …), and those of the shapes below it, with the number of
+    /// each child before them (`0.radius` …).
+    pub fn parameter_names(&self) -> HashSet<String> {
+        let mut bare = Surface {
+            drivers: Vec::new(),
+            name: None,
+            shape: self.shape.clone(),
+            material: None,
+            walls: Default::default(),
+            ..*self
+        };
+        let parameters = bare.parameters_mut().into_iter();
+        parameters.map(|parameter| parameter.name).collect()
+    }
+
+    /// Times at which the surface is looked at before it is drawn, in seconds: all keys, in order,
+    /// and then from the first to the last one the frames that a rendering has by default, or
+    /// `most_between` of them at most, evenly.
+    pub(super) fn checked_times(&self, most_between: usize) -> Vec<f64> {
+        let mut times = Vec::new();
+        for driver in &self.drivers {
+            if let Motion::Keys(keys) = &driver.motion {
+                times.extend(keys.iter().map(|(time, _)| *time));
+            }
+        }
+        times.sort_by(f64::total_cmp);
+        times.dedup();
+        if let (Some(&first), Some(&last)) = (times.first(), times.last()) {
+            let (first, last) = ((first * CHECKED_FPS).ceil(), (last * CHECKED_FPS).floor());
+            let every = ((last - first) / most_between as f64).ceil().max(1.0);
+            let between = (0..=most_between).map(|step| first + step as f64 * every);
+            let between = between.take_while(|frame| *frame <= last);
+            times.extend(between.map(|frame| frame / CHECKED_FPS));
+        }
+        times
+    }
+
+    /// For each node of the surface's field, in the order of [`Shape::nodes`]: whether a
+    /// driver moves one of its numbers.
+    pub(crate) fn moving_nodes(&self, field: &Shape) -> Vec<bool> {
+        let mut moving = vec![false; field.nodes().len()];
+        for driver in &self.drivers {
+            if driver.parameter.starts_with("position.")
+                || driver.parameter.starts_with("rotation.")
+            {
+                continue;
+            }
+            mark(field, &driver.parameter, &mut moving);
+        }
+        moving
+    }
+}
+
+/// Marks the node that a parameter's name leads to, and whatever its change changes: the
+/// numbers of a twist or a bend follow from the bounds of what is below.
+fn mark(field: &Shape, parameter: &str, moving: &mut [bool]) {
+    let mut node = field;
+    let mut place = 0;
+    let mut rest = parameter;
+    loop {
+        if matches!(
+            node.node,
+            super::Node::Twist(_) | super::Node::Bend(_) | super::Node::Repeat(_)
+        ) {
+            moving[place] = true;
+        }
+        let step = rest.split_once('.').and_then(|(first, after)| {
+            let index: usize = first.parse().ok()?;
+            Some((index, after))
+        });
+        let Some((index, after)) = step.filter(|(index, _)| *index < node.children.len()) else {
+            break;
+        };
+        let before = node.children[..index].iter().map(|f| f.nodes().len());
+        place += 1 + before.sum::<usize>();
+        node = &node.children[index];
+        rest = after;
+    }
+    moving[place] = true;
+}
+
+impl Scene {
+    /// Sets a named value wherever the scene uses it, in the unit of a scene file: metres,
+    /// degrees for an angle, degrees a metre for the rate of a twist or a bend.
+    ///
+    /// ```
+    /// use echomarch::scene::{Motion, shape::Sphere};
+    /// use echomarch::{Listener, Scene, Source, Surface};
+    /// use glam::Vec3;
+    /// let door = Surface::new(Sphere { radius: 1.0 })
+    ///     .driven("position.x", Motion::Named("door".into()));
+    /// let source = Source::at(Vec3::Y * 5.0);
+    /// let listener = Listener::at(Vec3::Z * 5.0, 0.5);
+    /// let mut scene = Scene::new("hall", vec![door], source, listener);
+    /// scene.set_value("door", 3.0)?;
+    /// assert_eq!(scene.surfaces[0].position.x, 3.0);
+    /// assert!(scene.set_value("window", 1.0).is_err());
+    /// # Ok::<(), echomarch::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`SceneError::UnknownValue`] when nothing in the scene has that name.
+    pub fn set_value(&mut self, name: &str, value: f32) -> Result<(), SceneError> {
+        self.set_values(&BTreeMap::from([(name.to_owned(), value)]))
+    }
+
+    /// Sets several named values as [`Scene::set_value`] does, all in one pass.
+    pub(super) fn set_values(&mut self, values: &BTreeMap<String, f32>) -> Result<(), SceneError> {
+        let names = self.value_names();
+        let unknown = values
+            .keys()
+            .find(|name| names.binary_search(name).is_err());
+        if let Some(name) = unknown {
+            return Err(SceneError::UnknownValue {
+                scene: self.name.clone(),
+                name: name.clone(),
+                nearest: nearest(name, names.iter().map(String::as_str)).map(str::to_owned),
+                known: match names.len() {
+                    0 => "none".to_owned(),
+                    _ => names.join(", "),
+                },
+            });
+        }
+        let named = |surface: &Surface, driver: &Driver| match &driver.motion {
+            Motion::Named(name) => {
+                let value = *values.get(name)?;
+                Some(surface.quantity(&driver.parameter).in_code(value))
+            }
+            Motion::Keys(_) => None,
+        };
+        for surface in &mut self.surfaces {
+            surface.drive(named);
+        }
+        Ok(())
+    }
+
+    /// The names that [`Scene::set_value`] takes, each once, in alphabetic order.
+    pub fn value_names(&self) -> Vec<String> {
+        let drivers = self.surfaces.iter().flat_map(|s| &s.drivers);
+        let mut names: Vec<String> = drivers
+            .filter_map(|driver| match &driver.motion {
+                Motion::Named(name) => Some(name.clone()),
+                Motion::Keys(_) => None,
+            })
+            .collect();
+        names.sort();
+        names.dedup();
+        names
+    }
+
+    /// Sets what follows key frames to where it is at `seconds`.
+    pub(super) fn drive_to(&mut self, seconds: f64) {
+        for surface in &mut self.surfaces {
+            surface.drive_to(seconds);
+        }
+    }
+}
