@@ -23,6 +23,18 @@ pub(super) const MAX_BINS: usize = 1 << 16;
 /// direct sound at r metres has 1 / (4π r²). They are kept for each batch of waves, so that
 /// figures know their error ([`Figures`](super::Figures)). All sums are in `f64`, in the order in
 /// which they are added.
+///
+/// ```
+/// use echomarch::acoustics::Echogram;
+/// use echomarch::glam::DVec3;
+///
+/// // Bins of 1 ms; one batch.
+/// let mut echogram = Echogram::new(0.001, 1)?;
+/// echogram.add(0, 0.0105, &[0.25; 8], DVec3::X);
+/// assert_eq!(echogram.bins(), 11);
+/// assert_eq!(echogram.total(), [0.25; 8]);
+/// # Ok::<(), echomarch::acoustics::AcousticsError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Echogram {
     bin_s: f64,

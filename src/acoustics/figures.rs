@@ -40,6 +40,7 @@ const LEAST_ARRIVALS: f64 = 500.0;
 /// The figures of a band's decay, by ISO 3382-1. `None` where it is too short or too noisy, and
 /// where the figure is not defined: no decay time without an echo, no clarity without late sound.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct BandFigures {
     /// Early decay time in seconds: six times the decay from 0 dB to −10 dB.
     pub edt_s: Option<f64>,
@@ -93,6 +94,7 @@ pub struct BandFigures {
 /// What all waves share is not in it, as paths that a wave cannot take. A [`Response`](crate::response::Response) adds
 /// what the listener's size is known to do.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Figures {
     /// The figures by band.
     pub bands: [BandFigures; BAND_COUNT],

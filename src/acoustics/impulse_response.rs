@@ -30,6 +30,7 @@ const DEFAULT_RATE_HZ: u32 = 48_000;
 
 /// How an impulse response is made.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct ImpulseSettings {
     /// Samples a second, in [`RATES_HZ`].
     pub rate_hz: u32,
@@ -72,6 +73,22 @@ impl ImpulseSettings {
 ///   the share 1 − m comes from all of them evenly, the share m from those three about the mean
 ///   direction.
 /// - Below 63 Hz the energy is that of 63 Hz, above 8 kHz that of 8 kHz.
+///
+/// ```
+/// use echomarch::acoustics::{Echogram, ImpulseResponse, ImpulseSettings, ListenerAxes, Tap};
+/// use echomarch::glam::{DVec3, Vec3};
+/// use echomarch::Listener;
+///
+/// // The direct sound 1 m away, and nothing else.
+/// let energy = [1.0 / (4.0 * std::f64::consts::PI); 8];
+/// let direct = Tap { seconds: 0.01, energy, direction: DVec3::X };
+/// let silence = Echogram::new(0.001, 1)?;
+/// let axes = ListenerAxes::of(&Listener::at(Vec3::ZERO, 0.1))?;
+/// let impulse = ImpulseResponse::new(&[direct], &silence, &axes, &ImpulseSettings::new(0.1))?;
+/// let mono = &impulse.channels()[0];
+/// assert!((mono[480] - 1.0).abs() < 1e-3);
+/// # Ok::<(), echomarch::acoustics::AcousticsError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct ImpulseResponse {
     rate_hz: u32,

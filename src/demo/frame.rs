@@ -159,7 +159,7 @@ impl App {
     }
 
     /// Collects the waves of the last frame and begins those of this one; or continues
-    /// waves that take longer than a frame may.
+    /// with waves that take longer than a frame may.
     fn waves(&mut self, stage: &mut Stage, times: &mut FrameTimes) -> Result<(), DemoError> {
         let every = u64::from(self.choices.trace_every.max(1));
         let is_due = self.recorder.frames.is_multiple_of(every);

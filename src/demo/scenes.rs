@@ -37,7 +37,7 @@ impl App {
     }
 
     /// Opens another scene, as soon as its users' fields were tried. If it does not compile, the
-    /// one before comes back.
+    /// previous one comes back.
     pub fn change_scene(&mut self, name: &str) {
         let mut coming = match Coming::begin(name, &self.choices.settings) {
             Ok(coming) => coming,

@@ -10,7 +10,7 @@
 //! | 0, and the first component is not 0 | where the cell's list begins, of several surfaces |
 //! | 0 | an empty cell, or none |
 //!
-//! The values of a surface are in its record as they do elsewhere, after a vector for the tag
+//! The values of a surface are in its record as elsewhere, after a vector for the tag
 //! (with the first component for the place of a list), unless they leave a component of their
 //! first vector free: a box does, and an endless pillar, whose height means nothing.
 

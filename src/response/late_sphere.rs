@@ -28,10 +28,11 @@ const ERRORS: CommonErrors = CommonErrors {
     centre_s: 0.0,
 };
 
-/// Radius in metres where an object is in the room: it hides part of the flutter echo between walls
-/// is heard, and a large sphere reaches beyond that shadow. In 14 random rooms with a ball or a box T30 differed from that
-/// in the listener's own sphere of 0.3 m by 1.1 % (rms of all bands, but for noise) with 1 m, 0.6 % with 0.7 m and 0.4 %
-/// with 0.5 m, in the worst of them by 4.4, 2.8 and 1.8 %; by 2.2 and 1.7 % with 1 and 0.5 m where all surfaces scatter 0.1.
+/// Radius in metres where an object is in the room: it hides part of the flutter echo between walls,
+/// and a large sphere reaches beyond that shadow. In 14 random rooms with a ball or a box T30 differed
+/// from that in the listener's own sphere of 0.3 m by 1.1 % (rms of all bands, except noise) with 1 m, 0.6 % with 0.7 m
+/// and 0.4 % with 0.5 m, in the worst of them by 4.4, 2.8 and 1.8 %; by 2.2 and 1.7 % with 1 and 0.5 m where all
+/// surfaces scatter 0.1.
 const RADIUS_IN_SHADOWS_M: f32 = 0.5;
 
 /// What these differences are with that radius.

@@ -8,7 +8,7 @@
 #[derive(Clone, Debug, PartialEq)]
 pub struct Driver {
     /// The number's name: `position.x`, `rotation.y`, `radius`, `0.by.z` …; see
-    /// [`Surface::parameter_names`].
+    /// [`Surface::parameter_names`](super::Surface::parameter_names).
     pub parameter: String,
     /// What sets it.
     pub motion: Motion,
@@ -20,7 +20,7 @@ pub enum Motion {
     /// Key frames (seconds, value), times strictly increasing: linear between them, held
     /// before the first and after the last.
     Keys(Vec<(f64, f32)>),
-    /// The value set by [`Scene::set_value`] for this name, in the unit of a scene file.
+    /// The value set by [`Scene::set_value`](super::Scene::set_value) for this name, in the unit of a scene file.
     Named(String),
 }
 

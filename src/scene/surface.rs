@@ -4,6 +4,16 @@ use super::{Bounds3, Driver, Node, Shape, WALL_COUNT};
 use glam::{DMat3, Quat, Vec3};
 
 /// A shape placed in the world.
+///
+/// ```
+/// use echomarch::Surface;
+/// use echomarch::glam::Vec3;
+/// use echomarch::scene::shape::Torus;
+///
+/// let ring = Torus { ring: 2.0, tube: 0.5 };
+/// let surface = Surface::new(ring).at(Vec3::new(0.0, 1.0, 0.0)).with_material("brick");
+/// assert_eq!(surface.bounds().max.y, 1.5);
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Surface {

@@ -124,7 +124,7 @@ impl Hearing {
         })
     }
 
-    /// Whether something is heard otherwise than at the last look, or a new player waits for it. A
+    /// Whether something is heard differently than at the last update, or a new player waits for it. A
     /// late part that was not due then is made once things have come to rest, and so is one that there was too little
     /// time for.
     pub fn is_new(&self, scene: &Scene, settings: &Settings, is_waited_for: bool) -> bool {

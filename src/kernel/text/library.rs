@@ -45,8 +45,8 @@ pub(in crate::kernel) fn library() -> Vec<Part> {
     LIBRARY.clone()
 }
 
-/// Whether the library has a function of this name: the use of a shape depends on what its
-/// file answers.
+/// Whether the library has a function of this name: the use of a shape depends on the
+/// functions in its file.
 pub(super) fn has_function(name: &str) -> bool {
     static DEFINED: LazyLock<HashSet<&str>> = LazyLock::new(|| {
         let defined = LIBRARY.iter().flat_map(|part| &part.defines);

@@ -144,7 +144,7 @@ impl ListenerFile<FixedRadius> {
 }
 
 impl<R: Copy + Into<Option<FixedRadius>>> ListenerFile<R> {
-    /// Puts a listener where the file has it: without a position it stands and looks as its path
+    /// Puts a listener where the file has it: without a position it is and looks as its path
     /// begins. A listener with a given position has no path but the one given with it.
     pub fn change(&self, listener: &mut Listener) {
         if let Some(name) = &self.name {

@@ -1,4 +1,5 @@
-//! The list of all shapes and operators: to add one, write its two files and a line here.
+//! The list of all shapes and operators: to add one, write its two files, a line here, and its
+//! `mod` and `pub use` lines in `mod.rs`.
 
 #[cfg(test)]
 use super::octahedron;

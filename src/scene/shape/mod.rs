@@ -92,6 +92,16 @@ use glam::DVec3;
 use std::sync::Arc;
 
 /// A shape, or an operator on the shapes below it.
+///
+/// ```
+/// use echomarch::Shape;
+/// use echomarch::glam::DVec3;
+/// use echomarch::scene::shape::Sphere;
+///
+/// let hollow = Shape::from(Sphere { radius: 2.0 }).complement();
+/// // Metres to the surface, positive in the air.
+/// assert_eq!(hollow.value(DVec3::new(0.5, 0.0, 0.0)), 1.5);
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shape {
     /// What it is, with its own numbers.

@@ -51,7 +51,7 @@ mod tests {
         listener: Listener(position: (0, 4, 0), radius: 0.5),
     )";
 
-    /// Protects the way to add a shape: two files and a line in the list make one that files name,
+    /// Protects the way to add a shape: two files, a line in the list and two in `mod.rs` make one that files name,
     /// the CPU evaluates, and every profile traces; here against the reference, which knows its
     /// value alone.
     #[test]

@@ -439,7 +439,7 @@ fn waves_are_followed_until_their_energy_is_gone() {
     assert!(left < 1e-5, "{left}");
 }
 
-/// Protects the report of waves that were given up: where bands have separate waves, the band whose waves get least
+/// Protects the report of waves that were given up: where bands have separate waves, the one whose waves get least
 /// far decides.
 #[test]
 fn the_band_that_comes_least_far_decides() {
