@@ -147,6 +147,14 @@ provide_packages() {
     install_packages "${missing[@]}" || complain "They are not installed; going on without: ${missing[*]}"
 }
 
+# What installs a cargo subcommand.
+how_to_install_cargo() {
+    case "$1" in
+        mutants) echo "cargo install --locked cargo-mutants" ;;
+        *) echo "rustup component add rustfmt clippy" ;;
+    esac
+}
+
 # Fails unless cargo and the named cargo subcommands are there.
 need_cargo() {
     if ! command -v cargo >/dev/null; then
@@ -156,7 +164,7 @@ need_cargo() {
     local command
     for command in "$@"; do
         if ! cargo "$command" --help >/dev/null 2>&1; then
-            complain "cargo $command is missing: rustup component add rustfmt clippy"
+            complain "cargo $command is missing: $(how_to_install_cargo "$command")"
             return 1
         fi
     done

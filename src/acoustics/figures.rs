@@ -85,7 +85,9 @@ pub struct BandFigures {
 /// is as far off from all waves as these are from the truth. Exact taps are in each half, and
 /// have no error of their own. The variance comes from n − 1 degrees of freedom: Student's t widens
 /// the error by t(97.5 %)/2, so that twice the error holds the truth in 95 % of cases (16 batches:
-/// by 6.6 %). A figure that some half does not have is none: its decay is too noisy.
+/// by 6.6 %). Where the waves that arrived are fewer than the batches, as many as have one energy, these are what the
+/// degrees of freedom are counted from; of a single arrival there is no figure. A figure that some half does not have is
+/// none: its decay is too noisy.
 ///
 /// A decay time is reported if its error, by the noise of the waves alone, is at most 1.5 % of it, and if after the
 /// end of its decay at least 500 waves of one energy arrive (strong ones count for few), where there are batches. EDT
@@ -173,7 +175,8 @@ impl Figures {
                 let arrivals = echogram.effective_arrivals(band, begins_s + ends_s);
                 *time_s = time_s.filter(|_| echogram.batches() == 1 || arrivals >= LEAST_ARRIVALS);
             }
-            let (list, errors) = halves.judge(band, list);
+            let (list, errors) =
+                halves.judge(band, list, echogram.effective_arrivals(band, begins_s));
             figures.bands[band] = BandFigures::from_list(list);
             figures.errors[band] = BandFigures::from_list(errors);
         }

@@ -52,3 +52,26 @@ pub(super) fn length_after(count: usize, from_hz: u32, to_hz: u32) -> usize {
     let (count, from, to) = (count as u128, u128::from(from_hz), u128::from(to_hz));
     ((count * to + from / 2) / from) as usize
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects the sharpness of the filter, the delay that is taken out, and the cost: an even number of whole
+    /// periods, at least as many samples as are asked for, and not a pair of periods more.
+    #[test]
+    fn the_filter_has_the_least_even_number_of_periods_that_suffices() {
+        for (from_hz, to_hz, period) in [
+            (24_000, 48_000, 1),
+            (96_000, 48_000, 2),
+            (44_100, 48_000, 147),
+            (48_000, 44_100, 160),
+            (44_101, 48_000, 44_101),
+        ] {
+            let block = block_for(from_hz, to_hz);
+            assert_eq!(block % (2 * period), 0, "{from_hz} to {to_hz} Hz");
+            let enough = LEAST_BLOCK..LEAST_BLOCK + 2 * period;
+            assert!(enough.contains(&block), "{from_hz} to {to_hz} Hz: {block}");
+        }
+    }
+}

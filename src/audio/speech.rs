@@ -340,3 +340,148 @@ fn response(frequency_hz: f64, formants: &[f64; 3], rate_hz: u32) -> [f64; 2] {
     }
     [re, im]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Some voices, and the slots of sixty phrases of each.
+    fn slots() -> impl Iterator<Item = (Speech, u64)> {
+        let voices = (0..4).map(|seed| Speech::new(seed, 48_000));
+        voices.flat_map(|voice| (0..60 * PHRASE_SLOTS).map(move |slot| (voice.clone(), slot)))
+    }
+
+    /// Protects syllables from being cut off: each rises from silence, is heard in its middle and is silent again
+    /// when the next begins.
+    #[test]
+    fn a_syllable_begins_and_ends_in_silence() {
+        for (voice, slot) in slots() {
+            let loudness = |along| voice.loudness(&Moment { slot, along });
+            assert_eq!([loudness(0.0), loudness(1.0)], [0.0; 2], "slot {slot}");
+            let middle = if voice.is_spoken(slot) {
+                0.75..=1.0
+            } else {
+                0.0..=0.0
+            };
+            assert!(middle.contains(&loudness(0.5)), "slot {slot}");
+        }
+    }
+
+    /// Protects the consonants: two syllables of five begin with a hiss, which is heard in full and is over after
+    /// 70 ms; there is none in a pause, nor at a rate that has no room for it.
+    #[test]
+    fn two_syllables_of_five_begin_with_a_hiss() {
+        let (mut spoken, mut hissed) = (0, 0);
+        for (mut voice, slot) in slots() {
+            let moment = |time: f64| Moment {
+                slot,
+                along: time / SLOT_S,
+            };
+            let level = |time| voice.hiss_level(&moment(time));
+            assert_eq!([level(0.0), level(0.071), level(0.2)], [0.0; 3]);
+            let full = level(0.03);
+            assert!(full == 0.0 || (full == 1.0 && voice.is_spoken(slot)));
+            spoken += usize::from(voice.is_spoken(slot));
+            hissed += usize::from(full == 1.0);
+            voice.rate_hz = 8_000;
+            assert_eq!(voice.hiss_level(&moment(0.03)), 0.0);
+        }
+        let share = hissed as f64 / spoken as f64;
+        assert!((share - 0.4).abs() < 0.04, "{share}");
+    }
+
+    /// Protects the level: every vowel is as loud as it should be, or its peak reaches the limit; none passes either.
+    #[test]
+    fn every_vowel_has_its_level_or_its_peak() {
+        let mut vowels = [0; 2];
+        for seed in 0..4 {
+            let voice = Speech::new(seed, 48_000);
+            for hop in 0..4_000 {
+                let time = hop as f64 / f64::from(CONTROL_HZ);
+                let loudness = voice.loudness(&Moment::at(time));
+                let (mut power, mut peak) = (0.0, 0.0);
+                for [re, im] in voice.harmonics(hop) {
+                    let size = f64::from(re).hypot(f64::from(im));
+                    power += size * size / 2.0;
+                    peak += size;
+                }
+                let shares = [power.sqrt() / VOWEL_LEVEL, peak / VOICE_PEAK];
+                let largest = shares[0].max(shares[1]);
+                assert!((largest - loudness).abs() < 1e-5, "{shares:?}, {loudness}");
+                vowels[usize::from(shares[1] > shares[0])] += usize::from(loudness > 0.0);
+            }
+        }
+        assert!(vowels.iter().all(|&count| count > 0), "{vowels:?}");
+    }
+
+    /// Protects the melody: the pitch keeps within its range and falls over the phrase by what it should, accents
+    /// aside.
+    #[test]
+    fn the_pitch_falls_over_the_phrase() {
+        let mut sums = [0.0; PHRASE_SLOTS as usize];
+        let mut phrases = 0;
+        for (voice, slot) in slots() {
+            let pitch_hz = voice.pitch_of(slot);
+            assert!((LOWEST_PITCH_HZ..=LOWEST_PITCH_HZ + 80.0).contains(&pitch_hz));
+            sums[(slot % PHRASE_SLOTS) as usize] += pitch_hz;
+            phrases += usize::from(slot % PHRASE_SLOTS == 0);
+        }
+        let fall_hz = (sums[0] - sums[9]) / phrases as f64;
+        assert!((fall_hz - 0.9 * 35.0).abs() < 5.0, "{fall_hz} Hz");
+    }
+
+    /// Protects the timbre: apart from the formants, here far above, the voice falls by 3 dB an octave, has little
+    /// bass, and ends where the harmonics have faded.
+    #[test]
+    fn the_source_falls_by_3_db_an_octave() {
+        let size = |frequency_hz| response(frequency_hz, &[1e9; 3], 48_000)[0];
+        for (low_hz, fall_db) in [(800.0, 3.0), (1400.0, 3.0), (55.0, -20.6)] {
+            let ratio: f64 = size(low_hz) / size(2.0 * low_hz);
+            let found_db = 20.0 * ratio.log10();
+            assert!((found_db - fall_db).abs() < 0.6, "{low_hz} Hz: {found_db}");
+        }
+        assert_eq!(size(FADE_HZ.1), 0.0);
+    }
+
+    /// Protects the pitch that is heard: the phase goes on by it within a slot, and from one slot of a phrase to the
+    /// next.
+    #[test]
+    fn the_phase_is_the_integral_of_the_pitch() {
+        const STEP: f64 = 1e-4;
+        for (mut voice, slot) in slots() {
+            let mut phase = |slot, along| {
+                voice.pitch = voice.slot_pitch(slot);
+                voice.phase_turns(&Moment { slot, along })
+            };
+            // Whole turns do not count.
+            let turned = |from: f64, to: f64| (to - from + 0.5).rem_euclid(1.0) - 0.5;
+            let turns = [0.1, 0.5, 0.9].map(|along| {
+                turned(phase(slot, along - STEP), phase(slot, along + STEP)) / (2.0 * STEP)
+            });
+            if (slot + 1) % PHRASE_SLOTS != 0 {
+                assert!(turned(phase(slot, 1.0), phase(slot + 1, 0.0)).abs() < 1e-9);
+            }
+            for (along, turns) in [0.1, 0.5, 0.9].into_iter().zip(turns) {
+                let pitch_hz = voice.pitch_hz(&Moment { slot, along });
+                assert!((turns / SLOT_S - pitch_hz).abs() < 1e-3, "slot {slot}");
+            }
+        }
+    }
+
+    /// Protects the vowels: a syllable's middle is its own vowel, and where two syllables meet both are halfway
+    /// between their vowels.
+    #[test]
+    fn formants_stand_in_the_middle_and_meet_at_the_ends() {
+        for (voice, slot) in slots() {
+            let formants = |slot, along| voice.formants(&Moment { slot, along });
+            for along in [0.41, 0.5, 0.59] {
+                assert_eq!(&formants(slot, along), voice.vowel(slot), "{along}");
+            }
+            let (here, next) = (voice.vowel(slot), voice.vowel(slot + 1));
+            for (i, formant_hz) in formants(slot, 1.0).into_iter().enumerate() {
+                assert!((formant_hz - (here[i] + next[i]) / 2.0).abs() < 1e-9);
+                assert!((formant_hz - formants(slot + 1, 0.0)[i]).abs() < 1e-9);
+            }
+        }
+    }
+}

@@ -199,3 +199,27 @@ fn write_error(target: &Path, source: io::Error) -> AudioError {
         source,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects long files: up to the last frame that a header can count all is written, and nothing past it, whether
+    /// it is missed by one frame or by more.
+    #[test]
+    fn a_file_is_full_at_the_last_frame_that_its_header_can_count() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut writer = WavWriter::create(folder.path().join("long.wav")).unwrap();
+        let limit = MAX_BYTES / (2 * SAMPLE_BYTES);
+        // As if so many had been written.
+        writer.frames = limit - 2;
+        for too_long in [6, 8] {
+            let refused = writer.write(&vec![0.0; too_long]);
+            assert!(matches!(refused, Err(AudioError::WavTooLong { .. })));
+        }
+        writer.write(&[0.0; 4]).unwrap();
+        assert_eq!(writer.frames, limit);
+        writer.write(&[]).unwrap();
+        assert!(writer.write(&[0.0; 2]).is_err());
+    }
+}

@@ -35,7 +35,7 @@ pub(super) fn needed(
 ) -> Result<f64, Error> {
     let medium = Medium::of(scene);
     let mut bins: Vec<Bands> = Vec::new();
-    let few = settings.clone().with_waves(settings.waves.min(WAVES));
+    let few = settings.clone().with_waves(WAVES);
     // More of the few waves that carry the end of the decay cross the larger sphere.
     let wide = LateSphere::of(scene, LEAST_ORDER).widened(scene);
     tracer.arrivals(

@@ -3,6 +3,7 @@
 use echomarch::audio::{NOISE_AMPLITUDE, SAMPLE_RATE, SINE_AMPLITUDE, SPEECH_PEAK, Sound};
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
+use std::f64::consts::PI;
 
 fn pull(text: &str, rate: u32, count: usize) -> Vec<f32> {
     let mut out = vec![f32::NAN; count];
@@ -81,13 +82,18 @@ fn it_pauses_between_syllables_and_longer_between_phrases() {
     assert!(pauses.len() >= 40, "{pauses:?}");
 }
 
-/// A click would hold energy far above the voice's own band.
+/// A click would hold energy far above the voice's own band. The voice is faded in and out as a whole: where it is cut
+/// off in a vowel, the cut would hold more than all else.
 #[test]
 fn it_does_not_click() {
     for seed in 0..4 {
-        let voice = pull(&format!("speech:{seed}"), SAMPLE_RATE, 48_000 * 20);
+        let mut voice = pull(&format!("speech:{seed}"), SAMPLE_RATE, 48_000 * 20);
+        let count = voice.len() as f64;
+        for (i, sample) in voice.iter_mut().enumerate() {
+            *sample *= ((i as f64 + 0.5) / count * PI).sin().powi(2) as f32;
+        }
         let above = share(&voice, SAMPLE_RATE, 6_000.0, 24_000.0);
-        assert!(above < 1e-6, "seed {seed}: {above:e}");
+        assert!(above < 1e-7, "seed {seed}: {above:e}");
     }
 }
 

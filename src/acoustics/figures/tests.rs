@@ -274,3 +274,30 @@ fn taps_have_no_error() {
     let energy = echogram.total()[0];
     assert!((error(&[tap(0.0, 9.0 * energy)]) / error(&[]) - 0.1).abs() < 0.01);
 }
+
+/// Protects errors where few waves arrive: most batches are empty then, and the fewer arrived the less is known.
+#[test]
+fn few_arrivals_have_larger_errors() {
+    const BATCHES_OF_WAVES: usize = 16;
+    let direct = Tap {
+        seconds: 0.01,
+        energy: [1.0; BAND_COUNT],
+        direction: DVec3::X,
+    };
+    let errors = |arrivals: usize| {
+        let mut echogram = Echogram::new(0.001, BATCHES_OF_WAVES).unwrap();
+        for arrival in 0..arrivals {
+            let seconds = 0.05 + 0.001 * arrival as f64;
+            let energy = [0.1 / arrivals as f64; BAND_COUNT];
+            echogram.add(arrival % BATCHES_OF_WAVES, seconds, &energy, DVec3::X);
+        }
+        Figures::new(&[direct], &echogram, Some(0.01), 1.0).errors[0]
+    };
+    assert_eq!(errors(1).g_db, None, "of one arrival nothing is known");
+    let [two, four, sixteen] = [2, 4, 16].map(|arrivals| errors(arrivals).g_db.unwrap());
+    // Student's t at 1, 3 and 15 degrees of freedom, and what the arrivals themselves spread: 1/√n.
+    assert!(
+        two > 4.0 * four && four > 2.0 * sixteen,
+        "{two} {four} {sixteen}"
+    );
+}

@@ -88,7 +88,7 @@ impl Figures {
 /// The figures of halves of the batches.
 pub(super) struct Halves {
     lists: Vec<[List; BAND_COUNT]>,
-    widening: f64,
+    batches: usize,
 }
 
 impl Halves {
@@ -115,36 +115,51 @@ impl Halves {
             .collect();
         Halves {
             lists: halves.into_par_iter().map(of).collect(),
-            widening: student_975(batches - 1) / 2.0,
+            batches,
         }
     }
 
-    /// A band's figures as far as they can be estimated, and their errors.
-    pub fn judge(&self, band: usize, list: List) -> (List, List) {
+    /// A band's figures as far as they can be estimated, and their errors, where waves arrived as so many of one
+    /// energy.
+    pub fn judge(&self, band: usize, list: List, arrivals: f64) -> (List, List) {
         let (mut told, mut errors) = (list, [None; FIGURE_COUNT]);
         if self.lists.is_empty() {
             return (told, errors);
         }
+        let widening = self.widening(arrivals);
         for figure in 0..FIGURE_COUNT {
-            errors[figure] = list[figure].and_then(|whole| self.error(band, figure, whole));
+            let deviation = list[figure].and_then(|whole| self.deviation(band, figure, whole));
+            errors[figure] = deviation.map(|deviation| widening * deviation);
             let limit = match list[figure] {
                 Some(time_s) if figure < DECAY_TIMES => WORST_TIME_ERROR * time_s,
                 _ => f64::INFINITY,
             };
-            if errors[figure].is_none_or(|error| error > limit) {
+            if errors[figure].is_none_or(|error| error > limit || !error.is_finite()) {
                 (told[figure], errors[figure]) = (None, None);
             }
         }
         (told, errors)
     }
 
-    /// The error of a figure; `None` if there is no such figure for some half.
-    fn error(&self, band: usize, figure: usize, whole: f64) -> Option<f64> {
+    /// By how much Student's t widens an error. Its degrees of freedom are those of the batches, or of the arrivals where
+    /// these are fewer: most batches are empty then, and their spread says little. Where there is no arrival nothing
+    /// spreads.
+    fn widening(&self, arrivals: f64) -> f64 {
+        let of_batches = self.batches - 1;
+        let degrees = match arrivals > 0.0 {
+            true => of_batches.min((arrivals.round() as usize).saturating_sub(1)),
+            false => of_batches,
+        };
+        student_975(degrees) / 2.0
+    }
+
+    /// The standard deviation of a figure; `None` if there is no such figure for some half.
+    fn deviation(&self, band: usize, figure: usize, whole: f64) -> Option<f64> {
         let mut squares = 0.0;
         for list in &self.lists {
             squares += (list[band][figure]? - whole).powi(2);
         }
-        Some(self.widening * (squares / self.lists.len() as f64).sqrt())
+        Some((squares / self.lists.len() as f64).sqrt())
     }
 }
 
