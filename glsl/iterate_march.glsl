@@ -38,7 +38,7 @@ bool finished(float status) {
     return status < 0.1;
 }
 
-const float GLANCE = 16.0;   // roundings along the ray that make a landing inexact
+const float GLANCE = 16.0;   // roundings along the ray that make a projection inexact
 
 // How far the wave gets along its direction, or -1.
 float traceWave(vec3 origin, vec3 direction, float last, out float object, out bool limitReached) {
@@ -53,7 +53,7 @@ float traceWave(vec3 origin, vec3 direction, float last, out float object, out b
         second *= distanceScale;
         COUNT_EVALUATIONS(1.0);
         if (nearest < shell) {
-#if LANDING
+#if PROJECTION
             if (object == STATUS_LISTENER && nearest <= 0.0) {
                 return t;
             }
@@ -147,7 +147,7 @@ void iterate(inout vec4 origin, inout vec4 direction) {
     }
     mirrored = normalize(reflect(direction.xyz, normalize(gradient)));
 #endif
-#if LANDING
+#if PROJECTION
     hit = projected;
 #endif
     origin = vec4(hit, object);

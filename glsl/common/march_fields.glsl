@@ -6,14 +6,14 @@
 // if they turn out not to touch, the step is taken back to the first one's radius (Keinert et
 // al. 2014, "Enhanced sphere tracing"; Balint and Valasek 2018 for the step from the slope).
 // Next to a surface, and where a march takes long, each field's bound along the line takes over
-// (glsl/along): it ends where a tangent or a parabola below the field's value meets 0, which is
+// (`along…` in glsl/shape/): it ends where a tangent or a parabola below the field's value meets 0, which is
 // far beyond the ball where the wave glances off, and never beyond a surface. No step is longer
 // than what is free of every field.
 
 uniform int uFieldSteps;   // evaluations in one march at the most
 
 const float NEAR = 64.0;      // roundings from the surface within which the bounds are asked
-const int PATIENCE = 12;      // steps in a row after which they are asked everywhere
+const int PLAIN_STEPS = 12;   // steps in a row after which they are asked everywhere
 const float RELAXED = 0.95;   // of the step for which the balls would just touch
 const float PLACE = 0.25;     // of ROUNDING: what it does to a place, and to a distance from it
 const float SHALLOW = 64.0;   // roundings along the ray that the last step goes at the most
@@ -64,7 +64,7 @@ float marchFields(vec3 origin, vec3 d, float last, float limit, out float object
             rounding = PLACE * ROUNDING * max(largest(p), largest(origin));
             before = f;
             near = f < NEAR * rounding;
-            if (near || plain >= PATIENCE || solid >= 0.0) {
+            if (near || plain >= PLAIN_STEPS || solid >= 0.0) {
                 break;
             }
             air = t;

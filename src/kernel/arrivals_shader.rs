@@ -109,7 +109,7 @@ pub(crate) fn material_values(
 pub(crate) fn arrivals_text(scene: &Scene, text: &ArrivalsText) -> String {
     let (fly, marches, mut library) = flight(scene, text.algorithm);
     let options = format!(
-        "#define EXACT_NORMALS 1\n#define LANDING 1\n#define MARCHES_FIELDS {}\n\
+        "#define EXACT_NORMALS 1\n#define PROJECTION 1\n#define MARCHES_FIELDS {}\n\
          #define COUNT_EVALUATIONS(n)\n#define EVENT_BITS {}\n#define EVENTS_IN_WORD {}\n\
          #define WORDS {}\n#define SCATTERS {}\n",
         u8::from(marches),

@@ -38,7 +38,7 @@ pub(crate) enum AlgorithmText {
         /// Normals from gradients; else from differences.
         exact_normals: bool,
         /// Whether the point met is put onto the surface.
-        landing: bool,
+        projection: bool,
     },
     Hybrid,
 }
@@ -101,12 +101,12 @@ fn iterations(scene: &Scene, text: MarchText) -> (Vec<Source>, Vec<Part>) {
         }
         AlgorithmText::March {
             exact_normals,
-            landing,
+            projection,
         } => {
             let defines = format!(
-                "#define EXACT_NORMALS {}\n#define LANDING {}\n#define MARCHES_FIELDS {}\n",
+                "#define EXACT_NORMALS {}\n#define PROJECTION {}\n#define MARCHES_FIELDS {}\n",
                 u8::from(exact_normals),
-                u8::from(landing),
+                u8::from(projection),
                 u8::from(marches_fields(scene, true))
             );
             roots.push(Source::new("options", defines));

@@ -17,7 +17,7 @@ const ORANGE: [u8; 3] = [230, 159, 0];
 /// The path of a source: darker, as its lines are thin.
 const SOURCE_PATH: [u8; 3] = [176, 116, 0];
 /// The ground of letters.
-pub(super) const PAPER: [u8; 3] = [255, 255, 255];
+pub(super) const PLATE_COLOUR: [u8; 3] = [255, 255, 255];
 /// Opacity of the ground of letters.
 pub(super) const PLATE: f32 = 0.82;
 /// Outlines and the gaze.

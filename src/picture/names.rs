@@ -1,7 +1,7 @@
 //! The names of sources and listeners, drawn on a plan.
 
 use super::font::{ADVANCE, write};
-use super::marks::{PAPER, PLATE, rectangle};
+use super::marks::{PLATE, PLATE_COLOUR, rectangle};
 use super::plan::Plan;
 use crate::scene::Scene;
 use glam::Vec3;
@@ -40,6 +40,6 @@ fn write_beside(canvas: &mut PixmapMut, plan: &Plan, place: Vec3, right: f32, na
         width + 3.0 * dot,
         11.0 * dot,
     ];
-    rectangle(canvas, plate, PAPER, PLATE);
+    rectangle(canvas, plate, PLATE_COLOUR, PLATE);
     write(canvas, &shown, left, top, dot);
 }

@@ -2,7 +2,7 @@
 //! whole length in letters.
 
 use super::font::{INK, write};
-use super::marks::{PAPER, PLATE, rectangle};
+use super::marks::{PLATE, PLATE_COLOUR, rectangle};
 use super::plan::Plan;
 use tiny_skia::PixmapMut;
 
@@ -25,14 +25,14 @@ pub(super) fn draw(canvas: &mut PixmapMut, plan: &Plan) {
         width + label_width + 24.0 * unit,
         bar + 14.0 * unit,
     ];
-    rectangle(canvas, plate, PAPER, PLATE);
+    rectangle(canvas, plate, PLATE_COLOUR, PLATE);
     rectangle(canvas, [left, bottom - bar, width, bar], INK, 1.0);
     let field = width / fields as f32;
     let edge = (1.2 * unit).max(0.5);
     for index in (1..fields).step_by(2) {
         let x = left + index as f32 * field;
         let inner = [x, bottom - bar + edge, field - edge, bar - 2.0 * edge];
-        rectangle(canvas, inner, PAPER, 1.0);
+        rectangle(canvas, inner, PLATE_COLOUR, 1.0);
     }
     let x = (left + width + 8.0 * unit).round();
     write(

@@ -138,7 +138,7 @@ pub(super) fn march_options(settings: &Settings) -> MarchText {
             Algorithm::Hybrid(_) => AlgorithmText::Hybrid,
             Algorithm::March(march) => AlgorithmText::March {
                 exact_normals: march.variant.difference_normals.is_none(),
-                landing: march.variant.landing,
+                projection: march.variant.projection,
             },
             Algorithm::Thesis(_) => AlgorithmText::Thesis,
         },

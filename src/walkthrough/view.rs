@@ -67,7 +67,7 @@ pub struct View {
     /// Rows of the fine picture that are drawn.
     refined: u32,
     /// Rows of it that a millisecond draws.
-    pace: f64,
+    rows_per_ms: f64,
     /// What the timer's marks stand around, until its time is taken.
     marked: Option<Marked>,
     /// Milliseconds of the picture drawn last, as far as they are known.
@@ -111,7 +111,7 @@ impl View {
             shown: None,
             still: 0,
             refined: 0,
-            pace: 2.0,
+            rows_per_ms: 2.0,
             marked: None,
             took: 0.0,
         })
@@ -200,7 +200,7 @@ impl View {
         let picture = sized(&self.context, &mut self.fine, full)?;
         aim(&program, scene, full);
         let rows = match platform::CAN_WAIT_FOR_GL {
-            true => ((REFINING * self.pace) as u32).max(LEAST_ROWS),
+            true => ((REFINING * self.rows_per_ms) as u32).max(LEAST_ROWS),
             // How long they take is not known.
             false => UNTIMED_ROWS,
         };
@@ -230,7 +230,7 @@ impl View {
         let took: f64 = self.timer.milliseconds().iter().sum();
         match what {
             Marked::Coarse => self.took = took,
-            Marked::Rows(rows) => self.pace = f64::from(rows) / took.max(0.05),
+            Marked::Rows(rows) => self.rows_per_ms = f64::from(rows) / took.max(0.05),
         }
     }
 

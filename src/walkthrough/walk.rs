@@ -21,7 +21,7 @@ const STEEPEST: f32 = FRAC_PI_2 - 0.05;
 const DIFFERENCE: f32 = 0.005;
 /// Metres that a step may come nearer than [`BODY`], and by which a correction goes beyond
 /// what is needed: rounding, and distances that grow slower than the way.
-const SLACK: f32 = 1e-3;
+const MARGIN: f32 = 1e-3;
 /// Corrections of one step at most: a corner of three walls takes three.
 const CORRECTIONS: usize = 6;
 /// The longest time that one frame walks, in seconds: a frame that stuck does not leap.
@@ -126,14 +126,14 @@ fn slide(scene: &Scene, from: Vec3, wanted: Vec3) -> Vec3 {
     let clearance = |point| scene.surface_distance(point).distance;
     // Whoever stands too near already may go wherever that does not get worse: not by a hair,
     // or many steps would creep through.
-    let least = clearance(from).min(BODY - SLACK);
+    let least = clearance(from).min(BODY - MARGIN);
     let mut point = wanted;
     for _ in 0..=CORRECTIONS {
         let clear = clearance(point);
         if clear >= least {
             return point;
         }
-        point += outwards(scene, point) * (least + SLACK - clear);
+        point += outwards(scene, point) * (least + MARGIN - clear);
     }
     from
 }
@@ -235,7 +235,7 @@ mod tests {
                     ..MoveInput::default()
                 };
                 let start = scene.surface_distance(walker.position).distance;
-                let least = start.min(BODY - SLACK);
+                let least = start.min(BODY - MARGIN);
                 for _ in 0..200 {
                     walker.walk(&scene, &input, 0.05);
                     let clear = scene.surface_distance(walker.position).distance;
@@ -264,7 +264,7 @@ mod tests {
             }
             let clear = scene.surface_distance(walker.position).distance;
             assert!(
-                clear >= start.min(BODY - SLACK),
+                clear >= start.min(BODY - MARGIN),
                 "heading {heading}: {clear}"
             );
         }

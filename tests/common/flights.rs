@@ -7,7 +7,7 @@ use echomarch::{Profile, Scene, Settings};
 use glam::Vec3;
 
 /// Units in the last place of the largest coordinate by which a ray may be off: what placing
-/// surfaces, flying and landing cost.
+/// surfaces, flying and meeting cost.
 const ROUNDINGS: f64 = 8.0;
 
 /// Where a wave may end otherwise than its exact twin: the twin of a ray that is this much off.

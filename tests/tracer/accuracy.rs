@@ -185,7 +185,7 @@ fn the_sweep_varies_every_setting() {
             of().any(|r| r.exact_normals != default.exact_normals),
             march
         );
-        assert_eq!(of().any(|r| r.landing != default.landing), march);
+        assert_eq!(of().any(|r| r.projection != default.projection), march);
         let distances = of().any(|r| r.min_distance != default.min_distance);
         assert_eq!(distances, profile != Profile::Hybrid);
     }

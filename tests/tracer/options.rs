@@ -61,7 +61,7 @@ fn a_frame_in_one_pass_is_the_frame_of_its_passes() {
     });
 }
 
-/// Protects two worsened ways of `march` that the experiments measure: without a landing
+/// Protects two worsened ways of `march` that the experiments measure: without a projection
 /// ends are off by the shell, but not by much more; with difference normals a wave in
 /// hundreds takes another way, where differences straddle an edge.
 #[test]
@@ -69,9 +69,9 @@ fn the_thesis_ways_of_march_do_what_they_say() {
     let mut tracer = tracer();
     let right = Settings::march().with_waves(20_000);
     let (_, landed) = tracer.frame_with_waves(&builtin("corner"), &right).unwrap();
-    let no_landing = swept("march 0.001 m, no landing").with_waves(20_000);
+    let no_projection = swept("march 0.001 m, no projection").with_waves(20_000);
     let (_, short) = tracer
-        .frame_with_waves(&builtin("corner"), &no_landing)
+        .frame_with_waves(&builtin("corner"), &no_projection)
         .unwrap();
     let pairs = landed.iter().zip(&short);
     let off = median(pairs.map(|(a, b)| a.position.distance(b.position).into()));

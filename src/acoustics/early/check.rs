@@ -109,11 +109,11 @@ impl Checked<'_> {
             return true;
         };
         let is_end = self.surfaces.get(segment) == Some(&hit.object);
-        let slack = match is_end {
+        let tolerance = match is_end {
             true => touch / direction.dot(self.normals[segment]).abs(),
             false => touch,
         };
-        hit.t >= length - slack
+        hit.t >= length - tolerance
     }
 }
 

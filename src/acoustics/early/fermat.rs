@@ -46,8 +46,8 @@ const SHORTEST_SEGMENT: f64 = 1e-13;
 
 /// Newton steps that set a point onto its sheet, and the error at which they end, as a share
 /// of the coordinate's size.
-const LANDING_STEPS: usize = 8;
-const LANDED: f64 = 4.0 * f64::EPSILON;
+const PROJECTION_STEPS: usize = 8;
+const ON_SURFACE: f64 = 4.0 * f64::EPSILON;
 
 /// A path between fixed ends over sheets.
 pub(super) struct Chain<'a> {
@@ -187,8 +187,8 @@ impl Chain<'_> {
 /// Moves a point along normals onto its sheet, and returns what is there.
 fn land(sheet: &Sheet, point: &mut DVec3) -> Option<Osculation> {
     let mut at = sheet.at(*point)?;
-    for _ in 0..LANDING_STEPS {
-        if at.distance.abs() <= LANDED * point.abs().max_element() {
+    for _ in 0..PROJECTION_STEPS {
+        if at.distance.abs() <= ON_SURFACE * point.abs().max_element() {
             break;
         }
         *point -= at.normal * at.distance;

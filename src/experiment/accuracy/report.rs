@@ -148,7 +148,7 @@ pub struct CaseReport {
     /// Whether normals are exact, not differences.
     pub exact_normals: bool,
     /// Whether waves land on surfaces.
-    pub landing: bool,
+    pub projection: bool,
     /// Whether all iterations run in one pass.
     pub fused: bool,
     /// Whether the panning is summed on the GPU.

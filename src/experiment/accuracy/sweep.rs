@@ -4,7 +4,7 @@
 //! is the product of everything that changes what is computed, and beside it, at the
 //! defaults' waves and iterations, the product of what should change the speed alone. The short
 //! one is what is left of the quick one where the truth takes long to find.
-//! The worsened ways to march (a shell, difference normals, no landing) are there for these
+//! The worsened ways to march (a shell, difference normals, no projection) are there for these
 //! sweeps alone: no setting chooses them.
 
 use super::report::CaseReport;
@@ -74,12 +74,16 @@ impl Case {
     /// What the report contains of it in a scene.
     pub fn report(&self, scene: &Scene) -> CaseReport {
         let settings = &self.settings;
-        let (min_distance, exact_normals, landing) = match &settings.algorithm {
+        let (min_distance, exact_normals, projection) = match &settings.algorithm {
             Algorithm::Hybrid(_) => (None, true, true),
             Algorithm::March(march) => {
                 let variant = &march.variant;
                 let shell = variant.has_shell().then_some(variant.shell);
-                (shell, variant.difference_normals.is_none(), variant.landing)
+                (
+                    shell,
+                    variant.difference_normals.is_none(),
+                    variant.projection,
+                )
             }
             Algorithm::Thesis(thesis) => (Some(thesis.min_distance), false, false),
         };
@@ -90,7 +94,7 @@ impl Case {
             waves: settings.waves,
             directions: settings.directions.to_string(),
             exact_normals,
-            landing,
+            projection,
             fused: Budget::of(scene, settings).iterations_per_pass >= settings.iterations,
             sum_on_gpu: settings.sum_on_gpu,
         }
@@ -240,7 +244,7 @@ fn options(base: &Case) -> Vec<Case> {
     if base.settings.profile() == Profile::March {
         cases.push(difference_normals(base));
         for metres in [1e-3, 0.1] {
-            cases.push(no_landing(base, metres));
+            cases.push(no_projection(base, metres));
         }
         cases.push(every(base));
     }
@@ -260,8 +264,8 @@ fn options_together(base: &Case) -> Vec<Case> {
         let normals: Vec<Case> = cases.iter().map(difference_normals).collect();
         cases.extend(normals);
         if march.variant.has_shell() {
-            let landing = |c: &Case| c.marched("no landing", |v| v.landing = false);
-            let stopped: Vec<Case> = cases.iter().map(landing).collect();
+            let projection = |c: &Case| c.marched("no projection", |v| v.projection = false);
+            let stopped: Vec<Case> = cases.iter().map(projection).collect();
             cases.extend(stopped);
         }
     }
@@ -277,9 +281,9 @@ fn other_passes(base: &Case) -> Case {
 }
 
 /// Waves that stop anywhere in the shell need one that is not everywhere.
-fn no_landing(base: &Case, metres: f32) -> Case {
-    base.marched(&format!("{metres} m, no landing"), |v| {
-        v.landing = false;
+fn no_projection(base: &Case, metres: f32) -> Case {
+    base.marched(&format!("{metres} m, no projection"), |v| {
+        v.projection = false;
         v.shell = metres;
     })
 }

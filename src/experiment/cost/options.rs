@@ -70,7 +70,7 @@ pub(super) fn variants(asked: &Settings) -> Vec<Variant> {
     all
 }
 
-/// A march that lands nowhere, beside a march.
+/// A march that is projected onto no surface, beside a march.
 fn of_march(asked: &Settings) -> Option<Variant> {
     let is_march = asked.profile() == Profile::March;
     let march = match is_march {
@@ -81,10 +81,10 @@ fn of_march(asked: &Settings) -> Option<Variant> {
     let Algorithm::March(options) = &mut settings.algorithm else {
         return None;
     };
-    options.variant.landing = false;
+    options.variant.projection = false;
     options.variant.shell = ThesisOptions::default().min_distance;
     Some(Variant {
-        name: "no landing".to_owned(),
+        name: "no projection".to_owned(),
         against: (!is_march).then_some(march),
         settings,
     })

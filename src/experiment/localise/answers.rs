@@ -25,7 +25,7 @@ const LARGEST_FILE: u64 = 16 << 20;
 /// Confidence runs from 1, a guess, to this, certain.
 pub const MOST_CONFIDENT: u32 = 5;
 
-/// Saved answers of one person in one sitting, or several that follow each other.
+/// Saved answers of one person in one session, or several that follow each other.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Session {

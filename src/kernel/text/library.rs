@@ -17,7 +17,7 @@ macro_rules! files_of_parts {
         shapes: { $($(#[$attr:meta])* $_s:literal $shape:ident::$_st:ident,)* }
         operators: { $($_o:literal $operator:ident::$_ot:ident,)* }
         written_out: { $($_w:tt)* }
-        made: { $($made:ident::$_mt:ident,)* }
+        made: { $($_mn:literal $made:ident::$_mt:ident,)* }
     ) => {
         [
             [$($(#[$attr])* source!(concat!("shape/", stringify!($shape), ".glsl"))),*].to_vec(),

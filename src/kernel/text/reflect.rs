@@ -198,7 +198,7 @@ fn projection(named: &Named, p: &str, d: &str) -> Vec<String> {
 /// The normal of a field's sheet that a wave at `q`, flying along `vector`, meets; 0 where it meets none.
 fn facing_normal(named: &Named, p: &str, vector: &str) -> Vec<String> {
     let shape = &named.surface.shape;
-    if shape.is_convex() || shape.is_smooth() {
+    if !shape.may_have_hollow_edges() {
         let normal = named.field_normal("q");
         return vec![format!("normal = facing({normal}.xyz, {vector});")];
     }

@@ -204,7 +204,7 @@ fn node(of: &Shape, at: &str, drivers: &[Driver]) -> Written {
         (own.name, written)
     });
     said.extend(grouped(numbers.collect()));
-    let name = part.name_in_files();
+    let name = of.node.name_in_files();
     match form_of(name) {
         Some(Form::Fields(fields)) => {
             let fields = fields.iter().copied();

@@ -99,6 +99,11 @@ impl Bounds3 {
         turned
     }
 
+    /// Whether the two have no place in common, on their faces neither.
+    pub(super) fn is_apart_from(self, other: Bounds3) -> bool {
+        self.common(other).is_empty()
+    }
+
     /// Whether there is nothing in it.
     pub fn is_empty(self) -> bool {
         !(self.min.x <= self.max.x && self.min.y <= self.max.y && self.min.z <= self.max.z)

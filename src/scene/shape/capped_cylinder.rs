@@ -20,14 +20,6 @@ parameters!(CappedCylinder {
 });
 
 impl Part for CappedCylinder {
-    fn name(&self) -> &'static str {
-        "CappedCylinder"
-    }
-
-    fn name_in_files(&self) -> &'static str {
-        "Cylinder"
-    }
-
     fn properties(&self, _: &[Shape]) -> Properties {
         Properties::round(self.radius, self.half_height())
     }

@@ -1,7 +1,7 @@
 //! A cylinder with round ends.
 
 use super::part::numbers;
-use super::{Part, Properties, Shape};
+use super::{Part, Properties, Shape, SurfaceKind};
 use glam::{DVec2, DVec3};
 
 numbers! {
@@ -15,12 +15,8 @@ numbers! {
 }
 
 impl Part for Capsule {
-    fn name(&self) -> &'static str {
-        "Capsule"
-    }
-
-    fn is_smooth(&self) -> bool {
-        true
+    fn surface_kind(&self) -> SurfaceKind {
+        SurfaceKind::SMOOTH
     }
 
     fn properties(&self, _: &[Shape]) -> Properties {

@@ -15,10 +15,6 @@ numbers! {
 }
 
 impl Part for Cone {
-    fn name(&self) -> &'static str {
-        "Cone"
-    }
-
     fn properties(&self, _: &[Shape]) -> Properties {
         Properties {
             symmetric: [true, false, true],

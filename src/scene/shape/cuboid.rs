@@ -1,7 +1,7 @@
 //! A box; in Rust it is called a cuboid, for `Box` is taken.
 
 use super::part::numbers;
-use super::{Part, Properties, Shape};
+use super::{Part, Properties, Shape, SurfaceKind};
 use glam::{DVec3, Vec3};
 
 numbers! {
@@ -13,16 +13,12 @@ numbers! {
 }
 
 impl Part for Cuboid {
-    fn name(&self) -> &'static str {
-        "Box"
-    }
-
     fn is_basic(&self) -> bool {
         true
     }
 
-    fn is_flat(&self) -> bool {
-        true
+    fn surface_kind(&self) -> SurfaceKind {
+        SurfaceKind::FLAT
     }
 
     fn properties(&self, _: &[Shape]) -> Properties {

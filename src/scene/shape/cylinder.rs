@@ -1,7 +1,7 @@
 //! An endless cylinder, and the form of all cylinders in a scene file.
 
 use super::part::parameters;
-use super::{CappedCylinder, Part, Properties, Rotate, Shape};
+use super::{CappedCylinder, Part, Properties, Rotate, Shape, SurfaceKind};
 use crate::scene::notation::{Axis, Length, Number, Radius, Reader};
 use crate::scene::shape::FromFile;
 use crate::scene::{Quantity, SceneError};
@@ -61,16 +61,12 @@ parameters!(Cylinder {
 });
 
 impl Part for Cylinder {
-    fn name(&self) -> &'static str {
-        "Cylinder"
-    }
-
     fn is_basic(&self) -> bool {
         true
     }
 
-    fn is_smooth(&self) -> bool {
-        true
+    fn surface_kind(&self) -> SurfaceKind {
+        SurfaceKind::SMOOTH
     }
 
     fn properties(&self, _: &[Shape]) -> Properties {

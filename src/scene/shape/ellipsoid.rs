@@ -2,7 +2,7 @@
 
 use super::part::numbers;
 use super::quadric::straight_quadric;
-use super::{Bounds3, Part, Properties, Quadric, Shape};
+use super::{Bounds3, Part, Properties, Quadric, Shape, SurfaceKind};
 use glam::{DVec3, Vec3};
 
 numbers! {
@@ -14,12 +14,8 @@ numbers! {
 }
 
 impl Part for Ellipsoid {
-    fn name(&self) -> &'static str {
-        "Ellipsoid"
-    }
-
-    fn is_smooth(&self) -> bool {
-        true
+    fn surface_kind(&self) -> SurfaceKind {
+        SurfaceKind::SMOOTH
     }
 
     fn properties(&self, _: &[Shape]) -> Properties {

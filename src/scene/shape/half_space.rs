@@ -1,7 +1,7 @@
 //! A half space in any direction.
 
 use super::part::numbers;
-use super::{Bounds3, Part, Properties, Shape};
+use super::{Bounds3, Part, Properties, Shape, SurfaceKind};
 use glam::{DVec3, Vec3};
 
 numbers! {
@@ -18,16 +18,8 @@ numbers! {
 const SHORTEST_NORMAL: f32 = 1e-6;
 
 impl Part for HalfSpace {
-    fn name(&self) -> &'static str {
-        "HalfSpace"
-    }
-
-    fn is_flat(&self) -> bool {
-        true
-    }
-
-    fn is_smooth(&self) -> bool {
-        true
+    fn surface_kind(&self) -> SurfaceKind {
+        SurfaceKind::PLANE
     }
 
     fn check(&self) -> Result<(), String> {

@@ -42,10 +42,6 @@ parameters!(HeightField {
 });
 
 impl Part for HeightField {
-    fn name(&self) -> &'static str {
-        "HeightField"
-    }
-
     fn asset(&self) -> Option<Asset<'_>> {
         Some(Asset::Image(&self.image))
     }

@@ -2,7 +2,7 @@
 
 use super::part::parameters;
 use super::quadric::straight_quadric;
-use super::{Bounds3, Part, Properties, Quadric, Shape};
+use super::{Bounds3, Part, Properties, Quadric, Shape, SurfaceKind};
 use crate::scene::notation::{Fields, Length, Number, Reader, Sheets, Written};
 use crate::scene::shape::FromFile;
 use crate::scene::{Quantity, SceneError};
@@ -47,12 +47,8 @@ parameters!(Hyperboloid {
 });
 
 impl Part for Hyperboloid {
-    fn name(&self) -> &'static str {
-        "Hyperboloid"
-    }
-
-    fn is_smooth(&self) -> bool {
-        true
+    fn surface_kind(&self) -> SurfaceKind {
+        SurfaceKind::SMOOTH
     }
 
     fn words(&self) -> Fields {

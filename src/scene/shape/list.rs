@@ -21,7 +21,7 @@ use std::fmt;
 macro_rules! parts {
     (
         said: { $($(#[$attr:meta])* $name:literal $module:ident::$part:ident,)* }
-        made: { $($made_module:ident::$made:ident,)* }
+        made: { $($made_name:literal $made_module:ident::$made:ident,)* }
     ) => {
         /// What one node of a tree is: a shape or an operator, without its children.
         #[derive(Clone, Debug, PartialEq)]
@@ -31,6 +31,22 @@ macro_rules! parts {
         }
 
         impl Node {
+            /// The name that shaders and reports use; in scene files a `CappedCylinder` is a `Cylinder`.
+            pub fn name(&self) -> &'static str {
+                match self {
+                    $($(#[$attr])* Node::$part(_) => $name,)*
+                    $(Node::$made(_) => stringify!($made),)*
+                }
+            }
+
+            /// The name that scene files use.
+            pub(crate) fn name_in_files(&self) -> &'static str {
+                match self {
+                    $(Node::$made(_) => $made_name,)*
+                    _ => self.name(),
+                }
+            }
+
             pub(crate) fn part(&self) -> &dyn Part {
                 match self {
                     $($(#[$attr])* Node::$part(part) => part,)*
@@ -188,7 +204,7 @@ macro_rules! every_part {
             }
             // Shapes that scene files say otherwise: a cylinder with a height.
             made: {
-                capped_cylinder::CappedCylinder,
+                "Cylinder" capped_cylinder::CappedCylinder,
             }
         }
     };
@@ -219,6 +235,8 @@ impl<'de> Deserialize<'de> for ShapeFile {
 }
 
 impl Operands for Box<ShapeFile> {
+    const COUNT: (usize, usize) = (1, 1);
+
     fn read(self, reader: &mut Reader) -> Result<Vec<Shape>, SceneError> {
         Ok(vec![
             reader.within(0, |reader| ShapeFile::read(*self, reader))?,
@@ -227,6 +245,8 @@ impl Operands for Box<ShapeFile> {
 }
 
 impl Operands for Vec<ShapeFile> {
+    const COUNT: (usize, usize) = (1, usize::MAX);
+
     fn read(self, reader: &mut Reader) -> Result<Vec<Shape>, SceneError> {
         let numbered = self.into_iter().enumerate();
         let read = |(index, file): (usize, ShapeFile)| {

@@ -78,6 +78,7 @@ pub use paraboloid::Paraboloid;
 pub(crate) use parameter::Parameter;
 pub use plane::Plane;
 pub use prism::Prism;
+pub(crate) use properties::SurfaceKind;
 pub use properties::{Exactness, Properties};
 pub use quadric::GeneralQuadric;
 pub use room::Room;
@@ -111,11 +112,6 @@ pub struct Shape {
 }
 
 impl Node {
-    /// The name that scene files, shaders and reports use.
-    pub fn name(&self) -> &'static str {
-        self.part().name()
-    }
-
     /// The user's field that it is, if it is one.
     pub fn user(&self) -> Option<&Arc<UserField>> {
         match self.asset() {
@@ -140,23 +136,33 @@ impl Shape {
 
     /// Whether it is one shape all of whose faces are planes.
     pub(crate) fn is_flat(&self) -> bool {
-        self.children.is_empty() && self.node.part().is_flat()
+        self.children.is_empty() && self.node.part().surface_kind().flat
     }
 
     /// Whether all of its surface lies in planes, however they are put together and copied.
     pub(crate) fn has_planes_alone(&self) -> bool {
-        self.all_parts(|part| part.is_flat())
+        self.all_parts(|part| part.surface_kind().flat)
     }
 
     /// Whether its surface has no edges and no corners: it is one smooth shape or a blend of such, moved, turned, scaled or
     /// turned inside out.
     pub(crate) fn is_smooth(&self) -> bool {
-        self.all_parts(|part| part.is_smooth())
+        self.all_parts(|part| part.surface_kind().smooth)
+    }
+
+    /// Whether sheets of its surface may meet in a hollow edge, with less than half of space in the air: an edge of a
+    /// room, or where two solids touch.
+    pub(crate) fn may_have_hollow_edges(&self) -> bool {
+        if self.is_convex() || self.is_smooth() {
+            return false;
+        }
+        !self.node.part().keeps_apart(&self.children)
+            || self.children.iter().any(Shape::may_have_hollow_edges)
     }
 
     /// Whether all of its surface lies in the planes of its leaves.
     pub(crate) fn has_planes_of_leaves(&self) -> bool {
-        self.all_parts(|part| part.is_flat() && !part.copies())
+        self.all_parts(|part| part.surface_kind().flat && !part.copies())
     }
 
     /// Whether it is hollow and curved, so that it may gather sound.

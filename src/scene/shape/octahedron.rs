@@ -13,10 +13,6 @@ numbers! {
 }
 
 impl Part for Octahedron {
-    fn name(&self) -> &'static str {
-        "Octahedron"
-    }
-
     /// The value is the distance to the nearest face's plane: a bound next to edges.
     fn properties(&self, _: &[Shape]) -> Properties {
         let half_size = DVec3::splat(self.radius.into());

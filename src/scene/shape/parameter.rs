@@ -13,8 +13,13 @@ pub struct Parameter<'a> {
     pub quantity: Quantity,
 }
 
-/// The numbers of a part that may move.
+/// What a part is made of: its numbers that may move, and how many children it takes.
 pub(crate) trait Parameters {
+    /// How many children it takes: least and most.
+    fn operands(&self) -> (usize, usize) {
+        (0, 0)
+    }
+
     /// Each with its name and what it measures, in order.
     fn parameters_mut(&mut self) -> Vec<Parameter<'_>>;
 

@@ -5,7 +5,7 @@
 //! Its shader is in `glsl/shape/` or `glsl/operator/`. [`parts`](super::list) lists all.
 
 use super::parameter::Parameters;
-use super::{HeightImage, Properties, Shape, UserField};
+use super::{HeightImage, Properties, Shape, SurfaceKind, UserField};
 use crate::scene::notation::{Fields, Written};
 use glam::DVec3;
 use std::sync::Arc;
@@ -22,14 +22,6 @@ pub(crate) enum Asset<'a> {
 /// The interface of a shape or an operator. `children` are the fields that an operator
 /// works on; of a shape there are none.
 pub(crate) trait Part: Parameters {
-    /// The name that scene files, shaders and reports use.
-    fn name(&self) -> &'static str;
-
-    /// The name that scene files have for it, where it is another.
-    fn name_in_files(&self) -> &'static str {
-        self.name()
-    }
-
     /// Its form in a scene file apart from its children and the numbers that may move.
     fn words(&self) -> Fields {
         Fields::new()
@@ -53,14 +45,9 @@ pub(crate) trait Part: Parameters {
         false
     }
 
-    /// Whether all of its surface lies in planes; of an operator, if that of its children does.
-    fn is_flat(&self) -> bool {
-        false
-    }
-
-    /// Whether its surface has no edges and no corners; of an operator, if those of its children have none.
-    fn is_smooth(&self) -> bool {
-        false
+    /// What its surface is like; of an operator, where the surfaces of its children are so.
+    fn surface_kind(&self) -> SurfaceKind {
+        SurfaceKind::GENERAL
     }
 
     /// Whether it is an operator whose surface lies elsewhere than that of its children: it has copies of them.
@@ -68,9 +55,9 @@ pub(crate) trait Part: Parameters {
         false
     }
 
-    /// How many children it takes: least and most.
-    fn operands(&self) -> (usize, usize) {
-        (0, 0)
+    /// Whether its surface consists of those of its children, moved and copied, none of which touch.
+    fn keeps_apart(&self, _children: &[Shape]) -> bool {
+        self.surface_kind().moved
     }
 
     /// Rejects what the ranges of the parameters alone do not.
@@ -205,17 +192,21 @@ macro_rules! numbers {
             }
         }
 
-        $crate::scene::shape::part::parameters!($part {
+        $crate::scene::shape::part::parameters!($part $(over (<$operands as $crate::scene::shape::Operands>::COUNT))? {
             $($field: <$crate::scene::notation::$unit as $crate::scene::notation::Unit>::QUANTITY,)*
         });
     };
 }
 pub(super) use numbers;
 
-/// Lists which numbers of a part may move, and what each measures.
+/// Lists which numbers of a part may move and what each measures; of an operator, over how many children it is.
 macro_rules! parameters {
-    ($part:ident { $($field:ident: $quantity:expr),* $(,)? }) => {
+    ($part:ident $(over $operands:tt)? { $($field:ident: $quantity:expr),* $(,)? }) => {
         impl $crate::scene::shape::parameter::Parameters for $part {
+            $(fn operands(&self) -> (usize, usize) {
+                $operands
+            })?
+
             fn parameters_mut(&mut self) -> Vec<$crate::scene::shape::Parameter<'_>> {
                 #[allow(unused_mut)]
                 let mut all = Vec::new();
@@ -281,7 +272,9 @@ macro_rules! no_numbers {
             }
         }
 
-        $crate::scene::shape::part::parameters!($part {});
+        $crate::scene::shape::part::parameters!(
+            $part over (<$operands as $crate::scene::shape::Operands>::COUNT) {}
+        );
     };
 }
 pub(super) use no_numbers;

@@ -1,7 +1,7 @@
 //! A plane.
 
 use super::part::no_numbers;
-use super::{Bounds3, Part, Properties, Shape};
+use super::{Bounds3, Part, Properties, Shape, SurfaceKind};
 use glam::DVec3;
 
 no_numbers! {
@@ -10,20 +10,12 @@ no_numbers! {
 }
 
 impl Part for Plane {
-    fn name(&self) -> &'static str {
-        "Plane"
-    }
-
     fn is_basic(&self) -> bool {
         true
     }
 
-    fn is_flat(&self) -> bool {
-        true
-    }
-
-    fn is_smooth(&self) -> bool {
-        true
+    fn surface_kind(&self) -> SurfaceKind {
+        SurfaceKind::PLANE
     }
 
     fn properties(&self, _: &[Shape]) -> Properties {

@@ -3,7 +3,7 @@
 use super::capped_cylinder::corner_value;
 use super::cone::segment_distance;
 use super::part::parameters;
-use super::{Bounds3, Part, Properties, Shape};
+use super::{Bounds3, Part, Properties, Shape, SurfaceKind};
 use crate::scene::notation::{Corners, Length, Number, ReadNumbers, Reader};
 use crate::scene::shape::FromFile;
 use crate::scene::{Quantity, SceneError};
@@ -48,12 +48,8 @@ parameters!(Prism {
 const LEAST_AREA: f64 = 1e-6;
 
 impl Part for Prism {
-    fn name(&self) -> &'static str {
-        "Prism"
-    }
-
-    fn is_flat(&self) -> bool {
-        true
+    fn surface_kind(&self) -> SurfaceKind {
+        SurfaceKind::FLAT
     }
 
     fn check(&self) -> Result<(), String> {

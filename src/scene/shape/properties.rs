@@ -38,6 +38,50 @@ pub struct Properties {
     pub symmetric: [bool; 3],
 }
 
+/// What a surface is like, without evaluating it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SurfaceKind {
+    /// Whether all of it lies in planes.
+    pub flat: bool,
+    /// Whether it has no edges and no corners.
+    pub smooth: bool,
+    /// Whether it is that of one child at another place, turned or larger.
+    pub moved: bool,
+}
+
+impl SurfaceKind {
+    /// Nothing is known of it.
+    pub(super) const GENERAL: SurfaceKind = SurfaceKind {
+        flat: false,
+        smooth: false,
+        moved: false,
+    };
+    /// Planes with edges between them; of an operator, flat where its children are, and edges where these meet.
+    pub(super) const FLAT: SurfaceKind = SurfaceKind {
+        flat: true,
+        ..SurfaceKind::GENERAL
+    };
+    /// Curved, without edges; of an operator, smooth where its children are.
+    pub(super) const SMOOTH: SurfaceKind = SurfaceKind {
+        smooth: true,
+        ..SurfaceKind::GENERAL
+    };
+    /// One plane.
+    pub(super) const PLANE: SurfaceKind = SurfaceKind {
+        flat: true,
+        smooth: true,
+        moved: false,
+    };
+    /// The child's, seen from its other side.
+    pub(super) const TURNED_INSIDE_OUT: SurfaceKind = SurfaceKind::PLANE;
+    /// The child's at another place.
+    pub(super) const MOVED: SurfaceKind = SurfaceKind {
+        flat: true,
+        smooth: true,
+        moved: true,
+    };
+}
+
 use Exactness::{Bound, Exact, Neither};
 
 impl Properties {

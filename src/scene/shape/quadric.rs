@@ -40,10 +40,6 @@ parameters!(GeneralQuadric {
 });
 
 impl Part for GeneralQuadric {
-    fn name(&self) -> &'static str {
-        "Quadric"
-    }
-
     fn check(&self) -> Result<(), String> {
         if self.form().norm() > 0.0 {
             return Ok(());

@@ -15,6 +15,9 @@ pub(crate) trait FromFile {
 
 /// The children of an operator, as a file writes them.
 pub(crate) trait Operands {
+    /// How many they may be: least and most.
+    const COUNT: (usize, usize);
+
     /// Each read in its place.
     ///
     /// # Errors

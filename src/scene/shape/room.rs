@@ -1,7 +1,7 @@
 //! The inside of a box.
 
 use super::part::numbers;
-use super::{Bounds3, Exactness, Part, Properties, Shape};
+use super::{Bounds3, Exactness, Part, Properties, Shape, SurfaceKind};
 use glam::{DVec3, Vec3};
 
 numbers! {
@@ -13,16 +13,12 @@ numbers! {
 }
 
 impl Part for Room {
-    fn name(&self) -> &'static str {
-        "Room"
-    }
-
     fn is_basic(&self) -> bool {
         true
     }
 
-    fn is_flat(&self) -> bool {
-        true
+    fn surface_kind(&self) -> SurfaceKind {
+        SurfaceKind::FLAT
     }
 
     fn properties(&self, _: &[Shape]) -> Properties {

@@ -16,10 +16,6 @@ numbers! {
 }
 
 impl Part for RoundedBox {
-    fn name(&self) -> &'static str {
-        "RoundedBox"
-    }
-
     fn check(&self) -> Result<(), String> {
         let least = self.size.min_element();
         if 2.0 * self.rounding <= least {

@@ -1,7 +1,7 @@
 //! A ball.
 
 use super::part::numbers;
-use super::{Part, Properties, Shape};
+use super::{Part, Properties, Shape, SurfaceKind};
 use glam::DVec3;
 
 numbers! {
@@ -13,16 +13,12 @@ numbers! {
 }
 
 impl Part for Sphere {
-    fn name(&self) -> &'static str {
-        "Sphere"
-    }
-
     fn is_basic(&self) -> bool {
         true
     }
 
-    fn is_smooth(&self) -> bool {
-        true
+    fn surface_kind(&self) -> SurfaceKind {
+        SurfaceKind::SMOOTH
     }
 
     fn properties(&self, _: &[Shape]) -> Properties {

@@ -1,7 +1,7 @@
 //! A ring.
 
 use super::part::numbers;
-use super::{Exactness, Part, Properties, Shape};
+use super::{Exactness, Part, Properties, Shape, SurfaceKind};
 use glam::{DVec2, DVec3};
 
 numbers! {
@@ -15,12 +15,8 @@ numbers! {
 }
 
 impl Part for Torus {
-    fn name(&self) -> &'static str {
-        "Torus"
-    }
-
-    fn is_smooth(&self) -> bool {
-        true
+    fn surface_kind(&self) -> SurfaceKind {
+        SurfaceKind::SMOOTH
     }
 
     fn properties(&self, _: &[Shape]) -> Properties {

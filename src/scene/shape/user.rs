@@ -40,10 +40,6 @@ impl FromFile for File {
 parameters!(User {});
 
 impl Part for User {
-    fn name(&self) -> &'static str {
-        "Field"
-    }
-
     fn asset(&self) -> Option<Asset<'_>> {
         Some(Asset::User(&self.field))
     }

@@ -103,7 +103,7 @@ impl Settings {
         Settings::new(Profile::Hybrid)
     }
 
-    /// Accurate sphere tracing: Newton's steps everywhere, landing, exact normals, no end
+    /// Accurate sphere tracing: Newton's steps everywhere, projection, exact normals, no end
     /// at 300 m, eight iterations in a pass.
     pub fn march() -> Settings {
         Settings::new(Profile::March)
@@ -261,7 +261,7 @@ mod tests {
             march(|variant| variant.distance_factor = f32::NAN),
             march(|variant| variant.difference_normals = Some(0.0)),
             march(|variant| variant.shell = 0.0),
-            march(|variant| (variant.landing, variant.shell) = (false, 2.0 * FAR)),
+            march(|variant| (variant.projection, variant.shell) = (false, 2.0 * FAR)),
         ];
         for profile in Profile::ALL {
             assert!(Settings::new(profile).validate().is_ok());

@@ -16,8 +16,8 @@ pub(crate) struct MarchVariant {
     /// Step of difference normals to either side, in metres, as in the thesis; `None` for the
     /// normal of the surface met.
     pub difference_normals: Option<f32>,
-    /// Whether waves land on the surface (`true`), or stop in the shell as in the thesis.
-    pub landing: bool,
+    /// Whether waves are projected onto the surface (`true`), or stop in the shell as in the thesis.
+    pub projection: bool,
     /// How much faster than the true distance the distance may grow; every step is divided by it.
     pub lipschitz: f32,
     /// Every distance is multiplied by this, in tests of functions that over-estimate.
@@ -30,7 +30,7 @@ impl Default for MarchVariant {
         MarchVariant {
             shell: EVERYWHERE,
             difference_normals: None,
-            landing: true,
+            projection: true,
             lipschitz: 1.0,
             distance_factor: 1.0,
         }
@@ -49,7 +49,7 @@ impl MarchVariant {
         if let Some(step) = self.difference_normals {
             positive("step of the normals in metres", step)?;
         }
-        if !self.landing && self.shell >= max_distance {
+        if !self.projection && self.shell >= max_distance {
             let must = format!("less than the maximum distance of {max_distance}");
             return Err(bad("width of the shell in metres", must, self.shell));
         }

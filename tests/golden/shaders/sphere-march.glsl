@@ -2,7 +2,7 @@
 // glsl/counters.glsl
 // options
 #define EXACT_NORMALS 1
-#define LANDING 1
+#define PROJECTION 1
 #define MARCHES_FIELDS 0
 
 // glsl/common/rounding.glsl

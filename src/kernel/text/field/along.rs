@@ -246,21 +246,7 @@ impl Writer<'_> {
                 | Node::Hyperboloid(_)
                 | Node::GeneralQuadric(_),
                 _,
-            ) => {
-                let (steepness, norm) = quadric_steepness(&field.node, p, n);
-                let near = format!("quadricAlong({sign}, {gradient}, {d}, {steepness}, {norm})");
-                if line.sign_alone {
-                    // Right before the surface rounding may put the root behind the wave.
-                    let numbers = arguments(&field.node, &n[..n.len() - 1]);
-                    let falling = format!("{sign} * dot({gradient}.xyz, {d}) < 0.0");
-                    let free = format!("hit{name}({p}, {d}, {sign}{numbers})");
-                    return self.bound(&format!(
-                        "{sign} * {gradient}.w <= {error_bound} && {falling} ? orPlain({near}, {error_bound}) \
-                         : vec4({sign} * {gradient}.w, 0.0, 0.0, {free})"
-                    ));
-                }
-                near
-            }
+            ) => return self.quadric_along(&field.node, line, side, n, &gradient),
             // Nothing is known of the shape but its value.
             _ if !has_function(&format!("exit{name}")) => {
                 format!("plainAlong({sign} * {gradient}.w)")
@@ -271,16 +257,45 @@ impl Writer<'_> {
         self.bound(&format!("orPlain({bound}, {error_bound})"))
     }
 
+    /// A quadric, whose gradient and value are `gradient`: as far as the line is free, where the sign alone counts.
+    fn quadric_along(
+        &mut self,
+        node: &Node,
+        line: Line,
+        side: Side,
+        n: &[String],
+        gradient: &str,
+    ) -> String {
+        let Line {
+            p, d, error_bound, ..
+        } = line;
+        let (name, sign) = (node.name(), side.sign());
+        let (steepness, norm) = quadric_steepness(node, p, n);
+        let near = format!(
+            "orPlain(quadricAlong({sign}, {gradient}, {d}, {steepness}, {norm}), {error_bound})"
+        );
+        if !line.sign_alone {
+            return self.bound(&near);
+        }
+        // Right before the surface rounding may put the root behind the wave.
+        let numbers = arguments(node, &n[..n.len() - 1]);
+        let falling = format!("{sign} * dot({gradient}.xyz, {d}) < 0.0");
+        let free = format!("hit{name}({p}, {d}, {sign}{numbers})");
+        self.bound(&format!(
+            "{sign} * {gradient}.w <= {error_bound} && {falling} ? {near} \
+             : vec4({sign} * {gradient}.w, 0.0, 0.0, {free})"
+        ))
+    }
+
     /// Operators on space: the line in the inner axes, and as far as it stays straight there.
     fn moved_along(&mut self, field: &Shape, line: Line, side: Side, n: &[String]) -> String {
         let Line {
             p, d, error_bound, ..
         } = line;
         let child = &field.children[0];
-        let vector = || format!("vec3({}, {}, {})", n[0], n[1], n[2]);
         match &field.node {
             Node::Translate(_) => {
-                let p = &self.point(&format!("{p} - {}", vector()));
+                let p = &self.point(&format!("{p} - vec3({}, {}, {})", n[0], n[1], n[2]));
                 self.along(child, Line { p, ..line }, side)
             }
             Node::Rotate(_) => {
@@ -307,44 +322,50 @@ impl Writer<'_> {
                 );
                 self.bound(&format!("{of} * vec4({by}, 1.0, 1.0 / {by}, {by})"))
             }
-            Node::Mirror(Mirror { axes }) => {
-                let inner = self.point(&mirrored(p, *axes).0);
-                let way = each_axis(|axis, c| match axes[axis] {
-                    true => format!("foldSide({p}.{c}, {d}.{c}) * {d}.{c}"),
-                    false => format!("{d}.{c}"),
-                });
-                let d = self.point(&way);
-                let folded = (0..3).filter(|&axis| axes[axis]);
-                let reaches = folded.map(|axis| {
-                    let c = AXES[axis];
-                    format!("foldReach({inner}.{c}, {d}.{c})")
-                });
-                let reaches = reaches.collect();
-                let inner = Line {
-                    p: &inner,
-                    d: &d,
-                    ..line
-                };
-                self.within_reach(child, inner, side, reaches)
-            }
-            // Elongate.
-            _ => {
-                let inner = self.point(&format!("{p} - clamp({p}, -{0}, {0})", vector()));
-                let way = each_axis(|axis, c| format!("cutSpeed({p}.{c}, {d}.{c}, {})", n[axis]));
-                let reaches = (0..3).map(|axis| {
-                    let c = AXES[axis];
-                    format!("cutReach({p}.{c}, {d}.{c}, {})", n[axis])
-                });
-                let reaches = reaches.collect();
-                let d = self.point(&way);
-                let inner = Line {
-                    p: &inner,
-                    d: &d,
-                    ..line
-                };
-                self.within_reach(child, inner, side, reaches)
-            }
+            Node::Mirror(Mirror { axes }) => self.mirrored_along(child, line, side, *axes),
+            _ => self.elongated_along(child, line, side, n),
         }
+    }
+
+    fn mirrored_along(&mut self, child: &Shape, line: Line, side: Side, axes: [bool; 3]) -> String {
+        let Line { p, d, .. } = line;
+        let inner = self.point(&mirrored(p, axes).0);
+        let way = each_axis(|axis, c| match axes[axis] {
+            true => format!("foldSide({p}.{c}, {d}.{c}) * {d}.{c}"),
+            false => format!("{d}.{c}"),
+        });
+        let d = self.point(&way);
+        let folded = (0..3).filter(|&axis| axes[axis]);
+        let reaches = folded.map(|axis| {
+            let c = AXES[axis];
+            format!("foldReach({inner}.{c}, {d}.{c})")
+        });
+        let reaches = reaches.collect();
+        let inner = Line {
+            p: &inner,
+            d: &d,
+            ..line
+        };
+        self.within_reach(child, inner, side, reaches)
+    }
+
+    fn elongated_along(&mut self, child: &Shape, line: Line, side: Side, n: &[String]) -> String {
+        let Line { p, d, .. } = line;
+        let by = format!("vec3({}, {}, {})", n[0], n[1], n[2]);
+        let inner = self.point(&format!("{p} - clamp({p}, -{by}, {by})"));
+        let way = each_axis(|axis, c| format!("cutSpeed({p}.{c}, {d}.{c}, {})", n[axis]));
+        let reaches = (0..3).map(|axis| {
+            let c = AXES[axis];
+            format!("cutReach({p}.{c}, {d}.{c}, {})", n[axis])
+        });
+        let reaches = reaches.collect();
+        let d = self.point(&way);
+        let inner = Line {
+            p: &inner,
+            d: &d,
+            ..line
+        };
+        self.within_reach(child, inner, side, reaches)
     }
 
     /// Of copies that keep to their cells: as far as no box about a copy is met, or where there

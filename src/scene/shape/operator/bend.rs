@@ -5,5 +5,5 @@ use super::turning::turning;
 turning! {
     /// Its child turned about z (right-handed) the further right one looks: a bar along x
     /// becomes an arc.
-    Bend "Bend" about 2, a metre of "x"
+    Bend about 2, a metre of "x"
 }

@@ -1,7 +1,7 @@
 //! The complement.
 
 use super::part::no_numbers;
-use super::{Bounds3, Part, Properties, Shape, ShapeFile};
+use super::{Bounds3, Part, Properties, Shape, ShapeFile, SurfaceKind};
 use glam::DVec3;
 
 no_numbers! {
@@ -10,20 +10,8 @@ no_numbers! {
 }
 
 impl Part for Complement {
-    fn name(&self) -> &'static str {
-        "Complement"
-    }
-
-    fn is_flat(&self) -> bool {
-        true
-    }
-
-    fn is_smooth(&self) -> bool {
-        true
-    }
-
-    fn operands(&self) -> (usize, usize) {
-        (1, 1)
+    fn surface_kind(&self) -> SurfaceKind {
+        SurfaceKind::TURNED_INSIDE_OUT
     }
 
     fn properties(&self, children: &[Shape]) -> Properties {

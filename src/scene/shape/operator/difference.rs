@@ -1,7 +1,7 @@
 //! The difference.
 
 use super::part::parameters;
-use super::{Part, Properties, Shape, ShapeFile, merged};
+use super::{Part, Properties, Shape, ShapeFile, SurfaceKind, merged};
 use crate::scene::SceneError;
 use crate::scene::notation::{Fields, Reader, Written};
 use crate::scene::shape::{FromFile, Operands};
@@ -28,15 +28,11 @@ impl FromFile for File {
     }
 }
 
-parameters!(Difference {});
+parameters!(Difference over (2, usize::MAX) {});
 
 impl Part for Difference {
-    fn name(&self) -> &'static str {
-        "Difference"
-    }
-
-    fn is_flat(&self) -> bool {
-        true
+    fn surface_kind(&self) -> SurfaceKind {
+        SurfaceKind::FLAT
     }
 
     fn written_children(&self, mut children: Vec<Written>) -> Fields {
@@ -45,10 +41,6 @@ impl Part for Difference {
         from.into_iter()
             .chain([("cut", Written::List(cut))])
             .collect()
-    }
-
-    fn operands(&self) -> (usize, usize) {
-        (2, usize::MAX)
     }
 
     fn properties(&self, children: &[Shape]) -> Properties {

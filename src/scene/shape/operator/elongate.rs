@@ -13,14 +13,6 @@ numbers! {
 }
 
 impl Part for Elongate {
-    fn name(&self) -> &'static str {
-        "Elongate"
-    }
-
-    fn operands(&self) -> (usize, usize) {
-        (1, 1)
-    }
-
     fn check(&self) -> Result<(), String> {
         if self.by.min_element() >= 0.0 {
             return Ok(());

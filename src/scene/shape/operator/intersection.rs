@@ -1,7 +1,7 @@
 //! The intersection.
 
 use super::part::no_numbers;
-use super::{Bounds3, Exactness, Part, Properties, Shape, ShapeFile, merged};
+use super::{Bounds3, Exactness, Part, Properties, Shape, ShapeFile, SurfaceKind, merged};
 use glam::DVec3;
 
 no_numbers! {
@@ -10,16 +10,8 @@ no_numbers! {
 }
 
 impl Part for Intersection {
-    fn name(&self) -> &'static str {
-        "Intersection"
-    }
-
-    fn is_flat(&self) -> bool {
-        true
-    }
-
-    fn operands(&self) -> (usize, usize) {
-        (1, usize::MAX)
+    fn surface_kind(&self) -> SurfaceKind {
+        SurfaceKind::FLAT
     }
 
     /// Exact in the solid if all are.

@@ -1,7 +1,7 @@
 //! Mirror images across planes through the origin.
 
 use super::part::parameters;
-use super::{Part, Properties, Shape, ShapeFile};
+use super::{Part, Properties, Shape, ShapeFile, SurfaceKind};
 use crate::scene::SceneError;
 use crate::scene::notation::{Fields, MirrorAxes, Reader, Written};
 use crate::scene::shape::{FromFile, Operands};
@@ -30,29 +30,27 @@ impl FromFile for File {
     }
 }
 
-parameters!(Mirror {});
+parameters!(Mirror over (1, 1) {});
 
 impl Part for Mirror {
-    fn name(&self) -> &'static str {
-        "Mirror"
-    }
-
-    fn is_flat(&self) -> bool {
-        true
+    fn surface_kind(&self) -> SurfaceKind {
+        SurfaceKind::FLAT
     }
 
     fn copies(&self) -> bool {
         true
     }
 
+    fn keeps_apart(&self, children: &[Shape]) -> bool {
+        let of = children[0].properties();
+        let apart = |axis: usize| of.symmetric[axis] || of.bounds.min[axis] > 0.0;
+        (0..3).all(|axis| !self.axes[axis] || apart(axis))
+    }
+
     fn words(&self) -> Fields {
         let letters = "xyz".chars().zip(self.axes);
         let letters = letters.filter_map(|(letter, is)| is.then_some(letter));
         vec![("axes", Written::Text(letters.collect()))]
-    }
-
-    fn operands(&self) -> (usize, usize) {
-        (1, 1)
     }
 
     fn properties(&self, children: &[Shape]) -> Properties {

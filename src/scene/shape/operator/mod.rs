@@ -39,4 +39,4 @@ pub use union::Union;
 // What the files of the operators share.
 use super::part;
 use super::properties::{hull, merged};
-use super::{Bounds3, Exactness, Node, Part, Properties, Shape, ShapeFile};
+use super::{Bounds3, Exactness, Node, Part, Properties, Shape, ShapeFile, SurfaceKind};

@@ -32,21 +32,13 @@ impl FromFile for File {
     }
 }
 
-parameters!(Morph {
+parameters!(Morph over (2, 2) {
     amount: Quantity::Share
 });
 
 impl Part for Morph {
-    fn name(&self) -> &'static str {
-        "Morph"
-    }
-
     fn written_children(&self, children: Vec<Written>) -> Fields {
         ["from", "to"].into_iter().zip(children).collect()
-    }
-
-    fn operands(&self) -> (usize, usize) {
-        (2, 2)
     }
 
     fn properties(&self, children: &[Shape]) -> Properties {

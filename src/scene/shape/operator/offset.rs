@@ -13,14 +13,6 @@ numbers! {
 }
 
 impl Part for Offset {
-    fn name(&self) -> &'static str {
-        "Offset"
-    }
-
-    fn operands(&self) -> (usize, usize) {
-        (1, 1)
-    }
-
     /// The surface moves towards one side; on that side distances stay what they were. By
     /// distances a convex solid stays convex; the levels of a bound need not be.
     fn properties(&self, children: &[Shape]) -> Properties {

@@ -11,7 +11,7 @@
 //! such a copy has at least there, see [`Cap`].
 
 use super::part::parameters;
-use super::{Bounds3, Exactness, Node, Part, Properties, Shape, ShapeFile};
+use super::{Bounds3, Exactness, Node, Part, Properties, Shape, ShapeFile, SurfaceKind};
 use crate::scene::notation::{Fields, Metres, ReadNumbers, Reader, Vector, Written};
 use crate::scene::shape::{FromFile, Operands};
 use crate::scene::{Quantity, SceneError};
@@ -45,33 +45,34 @@ impl FromFile for File {
     }
 }
 
-parameters!(Repeat {
+parameters!(Repeat over (1, 1) {
     period: Quantity::Position
 });
+
+/// The share of a period that rounding may open or close between copies that touch.
+const TOUCHING: f64 = 1e-6;
 
 /// Counts below which `f32` can distinguish neighbouring copies.
 const MOST_COUNTED: u32 = 1 << 24;
 
 impl Part for Repeat {
-    fn name(&self) -> &'static str {
-        "Repeat"
-    }
-
-    fn is_flat(&self) -> bool {
-        true
+    fn surface_kind(&self) -> SurfaceKind {
+        SurfaceKind::FLAT
     }
 
     fn copies(&self) -> bool {
         true
     }
 
+    fn keeps_apart(&self, children: &[Shape]) -> bool {
+        let size = 2.0 * children[0].properties().bounds.half_size();
+        let period = self.period.as_dvec3();
+        (0..3).all(|axis| period[axis] == 0.0 || size[axis] < (1.0 - TOUCHING) * period[axis])
+    }
+
     fn words(&self) -> Fields {
         let count = self.count.map(Written::Count);
         vec![("count", Written::Tuple(count.to_vec()))]
-    }
-
-    fn operands(&self) -> (usize, usize) {
-        (1, 1)
     }
 
     fn check(&self) -> Result<(), String> {
@@ -197,7 +198,7 @@ fn along(bounds: Bounds3, symmetric: bool, axis: usize, step: f64) -> Result<Cop
     }
     let reach = (most.abs().max(least.abs()) - 0.5 * step) / step;
     // What just touches its cell's face is within it, give or take rounding.
-    if reach <= 1e-6 {
+    if reach <= TOUCHING {
         return Ok(if symmetric {
             Copies::Own
         } else {

@@ -1,7 +1,7 @@
 //! A child turned.
 
 use super::part::{numbers, slowest};
-use super::{Exactness, Part, Properties, Shape, ShapeFile};
+use super::{Exactness, Part, Properties, Shape, ShapeFile, SurfaceKind};
 use glam::{DMat3, DVec3, EulerRot, Vec3};
 
 numbers! {
@@ -13,20 +13,8 @@ numbers! {
 }
 
 impl Part for Rotate {
-    fn name(&self) -> &'static str {
-        "Rotate"
-    }
-
-    fn is_flat(&self) -> bool {
-        true
-    }
-
-    fn is_smooth(&self) -> bool {
-        true
-    }
-
-    fn operands(&self) -> (usize, usize) {
-        (1, 1)
+    fn surface_kind(&self) -> SurfaceKind {
+        SurfaceKind::MOVED
     }
 
     fn properties(&self, children: &[Shape]) -> Properties {

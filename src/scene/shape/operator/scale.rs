@@ -1,7 +1,7 @@
 //! A child made larger.
 
 use super::part::numbers;
-use super::{Part, Properties, Shape, ShapeFile};
+use super::{Part, Properties, Shape, ShapeFile, SurfaceKind};
 use glam::DVec3;
 
 numbers! {
@@ -13,20 +13,8 @@ numbers! {
 }
 
 impl Part for Scale {
-    fn name(&self) -> &'static str {
-        "Scale"
-    }
-
-    fn is_flat(&self) -> bool {
-        true
-    }
-
-    fn is_smooth(&self) -> bool {
-        true
-    }
-
-    fn operands(&self) -> (usize, usize) {
-        (1, 1)
+    fn surface_kind(&self) -> SurfaceKind {
+        SurfaceKind::MOVED
     }
 
     fn properties(&self, children: &[Shape]) -> Properties {

@@ -13,14 +13,6 @@ numbers! {
 }
 
 impl Part for Shell {
-    fn name(&self) -> &'static str {
-        "Shell"
-    }
-
-    fn operands(&self) -> (usize, usize) {
-        (1, 1)
-    }
-
     fn properties(&self, children: &[Shape]) -> Properties {
         let of = children[0].properties();
         let reach = slowest(children) * self.half();

@@ -1,7 +1,7 @@
 //! The union with blended seams.
 
 use super::part::{numbers, slowest};
-use super::{Part, Properties, Shape, ShapeFile, hull, merged};
+use super::{Part, Properties, Shape, ShapeFile, SurfaceKind, hull, merged};
 use glam::DVec3;
 
 numbers! {
@@ -13,16 +13,8 @@ numbers! {
 }
 
 impl Part for SmoothUnion {
-    fn name(&self) -> &'static str {
-        "SmoothUnion"
-    }
-
-    fn is_smooth(&self) -> bool {
-        true
-    }
-
-    fn operands(&self) -> (usize, usize) {
-        (1, usize::MAX)
+    fn surface_kind(&self) -> SurfaceKind {
+        SurfaceKind::SMOOTH
     }
 
     /// It mixes the gradients of two: the Lipschitz constant stays the greater one. It reaches

@@ -1,7 +1,7 @@
 //! A child moved.
 
 use super::part::numbers;
-use super::{Part, Properties, Shape, ShapeFile};
+use super::{Part, Properties, Shape, ShapeFile, SurfaceKind};
 use glam::{DVec3, Vec3};
 
 numbers! {
@@ -13,20 +13,8 @@ numbers! {
 }
 
 impl Part for Translate {
-    fn name(&self) -> &'static str {
-        "Translate"
-    }
-
-    fn is_flat(&self) -> bool {
-        true
-    }
-
-    fn is_smooth(&self) -> bool {
-        true
-    }
-
-    fn operands(&self) -> (usize, usize) {
-        (1, 1)
+    fn surface_kind(&self) -> SurfaceKind {
+        SurfaceKind::MOVED
     }
 
     fn properties(&self, children: &[Shape]) -> Properties {

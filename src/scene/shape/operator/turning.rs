@@ -117,7 +117,7 @@ fn norm_of_turning(axis: usize, s: f64) -> f64 {
 /// A twist or a bend: the struct, its form in a scene file, and its properties, all by
 /// [`Turning`] about one axis.
 macro_rules! turning {
-    ($(#[$doc:meta])* $part:ident $name:literal about $axis:literal, a metre of $along:literal) => {
+    ($(#[$doc:meta])* $part:ident about $axis:literal, a metre of $along:literal) => {
         use super::part::parameters;
         use super::turning::{Turning, check_stated};
         use super::{Part, Properties, Shape, ShapeFile};
@@ -155,20 +155,12 @@ macro_rules! turning {
             }
         }
 
-        parameters!($part { rate: Quantity::Rate });
+        parameters!($part over (1, 1) { rate: Quantity::Rate });
 
         impl Part for $part {
-            fn name(&self) -> &'static str {
-                $name
-            }
-
             fn words(&self) -> Fields {
                 let lipschitz = self.stated_lipschitz().into_iter();
                 lipschitz.map(|stated| ("lipschitz", Written::Number(stated))).collect()
-            }
-
-            fn operands(&self) -> (usize, usize) {
-                (1, 1)
             }
 
             fn check(&self) -> Result<(), String> {

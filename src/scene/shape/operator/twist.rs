@@ -4,5 +4,5 @@ use super::turning::turning;
 
 turning! {
     /// Its child turned about y the further up one looks.
-    Twist "Twist" about 1, a metre of "y"
+    Twist about 1, a metre of "y"
 }

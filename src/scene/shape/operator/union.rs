@@ -1,7 +1,7 @@
 //! The union.
 
 use super::part::no_numbers;
-use super::{Exactness, Part, Properties, Shape, ShapeFile, hull, merged};
+use super::{Bounds3, Exactness, Part, Properties, Shape, ShapeFile, SurfaceKind, hull, merged};
 use glam::DVec3;
 
 no_numbers! {
@@ -10,16 +10,18 @@ no_numbers! {
 }
 
 impl Part for Union {
-    fn name(&self) -> &'static str {
-        "Union"
+    fn surface_kind(&self) -> SurfaceKind {
+        SurfaceKind::FLAT
     }
 
-    fn is_flat(&self) -> bool {
-        true
-    }
-
-    fn operands(&self) -> (usize, usize) {
-        (1, usize::MAX)
+    fn keeps_apart(&self, children: &[Shape]) -> bool {
+        let bounds: Vec<Bounds3> = children.iter().map(|c| c.properties().bounds).collect();
+        let mut others = bounds.iter().enumerate();
+        others.all(|(index, one)| {
+            bounds[..index]
+                .iter()
+                .all(|other| one.is_apart_from(*other))
+        })
     }
 
     /// Exact in the air if all are (Hart 1996, section 3.3).

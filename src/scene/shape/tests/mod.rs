@@ -2,6 +2,7 @@
 //! CPU, in `kernel/tests` as shaders, in `trace/tests` as waves.
 
 mod bad;
+mod edges;
 pub mod promises;
 pub mod table;
 mod turning;

@@ -123,19 +123,19 @@ fn breaks_its_form(field: &Shape, reach: f64, seed: u64) -> Option<String> {
     let properties = field.properties();
     let mut random = Random(seed);
     let mut solid: Vec<DVec3> = Vec::new();
-    let slack = 1e-9 * reach;
+    let tolerance = 1e-9 * reach;
     for _ in 0..1500 {
         let p = anywhere(&mut random, 2.0 * reach);
         let value = field.value(p);
         for axis in 0..3 {
             let mut image = p;
             image[axis] = -p[axis];
-            if properties.symmetric[axis] && (field.value(image) - value).abs() > slack {
+            if properties.symmetric[axis] && (field.value(image) - value).abs() > tolerance {
                 return Some(format!("not symmetric along {axis} at {p}: {field:?}"));
             }
         }
         if value < 0.0 {
-            if properties.bounds.distance(p) > slack {
+            if properties.bounds.distance(p) > tolerance {
                 return Some(format!("solid out of its bounds at {p}: {field:?}"));
             }
             solid.push(p);
@@ -144,7 +144,7 @@ fn breaks_its_form(field: &Shape, reach: f64, seed: u64) -> Option<String> {
     if properties.convex {
         for pair in solid.windows(2) {
             let p = pair[0].lerp(pair[1], random.unit());
-            if field.value(p) > slack {
+            if field.value(p) > tolerance {
                 return Some(format!("not convex at {p}: {field:?}"));
             }
         }
