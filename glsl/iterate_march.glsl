@@ -8,7 +8,7 @@
 // by the distance to every other object, so nothing is jumped over. A convex surface that
 // the wave recedes from is never met on this line, and so it is out of the way
 // (directedDistance): where several faces lie in one plane, a wave that leaves one of them is
-// held up by none. The wave has landed when its distance is rounding: the shell can be wide
+// held up by none. The wave has reached the surface when its distance is rounding: the shell can be wide
 // without a loss of accuracy.
 //
 // Departures from the thesis: no start offset (what the wave left is known from its

@@ -101,7 +101,7 @@ float marchFields(vec3 origin, vec3 d, float last, float limit, out float object
                 continue;
             }
             if (closing > 0.0 && f <= touch) {
-                // Beyond an edge that is closer than that there may be air: it lands in the solid.
+                // Beyond an edge that is closer than that there may be air: the march ends in the solid.
                 if (f <= 0.0 || (looks == 0 && f <= SHALLOW * rounding * closing)) {
                     t = max(t + clamp(f / closing, -SHALLOW * rounding, SHALLOW * rounding), 0.0);
                     return t < limit ? t : -1.0;

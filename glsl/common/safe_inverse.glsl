@@ -3,7 +3,7 @@ vec3 headingSigns(vec3 d) {
     return vec3(d.x < 0.0 ? -1.0 : 1.0, d.y < 0.0 ? -1.0 : 1.0, d.z < 0.0 ? -1.0 : 1.0);
 }
 
-// Components of 0 are taken as a tiny number: what is divided by it lands far behind or far ahead,
+// Components of 0 are taken as a tiny number: what is divided by it lies far behind or far ahead,
 // and nothing becomes a NaN.
 vec3 notZero(vec3 sizes) {
     const float TINY = 1e-20;

@@ -53,12 +53,11 @@ mod state;
 mod summary;
 mod window;
 
-pub use crate::walkthrough::SourceHeard;
 pub use crate::walkthrough::{BODY, MoveInput, Walker};
 pub use error::DemoError;
 pub use latency::Parts as Latency;
 pub use options::{DemoOptions, OPENING_SCENE};
-pub use report::{FrameTimes, InFullReport, Memory, PanAt, Report, Reread, Standing};
+pub use report::{EndPose, FrameTimes, InFullReport, Memory, PanAt, Report, Reread};
 pub use sound::SoundStatus;
 
 /// Opens the window and stays until it is closed.

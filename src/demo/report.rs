@@ -2,9 +2,10 @@
 
 use super::latency::Parts;
 use super::sound::SoundStatus;
+use crate::response::HeardSource;
 use crate::stats::{median, quantiles};
 use crate::trace::{Counts, Frame, Profile};
-use crate::walkthrough::{EarsStatus, SourceHeard};
+use crate::walkthrough::EarsStatus;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -84,7 +85,7 @@ pub struct FrameLine<'a> {
     /// Whether sound is to be heard.
     pub sound: bool,
     /// What is heard of each source in full; none where the balance is.
-    pub sources: Option<&'a [SourceHeard]>,
+    pub sources: Option<&'a [HeardSource]>,
 }
 
 /// The scene's files have changed.
@@ -111,7 +112,7 @@ pub struct Memory {
 
 /// Where someone stood at the end.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Standing {
+pub struct EndPose {
     /// World position in metres.
     pub position: [f32; 3],
     /// Degrees to the right.
@@ -166,7 +167,7 @@ pub struct Report {
     /// The waves of the last frame.
     pub counts: Counts,
     /// Listener at the end.
-    pub listener: Standing,
+    pub listener: EndPose,
     /// Source at the end, in metres.
     pub source: [f32; 3],
     /// Whether the help was open at the end.
@@ -193,7 +194,7 @@ pub struct Report {
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct InFullReport {
     /// Of each source, at the end.
-    pub sources: Vec<SourceHeard>,
+    pub sources: Vec<HeardSource>,
     /// How often all sources were traced.
     pub looks: u64,
     /// Milliseconds that the last time took: to trace, and to make the late parts.

@@ -1,7 +1,7 @@
 //! The records of a frame, and of the run at its end.
 
 use super::app::App;
-use super::report::{FrameLine, InFullReport, Report, Standing};
+use super::report::{EndPose, FrameLine, InFullReport, Report};
 use super::save::trace_call;
 use crate::scene::{Listener, Scene, Surface};
 use crate::walkthrough::World;
@@ -56,7 +56,7 @@ impl App {
                 .map(|_| InFullReport::of(&self.ears_status)),
             latency_ms: self.latency.parts(),
             counts: self.heard.as_ref().map(|f| f.counts).unwrap_or_default(),
-            listener: Standing {
+            listener: EndPose {
                 position: listener.position.to_array(),
                 yaw: listener.yaw.to_degrees(),
                 pitch: listener.pitch.to_degrees(),

@@ -1,12 +1,11 @@
 //! A moving scene in full: each source with its loudness, delays, echoes and reverberation.
 
 use super::Timing;
-use crate::acoustics::{ListenerAxes, strength_db};
+use crate::acoustics::ListenerAxes;
 use crate::audio::{FrameBlocks, SAMPLE_RATE, Sound};
 use crate::auralisation::{Auralisation, Heard, Spec};
-use crate::bands;
 use crate::error::Error;
-use crate::response::{Response, ResponseSettings};
+use crate::response::{HeardSource, Response, ResponseSettings};
 use crate::scene::Scene;
 use crate::trace::Tracer;
 
@@ -74,18 +73,6 @@ impl FullSettings {
         }
         Ok(longest)
     }
-}
-
-/// What is heard of one source in one frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub struct HeardSource {
-    /// The strength *G* of all that arrives, the mean of the bands, in decibels; `None` if nothing does.
-    pub level_db: Option<f64>,
-    /// Exact paths.
-    pub paths: usize,
-    /// Whether the direct sound is one of them.
-    pub is_direct: bool,
 }
 
 /// One frame's share of the sound.
@@ -191,11 +178,7 @@ impl<'a> Playing<'a> {
             scene: None,
             response: None,
             late: None,
-            heard: HeardSource {
-                level_db: None,
-                paths: 0,
-                is_direct: false,
-            },
+            heard: HeardSource::default(),
         }
     }
 
@@ -212,7 +195,7 @@ impl<'a> Playing<'a> {
         let moves = self.scene.as_ref() != Some(&pair);
         if moves {
             let response = Response::trace(tracer, &pair, &settings.response)?;
-            self.heard = heard_of(&response);
+            self.heard = HeardSource::of(&response);
             let axes = ListenerAxes::of(&pair.listener)?;
             let echoes = Heard::of_paths(&response.paths, &axes, self.ears.spec());
             self.ears
@@ -262,13 +245,5 @@ impl<'a> Playing<'a> {
         if self.ears.glide_late(late, samples) {
             self.late = None;
         }
-    }
-}
-
-fn heard_of(response: &Response) -> HeardSource {
-    HeardSource {
-        level_db: strength_db(bands::mean(&response.energy())),
-        paths: response.paths.len(),
-        is_direct: response.direct().is_some(),
     }
 }

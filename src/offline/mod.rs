@@ -9,7 +9,7 @@ mod balance;
 mod full_listening;
 
 pub use balance::{Block, render};
-pub use full_listening::{FullBlock, FullSettings, HeardSource, render_full};
+pub use full_listening::{FullBlock, FullSettings, render_full};
 
 use crate::audio::SAMPLE_RATE;
 use crate::error::Error;

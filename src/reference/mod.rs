@@ -27,7 +27,7 @@
 //!
 //! # Deviations from the thesis
 //! Sjöberg (2011) marches each flight in `f32` and stops up to 0.1 short of the
-//! surface; here every wave lands on it. The thesis has no reference to compare with.
+//! surface; here every wave ends on it. The thesis has no reference to compare with.
 //!
 //! # Accuracy and cost
 //! Scene values are widened from `f32` exactly and rotations are made unit again.

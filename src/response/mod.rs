@@ -11,6 +11,7 @@
 mod caught;
 mod duration;
 mod early;
+mod heard_source;
 mod importance;
 mod late;
 mod late_sphere;
@@ -19,6 +20,7 @@ mod medium;
 mod settings;
 
 pub use early::HeardPath;
+pub use heard_source::HeardSource;
 pub use level::Level;
 pub use settings::{MAX_ORDER, ResponseSettings};
 

@@ -1,9 +1,10 @@
 //! What is heard in full, for a player that shares no memory with the tracing thread.
 
-use super::hearing::{EarsStatus, Hearing, SourceHeard};
+use super::hearing::{EarsStatus, Hearing};
 use super::mix::HeardMessage;
 use crate::error::Error;
 use crate::gpu::Context;
+use crate::response::HeardSource;
 use crate::scene::Scene;
 use crate::trace::Settings;
 
@@ -50,7 +51,7 @@ impl Ears {
     }
 
     /// What was heard of each source at the last look.
-    pub fn sources(&self) -> &[SourceHeard] {
+    pub fn sources(&self) -> &[HeardSource] {
         &self.status.sources
     }
 

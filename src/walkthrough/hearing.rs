@@ -3,15 +3,14 @@
 //! Echoes are those of the last look and glide to the next; the late part is made again four times a second at the
 //! most.
 
-use crate::acoustics::{ListenerAxes, strength_db};
+use crate::acoustics::ListenerAxes;
 use crate::bands;
 use crate::error::Error;
 use crate::gpu::Context;
 use crate::platform::Instant;
-use crate::response::{Response, ResponseSettings};
+use crate::response::{HeardSource, Response, ResponseSettings};
 use crate::scene::Scene;
 use crate::trace::{Profile, Settings, Tracer};
-use serde::Serialize;
 use std::time::Duration;
 
 /// Waves of a response at most: echoes are exact, and a late part that lasts a quarter of a second
@@ -47,23 +46,12 @@ pub const QUIETEST_DB: f64 = -80.0;
 /// Points of the curve of energy against time.
 const CURVE_POINTS: usize = 120;
 
-/// What is heard of one source.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct SourceHeard {
-    /// The strength *G*, the mean of the bands, in decibels; none if nothing arrives.
-    pub level_db: Option<f64>,
-    /// Exact paths.
-    pub paths: usize,
-    /// Whether the direct sound is one of them.
-    pub is_direct: bool,
-}
-
 /// What was heard at a look.
 #[derive(Clone, Debug, Default)]
 #[cfg_attr(not(feature = "demo"), expect(dead_code))]
 pub struct EarsStatus {
     /// What is heard of each source; none before the first look.
-    pub sources: Vec<SourceHeard>,
+    pub sources: Vec<HeardSource>,
     /// Energy against time of all sources, in decibels against its largest, in equal parts of
     /// `curve_s` seconds.
     pub curve: Vec<f32>,
@@ -170,7 +158,7 @@ impl Hearing {
         for source in 0..scene.sources().count() {
             let pair = scene.heard_by(source, 0);
             let response = Response::trace(&mut self.tracer, &pair, &how)?;
-            status.sources.push(SourceHeard::of(&response));
+            status.sources.push(HeardSource::of(&response));
             add_to_curve(&mut curve, &response, seconds);
             let making = Instant::now();
             tell(Found {
@@ -234,16 +222,6 @@ fn response_settings(chosen: &Settings) -> ResponseSettings {
     let waves = chosen.waves.min(MOST_WAVES);
     let settings = ResponseSettings::default().with_trace(chosen.clone().with_waves(waves));
     settings.with_order(ORDER)
-}
-
-impl SourceHeard {
-    fn of(response: &Response) -> SourceHeard {
-        SourceHeard {
-            level_db: strength_db(bands::mean(&response.energy())),
-            paths: response.paths.len(),
-            is_direct: response.direct().is_some(),
-        }
-    }
 }
 
 /// Adds the energies of a response to their parts of the time.

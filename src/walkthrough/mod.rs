@@ -24,7 +24,6 @@ mod walk;
 mod world;
 
 pub use ears::Ears;
-pub use hearing::SourceHeard;
 #[cfg(feature = "demo")]
 pub(crate) use hearing::{EarsStatus, Found, Hearing, QUIETEST_DB};
 pub use mix::{HeardMessage, Mix};
@@ -43,5 +42,5 @@ pub(crate) use view::View;
 pub(crate) use view::shader_text as view_text;
 pub use visit::{Plan, Visit, Way};
 pub use walk::{BODY, MoveInput, Walker};
-pub use world::Standing;
+pub use world::WalkState;
 pub(crate) use world::World;

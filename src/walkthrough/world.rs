@@ -32,7 +32,7 @@ pub struct World {
 
 /// The state of a walk, apart from the scene itself.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Standing {
+pub struct WalkState {
     /// Named values that are set otherwise than in its text, in the unit of that.
     pub values: Vec<(String, f32)>,
     /// Seconds on its paths.
@@ -43,7 +43,7 @@ pub struct Standing {
     pub source: Option<Vec3>,
 }
 
-impl Standing {
+impl WalkState {
     /// The scene that was read from a text, as it stands.
     ///
     /// # Errors

@@ -4,7 +4,7 @@ use crate::{scene, settings, thrown};
 use echomarch::Scene;
 use echomarch::glam::Vec3;
 use echomarch::gpu::Context;
-use echomarch::walkthrough::{Ears, HeardMessage, Standing, Walker};
+use echomarch::walkthrough::{Ears, HeardMessage, WalkState, Walker};
 use wasm_bindgen::prelude::*;
 use web_sys::WebGl2RenderingContext;
 
@@ -60,7 +60,7 @@ impl EarsOfPage {
         let Some(base) = &self.base else {
             return Ok(Vec::new());
         };
-        let standing = Standing {
+        let standing = WalkState {
             values: names.into_iter().zip(values.iter().copied()).collect(),
             seconds,
             walker: walker(listener),

@@ -145,7 +145,7 @@ impl Chain<'_> {
     fn state(&self, mut points: Vec<DVec3>) -> Option<State> {
         let mut near = Vec::with_capacity(points.len());
         for (point, sheet) in points.iter_mut().zip(self.sheets) {
-            near.push(land(sheet, point)?);
+            near.push(project(sheet, point)?);
         }
         let all: Vec<DVec3> = [self.source]
             .into_iter()
@@ -185,7 +185,7 @@ impl Chain<'_> {
 }
 
 /// Moves a point along normals onto its sheet, and returns what is there.
-fn land(sheet: &Sheet, point: &mut DVec3) -> Option<Osculation> {
+fn project(sheet: &Sheet, point: &mut DVec3) -> Option<Osculation> {
     let mut at = sheet.at(*point)?;
     for _ in 0..PROJECTION_STEPS {
         if at.distance.abs() <= ON_SURFACE * point.abs().max_element() {

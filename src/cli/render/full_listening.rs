@@ -9,7 +9,7 @@ use crate::acoustics::MAX_SECONDS;
 use crate::audio::{SAMPLE_RATE, WavWriter};
 use crate::error::Error;
 use crate::offline::{self, FullBlock, FullSettings};
-use crate::response::{MAX_ORDER, ResponseSettings};
+use crate::response::{HeardSource, MAX_ORDER, ResponseSettings};
 use clap::Args;
 use serde::Serialize;
 
@@ -163,8 +163,8 @@ fn settings(job: &Job) -> anyhow::Result<(Vec<String>, FullSettings)> {
     Ok((job.scene.source_labels(), settings))
 }
 
-fn source_lines(names: &[String], sources: &[offline::HeardSource]) -> Vec<SourceLine> {
-    let line = |(name, heard): (&String, &offline::HeardSource)| SourceLine {
+fn source_lines(names: &[String], sources: &[HeardSource]) -> Vec<SourceLine> {
+    let line = |(name, heard): (&String, &HeardSource)| SourceLine {
         source: name.clone(),
         g_db: heard.level_db,
         paths: heard.paths,

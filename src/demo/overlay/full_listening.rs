@@ -1,7 +1,8 @@
 //! What is heard in full: each source's level, and the energy against time.
 
 use super::{HudState, style};
-use crate::walkthrough::{EarsStatus, QUIETEST_DB, SourceHeard};
+use crate::response::HeardSource;
+use crate::walkthrough::{EarsStatus, QUIETEST_DB};
 use egui::{Pos2, Rect, Sense, Shape, Stroke, Ui, Vec2};
 
 /// Height of the curve in points.
@@ -31,7 +32,7 @@ pub fn draw(ui: &mut Ui, hud: &HudState) {
 }
 
 /// Before the first look nothing is known.
-fn level(heard: Option<&SourceHeard>) -> String {
+fn level(heard: Option<&HeardSource>) -> String {
     let Some(heard) = heard else {
         return "–".to_owned();
     };

@@ -2,8 +2,8 @@
 
 use super::super::DemoOptions;
 use super::*;
+use crate::response::HeardSource;
 use crate::trace::{Counts, Milliseconds, Panning};
-use crate::walkthrough::SourceHeard;
 use egui::{Context, Id, RawInput, Rect};
 
 /// Everything that has a place of its own.
@@ -84,7 +84,7 @@ fn laid_out(
     let ears = match moment.heard {
         None => EarsStatus::default(),
         Some(_) => EarsStatus {
-            sources: vec![SourceHeard::default(); 3],
+            sources: vec![HeardSource::default(); 3],
             curve: vec![-20.0; 120],
             ..EarsStatus::default()
         },

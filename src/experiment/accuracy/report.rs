@@ -147,7 +147,7 @@ pub struct CaseReport {
     pub directions: String,
     /// Whether normals are exact, not differences.
     pub exact_normals: bool,
-    /// Whether waves land on surfaces.
+    /// Whether waves are projected onto surfaces.
     pub projection: bool,
     /// Whether all iterations run in one pass.
     pub fused: bool,

@@ -7,7 +7,7 @@ use crate::scene::{HeightImage, Listener, Node, Scene, Shape, Surface};
 use glam::{UVec2, Vec3};
 use std::sync::Arc;
 
-/// One flight: where a wave lands. Of a crease a rounding decides which side it leaves by.
+/// One flight: where a wave ends. Of a crease a rounding decides which side it leaves by.
 const ITERATIONS: u32 = 1;
 
 pub fn cases() -> Vec<Case> {
