@@ -47,7 +47,7 @@ fn of_option(command: &str, typed: &str) -> Option<&'static str> {
             "trace writes no file with -o: use --json > FILE.json, or --dump-waves FILE.csv"
         }
         ("trace", "--source" | "--listener") => {
-            "trace takes the first source and the first listener; --levels tells of every pair, and impulse of one that is chosen"
+            "trace takes the first source and the first listener; --levels reports every pair, and impulse a chosen one"
         }
         ("slice", "--source" | "--listener") => {
             "slice takes the first source and the first listener: put another first in the scene file"

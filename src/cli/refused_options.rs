@@ -49,7 +49,7 @@ const IGNORED: &[Ignored] = &[
         command: &["slice"],
         options: &["waves"],
         when: |given| !is_given(given, "heard_paths"),
-        because: "--paths says how many waves are followed",
+        because: "--paths sets how many waves are followed",
     },
     Ignored {
         command: &["slice"],

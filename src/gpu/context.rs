@@ -336,7 +336,7 @@ impl Context {
         match status {
             None | Some(glow::NO_ERROR) => Ok(()),
             Some(status) => Err(GpuError::ContextLost {
-                reason: format!("the driver tells of a reset, {status:#x}"),
+                reason: format!("the driver reports a reset, {status:#x}"),
             }),
         }
     }

@@ -226,7 +226,7 @@ impl Checker<'_> {
         }
         if let SettingsFile::All { iterations, .. } = settings {
             let place = "settings.iterations";
-            let must = "one number where only responses are kept: they take what they need";
+            let must = "one number where only responses are kept: they use as many as they need";
             self.must(
                 traces_frames || iterations.len() == 1,
                 place,

@@ -146,7 +146,7 @@ fn several_counts(of: impl Iterator<Item = u32>) -> Option<String> {
     let counts: Vec<String> = counts.iter().map(u32::to_string).collect();
     (counts.len() > 1).then(|| {
         format!(
-            "there are parts of a study cut into {} shards: remove the files of all but one of these, or take another folder",
+            "there are parts of a study cut into {} shards: remove the files of all but one of these, or use another folder",
             counts.join(" and into ")
         )
     })

@@ -72,7 +72,7 @@ impl Header {
         let another = differs("study", &self.study, &expected.study);
         another
             .map(|why| {
-                format!("{why}: the study has another text or name now, so take another folder")
+                format!("{why}: the study has another text or name now, so use another folder")
             })
             .or_else(|| differs("version", &self.version, &expected.version))
             .or_else(|| differs("renderer", &self.renderer, &expected.renderer))

@@ -98,16 +98,16 @@ fn sentence(
     let seconds = response.seconds;
     match reason {
         Reason::TooShort if scene.has_materials() || scene.air.is_some() => format!(
-            "sound goes on after {seconds:.2} s {bands}, so figures are missing (—) or off there: more --seconds tell more"
+            "sound continues after {seconds:.2} s {bands}, so figures are missing (—) or inexact there: use a larger --seconds"
         ),
         Reason::TooShort => format!(
-            "sound goes on after {seconds:.2} s {bands}, so figures are missing (—) or off there: nothing absorbs in this scene; give its surfaces a material (docs/scene-format.md)"
+            "sound continues after {seconds:.2} s {bands}, so figures are missing (—) or inexact there: nothing absorbs in this scene; give its surfaces a material (docs/scene-format.md)"
         ),
         Reason::NoLateSound => format!(
-            "hardly anything arrives after the first 80 ms {bands}, so there is no decay to tell EDT, T20 and T30 from (—)"
+            "hardly anything arrives after the first 80 ms {bands}, so EDT, T20 and T30 cannot be determined (—)"
         ),
         Reason::TooNoisy => {
-            format!("too noisy to tell {bands} (—): {times}; more --waves tell more")
+            format!("too noisy {bands} (—): {times}; use more --waves")
         }
     }
 }

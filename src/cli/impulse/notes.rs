@@ -100,7 +100,7 @@ fn warnings(response: &Response) -> Vec<Note> {
     if counts.cut_off > 0 {
         let what_of_it = match response.followed_s {
             Some(seconds) => format!(
-                "after {seconds:.2} s the response is too weak, and figures are told from what is before"
+                "after {seconds:.2} s the response is too weak, and figures are computed from what is before"
             ),
             None => "they are too few to be heard".to_owned(),
         };

@@ -281,7 +281,7 @@ fn print_paths(scene: &Scene, response: &Response) -> anyhow::Result<()> {
     }
     match response.paths.len().saturating_sub(PATHS_IN_TEXT) {
         0 => Ok(()),
-        more => print::line(&format!("  and {more} exact paths more (--json tells all)")),
+        more => print::line(&format!("  and {more} more exact paths (--json lists all)")),
     }
 }
 

@@ -21,7 +21,7 @@ pub(super) fn sentences(report: &CostReport) -> Vec<String> {
     if report.noise.heard_percent > MUCH_NOISE {
         all.push(format!(
             "Only {:.0} waves are heard (by another seed {:.0} % more or fewer): more --waves would \
-             tell more.",
+             help.",
             report.noise.heard, report.noise.heard_percent
         ));
     }

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 /// A SOFA file that no head-related impulse responses are read from.
 #[derive(Debug, thiserror::Error)]
-#[error("cannot take head-related impulse responses from {}: {problem}", path.display())]
+#[error("cannot use head-related impulse responses from {}: {problem}", path.display())]
 pub struct SofaError {
     /// The requested file.
     pub path: PathBuf,

@@ -56,7 +56,7 @@ pub fn check(tokens: &[Token]) -> Result<bool, Refusal> {
             "#" | "##" => return told(format!("'{}' must begin its line", token.text)),
             "in" | "out" | "inout" if !is_parameter => {
                 return told(format!(
-                    "there is nothing that would set or take this '{}': a field has its point alone",
+                    "'{}' is not allowed here: the only input of a field is its point",
                     token.text
                 ));
             }

@@ -96,7 +96,7 @@ impl<'a> Preprocessor<'a> {
                 Err(told(format!("#error {words}")))
             }
             "extension" | "pragma" | "line" | "include" => Err(told(format!(
-                "#{} is of a whole shader: a field cannot have it",
+                "#{} belongs to a whole shader: a field cannot have it",
                 name.text
             ))),
             other => Err(told(format!("there is no directive #{other}"))),

@@ -180,7 +180,7 @@ pub fn is_selection(word: &str) -> bool {
 pub fn refusal(word: &str) -> Option<String> {
     if GIVEN.contains(&word) {
         return Some(format!(
-            "there is nothing that would set this '{word}': a field has its point alone"
+            "'{word}' is not allowed: the only input of a field is its point"
         ));
     }
     if word == "discard" {
@@ -188,7 +188,7 @@ pub fn refusal(word: &str) -> Option<String> {
     }
     if word.starts_with("gl_") || word.starts_with("GL_") || BEYOND.contains(&word) {
         return Some(format!(
-            "'{word}' is of a whole shader: a field has its point alone"
+            "'{word}' belongs to a whole shader: the only input of a field is its point"
         ));
     }
     let kind = word.strip_prefix(['i', 'u']).unwrap_or(word);
@@ -197,10 +197,10 @@ pub fn refusal(word: &str) -> Option<String> {
         rest.starts_with(|c: char| c.is_ascii_digit()) || rest.starts_with("Cube")
     }) {
         return Some(format!(
-            "there is nothing that would fill this '{word}': a field has its point alone"
+            "'{word}' is not allowed: the only input of a field is its point"
         ));
     }
-    (word == "defined").then(|| "'defined' is of the preprocessor".to_owned())
+    (word == "defined").then(|| "'defined' belongs to the preprocessor".to_owned())
 }
 
 #[cfg(test)]
