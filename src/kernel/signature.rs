@@ -12,6 +12,8 @@ pub(super) struct SurfaceStructure {
     has_rotation: bool,
     /// Whether a wave that leaves it passes it over: a driven number may change that.
     convex: bool,
+    /// Whether a reflection looks for further sheets: the same.
+    hollow_edges: bool,
     field: Option<Signature>,
 }
 
@@ -32,6 +34,7 @@ impl SurfaceStructure {
             name: surface.shape.name(),
             has_rotation: surface.has_rotation(),
             convex: surface.shape.is_convex(),
+            hollow_edges: surface.shape.may_have_hollow_edges(),
             field: field.map(|field| signature(field, &moving(field))),
         }
     }
@@ -129,5 +132,33 @@ impl Hash for OwnAsset {
             OwnAsset::Image(image) => image.size().hash(state),
             OwnAsset::User(user) => user.text.hash(state),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Scene, SceneError};
+
+    /// Protects results from what was traced before: where numbers that move close an edge between two boxes, the shader
+    /// is another one, and it is the same as long as none closes.
+    #[test]
+    fn boxes_that_come_to_touch_have_another_structure() -> Result<(), SceneError> {
+        let scene = Scene::from_ron(
+            r#"Scene(
+                name: "closing",
+                surfaces: [Surface(name: "boxes", shape: Union([
+                    Box(size: (1, 1, 1)),
+                    Translate(of: Box(size: (1, 1, 1)), by: (Keys([(0, 3), (1, 2), (2, 0.9)]), 0.5, 0)),
+                ]))],
+                source: Source(position: (0, 0, 5)),
+                listener: Listener(position: (0, 0, -5), radius: 1),
+            )"#,
+            "closing.ron",
+        )?;
+        let at = |seconds| SurfaceStructure::unrolled(&scene.at(seconds).surfaces[0]);
+        assert_eq!(at(0.0), at(1.0));
+        assert_ne!(at(1.0), at(2.0));
+        Ok(())
     }
 }
