@@ -4,6 +4,7 @@ mod distance_functions;
 mod driver_functions;
 mod field_shaders;
 mod free_lines;
+mod parallel_lines;
 
 use super::text::{ListenerText, Part, closed_form_parts, directed_parts};
 use super::{Lists, OriginRebasing, Source, distance_parts, join, link, structure};
