@@ -298,6 +298,8 @@ impl Visit {
 mod tests {
     use super::*;
     use crate::gpu::ContextOptions;
+    use std::thread;
+    use std::time::Duration;
 
     fn visit(scene: &str) -> Visit {
         let context = Context::headless(&ContextOptions::default()).unwrap();
@@ -307,10 +309,16 @@ mod tests {
         visit
     }
 
-    /// The next frame; none where none has come after many calls.
+    /// The next frame; none where none has come after many calls, for which a driver has time.
     fn next_frame(visit: &mut Visit) -> Option<Frame> {
         const CALLS: usize = 1000;
-        let mut came = |_| visit.trace(f64::INFINITY).unwrap();
+        let mut came = |_| {
+            let frame = visit.trace(f64::INFINITY).unwrap();
+            if frame.is_none() {
+                thread::sleep(Duration::from_millis(1));
+            }
+            frame
+        };
         (0..CALLS).find_map(&mut came)
     }
 
