@@ -82,7 +82,7 @@ impl EarsOfPage {
     /// Of each source at the last look: its strength G in decibels (NaN where nothing arrives), its exact paths,
     /// and 1 where the direct sound is one of them.
     pub fn sources(&self) -> Vec<f64> {
-        let numbers = |source: &echomarch::walkthrough::SourceHeard| {
+        let numbers = |source: &echomarch::response::HeardSource| {
             let level = source.level_db.unwrap_or(f64::NAN);
             let direct = if source.is_direct { 1.0 } else { 0.0 };
             [level, source.paths as f64, direct]
