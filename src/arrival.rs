@@ -15,6 +15,8 @@ pub struct Arrival {
     /// Whether the wave was mirrored alone, and no more often than the exact paths go: then such a
     /// path replaces it.
     pub is_early: bool,
+    /// Reflections before the crossing, mirrored and scattered ones.
+    pub reflections: u32,
     /// Metres flown from the source to the middle of the chord through the sphere. The middle is
     /// the place next to the sphere's centre, so that for mirrored waves this is the length of
     /// the path to the centre, but for b² / 2 l (b: how far the wave passes the centre, l: metres

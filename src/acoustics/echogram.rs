@@ -130,12 +130,7 @@ impl Echogram {
             return;
         }
         let bin = place as usize;
-        if bin >= self.flows.len() {
-            self.flows.resize(bin + 1, [DVec3::ZERO; BAND_COUNT]);
-            self.squares.resize(bin + 1, [0.0; BAND_COUNT]);
-            self.energies
-                .resize((bin + 1) * self.batches, [0.0; BAND_COUNT]);
-        }
+        self.grow(bin + 1);
         bands::add(&mut self.energies[bin * self.batches + batch], energy);
         bands::add(
             &mut self.squares[bin],
@@ -144,6 +139,49 @@ impl Echogram {
         for (flow, energy) in self.flows[bin].iter_mut().zip(energy) {
             *flow += direction * *energy;
         }
+    }
+
+    /// An echogram with the same bins and batches, and no arrivals.
+    pub(crate) fn without_arrivals(&self) -> Echogram {
+        Echogram {
+            energies: Vec::new(),
+            squares: Vec::new(),
+            flows: Vec::new(),
+            beyond: [0.0; BAND_COUNT],
+            ..*self
+        }
+    }
+
+    /// Adds the arrivals of another echogram with the same bins and batches, each times the share of its band.
+    pub(crate) fn add_scaled(&mut self, other: &Echogram, shares: &Bands) {
+        debug_assert!(
+            (self.first_s, self.bin_s, self.batches) == (other.first_s, other.bin_s, other.batches)
+        );
+        self.grow(other.bins());
+        let scaled = |bands: &Bands| std::array::from_fn(|band| bands[band] * shares[band]);
+        let twice_scaled = |bands: &Bands| scaled(&scaled(bands));
+        for (own, other) in self.energies.iter_mut().zip(&other.energies) {
+            bands::add(own, &scaled(other));
+        }
+        for (own, other) in self.squares.iter_mut().zip(&other.squares) {
+            bands::add(own, &twice_scaled(other));
+        }
+        for (own, other) in self.flows.iter_mut().zip(&other.flows) {
+            for band in 0..BAND_COUNT {
+                own[band] += other[band] * shares[band];
+            }
+        }
+        bands::add(&mut self.beyond, &scaled(&other.beyond));
+    }
+
+    /// Makes room for a number of bins.
+    fn grow(&mut self, bins: usize) {
+        if bins <= self.flows.len() {
+            return;
+        }
+        self.flows.resize(bins, [DVec3::ZERO; BAND_COUNT]);
+        self.squares.resize(bins, [0.0; BAND_COUNT]);
+        self.energies.resize(bins * self.batches, [0.0; BAND_COUNT]);
     }
 
     /// Adds a wave's crossing: its batch is its number modulo the batches, its time its length
@@ -257,6 +295,7 @@ mod tests {
         Arrival {
             wave,
             is_early: false,
+            reflections: 1,
             length_m,
             direction: DVec3::X,
             energy: std::array::from_fn(|band| (band + 1) as f64),

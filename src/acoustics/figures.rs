@@ -1,19 +1,23 @@
 //! Room acoustic figures by octave band (ISO 3382-1:2009), and how wrong the waves make them.
 
 mod decay;
+mod few_arrivals;
 mod image_sources;
+mod origin;
 mod pieces;
 #[cfg(test)]
 mod tests;
 mod uncertainty;
 
 use super::{Echogram, Tap};
-use crate::bands::{BAND_COUNT, Bands};
+use crate::bands::BAND_COUNT;
 use decay::Decay;
+use origin::origin;
 use pieces::{Span, pieces};
 use std::f64::consts::PI;
 use uncertainty::Halves;
 
+pub(crate) use few_arrivals::uncertain_energy;
 pub(crate) use uncertainty::CommonErrors;
 
 /// *G* is 0 dB for the energy of the direct sound at so many metres, in the open.
@@ -63,8 +67,10 @@ pub struct BandFigures {
 /// The figures of all bands, with their errors.
 ///
 /// # Method
-/// - The time counts from the direct sound, or from the first arrival if there is none. The
-///   energy of a bin arrives evenly over the bin, that of a tap at one instant.
+/// - The time counts from the direct sound. If there is none, it counts from the first tap with which taps have brought
+///   1 % of all energy, or, where 10 % arrive before that or there is no such tap, from when 1 % of all energy has
+///   arrived: 20 dB below all of it, as ISO 3382-1 takes the start of a response 20 dB below its maximum. The energy of
+///   a bin arrives evenly over the bin, that of a tap at one instant.
 /// - The decay curve is the backward integral of the energy (M. R. Schroeder, JASA 37, 1965). The
 ///   energy beyond the record's end is added to it, as ISO 3382-1, 5.3.3 allows: that of an
 ///   exponential decay, at the rate of the last 10 dB of the record. Without it a decay ending at
@@ -108,6 +114,9 @@ pub struct Figures {
     pub cut_off: [Option<f64>; BAND_COUNT],
     /// What the times count from: seconds after the source's impulse. `None` if nothing arrived.
     pub begins_s: Option<f64>,
+    /// The error of `begins_s`, one standard deviation in seconds: 0 where it is that of a tap. It is in the errors of
+    /// the figures. `None` if nothing arrived.
+    pub begins_error_s: Option<f64>,
 }
 
 /// The figures as a list, so that they can be computed with.
@@ -153,25 +162,26 @@ impl BandFigures {
 impl Figures {
     /// The figures of what arrived: `taps` exactly, and all else in `echogram`, in a record that
     /// ends `ends_s` seconds after the source's impulse. `direct_s` is when the direct sound
-    /// arrives; without it the times count from the first arrival.
+    /// arrives; without it the times count from when the other sound begins (see *Method*).
     pub fn new(taps: &[Tap], echogram: &Echogram, direct_s: Option<f64>, ends_s: f64) -> Figures {
-        let begins_s = direct_s.or_else(|| first_arrival_s(taps, echogram));
+        let energy = |bin| echogram.energy(bin);
+        let start = origin(taps, echogram, energy, (direct_s, ends_s));
         let mut figures = Figures {
             bands: Default::default(),
             errors: Default::default(),
             cut_off: [None; BAND_COUNT],
-            begins_s,
+            begins_s: start.map(|start| start.seconds),
+            begins_error_s: start.map(|_| 0.0),
         };
-        let Some(begins_s) = begins_s.filter(|&begins_s| begins_s < ends_s && ends_s.is_finite())
-        else {
+        let Some(start) = start.filter(|start| start.seconds < ends_s && ends_s.is_finite()) else {
             return figures;
         };
-        let span = Span { begins_s, ends_s };
-        let all = pieces(taps, echogram, |bin| echogram.energy(bin), span);
-        let (lists, ends_s, cut_off) = lists(&all, echogram.bin_s());
-        let halves = Halves::new(taps, echogram, span);
+        let begins_s = start.seconds;
+        let all = pieces(taps, echogram, energy, Span { begins_s, ends_s });
+        let (lists, decays_end_s, cut_off) = lists(&all, echogram.bin_s());
+        let halves = Halves::new(taps, echogram, (direct_s, ends_s));
         for (band, mut list) in lists.into_iter().enumerate() {
-            for (time_s, ends_s) in list.iter_mut().zip(ends_s[band]) {
+            for (time_s, ends_s) in list.iter_mut().zip(decays_end_s[band]) {
                 let arrivals = echogram.effective_arrivals(band, begins_s + ends_s);
                 *time_s = time_s.filter(|_| echogram.batches() == 1 || arrivals >= LEAST_ARRIVALS);
             }
@@ -181,17 +191,12 @@ impl Figures {
             figures.errors[band] = BandFigures::from_list(errors);
         }
         figures.cut_off = cut_off;
-        figures
+        figures.begins_error_s = Some(halves.error_of_start(start));
+        match start.within_s > 0.0 {
+            true => figures.with_start_within((taps, echogram, ends_s), start.within_s),
+            false => figures,
+        }
     }
-}
-
-/// When something arrives first: a tap's time, or a bin's beginning.
-fn first_arrival_s(taps: &[Tap], echogram: &Echogram) -> Option<f64> {
-    let heard = |energy: &Bands| energy.iter().any(|energy| *energy > 0.0);
-    let taps_s = taps.iter().filter(|tap| heard(&tap.energy));
-    let bin = (0..echogram.bins()).find(|&bin| heard(&echogram.energy(bin)));
-    let bin_s = bin.map(|bin| (echogram.first_s() + bin as f64 * echogram.bin_s()).max(0.0));
-    taps_s.map(|tap| tap.seconds).chain(bin_s).reduce(f64::min)
 }
 
 /// Ends of the evaluated decays of a band, in seconds after the direct sound.

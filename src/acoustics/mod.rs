@@ -44,8 +44,8 @@ mod tests;
 pub use crate::arrival::{Arrival, Tap};
 pub use echogram::{BATCHES, BINS_S, Echogram, EchogramRow};
 pub use error::AcousticsError;
-pub(crate) use figures::CommonErrors;
 pub use figures::{BandFigures, Figures, strength_db};
+pub(crate) use figures::{CommonErrors, uncertain_energy};
 pub(crate) use impulse_response::{Encoding, amplitude, tap_filter_gain};
 pub use impulse_response::{
     Format, ImpulseResponse, ImpulseSettings, ListenerAxes, MAX_SECONDS, RATES_HZ,

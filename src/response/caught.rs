@@ -1,23 +1,19 @@
 //! What the listener's sphere catches of the sound whose exact paths are known.
 //!
-//! These lead to the listener's centre, and all else is a mean over its sphere. Where the two differ by more than the
-//! noise of the waves, near a caustic of a curved mirror or where something hides a part of the sphere, the figures
-//! hold for neither of them: what they would be by the waves is a part of their error then.
+//! These lead to the listener's centre, and all else is a mean over its sphere. What the figures would be by the mean of
+//! the paths over the sphere (`sphere_mean.rs`) is a part of their error. For paths over surfaces that gather sound, near
+//! whose caustics places differ most, the waves give the mean. And if the waves of all paths bring other energy than this
+//! mean by more than three standard deviations, what exceeds these is a part of the error as well.
 
 use super::early::{EarlyPart, HeardPath, passing};
-use super::late_sphere::casts_shadows;
 use super::medium::Medium;
 use crate::acoustics::early::SpecularPath;
-use crate::acoustics::{Arrival, Echogram, Figures, Tap};
-use crate::bands::{self, BAND_COUNT};
+use crate::acoustics::{Echogram, Figures, Tap};
+use crate::bands::{self, BAND_COUNT, Bands};
 use crate::scene::Scene;
 
 /// Standard deviations of what the waves bring beyond which a difference counts.
 const BEYOND_NOISE: f64 = 3.0;
-
-/// The same where something may hide a part of the sphere: there a difference is likely, and some noise is better than an
-/// error that is too small.
-const BEYOND_NOISE_IN_SHADOWS: f64 = 1.0;
 
 /// The mean square of a chord of a sphere over the square of its mean, of chords that are spread evenly.
 const CHORD_SPREAD: f64 = 9.0 / 8.0;
@@ -27,46 +23,58 @@ pub(super) struct Caught<'a> {
     pub scene: &'a Scene,
     pub medium: &'a Medium,
     pub part: &'a EarlyPart,
+    /// What is heard along all exact paths.
     pub paths: &'a [HeardPath],
     /// Waves that were traced.
     pub waves: u32,
 }
 
-/// Which of the exact paths are compared with their waves.
-#[derive(Clone, Copy, PartialEq)]
-enum Compared {
-    All,
-    /// Those over surfaces that gather sound.
-    Gathered,
-}
-
 impl Caught<'_> {
-    /// The figures of the exact paths and the echogram of all else, with what they would be by the waves of the paths as
-    /// an error: of paths over surfaces that gather sound, and of all in the bands in which they bring other energy. The
+    /// The figures of the exact paths and the echogram of all else, with the differences above as errors besides. The
     /// record ends after so many seconds.
     pub fn in_errors(&self, figures: Figures, echogram: &Echogram, ends_s: f64) -> Figures {
-        let differ = self.differ();
         let gather = self.gathering_surfaces();
-        let (compared, in_bands) = match (differ.contains(&true), gather.contains(&true)) {
-            (true, gathers) => (Compared::All, differ.map(|differs| differs || gathers)),
-            (false, true) => (Compared::Gathered, [true; BAND_COUNT]),
-            (false, false) => return figures,
-        };
         let is_gathered =
             |path: &SpecularPath| path.surfaces.iter().any(|n| gather[*n as usize - 1]);
-        let is_compared = |path: Option<&SpecularPath>| match compared {
-            Compared::All => true,
-            Compared::Gathered => path.is_some_and(is_gathered),
-        };
-        let mut of_waves = echogram.clone();
-        for (arrival, path) in self.part.caught().filter(|(_, path)| is_compared(*path)) {
-            self.medium
-                .add(&mut of_waves, &self.at_centre(arrival, path));
+        let is_left_out = |path: &SpecularPath| path.is_focus || is_gathered(path);
+        let means = self
+            .part
+            .mean_taps(self.scene, self.medium, self.paths, &is_left_out);
+        let left_out = self.taps(&is_left_out);
+        let by_means = [&means[..], &left_out].concat();
+        let all = [1.0; BAND_COUNT];
+        let mut figures = figures.with_differences((&by_means, echogram, ends_s), &all);
+        if gather.contains(&true) {
+            let exact = self.taps(&|path| path.is_focus || !is_gathered(path));
+            let of_waves = self.with_waves(echogram, &|path| path.is_some_and(is_gathered));
+            figures = figures.with_differences((&exact, &of_waves, ends_s), &all);
         }
-        let is_exact = |path: &SpecularPath| path.is_focus || !is_compared(Some(path));
-        let exact = self.paths.iter().filter(|heard| is_exact(&heard.path));
-        let exact: Vec<Tap> = exact.map(HeardPath::tap).collect();
-        figures.with_differences((&exact, &of_waves, ends_s), in_bands)
+        let excess = self.excess(&means, &is_left_out);
+        if excess == [0.0; BAND_COUNT] {
+            return figures;
+        }
+        let of_waves =
+            self.with_waves(echogram, &|path| path.is_none_or(|path| !is_gathered(path)));
+        figures.with_differences((&left_out, &of_waves, ends_s), &excess)
+    }
+
+    /// The exact paths for which `is_taken` holds, as taps.
+    fn taps(&self, is_taken: &dyn Fn(&SpecularPath) -> bool) -> Vec<Tap> {
+        let taken = self.paths.iter().filter(|heard| is_taken(&heard.path));
+        taken.map(HeardPath::tap).collect()
+    }
+
+    /// An echogram with the waves of those paths besides for which `is_taken` holds.
+    fn with_waves(
+        &self,
+        echogram: &Echogram,
+        is_taken: &dyn Fn(Option<&SpecularPath>) -> bool,
+    ) -> Echogram {
+        let mut with_waves = echogram.clone();
+        for (arrival, _) in self.part.caught().filter(|(_, path)| is_taken(*path)) {
+            self.medium.add(&mut with_waves, arrival);
+        }
+        with_waves
     }
 
     /// For each surface whether it gathers sound.
@@ -77,79 +85,38 @@ impl Caught<'_> {
             .collect()
     }
 
-    /// In which bands the exact paths bring other energy than the waves. Foci count as what their waves bring.
-    fn differ(&self) -> [bool; BAND_COUNT] {
+    /// The share of the difference between the means of paths and their waves, by band, that is beyond the noise of
+    /// these; `is_left_out` holds for paths that are not among the means.
+    fn excess(&self, means: &[Tap], is_left_out: &dyn Fn(&SpecularPath) -> bool) -> Bands {
         let mut surplus = [0.0; BAND_COUNT];
+        means
+            .iter()
+            .for_each(|mean| bands::add(&mut surplus, &mean.energy));
+        for (arrival, path) in self.part.caught() {
+            if !path.is_some_and(is_left_out) {
+                let heard = self.medium.heard(arrival);
+                bands::add(&mut surplus, &heard.map(|energy| -energy));
+            }
+        }
         let mut variance = [0.0; BAND_COUNT];
-        for heard in self.paths.iter().filter(|heard| !heard.path.is_focus) {
-            bands::add(&mut surplus, &heard.energy);
-            let passing = passing(self.scene, &heard.path, self.radius_m(), self.waves);
+        for heard in self.paths.iter().filter(|heard| !is_left_out(&heard.path)) {
+            let passing = passing(
+                self.scene,
+                &heard.path,
+                self.scene.listener.radius.into(),
+                self.waves,
+            );
             let of_path = heard.energy.map(|e| CHORD_SPREAD * e * e / passing);
             bands::add(&mut variance, &of_path);
         }
-        for (arrival, path) in self.part.caught() {
-            let heard = self.medium.heard(&self.at_centre(arrival, path));
-            bands::add(&mut surplus, &heard.map(|energy| -energy));
-        }
-        let beyond = match casts_shadows(self.scene) {
-            true => BEYOND_NOISE_IN_SHADOWS,
-            false => BEYOND_NOISE,
-        };
-        std::array::from_fn(|band| surplus[band].abs() > beyond * variance[band].sqrt())
-    }
-
-    /// An arrival of this path with what it would bring to the listener's centre, if nothing hides a part of the sphere.
-    fn at_centre(&self, arrival: &Arrival, path: Option<&SpecularPath>) -> Arrival {
-        let length_m = path.map_or(arrival.length_m, |path| path.length_m);
-        let mean = mean_over_sphere(self.radius_m() / length_m);
-        Arrival {
-            energy: arrival.energy.map(|energy| energy / mean),
-            ..*arrival
-        }
-    }
-
-    fn radius_m(&self) -> f64 {
-        f64::from(self.scene.listener.radius)
-    }
-}
-
-/// The mean of 1/r² over a sphere of `share` of the distance of its centre, times the square of this.
-fn mean_over_sphere(share: f64) -> f64 {
-    /// Below it the first two terms of the series in `share` are the mean, and the logarithm loses digits.
-    const SMALL: f64 = 1e-3;
-    let square = share * share;
-    if share < SMALL {
-        return 1.0 + square / 5.0;
-    }
-    let outside = match share == 1.0 {
-        true => 0.0,
-        false => (square - 1.0) / (2.0 * share) * ((share + 1.0) / (share - 1.0).abs()).ln(),
-    };
-    1.5 / square * (1.0 + outside)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Protects near sources from a difference that is none: the mean of 1/r² over a sphere, by sums over shells.
-    #[test]
-    fn the_mean_over_a_sphere_is_that_of_its_shells() {
-        for share in [1e-4, 0.01, 0.3, 0.9, 1.5, 3.0] {
-            let shells = 200_000;
-            // Over a shell of radius s about a place at distance 1 the mean is ln((1 + s)/|1 − s|)/2s.
-            let of_shell = |shell: u32| {
-                let s = share * (f64::from(shell) + 0.5) / f64::from(shells);
-                s * 0.5 * ((1.0 + s) / (1.0 - s).abs()).ln()
-            };
-            let sum: f64 = (0..shells).map(of_shell).sum();
-            let mean = sum * 3.0 / (share * share * f64::from(shells));
-            let found = mean_over_sphere(share);
-            assert!(
-                (found / mean - 1.0).abs() < 1e-4,
-                "{share}: {found}, {mean}"
-            );
-        }
-        assert_eq!(mean_over_sphere(1.0), 1.5);
+        std::array::from_fn(|band| {
+            let noise = BEYOND_NOISE * variance[band].sqrt();
+            let beyond = surplus[band].abs() - noise;
+            if beyond > 0.0 {
+                beyond / surplus[band].abs()
+            } else {
+                0.0
+            }
+        })
     }
 }

@@ -1,6 +1,8 @@
 //! The early part: which arrivals are exact paths, and what is heard along each.
 
+use super::late_sphere::casts_shadows;
 use super::medium::Medium;
+use super::sphere_mean::{Replaced, unhidden_taps};
 use crate::acoustics::early::{Candidates, EarlyPaths, Ends, Missed, NoPath, SpecularPath, Vertex};
 use crate::acoustics::{Arrival, Tap};
 use crate::bands::{self, BAND_COUNT, Bands};
@@ -62,6 +64,8 @@ pub(super) struct EarlyPart {
     /// One for each of the arrivals.
     outcomes: Vec<Outcome>,
     paths: Vec<SpecularPath>,
+    /// The paths from other places, where an object may hide a part of the listener's sphere from them.
+    replaced: Option<Replaced>,
 }
 
 /// A path found only by waves replaces them if so many of them are expected: fewer than 1 % of such paths are
@@ -84,6 +88,7 @@ impl EarlyPart {
         let candidates = paths.candidates(&ends, &directions, order, ends.radius_m);
         let mut candidates = candidates.among(waves as usize);
         let lengths = candidate_lengths(&ends, &candidates);
+        let of_waves = candidates.len();
         let surfaces = scene.surfaces.iter();
         let have_planes: Vec<bool> = surfaces
             .map(|surface| surface.shape.has_planes_of_leaves())
@@ -107,28 +112,44 @@ impl EarlyPart {
             have_planes,
             waves,
         };
-        let outcome = |arrival: &Arrival| {
-            let wave = starts.partition_point(|(wave, _)| *wave < arrival.wave);
-            match nearest(&lengths, wave as u32, arrival.length_m, ends.radius_m) {
-                None => Outcome::Itself,
-                Some(index) => match found.outcomes[index] {
-                    Ok(path) => index_known[path].map_or(Outcome::Itself, Outcome::Path),
-                    Err(NoPath::LeftOut) => Outcome::LeftOut,
-                    Err(why) => {
-                        let vertices = candidates.get(index).map_or(&[][..], |c| c.vertices);
-                        match stands_for_itself(&paths, vertices, why)
-                            || !known.has_image(&ends, vertices)
-                        {
-                            true => Outcome::Itself,
-                            false => Outcome::Another,
-                        }
-                    }
-                },
+        let of_candidate = |index: usize| match found.outcomes[index] {
+            Ok(path) => index_known[path].map_or(Outcome::Itself, Outcome::Path),
+            Err(NoPath::LeftOut) => Outcome::LeftOut,
+            Err(why) => {
+                let vertices = candidates.get(index).map_or(&[][..], |c| c.vertices);
+                let is_kept = stands_for_itself(&paths, vertices, why);
+                match is_kept || !known.has_image(&ends, vertices) {
+                    true => Outcome::Itself,
+                    false => Outcome::Another,
+                }
             }
         };
+        let outcome = |arrival: &Arrival| {
+            let wave = starts.partition_point(|(wave, _)| *wave < arrival.wave);
+            let index = nearest(&lengths, wave as u32, arrival.length_m, ends.radius_m);
+            index.map_or(Outcome::Itself, of_candidate)
+        };
+        let outcomes = arrivals.iter().map(outcome).collect();
+        let replaced = casts_shadows(scene).then(|| {
+            let mut named = vec![None; paths_known.len()];
+            for index in 0..candidates.len() {
+                if let Ok(path) = found.outcomes[index]
+                    && let Some(path) = index_known[path]
+                {
+                    named[path].get_or_insert(index);
+                }
+            }
+            let vertices = |path: usize| Some(candidates.get(named[path]?)?.vertices);
+            // Sequences that were searched far from the listener lead past its sphere.
+            let is_beside = |index: &usize| of_candidate(*index) == Outcome::Another;
+            let beside = (0..of_waves).filter(is_beside);
+            let beside = beside.filter_map(|index| Some(candidates.get(index)?.vertices));
+            Replaced::new(paths.clone(), ends, &paths_known, vertices, beside)
+        });
         Ok(EarlyPart {
-            outcomes: arrivals.iter().map(outcome).collect(),
+            outcomes,
             arrivals,
+            replaced,
             paths: paths_known,
         })
     }
@@ -170,7 +191,7 @@ impl EarlyPart {
         let heard = |(index, path): (usize, &SpecularPath)| {
             let at_listener = match path.is_focus {
                 true => self.energy_of_waves(index),
-                false => reflectance(scene, path).map(|share| share * path.spreading),
+                false => reflectance_of(scene, path).map(|share| share * path.spreading),
             };
             let emitted = at_listener.map(|energy| energy * medium.level);
             let (azimuth, elevation) = comes_from(&scene.listener, -path.arrival_direction);
@@ -183,6 +204,21 @@ impl EarlyPart {
             }
         };
         paths.map(heard).collect()
+    }
+
+    /// What the paths bring to the listener's sphere on average, as taps, but those for which `is_left_out` holds;
+    /// `heard` is what is [heard](Self::heard) along all paths.
+    pub fn mean_taps(
+        &self,
+        scene: &Scene,
+        medium: &Medium,
+        heard: &[HeardPath],
+        is_left_out: &dyn Fn(&SpecularPath) -> bool,
+    ) -> Vec<Tap> {
+        match &self.replaced {
+            Some(replaced) => replaced.mean_taps(scene, medium, heard, is_left_out),
+            None => unhidden_taps(heard, scene.listener.radius.into(), is_left_out),
+        }
     }
 
     fn energy_of_waves(&self, path: usize) -> Bands {
@@ -323,8 +359,14 @@ fn candidate_lengths(ends: &Ends, candidates: &Candidates) -> Vec<(u32, f64)> {
 }
 
 /// The share of the energy that is mirrored at all surfaces of a path, by band.
-fn reflectance(scene: &Scene, path: &SpecularPath) -> Bands {
-    along(scene, reflections(path), |material, band| {
+pub(super) fn reflectance_of(scene: &Scene, path: &SpecularPath) -> Bands {
+    let at: Vec<(u32, Option<u8>)> = reflections(path).collect();
+    reflectance(scene, &at)
+}
+
+/// The share of the energy that is mirrored at these surfaces and walls, by band.
+pub(super) fn reflectance(scene: &Scene, at: &[(u32, Option<u8>)]) -> Bands {
+    along(scene, at.iter().copied(), |material, band| {
         (1.0 - material.absorption[band]) * (1.0 - material.scattering[band])
     })
 }

@@ -1,6 +1,8 @@
 //! Late arrivals: waves followed to a sphere that is larger than the listener (`late_sphere.rs`), from where they matter
 //! (`importance/`).
 //!
+//! What was scattered after no more reflections than exact paths have is counted in both (`near_scattering.rs`).
+//!
 //! Late arrivals may come from fewer waves than exact paths are found by: their noise is heard as noise, while a path
 //! that no wave finds is missing.
 
@@ -8,6 +10,7 @@ use super::ResponseSettings;
 use super::importance::{self, Importance, Pilot};
 use super::late_sphere::LateSphere;
 use super::medium::Medium;
+use super::near_scattering::NearScattering;
 use crate::acoustics::{Arrival, Echogram};
 use crate::bands;
 use crate::error::Error;
@@ -31,15 +34,26 @@ const CROSSINGS_IN_CHUNK: f64 = 2.0;
 /// Iterations of a chunk at least.
 const LEAST_ITERATIONS: u32 = 8;
 
-/// Traces the waves, adds what stays a statistic to the echogram, and returns the early arrivals: these are
-/// counted in the listener itself.
+/// The arrivals of all waves.
+pub(super) struct Arrivals {
+    /// Those that stay statistics.
+    pub echogram: Echogram,
+    /// What the larger sphere may add to them by its size alone, one standard deviation of energy.
+    pub bias: Echogram,
+    pub counts: ArrivalCounts,
+    /// Early arrivals: these are counted in the listener itself.
+    pub early: Vec<Arrival>,
+}
+
+/// Traces the waves; `echogram` gives the bins.
 pub(super) fn arrivals(
     tracer: &mut Tracer,
     heard_in: (&Scene, &Medium, LateSphere),
     settings: &ResponseSettings,
     how: &ArrivalSettings,
-    echogram: &mut Echogram,
-) -> Result<(ArrivalCounts, Vec<Arrival>), Error> {
+    mut echogram: Echogram,
+) -> Result<Arrivals, Error> {
+    let mut bias = echogram.without_arrivals();
     let mut counts = ArrivalCounts::of_none();
     let mut early = Vec::new();
     for bands in kernel::band_groups(heard_in.0) {
@@ -47,14 +61,20 @@ pub(super) fn arrivals(
             .clone()
             .with_bands(bands)
             .with_least_energy(LEAST_ENERGY);
-        let (of_bands, arrivals) = arrivals_of_bands(tracer, heard_in, settings, &how, echogram)?;
+        let sums = (&mut echogram, &mut bias);
+        let (of_bands, arrivals) = arrivals_of_bands(tracer, heard_in, settings, &how, sums)?;
         counts = counts.and(of_bands);
         early.extend(arrivals);
         // They come by chunks of iterations, and those of other bands are there already.
         early.sort_by(in_order);
         early.dedup_by(|second, first| is_added(first, second));
     }
-    Ok((counts, early))
+    Ok(Arrivals {
+        echogram,
+        bias,
+        counts,
+        early,
+    })
 }
 
 /// By wave, and along each wave.
@@ -73,13 +93,14 @@ fn is_added(first: &mut Arrival, second: &Arrival) -> bool {
     is_same
 }
 
-/// Those of waves that carry `how.bands` together: what stays a statistic is added to the echogram, the rest returned.
+/// Those of waves that carry `how.bands` together: what stays a statistic is added to the first echogram, its bias to the
+/// second, the rest returned.
 fn arrivals_of_bands(
     tracer: &mut Tracer,
     (scene, medium, late): (&Scene, &Medium, LateSphere),
     settings: &ResponseSettings,
     how: &ArrivalSettings,
-    echogram: &mut Echogram,
+    (echogram, bias): (&mut Echogram, &mut Echogram),
 ) -> Result<(ArrivalCounts, Vec<Arrival>), Error> {
     let mut early = Vec::new();
     let all = WavesToFollow::Numbers(0..settings.trace.waves);
@@ -94,13 +115,13 @@ fn arrivals_of_bands(
         return Ok((followed.counts(), early));
     }
     let few = how.clone().with_iterations(how.early_order + 1);
-    let mut keep = |arrival: Arrival| {
-        if arrival.is_early {
-            early.push(arrival);
-        }
+    let mut near = NearScattering::new(scene, &late, echogram);
+    let mut sort = |arrival: Arrival| match arrival.is_early {
+        true => early.push(arrival),
+        false => medium.add(&mut near.own, &arrival),
     };
     let counts = tracer
-        .arrivals_of(scene, &settings.trace, &few, &all, &mut keep)?
+        .arrivals_of(scene, &settings.trace, &few, &all, &mut sort)?
         .counts;
     let wide = late.widened(scene);
     let mut how = how.clone();
@@ -112,6 +133,7 @@ fn arrivals_of_bands(
         how: &how,
         medium,
         echogram,
+        near: &mut near.wide,
     };
     // Where surfaces gather sound, waves of one direction part: it tells little.
     let pilot_waves = match share < 1.0 {
@@ -119,6 +141,7 @@ fn arrivals_of_bands(
         false => 0,
     };
     let followed = late.follow_all(&trace, pilot_waves, settings.batches)?;
+    near.add_to(echogram, bias);
     Ok((followed.counts(), early))
 }
 
@@ -129,6 +152,8 @@ struct LateWaves<'a> {
     how: &'a ArrivalSettings,
     medium: &'a Medium,
     echogram: &'a mut Echogram,
+    /// What was scattered after few reflections; nothing where pilot waves are followed, as these are mirrored alone.
+    near: &'a mut Echogram,
 }
 
 impl LateWaves<'_> {
@@ -193,10 +218,14 @@ impl LateWaves<'_> {
         waves: &WavesToFollow,
         mut pilot: Option<&mut Pilot>,
     ) -> Result<Followed, Error> {
-        let (medium, echogram) = (self.medium, &mut *self.echogram);
+        let (medium, echogram, near) = (self.medium, &mut *self.echogram, &mut *self.near);
+        let early_order = self.how.early_order;
         let mut take = |arrival: Arrival| {
             if arrival.is_early {
                 return;
+            }
+            if arrival.reflections <= early_order {
+                return medium.add(near, &arrival);
             }
             medium.add(echogram, &arrival);
             if let Some(pilot) = &mut pilot {

@@ -9,8 +9,6 @@
 //! of paths to its centre, as in the listener itself.
 
 use crate::acoustics::CommonErrors;
-use crate::bands::BAND_COUNT;
-use crate::kernel::Materials;
 use crate::scene::{Node, Scene, Surface};
 
 /// Radius in metres. In random rooms (docs/acoustics.md) T30 is 2.5 times as exact with it as with
@@ -80,7 +78,7 @@ impl LateSphere {
         };
         LateSphere {
             radius_m,
-            errors: (radius_m > own_m).then(|| match scatters(scene) {
+            errors: (radius_m > own_m).then(|| match scene.scatters() {
                 true => scattered(errors, radius_m),
                 false => errors,
             }),
@@ -93,10 +91,6 @@ impl LateSphere {
         wide.listener.radius = self.radius_m;
         wide
     }
-}
-
-fn scatters(scene: &Scene) -> bool {
-    Materials::of(scene, 0..BAND_COUNT).scatter()
 }
 
 /// These errors and what scattering adds to them in a sphere of this radius.

@@ -11,13 +11,16 @@
 mod caught;
 mod duration;
 mod early;
+mod few_arrivals;
 mod heard_source;
 mod importance;
 mod late;
 mod late_sphere;
 mod level;
 mod medium;
+mod near_scattering;
 mod settings;
+mod sphere_mean;
 
 pub use early::HeardPath;
 pub use heard_source::HeardSource;
@@ -26,16 +29,21 @@ pub use settings::{MAX_ORDER, ResponseSettings};
 
 use crate::acoustics::early::Missed;
 use crate::acoustics::{Arrival, Echogram, Figures, Tap};
-use crate::bands::{self, Bands};
+use crate::bands::{self, BAND_COUNT, Bands};
 use crate::error::Error;
 use crate::platform::Instant;
 use crate::scene::Scene;
 use crate::trace::{ArrivalCounts, ArrivalSettings, Settings, Tracer};
 use caught::Caught;
 use early::EarlyPart;
+use few_arrivals::further_arrival;
 use glam::Vec3;
+use late::Arrivals;
 use late_sphere::LateSphere;
 use medium::Medium;
+
+/// The weight 1 in each band.
+const ALL_BANDS: Bands = [1.0; BAND_COUNT];
 
 /// What one listener hears of one source.
 ///
@@ -100,38 +108,43 @@ impl Response {
         let late = LateSphere::of(scene, order);
         // Bins begin with what may arrive first, so that 50 and 80 ms after it lie between bins.
         let first_s = medium.direct_s;
-        let mut echogram = Echogram::with_edge_at(first_s, settings.bin_s, settings.batches)?;
+        let echogram = Echogram::with_edge_at(first_s, settings.bin_s, settings.batches)?;
         let how = ArrivalSettings::new(seconds).with_early_order(order);
-        let (counts, early) = late::arrivals(
-            tracer,
-            (scene, &medium, late),
-            settings,
-            &how,
-            &mut echogram,
-        )?;
+        let Arrivals {
+            mut echogram,
+            bias,
+            counts,
+            early,
+        } = late::arrivals(tracer, (scene, &medium, late), settings, &how, echogram)?;
         let starts = start_directions(tracer, &settings.trace, &early)?;
         let part = EarlyPart::find(scene, &starts, settings.trace.waves, order, early)?;
         part.left_over()
             .for_each(|arrival| medium.add(&mut echogram, arrival));
-        let mut paths = part.heard(scene, &medium);
+        let all_paths = part.heard(scene, &medium);
+        let mut paths = all_paths.clone();
         let is_heard = |path: &HeardPath| path.energy.iter().any(|energy| *energy > 0.0);
         paths.retain(|path| path.delay_s <= seconds && is_heard(path));
         // Where waves were given up the decay is that of those which are left.
         let followed_s = Some(counts.followed_m / medium.speed).filter(|until| *until < seconds);
         let ends_s = followed_s.unwrap_or(seconds);
-        let figures = Figures::new(&taps(&paths), &echogram, direct_s(&paths), ends_s);
-        let figures = match late.errors {
-            Some(common) => figures.with_common_errors(&common),
-            None => figures,
-        };
-        let figures = Caught {
+        let taps = taps(&paths);
+        let mut figures = Figures::new(&taps, &echogram, direct_s(&paths), ends_s);
+        if let Some(common) = late.errors {
+            figures = figures.with_common_errors(&common);
+            let mut biased = echogram.clone();
+            biased.add_scaled(&bias, &ALL_BANDS);
+            figures = figures.with_differences((&taps, &biased, ends_s), &ALL_BANDS);
+        }
+        let caught = Caught {
             scene,
             medium: &medium,
             part: &part,
-            paths: &paths,
+            paths: &all_paths,
             waves: settings.trace.waves,
-        }
-        .in_errors(figures, &echogram, ends_s);
+        };
+        let figures = caught.in_errors(figures, &echogram, ends_s);
+        let further = further_arrival(tracer, (scene, &medium), settings, &how, &echogram)?;
+        let figures = figures.with_further_arrival((&taps, &echogram, ends_s), &further);
         Ok(Response {
             missed: part.missed(),
             left_out: part.left_out().count() as u64,

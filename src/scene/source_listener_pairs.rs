@@ -89,6 +89,12 @@ impl Scene {
         self.used_materials().any(|material| !material.is_mirror())
     }
 
+    /// Whether some surface scatters.
+    pub(crate) fn scatters(&self) -> bool {
+        let scatter = |material: &Material| material.scattering.iter().any(|share| *share > 0.0);
+        self.used_materials().any(scatter)
+    }
+
     /// Whether a material or the air changes the timbre: else one octave band is as another.
     pub fn has_bands(&self) -> bool {
         self.air.is_some() || self.used_materials().any(|material| !material.is_grey())

@@ -7,6 +7,7 @@ pub mod cli;
 pub mod drop;
 pub mod flights;
 mod random;
+pub mod rays;
 mod shared;
 #[cfg(feature = "sofa")]
 pub mod sofa;

@@ -12,4 +12,5 @@ mod options;
 mod panning;
 mod pictures;
 mod responses;
+mod rooms_that_scatter;
 mod thesis_tables;

@@ -229,13 +229,17 @@ impl EarlyPaths {
         vertices.iter().all(|vertex| self.surfaces.is_flat(vertex))
     }
 
+    /// Whether a place is in no solid.
+    pub(crate) fn is_open(&self, place: DVec3) -> bool {
+        self.exact.surface_distance(place) >= -self.surfaces.touch
+    }
+
     /// The paths of all candidates, and the direct sound where nothing is in its way; none from or to
     /// a place in a solid.
     ///
     /// On the threads of rayon's pool; the result does not depend on their number.
     pub fn find(&self, ends: &Ends, candidates: &Candidates) -> Found {
-        let in_solid = |end| self.exact.surface_distance(end) < -self.surfaces.touch;
-        if in_solid(ends.source) || in_solid(ends.listener) {
+        if !self.is_open(ends.source) || !self.is_open(ends.listener) {
             return Found::none(candidates, NoPath::EndInSolid);
         }
         find::find(&self.exact, &self.surfaces, ends, candidates)

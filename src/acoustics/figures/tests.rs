@@ -3,6 +3,7 @@
 use super::uncertainty::student_975;
 use super::*;
 use crate::acoustics::tests::mean;
+use crate::bands::Bands;
 use crate::rng::{hash, unit_interval};
 use glam::DVec3;
 

@@ -1,15 +1,18 @@
 //! How wrong the waves make the figures: the spread over halves of the batches, what all waves have in common, and what
 //! two ways of counting differ by.
 
+use super::origin::{Origin, origin};
 use super::{BandFigures, DECAY_TIMES, FIGURE_COUNT, Figures, List, Span, lists, pieces};
 use crate::acoustics::{Echogram, Tap};
-use crate::bands::BAND_COUNT;
+use crate::bands::{BAND_COUNT, Bands};
 use rayon::prelude::*;
 
 /// A time of decay with a larger error, as a share of itself, is none: its decay is too noisy. Two
 /// errors are 3 %, less than the least difference in reverberation that is noticed (5 %, ISO 3382-1,
 /// annex A).
 const WORST_TIME_ERROR: f64 = 0.015;
+
+const NO_FIGURES: [List; BAND_COUNT] = [[None; FIGURE_COUNT]; BAND_COUNT];
 
 /// Errors that all waves have in common, one standard deviation each.
 #[derive(Clone, Copy, Debug)]
@@ -36,26 +39,47 @@ impl CommonErrors {
 
 impl Figures {
     /// The same with the differences from the figures of other taps and another echogram, of a record that ends after so
-    /// many seconds, as errors besides; in the bands of `of_bands`.
+    /// many seconds, as errors besides; each times the weight of its band.
     pub(crate) fn with_differences(
-        mut self,
+        self,
         (taps, echogram, ends_s): (&[Tap], &Echogram, f64),
-        of_bands: [bool; BAND_COUNT],
+        weights: &Bands,
     ) -> Figures {
-        let Some(begins_s) = self.begins_s.filter(|&begins_s| begins_s < ends_s) else {
-            return self;
-        };
-        let span = Span { begins_s, ends_s };
-        let other = pieces(taps, echogram, |bin| echogram.energy(bin), span);
-        let (others, ..) = lists(&other, echogram.bin_s());
-        for band in (0..BAND_COUNT).filter(|band| of_bands[*band]) {
+        let others = self
+            .begins_s
+            .and_then(|begins_s| others(taps, echogram, begins_s, ends_s));
+        match others {
+            Some(others) => self.differing(&others, weights),
+            None => self,
+        }
+    }
+
+    /// The same with what the start of the times, which is known within a bin of `within_s` seconds, leaves uncertain.
+    pub(super) fn with_start_within(
+        self,
+        (taps, echogram, ends_s): (&[Tap], &Echogram, f64),
+        within_s: f64,
+    ) -> Figures {
+        /// The standard deviation of what is spread evenly over an interval, over half of its length.
+        const EVEN: f64 = 0.577_350_269_189_625_8;
+        let later = self.begins_s.map(|begins_s| begins_s + 0.5 * within_s);
+        match later.and_then(|later| others(taps, echogram, later, ends_s)) {
+            Some(others) => self.differing(&others, &[EVEN; BAND_COUNT]),
+            None => self,
+        }
+    }
+
+    /// The same with the weighted differences from other figures as errors besides.
+    fn differing(mut self, others: &[List; BAND_COUNT], weights: &Bands) -> Figures {
+        for band in 0..BAND_COUNT {
             let pairs = self.bands[band].list().into_iter().zip(others[band]);
             let differences =
                 pairs.map(|(own, other)| own.zip(other).map(|(own, other)| own - other));
             let mut errors = self.errors[band].list();
             for (error, difference) in errors.iter_mut().zip(differences) {
                 let difference = difference.filter(|difference| difference.is_finite());
-                *error = error.map(|error| error.hypot(difference.unwrap_or(0.0)));
+                let weighted = weights[band] * difference.unwrap_or(0.0);
+                *error = error.map(|error| error.hypot(weighted));
             }
             self.errors[band] = BandFigures::from_list(errors);
         }
@@ -85,16 +109,35 @@ impl Figures {
     }
 }
 
+/// The figures of all bands of other taps and another echogram, with times from `begins_s` on.
+fn others(
+    taps: &[Tap],
+    echogram: &Echogram,
+    begins_s: f64,
+    ends_s: f64,
+) -> Option<[List; BAND_COUNT]> {
+    if begins_s >= ends_s {
+        return None;
+    }
+    let span = Span { begins_s, ends_s };
+    let pieces = pieces(taps, echogram, |bin| echogram.energy(bin), span);
+    Some(lists(&pieces, echogram.bin_s()).0)
+}
+
 /// The figures of halves of the batches.
 pub(super) struct Halves {
     lists: Vec<[List; BAND_COUNT]>,
+    /// What their times count from.
+    starts_s: Vec<f64>,
     batches: usize,
 }
 
 impl Halves {
     /// Every half and its complement: batch b is in half h by the sign of Sylvester's matrix,
     /// whose rows are orthogonal, and half of whose entries in each row but the first are positive.
-    pub fn new(taps: &[Tap], echogram: &Echogram, span: Span) -> Halves {
+    ///
+    /// Each half has its own time origin, so that figures know what that of all leaves uncertain.
+    pub fn new(taps: &[Tap], echogram: &Echogram, times: (Option<f64>, f64)) -> Halves {
         let batches = echogram.batches();
         let is_in = |half: usize, batch: usize| (half & batch).count_ones() % 2 == 1;
         let of = |(half, complement): (usize, bool)| {
@@ -108,15 +151,34 @@ impl Halves {
                 }
                 sum
             };
-            lists(&pieces(taps, echogram, energy, span), echogram.bin_s()).0
+            let ends_s = times.1;
+            let start = origin(taps, echogram, energy, times)?;
+            let begins_s = Some(start.seconds).filter(|begins_s| *begins_s < ends_s)?;
+            let span = Span { begins_s, ends_s };
+            let pieces = pieces(taps, echogram, energy, span);
+            Some((begins_s, lists(&pieces, echogram.bin_s()).0))
         };
         let halves: Vec<(usize, bool)> = (1..batches)
             .flat_map(|half| [(half, false), (half, true)])
             .collect();
+        // A half in which nothing arrives has no figures.
+        let found: Vec<Option<(f64, [List; BAND_COUNT])>> =
+            halves.into_par_iter().map(of).collect();
+        let list = |half: &Option<(f64, _)>| half.map_or(NO_FIGURES, |(_, list)| list);
         Halves {
-            lists: halves.into_par_iter().map(of).collect(),
+            lists: found.iter().map(list).collect(),
+            starts_s: found.iter().flatten().map(|(start, _)| *start).collect(),
             batches,
         }
+    }
+
+    /// One standard deviation of the time origin of all batches, in seconds.
+    pub fn error_of_start(&self, start: Origin) -> f64 {
+        /// The variance of what is spread evenly over an interval, over its squared length.
+        const EVEN: f64 = 1.0 / 12.0;
+        let squares = self.starts_s.iter().map(|s| (s - start.seconds).powi(2));
+        let variance = squares.sum::<f64>() / self.starts_s.len().max(1) as f64;
+        (variance + EVEN * start.within_s.powi(2)).sqrt()
     }
 
     /// A band's figures as far as they can be estimated, and their errors, where waves arrived as so many of one

@@ -51,6 +51,7 @@ impl Room {
                     take(Arrival {
                         wave,
                         is_early: false,
+                        reflections: order,
                         length_m: middle_m,
                         direction: line.folded_direction(),
                         energy: reflectance.map(|reflectance| reflectance * chord_m * share),

@@ -36,6 +36,10 @@ struct PairReport<'a> {
     seconds: f64,
     iterations: u32,
     milliseconds: f64,
+    /// What the times of the figures count from, in seconds after the source's impulse, and its standard deviation;
+    /// `null` where nothing arrives.
+    time_origin_s: Option<f64>,
+    time_origin_error_s: Option<f64>,
     bands_hz: Bands,
     #[serde(flatten)]
     figures: FigureReport,
@@ -128,6 +132,8 @@ fn of_pair<'a>(scene: &Scene, pair: &'a Pair, response: &'a Response) -> PairRep
         seconds: response.seconds,
         iterations: response.counts.iterations,
         milliseconds: response.milliseconds,
+        time_origin_s: response.figures.begins_s,
+        time_origin_error_s: response.figures.begins_error_s,
         bands_hz: BANDS_HZ,
         figures: FigureReport::of(bands),
         error: FigureReport::of(errors),

@@ -215,10 +215,11 @@ impl Block {
         if energy == [0.0; BAND_COUNT] {
             return None;
         }
-        let order = self.iterations + iteration;
+        let reflections = self.iterations + iteration;
         Some(Arrival {
             wave: self.first + wave,
-            is_early: so_far.is_mirrored && order <= with.early_order,
+            is_early: so_far.is_mirrored && reflections <= with.early_order,
+            reflections,
             length_m,
             direction: direction(record),
             energy,

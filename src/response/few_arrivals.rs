@@ -1,0 +1,51 @@
+//! What late arrivals may bring besides those that were seen.
+
+use super::ResponseSettings;
+use super::medium::Medium;
+use crate::acoustics::{Echogram, uncertain_energy};
+use crate::bands::{BAND_COUNT, Bands};
+use crate::error::Error;
+use crate::scene::Scene;
+use crate::trace::{ArrivalSettings, Tracer, WavesToFollow};
+use std::f64::consts::PI;
+
+/// The energy that the waves may have missed, by band, in 1/m²: of arrivals that were seen by their number. Where none was
+/// seen in a band, it is that of a wave which has lost nothing, if any wave could still arrive; else 0.
+pub(super) fn further_arrival(
+    tracer: &mut Tracer,
+    (scene, medium): (&Scene, &Medium),
+    settings: &ResponseSettings,
+    how: &ArrivalSettings,
+    echogram: &Echogram,
+) -> Result<Bands, Error> {
+    let (total, mut further) = (echogram.total(), [0.0; BAND_COUNT]);
+    for band in 0..BAND_COUNT {
+        let arrivals = echogram.effective_arrivals(band, 0.0);
+        further[band] = uncertain_energy(total[band], arrivals);
+    }
+    if !further.contains(&0.0) || !may_arrive(tracer, scene, settings, how)? {
+        return Ok(further);
+    }
+    let cross_section_m2 = PI * f64::from(scene.listener.radius).powi(2);
+    let whole = medium.level / (cross_section_m2 * f64::from(settings.late_trace().waves));
+    Ok(further.map(|energy| if energy > 0.0 { energy } else { whole }))
+}
+
+/// Whether waves travel on after as many reflections as exact paths have, or are scattered before.
+fn may_arrive(
+    tracer: &mut Tracer,
+    scene: &Scene,
+    settings: &ResponseSettings,
+    how: &ArrivalSettings,
+) -> Result<bool, Error> {
+    let reflections = match scene.scatters() {
+        true => 1,
+        false => how.early_order + 1,
+    };
+    let few = how.clone().with_iterations(reflections);
+    let all = WavesToFollow::Numbers(0..settings.trace.waves);
+    let counts = tracer
+        .arrivals_of(scene, &settings.trace, &few, &all, &mut |_| ())?
+        .counts;
+    Ok(counts.gone < counts.waves)
+}
