@@ -164,6 +164,42 @@ pub enum AudioError {
         /// The longest sound that fits, in whole seconds.
         limit_s: u64,
     },
+    /// A number of channels that no WAV file is written with.
+    #[error("a WAV file of {channels} channels cannot be written: choose 1 to {limit}")]
+    BadChannels {
+        /// The requested number.
+        channels: u16,
+        /// The most there may be.
+        limit: u16,
+    },
+    /// Interleaved samples that end within a frame.
+    #[error("{}: {samples} samples are no whole number of frames of {channels} channels", path.display())]
+    CutFrame {
+        /// The file that was to be written.
+        path: PathBuf,
+        /// How many samples were given.
+        samples: usize,
+        /// Channels of the file.
+        channels: u16,
+    },
+    /// Slices for one channel and for two whose lengths do not fit.
+    #[error(
+        "{stereo} samples of two channels for {mono} samples of one: there must be twice as many"
+    )]
+    BadStereoLength {
+        /// Samples of one channel.
+        mono: usize,
+        /// Samples of both channels.
+        stereo: usize,
+    },
+    /// Not as many sounds as sources.
+    #[error("{given} sounds for {sources} sources: give one for each")]
+    NotASoundEach {
+        /// How many sounds were given.
+        given: usize,
+        /// How many sources there are.
+        sources: usize,
+    },
     /// The WAV file could not be written.
     #[error("cannot write the WAV file {}: {source}", path.display())]
     WriteWav {

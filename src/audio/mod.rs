@@ -57,6 +57,7 @@ mod source;
 mod spec;
 mod speech;
 mod stereo;
+mod wav_header;
 mod wav_read;
 mod wav_write;
 

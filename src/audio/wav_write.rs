@@ -1,24 +1,23 @@
 //! WAV files out: written beside the target, then renamed.
 
 use std::fs::File;
-use std::io::{self, BufWriter};
+use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-use hound::{SampleFormat, WavSpec};
-
+use super::wav_header::{SAMPLE_BYTES, header};
 use super::{AudioError, SAMPLE_RATE};
 #[cfg(feature = "audio")]
 use crate::file_output::visible_part_beside;
 use crate::file_output::{PartFile, followed, temporary_beside};
-
-/// Bytes of a sample.
-const SAMPLE_BYTES: u64 = 4;
 
 /// A WAV file counts its bytes in 32 bits, its header's included; this leaves room for that.
 const MAX_BYTES: u64 = u32::MAX as u64 - 1024;
 
 /// The channels of what is panned: left and right.
 const STEREO: u16 = 2;
+
+/// Channels of a file at most: first-order ambisonics has four, and no format here more.
+const MOST_CHANNELS: u16 = 64;
 
 /// Writes a WAV file of 32-bit float samples, in stereo up to 3.1 hours at [`SAMPLE_RATE`].
 ///
@@ -30,25 +29,14 @@ pub struct WavWriter {
     target: PathBuf,
     rate_hz: u32,
     channels: u16,
-    // Dropped in this order: the sound's end is written before the file goes.
-    wav: Wav,
+    // Dropped in this order: the file is closed before it goes.
+    wav: BufWriter<File>,
     temporary: PartFile,
     frames: u64,
 }
 
 /// Makes a temporary file beside another.
 type Beside = fn(&Path) -> io::Result<PartFile>;
-
-/// `hound`'s writer has no `Debug`.
-struct Wav(hound::WavWriter<BufWriter<File>>);
-
-impl std::fmt::Debug for Wav {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Wav")
-            .field("frames", &self.0.duration())
-            .finish()
-    }
-}
 
 impl WavWriter {
     /// Starts a stereo file at [`SAMPLE_RATE`] that will replace `target`, whose directory must exist.
@@ -72,7 +60,7 @@ impl WavWriter {
     /// ambisonics.
     ///
     /// # Errors
-    /// As [`create_at`](Self::create_at).
+    /// As [`create_at`](Self::create_at); [`AudioError::BadChannels`] for none, and for more than 64.
     pub fn create_with_channels(
         target: impl Into<PathBuf>,
         rate_hz: u32,
@@ -95,13 +83,17 @@ impl WavWriter {
         beside: Beside,
     ) -> Result<Self, AudioError> {
         super::rate::check_rate(rate_hz)?;
+        if !(1..=MOST_CHANNELS).contains(&channels) {
+            let limit = MOST_CHANNELS;
+            return Err(AudioError::BadChannels { channels, limit });
+        }
         let target = followed(&target);
         match start(&target, rate_hz, channels, beside) {
             Ok((temporary, wav)) => Ok(Self {
                 target,
                 rate_hz,
                 channels,
-                wav: Wav(wav),
+                wav,
                 temporary,
                 frames: 0,
             }),
@@ -112,18 +104,19 @@ impl WavWriter {
     /// Appends interleaved samples (left, right, left …); 1 is full scale, and more is kept.
     ///
     /// # Errors
-    /// [`AudioError::WriteWav`] if the disk rejects, [`AudioError::WavTooLong`] past 4 GiB.
-    ///
-    /// # Panics
-    /// If the samples are no whole number of frames.
+    /// [`AudioError::WriteWav`] if the disk rejects, [`AudioError::WavTooLong`] past 4 GiB, and
+    /// [`AudioError::CutFrame`] if the samples are no whole number of frames: then nothing is written.
     pub fn write(&mut self, interleaved: &[f32]) -> Result<(), AudioError> {
         let channels = usize::from(self.channels);
-        assert!(
-            interleaved.len().is_multiple_of(channels),
-            "samples come in frames of {channels}"
-        );
+        if !interleaved.len().is_multiple_of(channels) {
+            return Err(AudioError::CutFrame {
+                path: self.target.clone(),
+                samples: interleaved.len(),
+                channels: self.channels,
+            });
+        }
         let frames = self.frames + (interleaved.len() / channels) as u64;
-        let limit = MAX_BYTES / (SAMPLE_BYTES * u64::from(self.channels));
+        let limit = MAX_BYTES / u64::from(SAMPLE_BYTES * u32::from(self.channels));
         if frames > limit {
             return Err(AudioError::WavTooLong {
                 path: self.target.clone(),
@@ -132,9 +125,8 @@ impl WavWriter {
         }
         for &sample in interleaved {
             self.wav
-                .0
-                .write_sample(sample)
-                .map_err(|error| write_error(&self.target, wav_to_io(error)))?;
+                .write_all(&sample.to_le_bytes())
+                .map_err(|error| write_error(&self.target, error))?;
         }
         self.frames = frames;
         Ok(())
@@ -143,24 +135,34 @@ impl WavWriter {
     /// Makes the temporary file playable as far as it is.
     #[cfg(feature = "audio")]
     pub(super) fn flush(&mut self) -> Result<(), AudioError> {
-        let flushed = self.wav.0.flush();
-        flushed.map_err(|error| write_error(&self.target, wav_to_io(error)))
+        self.complete()
+            .map_err(|error| write_error(&self.target, error))
+    }
+
+    /// Writes what is under way, and the head of as many frames as there are.
+    fn complete(&mut self) -> io::Result<()> {
+        // No more than a head can count are written.
+        let head = header(self.channels, self.rate_hz, self.frames as u32);
+        self.wav.seek(SeekFrom::Start(0))?;
+        self.wav.write_all(&head)?;
+        self.wav.seek(SeekFrom::End(0))?;
+        self.wav.flush()
     }
 
     /// Completes the file and gives it the target's name, replacing an older one.
     ///
     /// # Errors
     /// [`AudioError::WriteWav`] if the disk rejects; the target is then as it was before.
-    pub fn finish(self) -> Result<(), AudioError> {
+    pub fn finish(mut self) -> Result<(), AudioError> {
+        let completed = self.complete();
         let Self {
             target,
             wav,
             temporary,
             ..
         } = self;
-        wav.0
-            .finalize()
-            .map_err(|error| write_error(&target, wav_to_io(error)))?;
+        completed.map_err(|error| write_error(&target, error))?;
+        drop(wav);
         temporary
             .persist(&target)
             .map_err(|error| write_error(&target, error))
@@ -172,20 +174,15 @@ fn start(
     rate_hz: u32,
     channels: u16,
     beside: Beside,
-) -> io::Result<(PartFile, hound::WavWriter<BufWriter<File>>)> {
+) -> io::Result<(PartFile, BufWriter<File>)> {
     let temporary = beside(target)?;
-    let file = BufWriter::new(temporary.reopen()?);
-    let spec = WavSpec {
-        channels,
-        sample_rate: rate_hz,
-        bits_per_sample: 32,
-        sample_format: SampleFormat::Float,
-    };
-    let wav = hound::WavWriter::new(file, spec).map_err(wav_to_io)?;
+    let mut wav = BufWriter::new(temporary.reopen()?);
+    wav.write_all(&header(channels, rate_hz, 0))?;
     Ok((temporary, wav))
 }
 
 /// The error of `hound` as an error of the system.
+#[cfg(feature = "experiment")]
 pub(crate) fn wav_to_io(error: hound::Error) -> io::Error {
     match error {
         hound::Error::IoError(error) => error,
@@ -210,7 +207,7 @@ mod tests {
     fn a_file_is_full_at_the_last_frame_that_its_header_can_count() {
         let folder = tempfile::tempdir().unwrap();
         let mut writer = WavWriter::create(folder.path().join("long.wav")).unwrap();
-        let limit = MAX_BYTES / (2 * SAMPLE_BYTES);
+        let limit = MAX_BYTES / u64::from(2 * SAMPLE_BYTES);
         // As if so many had been written.
         writer.frames = limit - 2;
         for too_long in [6, 8] {
@@ -221,5 +218,25 @@ mod tests {
         assert_eq!(writer.frames, limit);
         writer.write(&[]).unwrap();
         assert!(writer.write(&[0.0; 2]).is_err());
+    }
+
+    /// Protects a file from frames that are cut, and callers from channels that are none.
+    #[test]
+    fn cut_frames_and_no_channels_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("cut.wav");
+        for channels in [0, 65, u16::MAX] {
+            let refused = WavWriter::create_with_channels(&path, 48_000, channels);
+            assert!(matches!(refused, Err(AudioError::BadChannels { .. })));
+        }
+        let mut writer = WavWriter::create_with_channels(&path, 48_000, 4).unwrap();
+        for samples in [1, 3, 5] {
+            let refused = writer.write(&vec![0.5; samples]);
+            assert!(matches!(refused, Err(AudioError::CutFrame { .. })));
+        }
+        writer.write(&[0.5; 8]).unwrap();
+        writer.finish().unwrap();
+        let reader = hound::WavReader::open(&path).unwrap();
+        assert_eq!((reader.spec().channels, reader.duration()), (4, 2));
     }
 }
