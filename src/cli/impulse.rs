@@ -42,7 +42,8 @@ pub struct Arguments {
     #[command(flatten)]
     scene: SceneAtTime,
     /// Write the impulse response as a WAV file of 32-bit floats; its first sample is the source's
-    /// impulse, and amplitude 1 is the direct sound at 1 m
+    /// impulse, and amplitude 1 is the direct sound at 1 m. Echoes that coincide add by amplitude
+    /// here, and by energy in the figures
     #[arg(short, long, value_name = "FILE.wav")]
     output: Option<PathBuf>,
     /// Channels of the WAV file: mono, stereo, ambisonic (first order: ACN, SN3D), or binaural (two
@@ -57,7 +58,7 @@ pub struct Arguments {
     #[arg(long, allow_negative_numbers = true, default_value_t = SAMPLE_RATE, value_name = "HZ",
         requires = "output", value_parser = count::<u32>)]
     rate: u32,
-    /// Write the energy of all but the exact paths by time and band as CSV:
+    /// Write the energy of all but the exact paths by time (the middle of a bin) and band as CSV:
     /// time_s,band_hz,energy,x,y,z
     #[arg(long, value_name = "FILE.csv")]
     echogram: Option<PathBuf>,
@@ -70,8 +71,8 @@ pub struct Arguments {
     /// Only this listener, by its name or number
     #[arg(long, value_name = "NAME")]
     listener: Option<String>,
-    /// Length of the response, 0.001 to 60 [default: until all bands
-    /// have fallen by 60 dB, 10 at most]
+    /// Length of the response, 0.001 to 60 [default: until all bands have fallen by 60 dB as far as
+    /// waves show it, 10 at most]
     #[arg(long, allow_negative_numbers = true, value_name = "SECONDS", value_parser = real::<f64>)]
     seconds: Option<f64>,
     /// Maximum number of reflections of exact paths [default: 8 where all surfaces

@@ -6,11 +6,14 @@ use crate::acoustics::MAX_SECONDS;
 use crate::bands::{self, BAND_COUNT, Bands};
 use crate::error::Error;
 use crate::scene::Scene;
-use crate::trace::{ArrivalSettings, Settings, Tracer};
+use crate::trace::{ArrivalCounts, ArrivalSettings, Settings, Tracer};
 
 /// Waves that estimate the decay: their energies, not their number, decide, and a thousand of
 /// them give the time within some per cent.
 const WAVES: u32 = 4096;
+
+/// Waves where most leave the scene and few of these arrive late, as outdoors. Those that leave cost next to nothing.
+const WAVES_OUTDOORS: u32 = 64 * WAVES;
 
 /// The shortest, in seconds: one block of a sound.
 const SHORTEST_S: f64 = 0.1;
@@ -22,11 +25,20 @@ const LEFT: f64 = 1e-6;
 /// what may be left, where the listener hears its share of it.
 const LEAST_ENERGY: f64 = 1e-3 * LEFT;
 
+/// The end of a decay is known where [`LEAST_LATE`] waves or more arrive after all but this share of the energy, 40 dB:
+/// the time of the last 20 dB is then right to some 20 per cent.
+const LATE: f64 = 1e-4;
+const LEAST_LATE: usize = 16;
+
+/// With fewer late arrivals the record is longer than the time in which waves arrived, which is this share of it: then it
+/// also holds later sound that these waves missed. Figures need a record whose second half is weaker than the first.
+const SEEN: f64 = 1.0 / 3.0;
+
 /// Bins of time in which the decay is looked at, in seconds.
 const BIN_S: f64 = 0.01;
 
-/// Seconds after which the energy still to come is at most [`LEFT`] of all, in every band; `longest_s` at most, but
-/// no less than the direct sound takes.
+/// Seconds after which the energy still to come is at most [`LEFT`] of all, in every band, as far as waves show it;
+/// `longest_s` at most, but no less than the direct sound takes.
 pub(super) fn needed(
     tracer: &mut Tracer,
     scene: &Scene,
@@ -34,64 +46,186 @@ pub(super) fn needed(
     longest_s: f64,
 ) -> Result<f64, Error> {
     let medium = Medium::of(scene);
-    let mut bins: Vec<Bands> = Vec::new();
-    let few = settings.clone().with_waves(WAVES);
-    // More of the few waves that carry the end of the decay cross the larger sphere.
-    let wide = LateSphere::of(scene, LEAST_ORDER).widened(scene);
-    tracer.arrivals(
-        &wide,
-        &few,
-        &ArrivalSettings::new(longest_s).with_least_energy(LEAST_ENERGY),
-        &mut |arrival| {
-            let bin = (arrival.length_m / medium.speed / BIN_S) as usize;
-            if bin >= bins.len() {
-                bins.resize(bin + 1, [0.0; BAND_COUNT]);
-            }
-            let energy = bands::through_air(&arrival.energy, &medium.air, arrival.length_m);
-            bands::add(&mut bins[bin], &energy);
-        },
-    )?;
-    // Few waves may miss a small or distant listener.
-    Ok(end(&bins)
+    let (mut decay, counts) = Decay::trace(tracer, scene, settings, (WAVES, longest_s))?;
+    let is_known = decay.is_end_known();
+    if !is_known && most_leave(&counts) {
+        (decay, _) = Decay::trace(tracer, scene, settings, (WAVES_OUTDOORS, longest_s))?;
+    }
+    let end_s = match decay.is_end_known() || !most_leave(&counts) {
+        true => decay.end_s(),
+        false => decay.end_s().max(decay.end_unseen_s(medium.direct_s)),
+    };
+    // Waves may miss a small or distant listener.
+    Ok(end_s
         .min(longest_s)
         .max(medium.direct_s + SHORTEST_S)
         .min(MAX_SECONDS))
 }
 
-/// The end of the last bin before which some band has more than [`LEFT`] to come.
-fn end(bins: &[Bands]) -> f64 {
-    let mut all = [0.0; BAND_COUNT];
-    for bin in bins {
-        bands::add(&mut all, bin);
+/// Whether most waves meet nothing any more.
+fn most_leave(counts: &ArrivalCounts) -> bool {
+    2 * counts.gone > counts.waves
+}
+
+/// Energies and numbers of arrivals against time.
+#[derive(Default)]
+struct Decay {
+    /// Energies in bins of [`BIN_S`].
+    bins: Vec<Bands>,
+    /// Arrivals in each.
+    arrivals: Vec<usize>,
+}
+
+impl Decay {
+    fn trace(
+        tracer: &mut Tracer,
+        scene: &Scene,
+        settings: &Settings,
+        (waves, longest_s): (u32, f64),
+    ) -> Result<(Decay, ArrivalCounts), Error> {
+        let medium = Medium::of(scene);
+        // More of the few waves that carry the end of the decay cross the larger sphere.
+        let wide = LateSphere::of(scene, LEAST_ORDER).widened(scene);
+        let mut decay = Decay::default();
+        let counts = tracer.arrivals(
+            &wide,
+            &settings.clone().with_waves(waves),
+            &ArrivalSettings::new(longest_s).with_least_energy(LEAST_ENERGY),
+            &mut |arrival| {
+                let energy = bands::through_air(&arrival.energy, &medium.air, arrival.length_m);
+                decay.add(arrival.length_m / medium.speed, &energy);
+            },
+        )?;
+        Ok((decay, counts))
     }
-    let mut to_come = [0.0; BAND_COUNT];
-    for (index, bin) in bins.iter().enumerate().rev() {
-        bands::add(&mut to_come, bin);
-        if (0..BAND_COUNT).any(|band| to_come[band] > LEFT * all[band]) {
-            return ((index + 1) as f64 * BIN_S).max(SHORTEST_S);
+
+    fn add(&mut self, seconds: f64, energy: &Bands) {
+        let bin = (seconds / BIN_S) as usize;
+        if bin >= self.bins.len() {
+            self.bins.resize(bin + 1, [0.0; BAND_COUNT]);
+            self.arrivals.resize(bin + 1, 0);
         }
+        bands::add(&mut self.bins[bin], energy);
+        self.arrivals[bin] += 1;
     }
-    SHORTEST_S
+
+    /// Bins before which some band has more than this share of its energy to come.
+    fn bins_until(&self, share: f64) -> usize {
+        let mut all = [0.0; BAND_COUNT];
+        for bin in &self.bins {
+            bands::add(&mut all, bin);
+        }
+        let mut to_come = [0.0; BAND_COUNT];
+        for (index, bin) in self.bins.iter().enumerate().rev() {
+            bands::add(&mut to_come, bin);
+            if (0..BAND_COUNT).any(|band| to_come[band] > share * all[band]) {
+                return index + 1;
+            }
+        }
+        0
+    }
+
+    /// Whether enough arrivals carry the end of the decay.
+    fn is_end_known(&self) -> bool {
+        let late = &self.arrivals[self.bins_until(LATE)..];
+        late.iter().sum::<usize>() >= LEAST_LATE
+    }
+
+    /// The end of the last bin before which some band has more than [`LEFT`] to come.
+    fn end_s(&self) -> f64 {
+        (self.bins_until(LEFT) as f64 * BIN_S).max(SHORTEST_S)
+    }
+
+    /// An end behind what too few waves have shown, in seconds: what was seen is the first [`SEEN`] from the direct sound on.
+    fn end_unseen_s(&self, direct_s: f64) -> f64 {
+        let seen_s = (self.bins.len() as f64 * BIN_S - direct_s).max(0.0);
+        direct_s + seen_s / SEEN
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::gpu::{Context, ContextOptions};
+    use crate::response::{Response, ResponseSettings};
 
     /// Protects the length of a response: the slowest band decides, and silence is short.
     #[test]
     fn the_slowest_band_decides() {
-        let decay =
+        let energy =
             |seconds: f64| move |bin: usize| 10_f64.powf(-6.0 * bin as f64 * BIN_S / seconds);
-        let (fast, slow) = (decay(0.5), decay(2.0));
-        let bins: Vec<Bands> = (0..1000)
-            .map(|bin| {
-                let mut bands = [fast(bin); BAND_COUNT];
-                bands[2] = slow(bin);
-                bands
-            })
-            .collect();
-        assert!((end(&bins) - 2.0).abs() <= 2.0 * BIN_S, "{}", end(&bins));
-        assert_eq!(end(&[]), SHORTEST_S);
+        let (fast, slow) = (energy(0.5), energy(2.0));
+        let mut decay = Decay::default();
+        for bin in 0..1000 {
+            let mut bands = [fast(bin); BAND_COUNT];
+            bands[2] = slow(bin);
+            decay.add((bin as f64 + 0.5) * BIN_S, &bands);
+        }
+        let end_s = decay.end_s();
+        assert!((end_s - 2.0).abs() <= 2.0 * BIN_S, "{end_s}");
+        assert!(decay.is_end_known());
+        assert_eq!(Decay::default().end_s(), SHORTEST_S);
+    }
+
+    /// Protects a decay that few waves carry from being taken for one that has ended: the last wave seen is not the
+    /// last sound.
+    #[test]
+    fn few_late_waves_do_not_end_a_decay() {
+        let mut decay = Decay::default();
+        for bin in 1..40 {
+            decay.add(
+                f64::from(bin) * BIN_S + 0.001,
+                &[0.8_f64.powi(bin); BAND_COUNT],
+            );
+        }
+        assert!(!decay.is_end_known());
+        assert!((decay.end_unseen_s(0.1) - 1.0).abs() < 1e-9);
+        assert!(!Decay::default().is_end_known());
+        assert_eq!(Decay::default().end_unseen_s(0.1), 0.1);
+    }
+
+    /// A yard: ground, a wall, and another one opposite where there are two.
+    fn yard(walls: usize) -> Scene {
+        let wall = |x: f32| {
+            format!(
+                "Surface(shape: Box(size: (0.3, 4, 20)), position: ({x}, 2, 0), material: \"wall\"),"
+            )
+        };
+        let walls: String = [5.0, -5.0].into_iter().take(walls).map(wall).collect();
+        let text = format!(
+            "Scene(surfaces: [Surface(shape: HalfSpace(normal: (0, 1, 0), offset: 0), material: \"grass\"), {walls}],
+            materials: {{\"grass\": Material(absorption: 0.3), \"wall\": Material(absorption: 0.05)}},
+            source: Source(position: (-2, 1.5, 0)), listener: Listener(position: (2, 1.7, 1), radius: 0.2))"
+        );
+        Scene::from_ron(&text, "yard").unwrap()
+    }
+
+    /// Protects figures outdoors: beside one wall and between two, where most waves are gone at once, the default record
+    /// holds what is to come, and the energy's figures are there.
+    #[test]
+    fn figures_outdoors_need_no_length_by_hand() {
+        let mut tracer =
+            Tracer::new(&Context::headless(&ContextOptions::default()).unwrap()).unwrap();
+        for walls in [0, 1, 2] {
+            let response =
+                Response::trace(&mut tracer, &yard(walls), &ResponseSettings::default()).unwrap();
+            let figures = &response.figures;
+            assert!(
+                figures.cut_off[4].is_some_and(|share| share < 1e-3),
+                "{walls}: {figures:?}"
+            );
+            assert!(figures.bands[4].g_db.is_some(), "{walls} walls");
+            assert_eq!(
+                figures.bands[4].c80_db.is_some(),
+                walls == 2,
+                "{walls} walls"
+            );
+            let last_s = response.paths.last().unwrap().delay_s;
+            assert!(
+                response.seconds > 2.0 * last_s - 0.1,
+                "{walls}: {}",
+                response.seconds
+            );
+        }
     }
 }

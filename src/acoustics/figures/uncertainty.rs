@@ -205,11 +205,11 @@ impl Halves {
 
     /// By how much Student's t widens an error. Its degrees of freedom are those of the batches, or of the arrivals where
     /// these are fewer: most batches are empty then, and their spread says little. Where there is no arrival nothing
-    /// spreads.
+    /// spreads; a single one counts as two, as its energy is all that is known of others that might have come.
     fn widening(&self, arrivals: f64) -> f64 {
         let of_batches = self.batches - 1;
         let degrees = match arrivals > 0.0 {
-            true => of_batches.min((arrivals.round() as usize).saturating_sub(1)),
+            true => of_batches.min((arrivals.round() as usize).max(2) - 1),
             false => of_batches,
         };
         student_975(degrees) / 2.0
