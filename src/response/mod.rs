@@ -12,6 +12,8 @@ mod caught;
 mod duration;
 mod early;
 mod few_arrivals;
+#[cfg(any(feature = "experiment", feature = "cli"))]
+mod gaps;
 mod heard_source;
 mod importance;
 mod late;
@@ -23,6 +25,8 @@ mod settings;
 mod sphere_mean;
 
 pub use early::HeardPath;
+#[cfg(any(feature = "experiment", feature = "cli"))]
+pub(crate) use gaps::Gap;
 pub use heard_source::HeardSource;
 pub use level::Level;
 pub use settings::{MAX_ORDER, ResponseSettings};
@@ -167,6 +171,13 @@ impl Response {
     /// The exact paths as taps of an impulse response.
     pub fn taps(&self) -> Vec<Tap> {
         taps(&self.paths)
+    }
+
+    /// Why figures are missing, by band.
+    #[cfg(any(feature = "experiment", feature = "cli"))]
+    pub(crate) fn gaps(&self) -> [Option<Gap>; crate::bands::BAND_COUNT] {
+        let energy = self.energy();
+        std::array::from_fn(|band| Gap::of(&self.figures, band, energy[band] > 0.0))
     }
 
     /// The energy density of all that arrives, by band, in 1/m².

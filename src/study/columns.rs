@@ -5,7 +5,7 @@ use super::{Kept, Study};
 use crate::acoustics::BandFigures;
 use crate::bands::BANDS_HZ;
 use crate::report::Cell;
-use crate::response::Response;
+use crate::response::{Gap, Response};
 
 /// A column of the joined tables.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -72,6 +72,12 @@ impl ResponseColumns {
                 columns.push(Column::new(name + "_error", Kind::Real));
             }
         }
+        if !self.figures.is_empty() {
+            columns.extend(self.bands.iter().map(|band| {
+                let name = gap_column(BANDS_HZ[*band]);
+                Column::new(name, Kind::Whole)
+            }));
+        }
         if self.echogram_bins.is_some() {
             columns.push(Column::new("echogram_from_s", Kind::Real));
             for band in &self.bands {
@@ -91,6 +97,17 @@ impl ResponseColumns {
                 cells.push(figure.of(&response.figures.errors[band]).into());
             }
         }
+        if !self.figures.is_empty() {
+            let gaps = response.gaps();
+            let has_gap = |band: usize| {
+                let figures = self.figures.iter();
+                figures
+                    .clone()
+                    .any(|figure| figure.of(&response.figures.bands[band]).is_none())
+            };
+            let code = |band: usize| gaps[band].filter(|_| has_gap(band)).map_or(0, Gap::code);
+            cells.extend(self.bands.iter().map(|band| Cell::from(code(*band))));
+        }
         if let Some(bins) = self.echogram_bins {
             cells.push(response.echogram.first_s().into());
             let energies = energies(response, bins);
@@ -103,6 +120,19 @@ impl ResponseColumns {
         }
         cells
     }
+}
+
+/// The column that says why figures of a band are empty in a row: [`Gap::code`], 0 where none is.
+fn gap_column(band_hz: f64) -> String {
+    format!("gap_{band_hz}")
+}
+
+/// The column with the reason why cells of this one are empty, if it is one of a figure.
+pub(super) fn gap_column_of(column: &str) -> Option<String> {
+    let name = column.strip_suffix("_error").unwrap_or(column);
+    let (figure, band) = name.rsplit_once('_')?;
+    let is_figure = FigureName::ALL.iter().any(|known| known.column() == figure);
+    is_figure.then(|| gap_column(band.parse().unwrap_or_default()))
 }
 
 /// The energy densities of all that arrives in 1/m², in bins of so many bins of the echogram.
@@ -124,6 +154,17 @@ fn energies(response: &Response, bins: usize) -> Vec<crate::bands::Bands> {
 }
 
 impl FigureName {
+    const ALL: [FigureName; 8] = [
+        FigureName::Edt,
+        FigureName::T20,
+        FigureName::T30,
+        FigureName::C50,
+        FigureName::C80,
+        FigureName::D50,
+        FigureName::Ts,
+        FigureName::G,
+    ];
+
     /// Its column, without the band.
     fn column(self) -> &'static str {
         match self {

@@ -4,7 +4,7 @@ use super::lines::Header;
 use super::read_shard::{Rows, verify};
 use super::shard::{folder_of, is_whole};
 use super::tables::Tables;
-use super::{BLOCK, Shard, Study, StudyError, VERSION};
+use super::{BLOCK, EmptyCells, Shard, Study, StudyError, VERSION};
 use crate::file_output::{OutputError, prepare_folder};
 use crate::scene::Scene;
 use std::collections::{BTreeMap, BTreeSet};
@@ -25,6 +25,8 @@ pub struct Joined {
     pub renderer: String,
     /// The files that were written.
     pub files: Vec<PathBuf>,
+    /// Cells of the tables that are empty, by column and reason.
+    pub empty: Vec<EmptyCells>,
 }
 
 /// Joins the shards in a folder: the tables are written there in the order of the study, as
@@ -46,7 +48,7 @@ pub fn join(
     let of = shards.len() as u32;
     prepare_folder(folder)?;
     let rows: Vec<Rows> = shards.into_iter().map(Rows::of).collect();
-    let files = write(study, folder, &renderer, rows, &mut |done| {
+    let (files, empty) = write(study, folder, &renderer, rows, &mut |done| {
         progress(study.points + done, all);
     })?;
     Ok(Joined {
@@ -54,6 +56,7 @@ pub fn join(
         shards: of,
         renderer,
         files,
+        empty,
     })
 }
 
@@ -204,7 +207,7 @@ fn write(
     renderer: &str,
     mut shards: Vec<Rows>,
     progress: &mut dyn FnMut(u64),
-) -> Result<Vec<PathBuf>, StudyError> {
+) -> Result<(Vec<PathBuf>, Vec<EmptyCells>), StudyError> {
     let mut tables = Tables::create(study, folder, renderer)?;
     let count = shards.len() as u64;
     let mut posed: Option<((u64, u64), Scene)> = None;

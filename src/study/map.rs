@@ -1,14 +1,17 @@
 //! Maps: pictures of a column of a joined study whose listeners are a lattice on a plane.
 
 use super::columns::{Column, Kind};
+use super::empty::EmptyCount;
 use super::file::Places;
 use super::{Study, StudyError, Worker};
 use crate::error::Error;
 use crate::file_output::OutputError;
 use crate::picture::{MapOptions, map, save_png};
+use crate::response::Gap;
 use crate::stats::mean;
 use glam::Vec3;
 use plotters::style::colors::colormaps::ViridisRGB;
+use std::collections::BTreeMap;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -47,15 +50,24 @@ pub fn draw_map(
     let mut rows = csv::Reader::from_path(&table).map_err(|error| failed(error.into()))?;
     let mut rows = rows.records();
     let mut files = Vec::new();
+    let columns = [study.point_columns(), study.found_columns()].concat();
+    let reasons = EmptyCount::new(columns);
     for number in 0..maps {
         let mut values = Vec::new();
+        let mut gaps: BTreeMap<Gap, u64> = BTreeMap::new();
         for _ in 0..lattice.places {
             let mut seeds = Vec::new();
+            let mut gap = None;
             for _ in 0..study.seeds.len() {
                 let ended = || failed(io::Error::other("it has fewer rows than the study"));
                 let row = rows.next().ok_or_else(ended)?;
                 let row = row.map_err(|error| failed(error.into()))?;
                 seeds.extend(row.get(at).and_then(|cell| cell.parse::<f64>().ok()));
+                let cells: Vec<&str> = row.iter().collect();
+                gap = gap.or(reasons.reason(at, &cells));
+            }
+            if let Some(gap) = gap.filter(|_| seeds.is_empty()) {
+                *gaps.entry(gap).or_default() += 1;
             }
             values.push(mean(seeds));
         }
@@ -64,10 +76,35 @@ pub fn draw_map(
             _ => format!("map-{}-{}.png", column.name, number + 1),
         };
         let file = folder.join(name);
-        draw(worker, &lattice, number, &column, &values, &file)?;
+        let numbers = Numbers { values, gaps };
+        draw(worker, &lattice, number, &column, &numbers, &file)?;
         files.push(file);
     }
     Ok(files)
+}
+
+/// The numbers of a map.
+struct Numbers {
+    /// At each place; none where there is none.
+    values: Vec<Option<f64>>,
+    /// Places without a number, by reason.
+    gaps: BTreeMap<Gap, u64>,
+}
+
+impl Numbers {
+    /// The end of the title: how many places have no number, and the reasons.
+    fn empty(&self) -> String {
+        let empty = self.values.iter().filter(|value| value.is_none()).count();
+        if empty == 0 {
+            return String::new();
+        }
+        let why: Vec<&str> = self.gaps.keys().map(|gap| gap.words()).collect();
+        let why = match why.is_empty() {
+            true => String::new(),
+            false => format!(": {}", why.join(", ")),
+        };
+        format!(", {empty} of {} empty{why}", self.values.len())
+    }
 }
 
 fn draw(
@@ -75,7 +112,7 @@ fn draw(
     lattice: &Lattice,
     number: u64,
     column: &Column,
-    values: &[Option<f64>],
+    numbers: &Numbers,
     file: &Path,
 ) -> Result<(), StudyError> {
     let study = worker.study;
@@ -90,8 +127,8 @@ fn draw(
             height: lattice.ends[0].y,
             ends: lattice.ends,
             counts: lattice.counts,
-            values,
-            title: &format!("{}: {}", scene.name, title(&column.name)),
+            values: &numbers.values,
+            title: &format!("{}: {}{}", scene.name, title(&column.name), numbers.empty()),
             around_zero: has_sides(&column.name),
             unit: unit(&column.name),
             colour: match has_sides(&column.name) {
@@ -236,6 +273,16 @@ mod tests {
         ] {
             assert_eq!(title(column), told);
         }
+        let mut numbers = Numbers {
+            values: vec![Some(1.0), None, None],
+            gaps: BTreeMap::from([(Gap::TooNoisy, 1), (Gap::Silence, 1)]),
+        };
+        assert_eq!(
+            numbers.empty(),
+            ", 2 of 3 empty: nothing arrives, too noisy"
+        );
+        numbers.values.truncate(1);
+        assert_eq!(numbers.empty(), "");
         assert!(has_sides("pan") && !has_sides("g_db_1000"));
         assert_eq!(two_sided(0.5), [255, 255, 191]);
         assert_eq!(

@@ -22,6 +22,7 @@ mod build;
 mod check;
 mod columns;
 mod count;
+mod empty;
 mod error;
 mod file;
 mod hash;
@@ -42,6 +43,7 @@ mod work;
 mod worker;
 
 pub use count::{Estimate, estimate};
+pub use empty::EmptyCells;
 pub use error::StudyError;
 pub use join::{Joined, join};
 pub use map::{check_maps, draw_map};

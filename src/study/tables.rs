@@ -1,5 +1,6 @@
 //! The tables of a joined study: CSV, Parquet, and a note on what they are of.
 
+use super::empty::{self, EmptyCells, EmptyCount};
 use super::{Study, StudyError, VERSION};
 use crate::file_output::{PartFile, temporary_beside, write_whole};
 use crate::report::Cell;
@@ -20,6 +21,7 @@ pub(super) struct Tables<'a> {
     parquet: super::parquet_file::ParquetFile,
     /// Columns that a row must have.
     columns: usize,
+    empty: EmptyCount,
 }
 
 impl<'a> Tables<'a> {
@@ -52,6 +54,7 @@ impl<'a> Tables<'a> {
             )?,
             csv_path,
             columns: columns.len(),
+            empty: EmptyCount::new(columns),
         })
     }
 
@@ -65,6 +68,7 @@ impl<'a> Tables<'a> {
             let text = format!("a row has {found} columns, not {wanted}");
             return Err(StudyError::output(&self.csv_path, io::Error::other(text)));
         }
+        self.empty.add(&cells);
         let written = self.csv.write_record(&cells);
         written.map_err(|error| StudyError::output(&self.csv_path, error.into()))?;
         #[cfg(feature = "parquet")]
@@ -72,8 +76,9 @@ impl<'a> Tables<'a> {
         Ok(())
     }
 
-    /// Gives the files their names.
-    pub fn finish(self) -> Result<Vec<PathBuf>, StudyError> {
+    /// Gives the files their names; which they are, and what is empty in them.
+    pub fn finish(self) -> Result<(Vec<PathBuf>, Vec<EmptyCells>), StudyError> {
+        let empty = self.empty.cells();
         let Tables { csv, csv_path, .. } = self;
         let file = csv.into_inner();
         file.map_err(|error| StudyError::output(&csv_path, io::Error::other(error.to_string())))?;
@@ -96,12 +101,13 @@ impl<'a> Tables<'a> {
         );
         says.insert("points".to_owned(), self.study.points.into());
         says.insert("columns".to_owned(), json!(columns));
+        says.insert("empty".to_owned(), empty::json(&empty));
         write_whole(&note, |out| {
             serde_json::to_writer_pretty(&mut *out, &says)?;
             out.write_all(b"\n")
         })?;
         files.push(note);
-        Ok(files)
+        Ok((files, empty))
     }
 }
 

@@ -237,9 +237,33 @@ fn a_grid_of_listeners_is_a_map() {
     let csv = std::fs::read_to_string(out.join("study.csv")).unwrap();
     let names: Vec<&str> = csv.lines().next().unwrap().split(',').collect();
     assert_eq!(
-        names[names.len() - 3..],
-        ["c80_db_1000", "echogram_from_s", "echogram_1000"]
+        names[names.len() - 4..],
+        [
+            "c80_db_1000",
+            "gap_1000",
+            "echogram_from_s",
+            "echogram_1000"
+        ]
     );
+    // Each empty cell is counted with its reason, in study.json and in what is printed.
+    let note = std::fs::read_to_string(out.join("study.json")).unwrap();
+    let note: serde_json::Value = serde_json::from_str(&note).unwrap();
+    let mut counted = 0;
+    for (at, name) in names.iter().enumerate() {
+        let rows = csv.lines().skip(1);
+        let empty = rows.filter(|row| row.split(',').nth(at).unwrap().is_empty());
+        let empty = empty.count() as u64;
+        let reasons = note["empty"][name].as_object();
+        let told: u64 = reasons.map_or(0, |reasons| {
+            reasons.values().filter_map(serde_json::Value::as_u64).sum()
+        });
+        assert_eq!(told, empty, "{name}: {}", note["empty"]);
+        assert!(reasons.is_none_or(|reasons| !reasons.contains_key("not defined")));
+        counted += empty;
+    }
+    let printed = report["empty"].as_array().unwrap().iter();
+    let printed: u64 = printed.filter_map(|of| of["cells"].as_u64()).sum();
+    assert_eq!(printed, counted);
     let level = names.iter().position(|name| *name == "g_db_1000").unwrap();
     let levels = csv
         .lines()

@@ -2,23 +2,8 @@
 
 use crate::acoustics::BandFigures;
 use crate::bands::{BAND_COUNT, BANDS_HZ};
-use crate::response::Response;
+use crate::response::{Gap, Response};
 use crate::scene::Scene;
-
-/// Share of the energy after the response's end above which it is reported: a tenth of what
-/// figures allow.
-const TOLD_CUT_OFF: f64 = 0.001;
-
-/// Why a band has no time of decay.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Reason {
-    /// The response ends before its sound has decayed.
-    TooShort,
-    /// Nothing arrives late enough for a clarity figure: there is no reverberation.
-    NoLateSound,
-    /// Sound decays, but there are too few waves to estimate the decay.
-    TooNoisy,
-}
 
 /// A sentence for each reason why figures are missing, with the bands of which it is true.
 pub fn reasons(scene: &Scene, response: &Response) -> Vec<String> {
@@ -26,89 +11,95 @@ pub fn reasons(scene: &Scene, response: &Response) -> Vec<String> {
         // That nothing arrives is told elsewhere.
         return Vec::new();
     }
-    let figures = &response.figures;
-    let of_bands: Vec<Option<Reason>> = (0..BAND_COUNT)
-        .map(|band| reason(&figures.bands[band], figures.cut_off[band]))
-        .collect();
-    let told = |reason: Reason| {
-        let bands = bands(&of_bands, reason)?;
-        let of_reason = figures.bands.iter().zip(&of_bands);
-        let of_reason = of_reason.filter(|(_, of)| **of == Some(reason));
-        let times = missing_times(of_reason.map(|(figures, _)| figures));
-        Some(sentence(scene, response, reason, &times, &bands))
+    let gaps = response.gaps();
+    let told = |reason: Gap| {
+        let of_reason = gaps.map(|gap| gap == Some(reason));
+        of_reason
+            .contains(&true)
+            .then(|| sentence(scene, response, reason, of_reason))
     };
-    let all = [Reason::TooShort, Reason::NoLateSound, Reason::TooNoisy];
-    all.into_iter().filter_map(told).collect()
-}
-
-/// Why this band lacks a time of decay; `None` if it has all three.
-fn reason(figures: &BandFigures, cut_off: Option<f64>) -> Option<Reason> {
-    if cut_off.is_none_or(|share| share > TOLD_CUT_OFF) {
-        return Some(Reason::TooShort);
-    }
-    let times = [figures.edt_s, figures.t20_s, figures.t30_s];
-    if times.iter().all(Option::is_some) {
-        return None;
-    }
-    match figures.c80_db {
-        Some(_) => Some(Reason::TooNoisy),
-        None => Some(Reason::NoLateSound),
-    }
-}
-
-/// The bands with this reason, in words; `None` if there are none.
-fn bands(of_bands: &[Option<Reason>], reason: Reason) -> Option<String> {
-    let bands = BANDS_HZ.iter().zip(of_bands);
-    let hertz: Vec<String> = bands
-        .filter(|(_, of)| **of == Some(reason))
-        .map(|(hz, _)| hz.to_string())
-        .collect();
-    match hertz.len() {
-        0 => None,
-        BAND_COUNT => Some("in all bands".to_owned()),
-        _ => Some(format!("at {} Hz", hertz.join(", "))),
-    }
-}
-
-/// The times of decay that one or more of these bands lack, in words.
-fn missing_times<'a>(bands: impl Iterator<Item = &'a BandFigures> + Clone) -> String {
-    let lacks = |of: fn(&BandFigures) -> Option<f64>| bands.clone().any(|band| of(band).is_none());
-    let names: Vec<&str> = [
-        ("EDT", lacks(|band| band.edt_s)),
-        ("T20", lacks(|band| band.t20_s)),
-        ("T30", lacks(|band| band.t30_s)),
-    ]
-    .into_iter()
-    .filter_map(|(name, lacks)| lacks.then_some(name))
-    .collect();
-    match names.split_last() {
-        Some((last, [])) => (*last).to_owned(),
-        Some((last, others)) => format!("{} and {last}", others.join(", ")),
-        None => String::new(),
-    }
+    Gap::ALL.into_iter().filter_map(told).collect()
 }
 
 fn sentence(
     scene: &Scene,
     response: &Response,
-    reason: Reason,
-    times: &str,
-    bands: &str,
+    reason: Gap,
+    of_reason: [bool; BAND_COUNT],
 ) -> String {
     let seconds = response.seconds;
+    let bands = bands(of_reason);
+    let times = missing_times(&response.figures.bands, of_reason);
     match reason {
-        Reason::TooShort if scene.has_materials() || scene.air.is_some() => format!(
+        Gap::Silence => format!("nothing arrives {bands}"),
+        Gap::TooShort if scene.has_materials() || scene.air.is_some() => format!(
             "sound continues after {seconds:.2} s {bands}, so figures are missing (—) or inexact there: use a larger --seconds"
         ),
-        Reason::TooShort => format!(
+        Gap::TooShort => format!(
             "sound continues after {seconds:.2} s {bands}, so figures are missing (—) or inexact there: nothing absorbs in this scene; give its surfaces a material (docs/scene-format.md)"
         ),
-        Reason::NoLateSound => format!(
-            "hardly anything arrives after the first 80 ms {bands}, so EDT, T20 and T30 cannot be determined (—)"
+        Gap::NoLateSound => format!(
+            "hardly anything arrives after the first 80 ms, so decay times are not defined (—): {times}"
         ),
-        Reason::TooNoisy => {
-            format!("too noisy {bands} (—): {times}; use more --waves")
+        Gap::TooNoisy => format!("too noisy (—): {times}; use more --waves"),
+    }
+}
+
+/// The decay times that some of these bands lack, each with its bands; times that the same bands lack are grouped.
+fn missing_times(figures: &[BandFigures; BAND_COUNT], of_reason: [bool; BAND_COUNT]) -> String {
+    type Time = fn(&BandFigures) -> Option<f64>;
+    let times: [(&str, Time); 3] = [
+        ("EDT", |band| band.edt_s),
+        ("T20", |band| band.t20_s),
+        ("T30", |band| band.t30_s),
+    ];
+    let mut told: Vec<(Vec<&str>, [bool; BAND_COUNT])> = Vec::new();
+    for (name, time) in times {
+        let lacks: [bool; BAND_COUNT] =
+            std::array::from_fn(|band| of_reason[band] && time(&figures[band]).is_none());
+        match told.last_mut() {
+            Some((names, bands)) if *bands == lacks => names.push(name),
+            _ => told.push((vec![name], lacks)),
         }
+    }
+    let told = told.into_iter().filter(|(_, lacks)| lacks.contains(&true));
+    let words = told.map(|(names, lacks)| format!("{} {}", listed(&names), bands(lacks)));
+    words.collect::<Vec<_>>().join("; ")
+}
+
+/// Bands in words: `at 63 and 125 Hz`, `at 500 Hz, 1 and 2 kHz`, `in all bands`.
+fn bands(of: [bool; BAND_COUNT]) -> String {
+    const KILO: f64 = 1000.0;
+    if of == [true; BAND_COUNT] {
+        return "in all bands".to_owned();
+    }
+    let hz = || {
+        BANDS_HZ
+            .iter()
+            .zip(of)
+            .filter_map(|(hz, of)| of.then_some(*hz))
+    };
+    let low: Vec<String> = hz()
+        .filter(|hz| *hz < KILO)
+        .map(|hz| hz.to_string())
+        .collect();
+    let high = hz()
+        .filter(|hz| *hz >= KILO)
+        .map(|hz| (hz / KILO).to_string());
+    let high: Vec<String> = high.collect();
+    let parts = [(low, "Hz"), (high, "kHz")].into_iter();
+    let parts = parts.filter(|(numbers, _)| !numbers.is_empty());
+    let parts = parts.map(|(numbers, unit)| format!("{} {unit}", listed(&numbers)));
+    format!("at {}", parts.collect::<Vec<_>>().join(", "))
+}
+
+/// `a`, `a and b`, `a, b and c`.
+fn listed(words: &[impl AsRef<str>]) -> String {
+    let words: Vec<&str> = words.iter().map(AsRef::as_ref).collect();
+    match words.split_last() {
+        Some((last, [])) => (*last).to_owned(),
+        Some((last, others)) => format!("{} and {last}", others.join(", ")),
+        None => String::new(),
     }
 }
 
@@ -116,9 +107,13 @@ fn sentence(
 mod tests {
     use super::*;
 
-    /// The advice follows from what is missing, and there is none where nothing is missing.
+    fn of(bands: &[usize]) -> [bool; BAND_COUNT] {
+        std::array::from_fn(|band| bands.contains(&band))
+    }
+
+    /// Protects the reader from a note that belies the table: a time is named with the bands that lack it, and no others.
     #[test]
-    fn each_missing_figure_has_its_reason() {
+    fn a_time_is_named_with_the_bands_that_lack_it() {
         let whole = BandFigures {
             edt_s: Some(1.0),
             t20_s: Some(1.0),
@@ -126,24 +121,26 @@ mod tests {
             c80_db: Some(3.0),
             ..BandFigures::default()
         };
-        let noisy = BandFigures {
-            t30_s: None,
-            ..whole
-        };
-        let dry = BandFigures::default();
-        assert_eq!(reason(&whole, Some(0.0)), None);
-        assert_eq!(reason(&noisy, Some(0.0)), Some(Reason::TooNoisy));
-        assert_eq!(reason(&dry, Some(0.0)), Some(Reason::NoLateSound));
-        for figures in [whole, noisy, dry] {
-            assert_eq!(reason(&figures, None), Some(Reason::TooShort));
-            assert_eq!(reason(&figures, Some(0.002)), Some(Reason::TooShort));
+        let mut figures = [whole; BAND_COUNT];
+        for figures in &mut figures[5..7] {
+            figures.t30_s = None;
         }
-        let mut all = [Some(Reason::TooShort); BAND_COUNT];
-        assert_eq!(bands(&all, Reason::TooShort).unwrap(), "in all bands");
-        all[2..].fill(None);
-        assert_eq!(bands(&all, Reason::TooShort).unwrap(), "at 63, 125 Hz");
-        assert_eq!(bands(&all, Reason::TooNoisy), None);
-        assert_eq!(missing_times([whole, noisy].iter()), "T30");
-        assert_eq!(missing_times([dry, noisy].iter()), "EDT, T20 and T30");
+        figures[5].t20_s = None;
+        let told = missing_times(&figures, [true; BAND_COUNT]);
+        assert_eq!(told, "T20 at 2 kHz; T30 at 2 and 4 kHz");
+        // Bands with another reason are left out.
+        assert_eq!(missing_times(&figures, of(&[6, 7])), "T30 at 4 kHz");
+        let none = [BandFigures::default(); BAND_COUNT];
+        let told = missing_times(&none, [true; BAND_COUNT]);
+        assert_eq!(told, "EDT, T20 and T30 in all bands");
+    }
+
+    /// Protects the names of bands.
+    #[test]
+    fn bands_are_in_hertz_and_kilohertz() {
+        assert_eq!(bands([true; BAND_COUNT]), "in all bands");
+        assert_eq!(bands(of(&[0, 1])), "at 63 and 125 Hz");
+        assert_eq!(bands(of(&[2, 3, 4, 7])), "at 250 and 500 Hz, 1 and 8 kHz");
+        assert_eq!(bands(of(&[4])), "at 1 kHz");
     }
 }

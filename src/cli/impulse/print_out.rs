@@ -212,7 +212,7 @@ pub fn text(
 ) -> anyhow::Result<()> {
     for (pair, response) in heard {
         print::line(&format!(
-            "{}: source {}, listener {}: {} waves, {} iterations, {:.2} s, profile {}, seed {}",
+            "{}: source {}, listener {}: {} waves, {} iterations, record {:.2} s, profile {}, seed {}",
             scene.name,
             pair.source,
             pair.listener,

@@ -2,7 +2,7 @@
 
 use crate::cli::options::Common;
 use crate::cli::print;
-use crate::study::{Estimate, Joined, Shard, Study};
+use crate::study::{EmptyCells, Estimate, Joined, Shard, Study};
 use indicatif::{HumanBytes, HumanCount, HumanDuration};
 use serde_json::json;
 use std::path::Path;
@@ -83,8 +83,10 @@ pub fn joined(common: &Common, study: &Study, joined: &Joined) -> anyhow::Result
         return print::json(&json!({
             "name": study.name(), "study": study.hash(), "renderer": joined.renderer,
             "points": joined.points, "shards": joined.shards, "files": files,
+            "empty": empty_of(joined),
         }));
     }
+    tell_empty(common, joined);
     let (points, shards) = (joined.points, joined.shards);
     let s = if shards == 1 { "" } else { "s" };
     print::line(&format!(
@@ -92,4 +94,45 @@ pub fn joined(common: &Common, study: &Study, joined: &Joined) -> anyhow::Result
         study.name(),
         files.join(", ")
     ))
+}
+
+/// Columns whose empty cells are told one by one; study.json has all.
+const MOST_COLUMNS: usize = 12;
+
+/// Says which cells of the tables are empty, and why.
+fn tell_empty(common: &Common, joined: &Joined) {
+    let mut columns: Vec<(&str, Vec<&EmptyCells>)> = Vec::new();
+    for cells in &joined.empty {
+        match columns.last_mut() {
+            Some((column, of_column)) if *column == cells.column => of_column.push(cells),
+            _ => columns.push((&cells.column, vec![cells])),
+        }
+    }
+    for (column, of_column) in columns.iter().take(MOST_COLUMNS) {
+        let all: u64 = of_column.iter().map(|cells| cells.cells).sum();
+        let reasons = of_column
+            .iter()
+            .map(|cells| format!("{} {}", cells.why, cells.cells));
+        common.note(&format!(
+            "note: {column}: {all} of {} cells are empty: {}",
+            joined.points,
+            reasons.collect::<Vec<_>>().join(", ")
+        ));
+    }
+    if let Some(more) = columns
+        .len()
+        .checked_sub(MOST_COLUMNS)
+        .filter(|more| *more > 0)
+    {
+        common.note(&format!(
+            "note: {more} more columns have empty cells: study.json lists all"
+        ));
+    }
+}
+
+/// The same for programs.
+fn empty_of(joined: &Joined) -> Vec<serde_json::Value> {
+    let cells = joined.empty.iter();
+    let cells = cells.map(|of| json!({"column": of.column, "why": of.why, "cells": of.cells}));
+    cells.collect()
 }

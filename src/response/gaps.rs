@@ -1,0 +1,113 @@
+//! Why figures of a response are missing.
+
+use crate::acoustics::{BandFigures, Figures};
+
+/// Share of the energy after the response's end above which it is reported: a tenth of what
+/// figures allow.
+const TOLD_CUT_OFF: f64 = 0.001;
+
+/// Why figures of a band are missing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Gap {
+    /// Nothing arrives in this band.
+    Silence,
+    /// The response ends before its sound has decayed.
+    TooShort,
+    /// Nothing arrives late enough for a clarity figure: there is no reverberation.
+    NoLateSound,
+    /// Sound decays, but there are too few waves to estimate the decay.
+    TooNoisy,
+}
+
+impl Gap {
+    /// All of them, in the order in which they are told.
+    pub const ALL: [Gap; 4] = [Gap::Silence, Gap::TooShort, Gap::NoLateSound, Gap::TooNoisy];
+
+    /// Why figures of a band are missing, or inexact; `None` if its times of decay are all there. `is_heard`: whether
+    /// anything arrives in it.
+    pub fn of(figures: &Figures, band: usize, is_heard: bool) -> Option<Gap> {
+        match is_heard {
+            true => Gap::of_band(&figures.bands[band], figures.cut_off[band]),
+            false => Some(Gap::Silence),
+        }
+    }
+
+    fn of_band(figures: &BandFigures, cut_off: Option<f64>) -> Option<Gap> {
+        if cut_off.is_none_or(|share| share > TOLD_CUT_OFF) {
+            return Some(Gap::TooShort);
+        }
+        let times = [figures.edt_s, figures.t20_s, figures.t30_s];
+        if times.iter().all(Option::is_some) {
+            return None;
+        }
+        match figures.c80_db {
+            Some(_) => Some(Gap::TooNoisy),
+            None => Some(Gap::NoLateSound),
+        }
+    }
+
+    /// In two or three words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Gap::Silence => "nothing arrives",
+            Gap::TooShort => "record too short",
+            Gap::NoLateSound => "no late sound",
+            Gap::TooNoisy => "too noisy",
+        }
+    }
+
+    /// As a number in tables: from 1 in the order of [`Gap::ALL`].
+    #[cfg(feature = "experiment")]
+    pub fn code(self) -> u64 {
+        Gap::ALL
+            .iter()
+            .position(|gap| *gap == self)
+            .map_or(0, |at| at as u64 + 1)
+    }
+
+    /// The reverse; `None` for 0 and for what is no code.
+    #[cfg(feature = "experiment")]
+    pub fn of_code(code: u64) -> Option<Gap> {
+        Gap::ALL.into_iter().find(|gap| gap.code() == code)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects the advice: it follows from what is missing, and there is none where nothing is missing.
+    #[test]
+    fn each_missing_figure_has_its_reason() {
+        let whole = BandFigures {
+            edt_s: Some(1.0),
+            t20_s: Some(1.0),
+            t30_s: Some(1.0),
+            c80_db: Some(3.0),
+            ..BandFigures::default()
+        };
+        let noisy = BandFigures {
+            t30_s: None,
+            ..whole
+        };
+        let dry = BandFigures::default();
+        assert_eq!(Gap::of_band(&whole, Some(0.0)), None);
+        assert_eq!(Gap::of_band(&noisy, Some(0.0)), Some(Gap::TooNoisy));
+        assert_eq!(Gap::of_band(&dry, Some(0.0)), Some(Gap::NoLateSound));
+        for figures in [whole, noisy, dry] {
+            assert_eq!(Gap::of_band(&figures, None), Some(Gap::TooShort));
+            assert_eq!(Gap::of_band(&figures, Some(0.002)), Some(Gap::TooShort));
+        }
+    }
+
+    /// Protects tables: a code means one reason.
+    #[cfg(feature = "experiment")]
+    #[test]
+    fn codes_mean_reasons() {
+        for gap in Gap::ALL {
+            assert_eq!(Gap::of_code(gap.code()), Some(gap));
+        }
+        assert_eq!(Gap::ALL.map(Gap::code), [1, 2, 3, 4]);
+        assert_eq!((Gap::of_code(0), Gap::of_code(5)), (None, None));
+    }
+}
