@@ -12,7 +12,7 @@ page="$PWD/target/page-tested"
 provide_packages "${NEEDED_TO_TEST[@]}"
 # Nothing but what is built now is tested.
 rm -rf "$page"
-run scripts/browser.sh -o "$page"
+run scripts/browser.sh -o "$page" --check-size
 # One browser at a time: each draws with the processor.
 export ECHOMARCH_PAGE="$page"
 run cargo test --locked --test program page:: -- --ignored --nocapture --test-threads=1

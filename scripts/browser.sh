@@ -5,10 +5,13 @@ set -euo pipefail
 
 usage() {
     cat <<'END'
-usage: scripts/browser.sh [-o DIR] [--serve [PORT]]
+usage: scripts/browser.sh [-o DIR] [--serve [PORT]] [--check-size | --update-size]
 
 Builds the page to DIR (target/page): a new or empty folder, or one that this script has made. With --serve
 gives it out at http://localhost:PORT/ (8000) until it is ended, by python3.
+
+  --check-size   fails if docs/browser.md states another size, in tenths of a megabyte, than was built
+  --update-size  writes that size anew
 
 Where the installed Rust has no wasm32-unknown-unknown it is added by rustup; where that cannot be done,
 Debian's compiler for browsers is unpacked beneath target/tools and used for the page alone.
@@ -17,6 +20,7 @@ END
 
 out=""
 port=""
+size=""
 while (($#)); do
     case "$1" in
     -h | --help)
@@ -26,6 +30,9 @@ while (($#)); do
     -o)
         out="$(realpath -m "${2:?"-o needs a value"}")"
         shift
+        ;;
+    --check-size | --update-size)
+        size="${1#--}"
         ;;
     --serve)
         port=8000
@@ -54,6 +61,8 @@ readonly DEBIAN=target/tools/rustc-web
 readonly DEBIAN_PACKAGES=(rustc-web libstd-rust-web-dev rust-web-src)
 # In a folder that this script has made: the files that it has put there, one a line.
 readonly MARKER=.echomarch-page
+# It states the size of the wasm.
+readonly DOCUMENT=docs/browser.md
 out="${out:-$PWD/target/page}"
 
 # What is half made goes, however the script ends.
@@ -172,9 +181,35 @@ run "${cargo_wasm[@]}" build --release --locked --manifest-path "$MANIFEST" --ta
     --target-dir "$BUILT"
 assemble
 
+# The sentence of docs/browser.md with these sizes in bytes: of the wasm, and of its gzip file.
+size_in_words() {
+    awk -v whole="$1" -v small="$2" \
+        'BEGIN { printf "The wasm has %.1f MB, %.1f MB with `gzip -9`", whole / 1e6, small / 1e6 }'
+}
+
+# Compares the size in docs/browser.md with what was built, or writes it anew.
+settle_size() {
+    local told
+    told="$(size_in_words "$1" "$2")"
+    if grep -qF "$told" "$DOCUMENT"; then
+        return 0
+    fi
+    case "$size" in
+    update-size) sed -i -E "s/The wasm has [0-9.,]+ MB, [0-9.,]+ MB with \`gzip -9\`/$told/" "$DOCUMENT" ;;
+    check-size)
+        complain "$DOCUMENT states another size than was built ($told): run scripts/browser.sh --update-size"
+        return 1
+        ;;
+    *) say "$DOCUMENT states another size: correct it by scripts/browser.sh --update-size" ;;
+    esac
+}
+
 wasm="$out/pkg/echomarch_browser_bg.wasm"
+bytes="$(stat -c %s "$wasm")"
+packed="$(gzip -9 -c "$wasm" | wc -c)"
 say
-say "$out: $(stat -c %s "$wasm") bytes of wasm, $(gzip -9 -c "$wasm" | wc -c) with gzip"
+say "$out: $bytes bytes of wasm, $packed with gzip"
+settle_size "$bytes" "$packed"
 if [[ -n "$port" ]]; then
     say "http://localhost:$port/"
     clean_up

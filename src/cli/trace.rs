@@ -95,7 +95,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
         check_ending(path, "csv")?;
     }
     if arguments.levels {
-        let how = ResponseSettings::default().with_trace(settings.clone());
+        let how = ResponseSettings::default().with_trace_of_frames(&settings);
         how.validate()?;
     }
     if arguments.watch {
@@ -286,7 +286,7 @@ fn print_text(report: &Report) -> anyhow::Result<()> {
         report.listener_hits, report.dead, report.travelling
     ))?;
     print::line(&format!(
-        "  iterations of zero length {} of {iterations} ({share:.1} %), step limit reached {}",
+        "  iterations in which the wave did not move {} of {iterations} ({share:.1} %), step limit reached {}",
         report.zero_length_passes, report.step_limit_reached
     ))?;
     print::line(&format!(

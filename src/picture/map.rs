@@ -19,8 +19,11 @@ const BAR_SHARE: f32 = 0.2;
 /// Height of the title's line, in the plan's unit of strokes.
 const TITLE: f32 = 26.0;
 
-/// Marks on the colour bar, both ends among them.
-const TICKS: u32 = 5;
+/// Steps between marks on the colour bar at most.
+const STEPS: f64 = 6.0;
+
+/// Length of a mark beside the colour bar, in the plan's unit of strokes.
+const MARK: f32 = 4.0;
 
 /// The colour of a place without a number.
 const NOTHING: [u8; 3] = [225, 225, 225];
@@ -175,8 +178,9 @@ fn with_colour_bar(
 ) -> Result<RgbaImage, Error> {
     let unit = plan.stroke();
     let dot = (1.6 * unit).round().max(1.0);
-    let labels = labels(ends, options.unit);
-    let longest = labels.iter().map(String::len).max().unwrap_or(0);
+    let marks = bar_marks(ends, options.unit);
+    let longest = marks.iter().map(|mark| mark.label.chars().count());
+    let longest = longest.max().unwrap_or(0);
     let text = dot * (font::ADVANCE * longest) as f32;
     let beside = (BAR_SHARE * plan.width as f32).max(text + 52.0 * unit) as u32;
     let head = (TITLE * unit).round();
@@ -208,31 +212,65 @@ fn with_colour_bar(
         let colour = (options.colour)(1.0 - f64::from(row) / f64::from(length - 1.0).max(1.0));
         rectangle(&mut canvas, [left, top + row as f32, bar, 1.0], colour, 1.0);
     }
-    for (tick, label) in labels.iter().enumerate() {
-        let y = top + length - length * tick as f32 / (TICKS - 1) as f32;
+    for mark in &marks {
+        let y = top + length * (1.0 - mark.share as f32);
+        let line = [
+            left + bar,
+            (y - 0.5 * unit).round(),
+            MARK * unit,
+            unit.max(1.0),
+        ];
+        rectangle(&mut canvas, line, font::INK, 1.0);
         let at = (y - 3.5 * dot).clamp(top, top + length - 7.0 * dot);
-        let x = (left + bar + 8.0 * unit).round();
-        write(&mut canvas, label, x, at.round(), dot);
+        let x = (left + bar + (MARK + 5.0) * unit).round();
+        write(&mut canvas, &mark.label, x, at.round(), dot);
     }
     Ok(whole)
 }
 
-/// Labels at the marks of the bar, from below: as many digits as distinguish them.
-fn labels(ends: Option<(f64, f64)>, unit: &str) -> Vec<String> {
+/// A mark on the colour bar.
+#[derive(Debug, PartialEq)]
+struct Mark {
+    /// How far up the bar it is, 0 to 1.
+    share: f64,
+    label: String,
+}
+
+/// The marks of the bar, from below: at the multiples of 1, 2 or 5 times a power of ten that lie on it; where all
+/// numbers are the same at that one.
+fn bar_marks(ends: Option<(f64, f64)>, unit: &str) -> Vec<Mark> {
     let Some((least, most)) = ends else {
         return Vec::new();
     };
-    let step = (most - least) / f64::from(TICKS - 1);
-    let digits = match step > 0.0 {
-        true => (1.0 - step.log10()).ceil().clamp(0.0, 4.0) as usize,
-        false => 2,
+    let step = round_step((most - least) / STEPS);
+    let mark = |number: f64, digits: usize| Mark {
+        share: share(number, least, most),
+        label: format!("{number:.digits$} {unit}").trim_end().to_owned(),
     };
-    let label = |tick: u32| {
-        let number = least + step * f64::from(tick);
-        format!("{number:.digits$} {unit}").trim_end().to_owned()
-    };
-    (0..TICKS).map(label).collect()
+    // Not for equal ends, nor for such that no numbers lie between.
+    if !(step.is_finite() && step > 0.0 && least + step > least) {
+        return vec![mark(least, 2)];
+    }
+    let digits = (-step.log10().floor()).clamp(0.0, 9.0) as usize;
+    let first = (least / step - ROUNDING).ceil();
+    let count = (most / step + ROUNDING).floor() - first;
+    let numbers = (0..=count as u32).map(|index| (first + f64::from(index)) * step);
+    // Not −0.
+    numbers.map(|number| mark(number + 0.0, digits)).collect()
 }
+
+/// The least of 1, 2, 5, 10, 20, 50 … that is not below `least`.
+fn round_step(least: f64) -> f64 {
+    let power = 10_f64.powf(least.log10().floor());
+    let steps = [1.0, 2.0, 5.0].map(|step| step * power);
+    let fits = steps
+        .into_iter()
+        .find(|step| *step >= least * (1.0 - ROUNDING));
+    fits.unwrap_or(10.0 * power)
+}
+
+/// A share of a step that is rounding.
+const ROUNDING: f64 = 1e-6;
 
 #[cfg(test)]
 mod tests {
@@ -243,15 +281,43 @@ mod tests {
     fn the_bar_says_what_the_colours_mean() {
         let values = [Some(-3.0), None, Some(5.0)];
         assert_eq!(ends_of(values.into_iter()), Some((-3.0, 5.0)));
-        let labels = |ends| labels(Some(ends), "dB");
-        assert_eq!(
-            labels((-3.0, 5.0)),
-            ["-3.0 dB", "-1.0 dB", "1.0 dB", "3.0 dB", "5.0 dB"]
-        );
-        assert_eq!(labels((2.0, 2.0))[0], "2.00 dB");
         assert_eq!(ends_of([None].into_iter()), None);
         assert_eq!(around_zero((-0.25, 0.5)), (-0.5, 0.5));
         assert_eq!(share(1.0, 0.0, 4.0), 0.25);
         assert_eq!(share(2.0, 2.0, 2.0), 0.5);
+    }
+
+    /// Protects the reader of a colour bar from odd numbers: its marks are at round ones, and where these are.
+    #[test]
+    fn marks_are_at_round_numbers() {
+        let labels = |least, most| -> Vec<String> {
+            let marks = bar_marks(Some((least, most)), "dB");
+            for mark in &marks {
+                let number: f64 = mark.label.trim_end_matches(" dB").parse().unwrap();
+                let place = share(number, least, most);
+                assert!(
+                    least == most || (mark.share - place).abs() < 1e-9,
+                    "{mark:?}"
+                );
+            }
+            marks.into_iter().map(|mark| mark.label).collect()
+        };
+        assert_eq!(labels(19.5, 23.8), ["20 dB", "21 dB", "22 dB", "23 dB"]);
+        assert_eq!(labels(-3.0, 5.0), ["-2 dB", "0 dB", "2 dB", "4 dB"]);
+        assert_eq!(labels(-0.5, 0.5)[0], "-0.4 dB");
+        assert_eq!(
+            labels(0.0, 0.012),
+            [
+                "0.000 dB", "0.002 dB", "0.004 dB", "0.006 dB", "0.008 dB", "0.010 dB", "0.012 dB"
+            ]
+        );
+        assert_eq!(labels(120.0, 1400.0), ["500 dB", "1000 dB"]);
+        assert_eq!(labels(2.0, 2.0), ["2.00 dB"]);
+        assert!(bar_marks(None, "dB").is_empty());
+        // Numbers between which there is none.
+        assert_eq!(
+            bar_marks(Some((1e300, 1e300 * (1.0 + f64::EPSILON))), "").len(),
+            1
+        );
     }
 }

@@ -20,6 +20,7 @@ mod font;
 mod map;
 mod marks;
 mod names;
+mod path_legend;
 mod plan;
 mod png;
 mod scale_bar;

@@ -1,7 +1,7 @@
 //! The plan of a scene.
 
 use super::plan::{Bounds, Plan};
-use super::{PictureError, marks, names, scale_bar, shader, wave_paths};
+use super::{PictureError, marks, names, path_legend, scale_bar, shader, wave_paths};
 use crate::error::Error;
 use crate::gpu::Context;
 use crate::scene::Scene;
@@ -24,7 +24,7 @@ pub struct SliceOptions {
     pub also: Vec<Vec<Wave>>,
     /// How these waves are traced; `waves` is taken from `paths`.
     pub settings: Settings,
-    /// Whether a scale bar is drawn in the lower left.
+    /// Whether a scale bar is drawn in the lower left, and in the upper left what the colours of paths mean.
     pub scale_bar: bool,
 }
 
@@ -74,12 +74,13 @@ pub fn slice(
     };
     // Opaque pixels are the same with and without premultiplied opacity.
     if let Some(mut canvas) = PixmapMut::from_bytes(&mut picture, plan.width, plan.height) {
-        wave_paths::draw(&mut canvas, &plan, scene, &paths);
-        wave_paths::draw(&mut canvas, &plan, scene, &options.also);
+        let mut fates = wave_paths::draw(&mut canvas, &plan, scene, &paths);
+        fates.extend(wave_paths::draw(&mut canvas, &plan, scene, &options.also));
         marks::draw(&mut canvas, &plan, scene);
         names::draw(&mut canvas, &plan, scene);
         if options.scale_bar {
             scale_bar::draw(&mut canvas, &plan);
+            path_legend::draw(&mut canvas, &plan, &fates);
         }
     }
     Ok(picture)

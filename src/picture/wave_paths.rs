@@ -25,8 +25,49 @@ struct Line {
     stub: Option<(Vec3, Vec3)>,
 }
 
-/// Draws the waves of [`crate::Tracer::paths`]; those that reached the listener lie on top.
-pub(super) fn draw(canvas: &mut PixmapMut, plan: &Plan, scene: &Scene, states: &[Vec<Wave>]) {
+/// How the waves of a fate are drawn.
+pub(super) struct Style {
+    pub fate: Fate,
+    pub colour: [u8; 3],
+    pub opacity: f32,
+    /// In the plan's unit of strokes.
+    pub width: f32,
+    /// What the legend says.
+    pub meaning: &'static str,
+}
+
+/// In the order in which they are drawn.
+pub(super) const STYLES: [Style; 3] = [
+    Style {
+        fate: Fate::Dead,
+        colour: DEAD,
+        opacity: 0.7,
+        width: 1.1,
+        meaning: "gone: met nothing more",
+    },
+    Style {
+        fate: Fate::Travelling,
+        colour: TRAVELLING,
+        opacity: 0.55,
+        width: 0.9,
+        meaning: "travelling at the end",
+    },
+    Style {
+        fate: Fate::Listener,
+        colour: REACHED,
+        opacity: 0.95,
+        width: 1.9,
+        meaning: "reached the listener",
+    },
+];
+
+/// Draws the waves of [`crate::Tracer::paths`]; those that reached the listener lie on top. Returns what became of them.
+pub(super) fn draw(
+    canvas: &mut PixmapMut,
+    plan: &Plan,
+    scene: &Scene,
+    states: &[Vec<Wave>],
+) -> Vec<Fate> {
     let waves = states.first().map_or(0, Vec::len);
     // A source in a solid sends no waves: they are dead from the start.
     let lines: Vec<Line> = (0..waves)
@@ -34,21 +75,17 @@ pub(super) fn draw(canvas: &mut PixmapMut, plan: &Plan, scene: &Scene, states: &
         .map(|wave| follow(plan, scene.source.position, states, wave))
         .collect();
     let unit = plan.stroke();
-    let styles = [
-        (Fate::Dead, DEAD, 0.7, 1.1),
-        (Fate::Travelling, TRAVELLING, 0.55, 0.9),
-        (Fate::Listener, REACHED, 0.95, 1.9),
-    ];
-    for (fate, shade, opacity, width) in styles {
-        let pen = round(width * unit);
-        for line in lines.iter().filter(|line| line.fate == fate) {
+    for style in &STYLES {
+        let pen = round(style.width * unit);
+        for line in lines.iter().filter(|line| line.fate == style.fate) {
             let path = polyline(&line.points);
-            stroke(canvas, path, &paint(shade, opacity), &pen);
+            stroke(canvas, path, &paint(style.colour, style.opacity), &pen);
             if let Some((from, direction)) = line.stub {
-                draw_stub(canvas, plan, from, direction, opacity);
+                draw_stub(canvas, plan, from, direction, style.opacity);
             }
         }
     }
+    lines.iter().map(|line| line.fate).collect()
 }
 
 /// The places of one wave until it reached the listener or died. What a dead wave does

@@ -91,7 +91,7 @@ pub fn heard(ui: &mut Ui, hud: &HudState) {
     }
     for (name, count) in [
         (
-            "iterations of zero length",
+            "iterations without a move",
             counts.map(|c| c.zero_length_passes),
         ),
         ("step limit reached", counts.map(|c| c.step_limit_reached)),

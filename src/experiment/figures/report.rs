@@ -43,7 +43,7 @@ impl Row for Line<'_> {
             Column::for_programs("zero_length_passes", |line: &Line| {
                 line.row.counts.zero_length_passes
             }),
-            Column::new("zero_length_share", "zero", |line: &Line| {
+            Column::new("zero_length_share", "not moved", |line: &Line| {
                 line.row.zero_length_share
             })
             .percent(1),

@@ -19,6 +19,56 @@ const SHEET: Sheet = Sheet {
 const PLOTS_WIDTH: u32 = 1230;
 
 const COLOURS: [(&str, RGBColor); 3] = [("thesis", THESIS), ("march", MARCH), ("hybrid", HYBRID)];
+
+/// How the line of a profile looks. All three often have the same errors: then the narrow dashes of `thesis` lie on
+/// `hybrid`, and that on the wide line of `march`, and points and bars stand side by side.
+struct Look {
+    profile: &'static str,
+    /// In pixels.
+    width: u32,
+    /// Pixels of a dash and of the gap after it.
+    dash: Option<(i32, i32)>,
+    /// In shares of the panel's width.
+    beside: f64,
+}
+
+/// From below.
+const LOOKS: [Look; 3] = [
+    Look {
+        profile: "march",
+        width: 9,
+        dash: None,
+        beside: -0.008,
+    },
+    Look {
+        profile: "hybrid",
+        width: 5,
+        dash: None,
+        beside: 0.008,
+    },
+    Look {
+        profile: "thesis",
+        width: 2,
+        dash: Some((7, 7)),
+        beside: 0.0,
+    },
+];
+
+impl Look {
+    /// The look of a profile; lines of other names are narrow, without dashes.
+    fn of(profile: &str) -> &'static Look {
+        const PLAIN: Look = Look {
+            profile: "",
+            width: 2,
+            dash: None,
+            beside: 0.0,
+        };
+        LOOKS
+            .iter()
+            .find(|look| look.profile == profile)
+            .unwrap_or(&PLAIN)
+    }
+}
 const GROUND: RGBColor = RGBColor(120, 120, 120);
 const BARE: RGBColor = RGBColor(204, 121, 167);
 
@@ -55,8 +105,11 @@ impl Point {
 struct Line {
     name: String,
     colour: RGBColor,
-    /// In pixels: `march` is wide, since `hybrid` mostly lies on it.
+    /// In pixels, and its dashes: see [`LOOKS`].
     width: u32,
+    dash: Option<(i32, i32)>,
+    /// How far its points are beside their places, in shares of the panel's width.
+    beside: f64,
     points: Vec<Point>,
 }
 
@@ -89,12 +142,16 @@ fn plot_open(row: &Panel, report: &LocaliseReport) -> Result<(), PlotError> {
             (_, true) => (" with the ground", GROUND),
             (_, false) => (", more iterations, no ground", BARE),
         };
+        // Further lines of a profile have a colour of their own.
+        let look = Look::of(if heard.is_empty() { &open.profile } else { "" });
         let points = open.azimuths.iter();
         let points = points.map(|at| Point::new(at.azimuth_deg, at.error, 0.0));
         Line {
             name: format!("{}, {} waves{heard}", open.profile, open.waves),
             colour,
-            width: width(&open.profile),
+            width: look.width,
+            dash: look.dash,
+            beside: look.beside,
             points: points.collect(),
         }
     };
@@ -157,7 +214,9 @@ fn lines(scene: &SceneReport, pick: impl Fn(&Cell) -> Option<Point>) -> Vec<Line
     let line = |(name, colour): (&str, RGBColor)| Line {
         name: name.to_owned(),
         colour,
-        width: width(name),
+        width: Look::of(name).width,
+        dash: Look::of(name).dash,
+        beside: Look::of(name).beside,
         points: first_sound(scene)
             .filter(|cell| cell.profile == name)
             .filter_map(&pick)
@@ -173,7 +232,7 @@ fn entries(lines: &[Line]) -> Vec<(String, Stroke)> {
         let stroke = Stroke {
             colour: line.colour,
             width: line.width,
-            dash: None,
+            dash: line.dash,
         };
         (line.name.clone(), stroke)
     };
@@ -226,10 +285,11 @@ fn plot_lines(
         .iter()
         .filter(|line| !line.points.is_empty())
         .collect();
-    // A wide line below a narrow one is seen on either side of it.
-    shown.sort_by_key(|line| std::cmp::Reverse(line.width));
+    // A wide line below a narrow one is seen on either side of it, and one below dashes between them.
+    shown.sort_by_key(|line| (line.dash.is_some(), std::cmp::Reverse(line.width)));
     for line in shown {
-        draw_line(&mut chart, line, place)?;
+        let beside = line.beside * (most - least + 2.0 * margin);
+        draw_line(&mut chart, line, |x| place(x) + beside)?;
     }
     Ok(())
 }
@@ -244,8 +304,14 @@ fn draw_line(chart: &mut Chart, line: &Line, place: impl Fn(f64) -> f64) -> Resu
     let joined = line.points.split(|point| point.error.is_none());
     let joined = joined.map(|points| points.iter().filter_map(spot).collect::<Vec<_>>());
     let joined = joined.filter(|points| points.len() > 1);
-    let joined = joined.map(|points| PathElement::new(points, stroke));
-    chart.draw_series(joined)?;
+    for points in joined {
+        match line.dash {
+            None => chart.draw_series([PathElement::new(points, stroke)])?,
+            Some((dash, gap)) => {
+                chart.draw_series(DashedLineSeries::new(points, dash, gap, stroke))?
+            }
+        };
+    }
     let dots = |hollow: bool| {
         let wanted = line
             .points
@@ -271,8 +337,4 @@ fn draw_line(chart: &mut Chart, line: &Line, place: impl Fn(f64) -> f64) -> Resu
 fn colour(profile: &str) -> RGBColor {
     let known = COLOURS.iter().find(|(name, _)| *name == profile);
     known.map_or(GROUND, |(_, colour)| *colour)
-}
-
-fn width(profile: &str) -> u32 {
-    if profile == "march" { 6 } else { 2 }
 }

@@ -1,0 +1,48 @@
+//! The legend of the paths of waves on a plan: what their colours mean.
+
+use super::font::{self, write};
+use super::marks::{PLATE, PLATE_COLOUR, rectangle};
+use super::plan::Plan;
+use super::wave_paths::{STYLES, Style};
+use crate::trace::Fate;
+use tiny_skia::PixmapMut;
+
+/// Pixels of a line's sample and of a row, in the plan's unit of strokes.
+const SAMPLE: f32 = 22.0;
+const ROW: f32 = 16.0;
+
+/// Draws in the upper left corner what the waves of these fates look like.
+pub(super) fn draw(canvas: &mut PixmapMut, plan: &Plan, fates: &[Fate]) {
+    // As they lie over one another, the uppermost first.
+    let styles = STYLES.iter().rev();
+    let shown: Vec<&Style> = styles.filter(|style| fates.contains(&style.fate)).collect();
+    let unit = plan.stroke();
+    let dot = (1.6 * unit).round().max(1.0);
+    let longest = shown.iter().map(|style| style.meaning.len()).max();
+    let Some(longest) = longest else {
+        return;
+    };
+    let row = (ROW * unit).max(9.0 * dot);
+    let (left, top) = (16.0 * unit, 14.0 * unit);
+    let text = left + (SAMPLE + 8.0) * unit;
+    let plate = [
+        left - 8.0 * unit,
+        top - 7.0 * unit,
+        (SAMPLE + 24.0) * unit + dot * (font::ADVANCE * longest) as f32,
+        row * shown.len() as f32 + 10.0 * unit,
+    ];
+    rectangle(canvas, plate, PLATE_COLOUR, PLATE);
+    for (index, style) in shown.into_iter().enumerate() {
+        let middle = top + row * (index as f32 + 0.5) - 2.0 * unit;
+        let thick = 1.6 * style.width * unit;
+        let sample = [left, middle - thick / 2.0, SAMPLE * unit, thick];
+        rectangle(canvas, sample, style.colour, style.opacity);
+        write(
+            canvas,
+            style.meaning,
+            text.round(),
+            (middle - 3.5 * dot).round(),
+            dot,
+        );
+    }
+}
