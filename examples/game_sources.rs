@@ -57,7 +57,7 @@ fn main() -> Result<(), Error> {
     let mut sources = Vec::new();
     for text in ["speech", "sine:110"] {
         let sound = Sound::parse(text, RATE_HZ)?;
-        let ears = Auralisation::new(spec);
+        let ears = Auralisation::new(spec)?;
         sources.push(Playing { sound, ears });
     }
     let mut writer = WavWriter::create(&file)?;
@@ -70,7 +70,7 @@ fn main() -> Result<(), Error> {
         for (number, source) in sources.iter_mut().enumerate() {
             if is_traced {
                 // A game would do this beside its picture, and pass `Heard` on to its audio thread.
-                let pair = scene.heard_by(number, 0);
+                let pair = scene.heard_by(number, 0)?;
                 let response = Response::trace(&mut tracer, &pair, &settings)?;
                 let axes = ListenerAxes::of(&pair.listener)?;
                 let mut heard = Heard::new(&response, &axes, spec, 1)?;
@@ -79,8 +79,8 @@ fn main() -> Result<(), Error> {
                 } else {
                     TRACE_EVERY * SAMPLES as u32
                 };
-                source.ears.glide_echoes(&heard, glide);
-                source.ears.glide_late(&mut heard, 2 * glide);
+                source.ears.glide_echoes(&heard, glide)?;
+                source.ears.glide_late(&mut heard, 2 * glide)?;
                 if tick % TICKS_HZ == 0 {
                     let sight = match response.direct() {
                         Some(_) => "in sight",
@@ -90,7 +90,7 @@ fn main() -> Result<(), Error> {
                 }
             }
             source.sound.fill(&mut mono);
-            source.ears.add(&mono, &mut stereo);
+            source.ears.add(&mono, &mut stereo)?;
         }
         writer.write(&stereo)?;
     }

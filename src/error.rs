@@ -56,7 +56,9 @@ impl Error {
             Error::Scene(_) => true,
             Error::Trace(error) => !matches!(
                 error,
-                TraceError::NothingTraced | TraceError::NoFieldTrial { .. }
+                TraceError::NothingTraced
+                    | TraceError::NoFrameBegun
+                    | TraceError::NoFieldTrial { .. }
             ),
             Error::Gpu(error) => error.is_bad_input(),
             Error::Audio(error) => error.is_bad_input(),

@@ -1,5 +1,6 @@
 //! Energy against time, by band, in bins.
 
+use super::arriving::check;
 use super::{AcousticsError, Arrival};
 use crate::bands::{self, BAND_COUNT, BANDS_HZ, Bands};
 use glam::DVec3;
@@ -30,7 +31,7 @@ pub(super) const MAX_BINS: usize = 1 << 16;
 ///
 /// // Bins of 1 ms; one batch.
 /// let mut echogram = Echogram::new(0.001, 1)?;
-/// echogram.add(0, 0.0105, &[0.25; 8], DVec3::X);
+/// echogram.add(0, 0.0105, &[0.25; 8], DVec3::X)?;
 /// assert_eq!(echogram.bins(), 11);
 /// assert_eq!(echogram.total(), [0.25; 8]);
 /// # Ok::<(), echomarch::acoustics::AcousticsError>(())
@@ -100,7 +101,8 @@ impl Echogram {
 
     /// Like [`new`](Self::new), with a bin's edge at `edge_s` seconds. If that is the direct
     /// sound's arrival, and a bin divides 10 ms, the limits of C50, C80 and D50 are edges too, and
-    /// nothing is distributed between their sides.
+    /// nothing is distributed between their sides. No bin begins before 0 s: the first begins at 0 s or less than a bin
+    /// later, and also has what comes before it.
     ///
     /// # Errors
     /// As [`new`](Self::new). An edge that is no finite number counts as 0 s.
@@ -111,24 +113,43 @@ impl Echogram {
     ) -> Result<Echogram, AcousticsError> {
         let mut echogram = Echogram::new(bin_s, batches)?;
         if edge_s.is_finite() {
-            echogram.first_s = edge_s - (edge_s / bin_s).ceil() * bin_s;
+            echogram.first_s = (edge_s - (edge_s / bin_s).floor() * bin_s).clamp(0.0, bin_s);
         }
         Ok(echogram)
     }
 
     /// Adds what arrives `seconds` after the source's impulse, flying along `direction` (a unit
-    /// vector, world axes). What comes before 0 s counts as at 0 s. A time that is no number, or
-    /// beyond 65,536 bins, goes into [`beyond`](Self::beyond).
+    /// vector, world axes; shorter where sound comes from several sides). What comes before the first bin counts in
+    /// it. A time beyond 65,536 bins, or none at all (infinity), goes into [`beyond`](Self::beyond).
     ///
-    /// # Panics
-    /// If there is no such batch.
-    pub fn add(&mut self, batch: usize, seconds: f64, energy: &Bands, direction: DVec3) {
-        assert!(batch < self.batches, "batch {batch} of {}", self.batches);
-        let place = (seconds.max(0.0) - self.first_s) / self.bin_s;
-        if seconds.is_nan() || place >= MAX_BINS as f64 {
-            bands::add(&mut self.beyond, energy);
-            return;
+    /// # Errors
+    /// [`AcousticsError::NoSuchBatch`]; [`AcousticsError::BadNumber`] for a time that is no number, an energy that
+    /// is not 0 to 10⁶⁰, and a direction longer than 1. Then nothing is added.
+    pub fn add(
+        &mut self,
+        batch: usize,
+        seconds: f64,
+        energy: &Bands,
+        direction: DVec3,
+    ) -> Result<(), AcousticsError> {
+        let batches = self.batches;
+        if batch >= batches {
+            return Err(AcousticsError::NoSuchBatch { batch, batches });
         }
+        if seconds.is_nan() {
+            return Err(AcousticsError::BadNumber {
+                what: "the time of an arrival in seconds",
+                must: "a number",
+                value: seconds,
+            });
+        }
+        check(energy, direction)?;
+        let place = (seconds - self.first_s) / self.bin_s;
+        if place >= MAX_BINS as f64 {
+            bands::add(&mut self.beyond, energy);
+            return Ok(());
+        }
+        // A negative place is 0 then.
         let bin = place as usize;
         self.grow(bin + 1);
         bands::add(&mut self.energies[bin * self.batches + batch], energy);
@@ -139,6 +160,7 @@ impl Echogram {
         for (flow, energy) in self.flows[bin].iter_mut().zip(energy) {
             *flow += direction * *energy;
         }
+        Ok(())
     }
 
     /// An echogram with the same bins and batches, and no arrivals.
@@ -186,11 +208,26 @@ impl Echogram {
 
     /// Adds a wave's crossing: its batch is its number modulo the batches, its time its length
     /// divided by the speed of sound. The air leaves exp(−`air_per_m` × length) of its energy.
-    pub fn add_arrival(&mut self, arrival: &Arrival, speed_m_per_s: f64, air_per_m: &Bands) {
+    ///
+    /// # Errors
+    /// [`AcousticsError::BadNumber`] for a speed that is not above 0, and as [`add`](Self::add).
+    pub fn add_arrival(
+        &mut self,
+        arrival: &Arrival,
+        speed_m_per_s: f64,
+        air_per_m: &Bands,
+    ) -> Result<(), AcousticsError> {
+        if !(speed_m_per_s > 0.0 && speed_m_per_s.is_finite()) {
+            return Err(AcousticsError::BadNumber {
+                what: "the speed of sound in m/s",
+                must: "finite and above 0",
+                value: speed_m_per_s,
+            });
+        }
         let energy = bands::through_air(&arrival.energy, air_per_m, arrival.length_m);
         let seconds = arrival.length_m / speed_m_per_s;
         let batch = arrival.wave as usize % self.batches;
-        self.add(batch, seconds, &energy, arrival.direction);
+        self.add(batch, seconds, &energy, arrival.direction)
     }
 
     /// Seconds that a bin takes.
@@ -198,7 +235,7 @@ impl Echogram {
         self.bin_s
     }
 
-    /// When the first bin begins, in seconds: 0, or less than a bin before that.
+    /// When the first bin begins, in seconds: 0, or less than a bin after that.
     pub fn first_s(&self) -> f64 {
         self.first_s
     }
@@ -245,8 +282,11 @@ impl Echogram {
 
     /// How many arrivals of one energy would be as noisy as those of a band in bins that begin at
     /// `from_s` seconds or later: (Σ e)² / Σ e² (L. Kish, *Survey Sampling*, 1965, section 11.7). 0
-    /// where there are none.
+    /// where there are none, and in bands that do not exist.
     pub fn effective_arrivals(&self, band: usize, from_s: f64) -> f64 {
+        if band >= BAND_COUNT {
+            return 0.0;
+        }
         let first = ((from_s - self.first_s) / self.bin_s).ceil().max(0.0) as usize;
         let later = first.min(self.bins())..self.bins();
         let sum: f64 = later.clone().map(|bin| self.energy(bin)[band]).sum();
@@ -306,9 +346,15 @@ mod tests {
     #[test]
     fn a_crossing_falls_into_its_bin_and_batch() {
         let mut echogram = Echogram::new(1e-3, 4).expect("a good bin");
-        echogram.add_arrival(&arrival(6, 3.5), 1000.0, &AIRLESS);
-        echogram.add_arrival(&arrival(1, 3.75), 1000.0, &AIRLESS);
-        echogram.add_arrival(&arrival(1, 0.5), 1000.0, &AIRLESS);
+        echogram
+            .add_arrival(&arrival(6, 3.5), 1000.0, &AIRLESS)
+            .unwrap();
+        echogram
+            .add_arrival(&arrival(1, 3.75), 1000.0, &AIRLESS)
+            .unwrap();
+        echogram
+            .add_arrival(&arrival(1, 0.5), 1000.0, &AIRLESS)
+            .unwrap();
         assert_eq!((echogram.bins(), echogram.batches()), (4, 4));
         assert_eq!(echogram.batch_energy(3, 2)[0], 1.0);
         assert_eq!(echogram.batch_energy(3, 1)[7], 8.0);
@@ -325,7 +371,9 @@ mod tests {
         let mut echogram = Echogram::new(1e-3, 1).expect("a good bin");
         let mut air = AIRLESS;
         air[7] = 0.02;
-        echogram.add_arrival(&arrival(0, 100.0), 343.0, &air);
+        echogram
+            .add_arrival(&arrival(0, 100.0), 343.0, &air)
+            .unwrap();
         assert_eq!(echogram.total()[6], 7.0);
         assert!((echogram.total()[7] - 8.0 * (-2.0_f64).exp()).abs() < 1e-12);
     }
@@ -334,15 +382,15 @@ mod tests {
     #[test]
     fn a_bin_begins_at_the_edge_that_was_asked_for() {
         let mut echogram = Echogram::with_edge_at(0.0123, 1e-3, 1).expect("a good bin");
-        assert!((echogram.first_s() + 0.7e-3).abs() < 1e-15);
+        assert!((echogram.first_s() - 0.3e-3).abs() < 1e-15);
         let one = [1.0; BAND_COUNT];
-        echogram.add(0, 0.0122, &one, DVec3::Y);
-        echogram.add(0, 0.0124, &one, DVec3::Y);
-        echogram.add(0, -1.0, &one, DVec3::Y);
+        echogram.add(0, 0.0122, &one, DVec3::Y).unwrap();
+        echogram.add(0, 0.0124, &one, DVec3::Y).unwrap();
+        echogram.add(0, -1.0, &one, DVec3::Y).unwrap();
         let filled: Vec<usize> = (0..20)
             .filter(|&bin| echogram.energy(bin)[0] > 0.0)
             .collect();
-        assert_eq!(filled, [0, 12, 13]);
+        assert_eq!(filled, [0, 11, 12]);
     }
 
     /// Protects memory from times that no echogram holds.
@@ -350,10 +398,10 @@ mod tests {
     fn what_is_too_late_has_no_bin() {
         let mut echogram = Echogram::new(1e-3, 1).expect("a good bin");
         let one = [1.0; BAND_COUNT];
-        for seconds in [1e9, f64::INFINITY, f64::NAN] {
-            echogram.add(0, seconds, &one, DVec3::Y);
+        for seconds in [1e9, f64::INFINITY] {
+            echogram.add(0, seconds, &one, DVec3::Y).unwrap();
         }
-        assert_eq!((echogram.bins(), echogram.beyond()[0]), (0, 3.0));
+        assert_eq!((echogram.bins(), echogram.beyond()[0]), (0, 2.0));
     }
 
     /// Protects the count of arrivals that stand behind a decay: equal ones count each, one strong
@@ -362,12 +410,17 @@ mod tests {
     fn strong_arrivals_count_for_few() {
         let mut echogram = Echogram::new(1e-3, 4).expect("a good bin");
         for wave in 0..8 {
-            echogram.add_arrival(&arrival(wave, 100.0 + f64::from(wave)), 1000.0, &AIRLESS);
+            echogram
+                .add_arrival(&arrival(wave, 100.0 + f64::from(wave)), 1000.0, &AIRLESS)
+                .unwrap();
         }
         assert!((echogram.effective_arrivals(3, 0.0) - 8.0).abs() < 1e-12);
         assert!((echogram.effective_arrivals(3, 0.104) - 4.0).abs() < 1e-12);
         assert_eq!(echogram.effective_arrivals(3, 0.2), 0.0);
-        echogram.add(0, 0.105, &[1e6; BAND_COUNT], DVec3::X);
+        assert_eq!(echogram.effective_arrivals(8, 0.0), 0.0);
+        echogram
+            .add(0, 0.105, &[1e6; BAND_COUNT], DVec3::X)
+            .unwrap();
         assert!((echogram.effective_arrivals(3, 0.0) - 1.0).abs() < 1e-3);
     }
 
@@ -383,12 +436,52 @@ mod tests {
         }
     }
 
+    /// Protects sums and figures from numbers that are no energies, times or directions: all are rejected, and the echogram
+    /// stays empty.
+    #[test]
+    fn what_no_sound_has_is_refused() {
+        let mut echogram = Echogram::new(1e-3, 4).expect("a good bin");
+        let one = [1.0; BAND_COUNT];
+        let refused = echogram.add(4, 0.01, &one, DVec3::X);
+        let (batch, batches) = (4, 4);
+        assert_eq!(refused, Err(AcousticsError::NoSuchBatch { batch, batches }));
+        assert!(echogram.add(0, f64::NAN, &one, DVec3::X).is_err());
+        for value in [-1.0, f64::NAN, f64::INFINITY, 1e200] {
+            let mut energy = one;
+            energy[7] = value;
+            assert!(echogram.add(0, 0.01, &energy, DVec3::X).is_err(), "{value}");
+        }
+        for direction in [DVec3::splat(f64::NAN), DVec3::X * 2.0] {
+            assert!(echogram.add(0, 0.01, &one, direction).is_err());
+        }
+        for speed in [0.0, -343.0, f64::NAN, f64::INFINITY] {
+            let refused = echogram.add_arrival(&arrival(0, 1.0), speed, &AIRLESS);
+            assert!(refused.is_err(), "{speed}");
+        }
+        assert_eq!(echogram, Echogram::new(1e-3, 4).expect("a good bin"));
+    }
+
+    /// Protects tables from times before the source's impulse, whatever the direct sound's distance.
+    #[test]
+    fn no_row_has_a_negative_time() {
+        for edge_s in [0.0, 0.2e-3, 8.949e-3, 0.0123, -0.4e-3, 1e-3] {
+            let mut echogram = Echogram::with_edge_at(edge_s, 1e-3, 1).expect("a good bin");
+            let one = [1.0; BAND_COUNT];
+            echogram.add(0, 0.0, &one, DVec3::X).unwrap();
+            let first = echogram.rows().next().expect("a bin");
+            assert!((0.0..=1e-3).contains(&echogram.first_s()), "{edge_s}");
+            assert!(first.time_s > 0.0 && first.energy == 1.0, "{edge_s}");
+            let bins = (edge_s - echogram.first_s()) / 1e-3;
+            assert!((bins - bins.round()).abs() < 1e-9, "{edge_s}");
+        }
+    }
+
     /// Protects the columns of the table.
     #[test]
     fn rows_go_by_time_and_band() {
         let mut echogram = Echogram::new(1e-3, 2).expect("a good bin");
         let energy = std::array::from_fn(|band| band as f64);
-        echogram.add(1, 1.2e-3, &energy, DVec3::NEG_Z);
+        echogram.add(1, 1.2e-3, &energy, DVec3::NEG_Z).unwrap();
         let rows: Vec<EchogramRow> = echogram.rows().collect();
         assert_eq!(rows.len(), 16);
         assert_eq!(rows[10].values(), [1.5e-3, 250.0, 2.0, -0.0, -0.0, -2.0]);

@@ -9,7 +9,7 @@ mod pieces;
 mod tests;
 mod uncertainty;
 
-use super::{Echogram, Tap};
+use super::{Echogram, Tap, check_taps};
 use crate::bands::BAND_COUNT;
 use decay::Decay;
 use origin::origin;
@@ -92,7 +92,7 @@ pub struct BandFigures {
 /// have no error of their own. The variance comes from n − 1 degrees of freedom: Student's t widens
 /// the error by t(97.5 %)/2, so that twice the error holds the truth in 95 % of cases (16 batches:
 /// by 6.6 %). Where the waves that arrived are fewer than the batches, as many as have one energy, these are what the
-/// degrees of freedom are counted from; of a single arrival there is no figure. A figure that some half does not have is
+/// degrees of freedom are counted from; a single arrival counts as two. A figure that some half does not have is
 /// none: its decay is too noisy.
 ///
 /// A decay time is reported if its error, by the noise of the waves alone, is at most 1.5 % of it, and if after the
@@ -162,10 +162,12 @@ impl BandFigures {
 impl Figures {
     /// The figures of what arrived: `taps` exactly, and all else in `echogram`, in a record that
     /// ends `ends_s` seconds after the source's impulse. `direct_s` is when the direct sound
-    /// arrives; without it the times count from when the other sound begins (see *Method*).
+    /// arrives; without it the times count from when the other sound begins (see *Method*). There are none if a tap has
+    /// a time, an energy or a direction that no sound has.
     pub fn new(taps: &[Tap], echogram: &Echogram, direct_s: Option<f64>, ends_s: f64) -> Figures {
         let energy = |bin| echogram.energy(bin);
-        let start = origin(taps, echogram, energy, (direct_s, ends_s));
+        let are_good = check_taps(taps).is_ok();
+        let start = origin(taps, echogram, energy, (direct_s, ends_s)).filter(|_| are_good);
         let mut figures = Figures {
             bands: Default::default(),
             errors: Default::default(),

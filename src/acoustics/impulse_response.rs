@@ -12,6 +12,7 @@ mod tests;
 pub use axes::ListenerAxes;
 pub use format::Format;
 
+use super::arriving::check_taps;
 use super::{AcousticsError, Echogram, Tap};
 use crate::bands::BAND_COUNT;
 pub(crate) use format::Encoding;
@@ -63,6 +64,7 @@ impl ImpulseSettings {
 /// - **Taps** are at their time, between samples too (windowed sinc). Each is filtered to the
 ///   energies of its bands, zero-phase: at a band's centre its amplitude is √(4π E) exactly, and
 ///   from centre to centre it goes over smoothly. So its peak is at its time whatever its bands.
+///   Taps at one time add their amplitudes, where figures add their energies.
 /// - **The echogram** is Gaussian noise, independent for each band and mean-free, with the
 ///   energy of each bin. Then it is filtered to its octave; the filters' powers add up to 1. A
 ///   filter spreads the energy of a bin in time, by some 20 ms at 63 Hz and less than 1 ms from
@@ -102,7 +104,8 @@ impl ImpulseResponse {
     ///
     /// # Errors
     /// [`AcousticsError::BadRate`] and [`AcousticsError::BadLength`] if the settings are out of
-    /// range, [`AcousticsError::Hrir`] if a set of head-related impulse responses cannot be resampled.
+    /// range, [`AcousticsError::BadTap`] for a tap whose time, energy or direction no sound has,
+    /// [`AcousticsError::Hrir`] if a set of head-related impulse responses cannot be resampled.
     pub fn new(
         taps: &[Tap],
         echogram: &Echogram,
@@ -118,6 +121,7 @@ impl ImpulseResponse {
         if !(seconds > 0.0 && seconds <= MAX_SECONDS) {
             return Err(AcousticsError::BadLength { seconds });
         }
+        check_taps(taps)?;
         let samples = (seconds * f64::from(rate_hz)).ceil() as usize;
         let sound = Sound {
             axes: *axes,

@@ -25,13 +25,14 @@
 //! for bin in 0..1000 {
 //!     let late_s = (f64::from(bin) + 0.5) * 1e-3;
 //!     let energy = 1e-4 * 10_f64.powf(-6.0 * late_s);
-//!     echogram.add(0, direct_s + late_s, &[energy; 8], DVec3::ZERO);
+//!     echogram.add(0, direct_s + late_s, &[energy; 8], DVec3::ZERO)?;
 //! }
 //! let figures = Figures::new(&taps, &echogram, Some(direct_s), 1.0);
 //! assert!((figures.bands[4].t30_s.unwrap() - 1.0).abs() < 1e-3);
 //! # Ok::<(), echomarch::acoustics::AcousticsError>(())
 //! ```
 
+mod arriving;
 pub mod early;
 mod echogram;
 mod error;
@@ -42,6 +43,7 @@ mod impulse_response;
 mod tests;
 
 pub use crate::arrival::{Arrival, Tap};
+pub(crate) use arriving::check_taps;
 pub use echogram::{BATCHES, BINS_S, Echogram, EchogramRow};
 pub use error::AcousticsError;
 pub use figures::{BandFigures, Figures, strength_db};

@@ -1,6 +1,6 @@
 //! Mono and gains in, interleaved stereo out.
 
-use super::{Gains, PanningLaw};
+use super::{AudioError, Gains, PanningLaw};
 
 /// Mixes one mono sound to two channels, block by block, with gains that glide.
 ///
@@ -13,10 +13,11 @@ use super::{Gains, PanningLaw};
 ///
 /// let mut mixer = Mixer::new(PanningLaw::Linear);
 /// let mut stereo = [0.0; 4];
-/// mixer.mix(&[1.0, 1.0], -1.0, &mut stereo);
+/// mixer.mix(&[1.0, 1.0], -1.0, &mut stereo)?;
 /// assert_eq!(stereo, [1.0, 0.0, 1.0, 0.0]);
-/// mixer.mix(&[1.0, 1.0], 1.0, &mut stereo); // glides to the right
+/// mixer.mix(&[1.0, 1.0], 1.0, &mut stereo)?; // glides to the right
 /// assert_eq!(stereo, [0.5, 0.5, 0.0, 1.0]);
+/// # Ok::<(), echomarch::audio::AudioError>(())
 /// ```
 #[derive(Debug, Clone)]
 pub struct Mixer {
@@ -50,10 +51,10 @@ impl Mixer {
     ///
     /// `out` is interleaved (left, right, …) and is overwritten. An empty block changes nothing.
     ///
-    /// # Panics
-    /// If `out` is not twice as long as `mono`.
-    pub fn mix(&mut self, mono: &[f32], pan: f32, out: &mut [f32]) {
-        self.mix_to(mono, self.law.gains(pan), out);
+    /// # Errors
+    /// As [`mix_to`](Self::mix_to).
+    pub fn mix(&mut self, mono: &[f32], pan: f32, out: &mut [f32]) -> Result<(), AudioError> {
+        self.mix_to(mono, self.law.gains(pan), out)
     }
 
     /// Mixes one block towards the `target` gains: [`Gains::SILENT`] fades out over the block.
@@ -61,16 +62,20 @@ impl Mixer {
     /// A gain that is not finite counts as 0. `out` is interleaved (left, right, …) and is
     /// overwritten. An empty block changes nothing.
     ///
-    /// # Panics
-    /// If `out` is not twice as long as `mono`.
-    pub fn mix_to(&mut self, mono: &[f32], target: Gains, out: &mut [f32]) {
-        assert_eq!(
-            out.len(),
-            2 * mono.len(),
-            "the stereo slice must be twice as long as the mono one"
-        );
+    /// # Errors
+    /// [`AudioError::BadStereoLength`] if `out` is not twice as long as `mono`: then nothing changes.
+    pub fn mix_to(
+        &mut self,
+        mono: &[f32],
+        target: Gains,
+        out: &mut [f32],
+    ) -> Result<(), AudioError> {
+        if out.len() / 2 != mono.len() || !out.len().is_multiple_of(2) {
+            let (mono, stereo) = (mono.len(), out.len());
+            return Err(AudioError::BadStereoLength { mono, stereo });
+        }
         if mono.is_empty() {
-            return;
+            return Ok(());
         }
         let target = finite(target);
         let start = self.current.unwrap_or(target);
@@ -81,6 +86,7 @@ impl Mixer {
             pair[1] = sample * glide(start.right, target.right, along);
         }
         self.current = Some(target);
+        Ok(())
     }
 }
 

@@ -35,7 +35,7 @@
 //! for (i, pan) in [-0.5, 0.0, 0.5].into_iter().enumerate() {
 //!     let count = frames.len(i as u64);
 //!     sound.fill(&mut mono[..count]);
-//!     mixer.mix(&mono[..count], pan, &mut stereo[..2 * count]);
+//!     mixer.mix(&mono[..count], pan, &mut stereo[..2 * count])?;
 //! }
 //! # Ok::<(), echomarch::audio::AudioError>(())
 //! ```

@@ -5,7 +5,7 @@ use super::delay_line::REACH;
 use super::{CHANNELS, MOST_ECHOES, Spec};
 use crate::acoustics::{
     AcousticsError, Encoding, Format, ImpulseResponse, ImpulseSettings, ListenerAxes, Tap,
-    amplitude,
+    amplitude, check_taps,
 };
 use crate::bands::{self, BAND_COUNT};
 use crate::response::{HeardPath, Response};
@@ -51,6 +51,8 @@ impl Echo {
 pub struct Heard {
     pub(super) echoes: Vec<Echo>,
     pub(super) late: Option<Kernel>,
+    /// The rate and length of its samples; `None` for silence, which fits all.
+    pub(super) spec: Option<Spec>,
 }
 
 impl Heard {
@@ -59,14 +61,14 @@ impl Heard {
     ///
     /// # Errors
     /// [`AcousticsError::BadLength`] for a response of no length, or of more than
-    /// [`MAX_SECONDS`](crate::acoustics::MAX_SECONDS).
+    /// [`MAX_SECONDS`](crate::acoustics::MAX_SECONDS), and as [`of_paths`](Heard::of_paths).
     pub fn new(
         response: &Response,
         axes: &ListenerAxes,
         spec: Spec,
         seed: u64,
     ) -> Result<Heard, AcousticsError> {
-        let mut heard = Heard::of_paths(&response.paths, axes, spec);
+        let mut heard = Heard::of_paths(&response.paths, axes, spec)?;
         let late = Heard::late_samples(response, axes, spec, seed)?;
         heard.late = Heard::of_late(&late, spec).late;
         Ok(heard)
@@ -91,7 +93,18 @@ impl Heard {
     }
 
     /// The paths alone: what is late stays as it is.
-    pub fn of_paths(paths: &[HeardPath], axes: &ListenerAxes, spec: Spec) -> Heard {
+    ///
+    /// # Errors
+    /// [`AcousticsError::BadRate`] and [`AcousticsError::BadLength`] for what no [`Auralisation`](super::Auralisation)
+    /// is made for, [`AcousticsError::BadTap`] for a path whose delay, energy or direction no sound has.
+    pub fn of_paths(
+        paths: &[HeardPath],
+        axes: &ListenerAxes,
+        spec: Spec,
+    ) -> Result<Heard, AcousticsError> {
+        spec.validate()?;
+        let taps: Vec<Tap> = paths.iter().map(HeardPath::tap).collect();
+        check_taps(&taps)?;
         let mut echoes: Vec<Echo> = Vec::new();
         for path in strongest(paths, spec) {
             let mut key = key(path);
@@ -101,7 +114,11 @@ impl Heard {
             }
             echoes.push(Echo::new(&path.tap(), key, axes, spec));
         }
-        Heard { echoes, late: None }
+        Ok(Heard {
+            echoes,
+            late: None,
+            spec: Some(spec),
+        })
     }
 
     /// A late part alone.
@@ -109,6 +126,7 @@ impl Heard {
         Heard {
             echoes: Vec::new(),
             late: Some(kernel(channels, spec)),
+            spec: Some(spec),
         }
     }
 
@@ -117,6 +135,7 @@ impl Heard {
         Heard {
             echoes: Vec::new(),
             late: Some(Kernel::default()),
+            spec: None,
         }
     }
 
@@ -126,11 +145,12 @@ impl Heard {
     }
 }
 
-/// As late as the echoes are.
+/// As late as the echoes are. A sample that is no finite number is silent.
 fn kernel(channels: &[Vec<f32>], spec: Spec) -> Kernel {
     let delayed = |samples: &Vec<f32>| {
         let mut delayed = vec![0.0; spec.filter_delay() + REACH];
-        delayed.extend_from_slice(samples);
+        let or_silent = |sample: &f32| if sample.is_finite() { *sample } else { 0.0 };
+        delayed.extend(samples.iter().map(or_silent));
         delayed
     };
     Kernel::new(&channels.iter().map(delayed).collect::<Vec<_>>())
@@ -192,7 +212,7 @@ impl HeardParts {
         spec: Spec,
         seed: Option<u64>,
     ) -> Result<HeardParts, AcousticsError> {
-        let heard = Heard::of_paths(&response.paths, axes, spec);
+        let heard = Heard::of_paths(&response.paths, axes, spec)?;
         let late = seed.map(|seed| Heard::late_samples(response, axes, spec, seed));
         Ok(HeardParts {
             echoes: heard.echoes.iter().flat_map(Echo::numbers).collect(),
@@ -200,7 +220,8 @@ impl HeardParts {
         })
     }
 
-    /// Made ready to be played. Numbers that are too few for another echo are left out.
+    /// Made ready to be played. Left out are numbers that are too few for another echo, and echoes that no sound has: by
+    /// a delay that is negative or longer than what is heard, or numbers that are not finite.
     pub fn heard(&self, spec: Spec) -> Heard {
         let channels = |samples: &Vec<f32>| {
             let length = samples.len() / CHANNELS;
@@ -208,8 +229,14 @@ impl HeardParts {
             kernel(&(0..CHANNELS).map(channel).collect::<Vec<_>>(), spec)
         };
         Heard {
-            echoes: self.echoes.chunks_exact(Self::ECHO).map(Echo::of).collect(),
+            echoes: self
+                .echoes
+                .chunks_exact(Self::ECHO)
+                .map(Echo::of)
+                .filter(|echo| echo.is_heard(spec))
+                .collect(),
             late: self.late.as_ref().map(channels),
+            spec: Some(spec),
         }
     }
 }
@@ -226,6 +253,12 @@ impl Echo {
         numbers.extend(self.gains.iter().chain(&self.bands).map(|n| f64::from(*n)));
         numbers.push(f64::from(self.mean));
         numbers
+    }
+
+    fn is_heard(&self, spec: Spec) -> bool {
+        let numbers = self.gains.iter().chain(&self.bands);
+        let are_finite = numbers.chain([&self.mean]).all(|number| number.is_finite());
+        are_finite && (0.0..=spec.longest() as f64).contains(&self.delay)
     }
 
     /// The reverse; of as many numbers as there are.

@@ -2,6 +2,7 @@
 
 use super::limiter::Limiter;
 use super::{Auralisation, Heard, Spec};
+use crate::acoustics::AcousticsError;
 use crate::audio::{Sound, StereoSignal};
 use rtrb::{Consumer, Producer, RingBuffer};
 use std::fmt;
@@ -52,7 +53,22 @@ struct Playing {
 
 impl Player {
     /// Plays these sounds, one a source, made for the rate of `spec`; `gain` is an amplitude.
-    pub fn new(sounds: Vec<Sound>, spec: Spec, gain: f32) -> (Player, PlayerRemote) {
+    ///
+    /// # Errors
+    /// As [`Auralisation::new`]; [`AcousticsError::BadNumber`] for a gain that is not finite.
+    pub fn new(
+        sounds: Vec<Sound>,
+        spec: Spec,
+        gain: f32,
+    ) -> Result<(Player, PlayerRemote), AcousticsError> {
+        spec.validate()?;
+        if !gain.is_finite() {
+            return Err(AcousticsError::BadNumber {
+                what: "the gain of a player",
+                must: "finite",
+                value: gain.into(),
+            });
+        }
         let (to_inbox, inbox) = RingBuffer::new(UPDATES);
         // Room for all that can be inside: what is under way, and a late part for each source.
         let (outbox, from_outbox) = RingBuffer::new(UPDATES + sounds.len());
@@ -62,21 +78,23 @@ impl Player {
             inbox: to_inbox,
             outbox: from_outbox,
         };
-        let playing = |sound| Playing {
-            sound,
-            ears: Auralisation::new(spec),
-            late: None,
+        let playing = |sound| {
+            Ok::<_, AcousticsError>(Playing {
+                sound,
+                ears: Auralisation::new(spec)?,
+                late: None,
+            })
         };
         let player = Player {
             spec,
-            sources: sounds.into_iter().map(playing).collect(),
+            sources: sounds.into_iter().map(playing).collect::<Result<_, _>>()?,
             gain,
             limiter: Limiter::new(spec.rate_hz),
             inbox,
             outbox,
             mono: [0.0; BLOCK],
         };
-        (player, remote)
+        Ok((player, remote))
     }
 
     fn take_updates(&mut self) {
@@ -85,7 +103,8 @@ impl Player {
                 hand_out(&mut self.outbox, update.heard);
                 continue;
             };
-            source.ears.glide_echoes(&update.heard, update.glide);
+            // `PlayerRemote::hear` has rejected sound for another rate or length.
+            let _ = source.ears.glide_echoes(&update.heard, update.glide);
             if update.heard.late.is_none() {
                 hand_out(&mut self.outbox, update.heard);
             } else if let Some(before) = source.late.replace(update.heard) {
@@ -96,21 +115,25 @@ impl Player {
         for source in &mut self.sources {
             if let Some(mut heard) = source.late.take() {
                 match source.ears.glide_late(&mut heard, fade) {
-                    true => hand_out(&mut self.outbox, heard),
-                    false => source.late = Some(heard),
+                    Ok(false) => source.late = Some(heard),
+                    _ => hand_out(&mut self.outbox, heard),
                 }
             }
         }
     }
 
     fn play(&mut self, stereo: &mut [f32]) {
-        let mono = &mut self.mono[..stereo.len() / 2];
+        // A last sample without its pair is left as it is.
+        let whole = stereo.len() / 2 * 2;
+        let stereo = &mut stereo[..whole];
+        let mono = &mut self.mono[..whole / 2];
         for source in &mut self.sources {
             source.sound.fill(mono);
             for sample in &mut *mono {
                 *sample *= self.gain;
             }
-            source.ears.add(mono, stereo);
+            let added = source.ears.add(mono, stereo);
+            debug_assert!(added.is_ok(), "there are two samples for each one");
         }
     }
 }
@@ -144,14 +167,41 @@ impl PlayerRemote {
 
     /// Glides within some seconds to what is heard of a source (from 0), and frees what was heard
     /// before. False, and nothing changes, if too much is queued: the player stands still.
-    pub fn hear(&mut self, source: usize, heard: Heard, seconds: f64) -> bool {
+    ///
+    /// # Errors
+    /// [`AcousticsError::NoSuchSource`], [`AcousticsError::OtherSpec`] for what was made for another player, and
+    /// [`AcousticsError::BadNumber`] for seconds that are negative or no number. Then nothing changes.
+    pub fn hear(
+        &mut self,
+        source: usize,
+        heard: Heard,
+        seconds: f64,
+    ) -> Result<bool, AcousticsError> {
+        self.check(source, &heard, seconds)?;
         self.collect();
         let update = Update {
             source,
             heard: Box::new(heard),
             glide: (seconds * f64::from(self.spec.rate_hz)) as u32,
         };
-        self.inbox.push(update).is_ok()
+        Ok(self.inbox.push(update).is_ok())
+    }
+
+    fn check(&self, source: usize, heard: &Heard, seconds: f64) -> Result<(), AcousticsError> {
+        if source >= self.sources {
+            return Err(AcousticsError::NoSuchSource {
+                source_number: source,
+                sources: self.sources,
+            });
+        }
+        if seconds.is_nan() || seconds < 0.0 {
+            return Err(AcousticsError::BadNumber {
+                what: "the time of a glide in seconds",
+                must: "0 or more",
+                value: seconds,
+            });
+        }
+        self.spec.check(heard)
     }
 
     fn collect(&mut self) {

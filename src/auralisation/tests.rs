@@ -1,6 +1,8 @@
 use super::heard::{Echo, Heard};
 use super::{Auralisation, BLOCK, Spec};
-use crate::acoustics::{Echogram, Format, ImpulseResponse, ImpulseSettings, ListenerAxes, Tap};
+use crate::acoustics::{
+    AcousticsError, Echogram, Format, ImpulseResponse, ImpulseSettings, ListenerAxes, Tap,
+};
 use crate::bands::{BAND_COUNT, BANDS_HZ, Bands};
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
@@ -33,6 +35,7 @@ fn heard(taps: &[Tap], spec: Spec) -> Heard {
     Heard {
         echoes: taps.iter().enumerate().map(echo).collect(),
         late: None,
+        spec: Some(spec),
     }
 }
 
@@ -43,7 +46,7 @@ fn play(ears: &mut Auralisation, sound: &[f32]) -> Vec<f32> {
     let mut stereo = vec![0.0; 2 * ahead.len()];
     // Blocks of odd lengths: they have nothing to do with those of the convolution.
     for (mono, stereo) in ahead.chunks(333).zip(stereo.chunks_mut(2 * 333)) {
-        ears.add(mono, stereo);
+        ears.add(mono, stereo).unwrap();
     }
     let left = stereo.iter().step_by(2).skip(ears.latency());
     left.copied().collect()
@@ -72,8 +75,9 @@ fn amplitude_at(samples: &[f32], frequency_hz: f64) -> f64 {
 fn an_echo_comes_when_it_shall() {
     for has_bands in [false, true] {
         let spec = spec(has_bands);
-        let mut ears = Auralisation::new(spec);
-        ears.glide_echoes(&heard(&[tap(0.01, [0.25; BAND_COUNT])], spec), 0);
+        let mut ears = Auralisation::new(spec).expect("a good spec");
+        ears.glide_echoes(&heard(&[tap(0.01, [0.25; BAND_COUNT])], spec), 0)
+            .unwrap();
         let left = play(&mut ears, &impulse(4096));
         for (index, sample) in left.iter().enumerate() {
             let expected = if index == 480 { 0.5 } else { 0.0 };
@@ -95,8 +99,9 @@ fn bands_have_their_energies() {
         [0.01, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0],
         [0.2, 0.4, 0.6, 0.8, 1.0, 1.0, 1.0, 1.0],
     ] {
-        let mut ears = Auralisation::new(spec);
-        ears.glide_echoes(&heard(&[tap(0.1, energy)], spec), 0);
+        let mut ears = Auralisation::new(spec).expect("a good spec");
+        ears.glide_echoes(&heard(&[tap(0.1, energy)], spec), 0)
+            .unwrap();
         let left = play(&mut ears, &impulse(16_384));
         for (band, energy) in energy.into_iter().enumerate() {
             let found = amplitude_at(&left, 1000.0 * 2_f64.powi(band as i32 - 4));
@@ -118,7 +123,10 @@ fn the_late_part_is_the_impulse_response() {
     let mut echogram = Echogram::new(1e-3, 2).expect("good bins");
     for bin in 0..200 {
         let energy = (-f64::from(bin) / 40.0).exp() * 1e-3;
-        echogram.add(0, f64::from(bin) * 1e-3, &[energy; BAND_COUNT], DVec3::X);
+        let seconds = f64::from(bin) * 1e-3;
+        echogram
+            .add(0, seconds, &[energy; BAND_COUNT], DVec3::X)
+            .unwrap();
     }
     let settings = ImpulseSettings {
         format: Format::Stereo,
@@ -126,8 +134,8 @@ fn the_late_part_is_the_impulse_response() {
     };
     let response = ImpulseResponse::new(&[], &echogram, &axes(), &settings).expect("good");
     let mut heard = Heard::of_late(response.channels(), spec);
-    let mut ears = Auralisation::new(spec);
-    assert!(ears.glide_late(&mut heard, 0));
+    let mut ears = Auralisation::new(spec).expect("a good spec");
+    assert!(ears.glide_late(&mut heard, 0).unwrap());
     let left = play(&mut ears, &impulse(8 * BLOCK));
     for (left, expected) in left.iter().zip(&response.channels()[0]) {
         assert!((left - expected).abs() < 1e-6);
@@ -154,7 +162,7 @@ fn sine(frequency_hz: f64, length: usize) -> Vec<f32> {
 fn nothing_clicks() {
     for has_bands in [false, true] {
         let spec = spec(has_bands);
-        let mut ears = Auralisation::new(spec);
+        let mut ears = Auralisation::new(spec).expect("a good spec");
         let sound = sine(300.0, 60 * 1600);
         let mut left: Vec<f32> = Vec::new();
         for (frame, mono) in sound.chunks(1600).enumerate() {
@@ -164,12 +172,12 @@ fn nothing_clicks() {
             if frame % 3 == 0 {
                 taps.push(tap(0.05, [0.1; BAND_COUNT]));
             }
-            ears.glide_echoes(&heard(&taps, spec), 1600);
+            ears.glide_echoes(&heard(&taps, spec), 1600).unwrap();
             let gain = if frame % 8 < 4 { 0.0 } else { 0.2 };
             let mut late = Heard::of_late(&[vec![0.0, gain], vec![0.0, gain]], spec);
-            ears.glide_late(&mut late, 3000);
+            ears.glide_late(&mut late, 3000).unwrap();
             let mut stereo = vec![0.0; 2 * mono.len()];
-            ears.add(mono, &mut stereo);
+            ears.add(mono, &mut stereo).unwrap();
             left.extend(stereo.iter().step_by(2));
         }
         // All at once have amplitude √0.3 + 2 √0.05 + √0.1 + 0.2 at the most.
@@ -185,15 +193,16 @@ fn nothing_clicks() {
 #[test]
 fn a_source_that_goes_away_sounds_lower() {
     let spec = spec(false);
-    let mut ears = Auralisation::new(spec);
+    let mut ears = Auralisation::new(spec).expect("a good spec");
     let sound = sine(1000.0, 40 * 1600);
     let mut left: Vec<f32> = Vec::new();
     for (frame, mono) in sound.chunks(1600).enumerate() {
         let seconds = 0.01 + 0.1 * frame as f64 * 1600.0 / f64::from(RATE_HZ);
         let glide = if frame == 0 { 0 } else { 1600 };
-        ears.glide_echoes(&heard(&[tap(seconds, [1.0; BAND_COUNT])], spec), glide);
+        ears.glide_echoes(&heard(&[tap(seconds, [1.0; BAND_COUNT])], spec), glide)
+            .unwrap();
         let mut stereo = vec![0.0; 2 * mono.len()];
-        ears.add(mono, &mut stereo);
+        ears.add(mono, &mut stereo).unwrap();
         left.extend(stereo.iter().step_by(2));
     }
     let tail = &left[8_000..56_000];
@@ -208,14 +217,100 @@ fn a_source_that_goes_away_sounds_lower() {
 #[test]
 fn nothing_stays_behind() {
     let spec = spec(true);
-    let mut ears = Auralisation::new(spec);
-    ears.glide_echoes(&heard(&[tap(0.01, [1.0; BAND_COUNT])], spec), 0);
+    let mut ears = Auralisation::new(spec).expect("a good spec");
+    ears.glide_echoes(&heard(&[tap(0.01, [1.0; BAND_COUNT])], spec), 0)
+        .unwrap();
     let mut late = Heard::of_late(&[vec![0.5; 900], vec![0.5; 900]], spec);
-    ears.glide_late(&mut late, 0);
+    ears.glide_late(&mut late, 0).unwrap();
     play(&mut ears, &sine(500.0, 9600));
     let mut silence = Heard::silence();
-    ears.glide_echoes(&silence, 960);
-    assert!(ears.glide_late(&mut silence, 960));
+    ears.glide_echoes(&silence, 960).unwrap();
+    assert!(ears.glide_late(&mut silence, 960).unwrap());
     let left = play(&mut ears, &sine(500.0, 9600));
     assert!(left[4 * BLOCK..].iter().all(|sample| *sample == 0.0));
+}
+
+/// Protects memory and silence from numbers that no player is made for: each is refused with its name, and nothing is
+/// allocated for it.
+#[test]
+fn bad_specs_are_refused() {
+    let good = spec(false);
+    let bad = |rate_hz, longest_s| Spec {
+        rate_hz,
+        longest_s,
+        ..good
+    };
+    for spec in [
+        bad(0, 0.5),
+        bad(u32::MAX, 0.5),
+        bad(RATE_HZ, 1e9),
+        bad(RATE_HZ, 0.0),
+        bad(RATE_HZ, -1.0),
+        bad(RATE_HZ, f64::NAN),
+        bad(RATE_HZ, f64::INFINITY),
+    ] {
+        assert!(Auralisation::new(spec).is_err(), "{spec:?}");
+        assert!(Heard::of_paths(&[], &axes(), spec).is_err(), "{spec:?}");
+        #[cfg(any(feature = "audio", feature = "walkthrough"))]
+        assert!(
+            super::Player::new(Vec::new(), spec, 1.0).is_err(),
+            "{spec:?}"
+        );
+    }
+    #[cfg(any(feature = "audio", feature = "walkthrough"))]
+    assert!(super::Player::new(Vec::new(), good, f32::NAN).is_err());
+}
+
+/// Protects what is heard from delays of another rate or length, and from slices that do not fit: each is refused, and
+/// what was heard before is heard on.
+#[test]
+fn what_was_made_for_another_player_is_refused() {
+    let own = spec(false);
+    let mut ears = Auralisation::new(own).expect("a good spec");
+    ears.glide_echoes(&heard(&[tap(0.01, [0.25; BAND_COUNT])], own), 0)
+        .unwrap();
+    for other in [
+        spec(true),
+        Spec {
+            rate_hz: 44_100,
+            ..own
+        },
+        Spec {
+            longest_s: 3.0,
+            ..own
+        },
+    ] {
+        let mut heard = heard(&[tap(0.02, [1.0; BAND_COUNT])], other);
+        assert!(ears.glide_echoes(&heard, 0).is_err(), "{other:?}");
+        assert!(ears.glide_late(&mut heard, 0).is_err(), "{other:?}");
+    }
+    assert!(ears.glide_echoes(&Heard::silence(), u32::MAX).is_ok());
+    ears.glide_echoes(&heard(&[tap(0.01, [0.25; BAND_COUNT])], own), 0)
+        .unwrap();
+    for stereo in [0, 1, 3, 5, 6] {
+        let refused = ears.add(&[0.5; 2], &mut vec![0.0; stereo]);
+        let mono = 2;
+        assert_eq!(
+            refused,
+            Err(AcousticsError::BadStereoLength { mono, stereo })
+        );
+    }
+    let left = play(&mut ears, &impulse(4096));
+    assert!((left[480] - 0.5).abs() < 1e-4, "{}", left[480]);
+}
+
+/// Protects a player from one sample that is no number: it would be heard for as long as a response is.
+#[test]
+fn a_sample_that_is_no_number_is_silent() {
+    let spec = spec(true);
+    let mut ears = Auralisation::new(spec).expect("a good spec");
+    ears.glide_echoes(&heard(&[tap(0.01, [0.25; BAND_COUNT])], spec), 0)
+        .unwrap();
+    let mut late = Heard::of_late(&[vec![f32::NAN, 0.1], vec![0.1, f32::INFINITY]], spec);
+    ears.glide_late(&mut late, 0).unwrap();
+    let mut sound = impulse(4096);
+    (sound[7], sound[9]) = (f32::NAN, f32::INFINITY);
+    let left = play(&mut ears, &sound);
+    assert!(left.iter().all(|sample| sample.is_finite()));
+    assert!(left.iter().any(|sample| *sample != 0.0));
 }

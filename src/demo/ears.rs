@@ -97,12 +97,24 @@ impl Ears {
         let shared = Arc::clone(&self.shared);
         let (scene, spec) = (scene.clone(), spec.clone());
         StereoSource::new(move |rate_hz| -> Box<dyn StereoSignal> {
-            let (player, remote) = player(&scene, &spec, rate_hz);
+            // A device at a rate that no response is made for stays silent.
+            let Ok((player, remote)) = player(&scene, &spec, rate_hz) else {
+                return Box::new(Unheard);
+            };
             *lock(&shared.remote) = Some(remote);
             shared.is_waited_for.store(true, Relaxed);
             Box::new(player)
         })
     }
+}
+
+/// Silence.
+#[cfg(feature = "audio")]
+struct Unheard;
+
+#[cfg(feature = "audio")]
+impl StereoSignal for Unheard {
+    fn add(&mut self, _: &mut [f32]) {}
 }
 
 impl Drop for Ears {
@@ -180,13 +192,14 @@ fn tell(shared: &Shared, found: &Found) -> Result<(), Error> {
     let Found { response, axes, .. } = *found;
     let heard = match found.is_late_due {
         true => Heard::new(response, axes, spec, NOISE_SEED)?,
-        false => Heard::of_paths(&response.paths, axes, spec),
+        false => Heard::of_paths(&response.paths, axes, spec)?,
     };
     // Another player may have come meanwhile: it asks for what it plays.
     if let Some(remote) = lock(&shared.remote).as_mut()
         && remote.spec() == spec
+        && found.source < remote.source_count()
     {
-        remote.hear(found.source, heard, found.glide_s);
+        remote.hear(found.source, heard, found.glide_s)?;
     }
     Ok(())
 }

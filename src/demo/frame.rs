@@ -180,7 +180,9 @@ impl App {
             self.under_way = settings.clone();
             self.begins_anew = false;
         }
-        stage.tracer.frame_advance(self.time_for_waves())?;
+        if stage.tracer.is_frame_pending() {
+            stage.tracer.frame_advance(self.time_for_waves())?;
+        }
         if let Some(spent) = stage.tracer.frame_marching_for() {
             self.on_waves = self.on_waves.max(spent);
         }

@@ -111,7 +111,7 @@ mod tests {
         assert_eq!(band_groups(&scene).len(), 8);
         for wall in 0..WALL_COUNT {
             let room = scene.surfaces[0].clone();
-            scene.surfaces[0] = room.with_wall_material(wall, "mirror");
+            scene.surfaces[0] = room.with_wall_material(wall, "mirror").unwrap();
         }
         assert_eq!(band_groups(&scene), whole(0..8));
         assert_eq!(

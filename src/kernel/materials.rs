@@ -231,7 +231,7 @@ mod tests {
             size: Vec3::splat(9.0),
         };
         let room = Surface::new(Node::Room(walls)).with_material("m1");
-        scene.surfaces = vec![room.with_wall_material(3, "m2")];
+        scene.surfaces = vec![room.with_wall_material(3, "m2").unwrap()];
         let ball = |number: u32| {
             let ball = Surface::new(Node::Sphere(Sphere { radius: 0.1 }));
             ball.with_material(format!("m{number}"))

@@ -49,7 +49,8 @@ pub fn render<E: From<Error>>(
         let length = range.end.min(end).saturating_sub(range.start) as usize;
         let (mono, stereo) = (&mut mono[..length], &mut stereo[..2 * length]);
         sound.fill(mono);
-        mixer.mix(mono, frame.panning.pan() as f32, stereo);
+        let pan = frame.panning.pan() as f32;
+        mixer.mix(mono, pan, stereo).map_err(Error::from)?;
         take(Block {
             index,
             time,

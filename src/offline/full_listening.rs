@@ -2,7 +2,7 @@
 
 use super::Timing;
 use crate::acoustics::ListenerAxes;
-use crate::audio::{FrameBlocks, SAMPLE_RATE, Sound};
+use crate::audio::{AudioError, FrameBlocks, SAMPLE_RATE, Sound};
 use crate::auralisation::{Auralisation, Heard, Spec};
 use crate::error::Error;
 use crate::response::{HeardSource, Response, ResponseSettings};
@@ -67,7 +67,7 @@ impl FullSettings {
             let time = scene.duration() * f64::from(moment) / f64::from(MOMENTS - 1);
             let now = scene.at(time);
             for source in 0..scene.sources().count() {
-                let pair = now.heard_by(source, self.listener);
+                let pair = now.heard_by(source, self.listener)?;
                 longest = longest.max(self.response.seconds_needed(tracer, &pair)?);
             }
         }
@@ -107,10 +107,8 @@ struct Playing<'a> {
 ///
 /// # Errors
 /// [`Error::Trace`] for settings out of range, [`Error::Audio`] for a frame rate that makes no sense,
-/// those of [`Response::trace`], and whatever `take` returns.
-///
-/// # Panics
-/// If there are not as many sounds as sources, or no such listener.
+/// those of [`Response::trace`], and whatever `take` returns;
+/// [`Error::Scene`] if there is no such listener, [`Error::Audio`] if there are not as many sounds as sources.
 pub fn render_full<E: From<Error>>(
     tracer: &mut Tracer,
     scene: &Scene,
@@ -120,20 +118,19 @@ pub fn render_full<E: From<Error>>(
     mut take: impl FnMut(FullBlock) -> Result<(), E>,
 ) -> Result<(), E> {
     timing.check()?;
+    let (given, sources) = (sounds.len(), scene.sources().count());
+    if given != sources {
+        return Err(Error::from(AudioError::NotASoundEach { given, sources }).into());
+    }
     let blocks = FrameBlocks::new(timing.fps, SAMPLE_RATE).map_err(Error::from)?;
     let end = timing.samples();
     let seconds = settings.tail_s(tracer, scene)?;
     let settings = settings.clone().with_tail(seconds);
     let spec = Spec::of(scene, SAMPLE_RATE).with_longest(seconds);
-    assert_eq!(
-        sounds.len(),
-        scene.sources().count(),
-        "a sound for each source"
-    );
     let mut sources: Vec<Playing> = sounds
         .iter_mut()
         .map(|sound| Playing::new(sound, spec))
-        .collect();
+        .collect::<Result<_, _>>()?;
     let mut stereo = vec![0.0; 2 * blocks.longest()];
     let mut mono = vec![0.0; blocks.longest()];
     let mut heard = Vec::with_capacity(sources.len());
@@ -147,12 +144,14 @@ pub fn render_full<E: From<Error>>(
         stereo.fill(0.0);
         heard.clear();
         for (number, source) in sources.iter_mut().enumerate() {
-            let pair = now.heard_by(number, settings.listener);
+            let pair = now
+                .heard_by(number, settings.listener)
+                .map_err(Error::from)?;
             source
                 .listen(tracer, pair, &settings, late_is_due, length as u32)
                 .map_err(|error| error.at(time))?;
             source.sound.fill(mono);
-            source.ears.add(mono, stereo);
+            source.ears.add(mono, stereo).map_err(Error::from)?;
             heard.push(source.heard);
         }
         take(FullBlock {
@@ -171,15 +170,15 @@ fn is_due(time: f64, before: f64) -> bool {
 }
 
 impl<'a> Playing<'a> {
-    fn new(sound: &'a mut Sound, spec: Spec) -> Playing<'a> {
-        Playing {
+    fn new(sound: &'a mut Sound, spec: Spec) -> Result<Playing<'a>, Error> {
+        Ok(Playing {
             sound,
-            ears: Auralisation::new(spec),
+            ears: Auralisation::new(spec)?,
             scene: None,
             response: None,
             late: None,
             heard: HeardSource::default(),
-        }
+        })
     }
 
     /// Glides to what is heard in `pair` within so many samples.
@@ -197,9 +196,9 @@ impl<'a> Playing<'a> {
             let response = Response::trace(tracer, &pair, &settings.response)?;
             self.heard = HeardSource::of(&response);
             let axes = ListenerAxes::of(&pair.listener)?;
-            let echoes = Heard::of_paths(&response.paths, &axes, self.ears.spec());
+            let echoes = Heard::of_paths(&response.paths, &axes, self.ears.spec())?;
             self.ears
-                .glide_echoes(&echoes, if is_first { 0 } else { samples });
+                .glide_echoes(&echoes, if is_first { 0 } else { samples })?;
             self.response = Some(response);
             self.scene = Some(pair);
         }
@@ -207,11 +206,9 @@ impl<'a> Playing<'a> {
             self.make_late(settings)?;
         }
         if is_first {
-            self.begin();
-        } else {
-            self.fade_late();
+            return self.begin();
         }
-        Ok(())
+        self.fade_late()
     }
 
     /// Makes the late part of what was traced since the last one.
@@ -226,24 +223,25 @@ impl<'a> Playing<'a> {
     }
 
     /// Takes the first late part at once, and is ahead by what all is late.
-    fn begin(&mut self) {
+    fn begin(&mut self) -> Result<(), Error> {
         if let Some(late) = &mut self.late {
-            self.ears.glide_late(late, 0);
+            self.ears.glide_late(late, 0)?;
         }
         self.late = None;
         let ahead = self.ears.latency();
         let mut mono = vec![0.0; ahead];
         self.sound.fill(&mut mono);
-        self.ears.add(&mono, &mut vec![0.0; 2 * ahead]);
+        Ok(self.ears.add(&mono, &mut vec![0.0; 2 * ahead])?)
     }
 
-    fn fade_late(&mut self) {
+    fn fade_late(&mut self) -> Result<(), Error> {
         let samples = (LATE_S * f64::from(SAMPLE_RATE)) as u32 - FADE_MARGIN;
         let Some(late) = &mut self.late else {
-            return;
+            return Ok(());
         };
-        if self.ears.glide_late(late, samples) {
+        if self.ears.glide_late(late, samples)? {
             self.late = None;
         }
+        Ok(())
     }
 }

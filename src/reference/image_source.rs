@@ -10,6 +10,7 @@
 
 use crate::scene::shape::Room;
 use crate::scene::{Node, Scene};
+use crate::trace::{MAX_ITERATIONS, TraceError};
 use glam::{DQuat, DVec3, Vec3};
 
 /// A source, a listener, and the room around both, in the room's own axes.
@@ -89,14 +90,28 @@ impl ShoeboxImages {
 
     /// How many of these waves (world axes) are heard after 0, 1, 2 … reflections,
     /// up to `iterations` − 1.
-    pub fn hits_by_order(&self, directions: &[Vec3], iterations: u32) -> Vec<u64> {
+    ///
+    /// # Errors
+    /// [`TraceError::BadSetting`] for iterations that are not 1 to [`MAX_ITERATIONS`].
+    pub fn hits_by_order(
+        &self,
+        directions: &[Vec3],
+        iterations: u32,
+    ) -> Result<Vec<u64>, TraceError> {
+        if !(1..=MAX_ITERATIONS).contains(&iterations) {
+            return Err(TraceError::BadSetting {
+                what: "iterations",
+                must: format!("1 to {MAX_ITERATIONS}"),
+                value: iterations.to_string(),
+            });
+        }
         let mut hits = vec![0; iterations as usize];
         for direction in directions {
             if let Some(arrival) = self.arrival(direction.as_dvec3(), iterations) {
                 hits[arrival.order as usize] += 1;
             }
         }
-        hits
+        Ok(hits)
     }
 
     /// Metres to the next unfolded wall across `axis`, after `crossed` of them.

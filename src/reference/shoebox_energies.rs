@@ -8,6 +8,7 @@
 //! left out and nothing is random: the only errors are rounding, and the cells that lengths are
 //! summed in.
 
+use crate::acoustics::AcousticsError;
 use crate::bands::{BAND_COUNT, Bands};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -16,6 +17,15 @@ use std::f64::consts::PI;
 /// The images are summed in so many parts, whatever the number of cores, so that the sums are the
 /// same bits everywhere.
 const PARTS: usize = 16;
+
+/// Reflections of a listed image at most: there are 300,000 of up to so many.
+const MOST_ORDER: u32 = 60;
+
+/// Cells of energies at most: a gibibyte while they are summed.
+const MOST_CELLS: f64 = (1 << 20) as f64;
+
+/// Images that are summed at most: hours on one core.
+const MOST_IMAGES: f64 = 1e12;
 
 /// A source and a listener in a rectangular room with absorption by wall and band.
 #[derive(Clone, Debug, PartialEq)]
@@ -102,7 +112,17 @@ impl ShoeboxEnergies {
     }
 
     /// All images of up to so many reflections, the nearest first.
-    pub fn images(&self, order: u32) -> Vec<ImageSource> {
+    ///
+    /// # Errors
+    /// [`AcousticsError::BadNumber`] for more than 60 reflections.
+    pub fn images(&self, order: u32) -> Result<Vec<ImageSource>, AcousticsError> {
+        if order > MOST_ORDER {
+            return Err(AcousticsError::BadNumber {
+                what: "the order of image sources",
+                must: "at most 60",
+                value: order.into(),
+            });
+        }
         let reach = i64::from(order);
         let copies = |axis| -> Vec<Copy> {
             let copy = |number| self.copy(axis, number);
@@ -120,20 +140,24 @@ impl ShoeboxEnergies {
             }
         }
         images.sort_by(|a, b| a.length_m.total_cmp(&b.length_m));
-        images
+        Ok(images)
     }
 
     /// The energies of all images within `length_m` metres but those of up to `without_order`
     /// reflections, in cells of `cell_m` metres. Some nanoseconds an image on each core; 64 bytes
     /// a cell, 16 times while it runs.
+    ///
+    /// # Errors
+    /// [`AcousticsError::BadNumber`] for a length that is not finite, cells that are not above 0, more than a million
+    /// cells, and more than 10¹² images.
     pub fn energies_by_length(
         &self,
         cell_m: f64,
         length_m: f64,
         without_order: Option<u32>,
-    ) -> EnergiesByLength {
+    ) -> Result<EnergiesByLength, AcousticsError> {
         let first_m = self.direct_m();
-        let cells = (((length_m - first_m) / cell_m).ceil().max(0.0)) as usize;
+        let cells = self.check_sum(cell_m, length_m)?;
         let nothing = EnergiesByLength {
             first_m,
             cell_m,
@@ -149,10 +173,36 @@ impl ShoeboxEnergies {
             sum
         };
         let parts: Vec<EnergiesByLength> = (0..PARTS).into_par_iter().map(part).collect();
-        parts.iter().fold(nothing.clone(), |mut sum, part| {
+        Ok(parts.iter().fold(nothing.clone(), |mut sum, part| {
             sum.add_all(part);
             sum
-        })
+        }))
+    }
+
+    /// Cells of so many metres up to a length, if they can be summed.
+    fn check_sum(&self, cell_m: f64, length_m: f64) -> Result<usize, AcousticsError> {
+        let refused = |what, must, value| Err(AcousticsError::BadNumber { what, must, value });
+        if !(cell_m > 0.0 && cell_m.is_finite()) {
+            return refused(
+                "the length of a cell in metres",
+                "finite and above 0",
+                cell_m,
+            );
+        }
+        if !length_m.is_finite() {
+            return refused("the longest way in metres", "finite", length_m);
+        }
+        let cells = ((length_m - self.direct_m()) / cell_m).ceil().max(0.0);
+        if cells > MOST_CELLS {
+            return refused("the number of cells", "at most 1048576", cells);
+        }
+        // Copies along an axis, of which one is there however short the way is.
+        let copies = |axis: usize| 2.0 * length_m.max(0.0) / self.size[axis] + 1.0;
+        let images = copies(0) * copies(1) * copies(2) * PI / 6.0;
+        if images.is_nan() || images > MOST_IMAGES {
+            return refused("the number of image sources", "at most 1e12", images);
+        }
+        Ok(cells as usize)
     }
 
     /// The copy with this number along an axis; 0 is the room itself.
@@ -280,7 +330,7 @@ mod tests {
     /// Protects the free field: the direct sound and its direction.
     #[test]
     fn the_nearest_image_is_the_source() {
-        let images = room(&by_wall()).images(3);
+        let images = room(&by_wall()).images(3).unwrap();
         let offset = DVec3::new(4.0, -0.4, -2.5);
         let direct = images[0];
         assert_eq!(direct.reflections, [0; 6]);
@@ -294,7 +344,7 @@ mod tests {
     #[test]
     fn first_order_images_lie_behind_their_walls() {
         let absorption = by_wall();
-        let images = room(&absorption).images(1);
+        let images = room(&absorption).images(1).unwrap();
         assert_eq!(images.len(), 7);
         for (wall, absorption) in absorption.iter().enumerate() {
             let found: Vec<&ImageSource> = images
@@ -318,7 +368,7 @@ mod tests {
     /// Protects the number of images: 4 n² + 2 of order n > 0.
     #[test]
     fn images_of_an_order_are_all_there() {
-        let images = room(&by_wall()).images(4);
+        let images = room(&by_wall()).images(4).unwrap();
         let expected: usize = 1 + (1..=4).map(|order| 4 * order * order + 2).sum::<usize>();
         assert_eq!(images.len(), expected);
         assert!(images.is_sorted_by(|a, b| a.length_m <= b.length_m));
@@ -332,8 +382,8 @@ mod tests {
         // All within 14 m have fewer than 12 reflections: 14 m cross at most 14/8 + 14/3 + 14/5
         // walls and one more along each axis.
         let near = |image: &ImageSource| image.length_m < length_m;
-        let images: Vec<ImageSource> = room.images(12).into_iter().filter(near).collect();
-        let summed = room.energies_by_length(0.5, length_m, None);
+        let images: Vec<ImageSource> = room.images(12).unwrap().into_iter().filter(near).collect();
+        let summed = room.energies_by_length(0.5, length_m, None).unwrap();
         let mut expected = vec![[0.0; BAND_COUNT]; summed.energies.len()];
         for image in &images {
             let cell = ((image.length_m - room.direct_m()) / 0.5) as usize;
@@ -347,7 +397,7 @@ mod tests {
                 assert!((found[band] - expected[band]).abs() <= 1e-12 * expected[band]);
             }
         }
-        let late = room.energies_by_length(0.5, length_m, Some(1));
+        let late = room.energies_by_length(0.5, length_m, Some(1)).unwrap();
         assert_eq!(late.images, summed.images - 7);
     }
 
@@ -360,7 +410,7 @@ mod tests {
         let (volume, surface) = (8.0 * 3.0 * 5.0, 2.0 * (24.0 + 40.0 + 15.0));
         // Seven times the time in which the energy falls by e: 0.1 % is beyond.
         let length_m = 7.0 * 4.0 * volume / (0.02 * surface);
-        let summed = room.energies_by_length(0.1, length_m, Some(0));
+        let summed = room.energies_by_length(0.1, length_m, Some(0)).unwrap();
         let energy: f64 = summed.energies.iter().map(|energy| energy[0]).sum();
         let sabine = 4.0 / (0.02 * surface);
         assert!((energy / sabine - 1.0).abs() < 0.05, "{energy} {sabine}");
@@ -378,5 +428,26 @@ mod tests {
         assert!(build(DVec3::Y * 2.1, 0.5).is_none());
         assert!(build(DVec3::Y, 1.1).is_none());
         assert!(build(DVec3::Y, f64::NAN).is_none());
+    }
+
+    /// Protects memory and time from numbers that no sum ends with.
+    #[test]
+    fn endless_sums_are_refused() {
+        let room = room(&by_wall());
+        assert!(room.images(61).is_err() && room.images(u32::MAX).is_err());
+        for (cell_m, length_m) in [
+            (0.0, 10.0),
+            (-1.0, 10.0),
+            (f64::NAN, 10.0),
+            (1e-9, 10.0),
+            (1.0, f64::NAN),
+            (1.0, f64::INFINITY),
+            (1e9, 1e9),
+        ] {
+            let refused = room.energies_by_length(cell_m, length_m, None);
+            assert!(refused.is_err(), "{cell_m} {length_m}");
+        }
+        let nothing = room.energies_by_length(1.0, -5.0, None).unwrap();
+        assert!(nothing.energies.is_empty());
     }
 }

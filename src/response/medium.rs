@@ -34,9 +34,12 @@ impl Medium {
         bands::through_air(&emitted, &self.air, arrival.length_m)
     }
 
+    /// Adds an arrival, with the source's level and the air's loss. One whose numbers are none, by a driver that is wrong,
+    /// counts nowhere.
     pub fn add(&self, echogram: &mut Echogram, arrival: &Arrival) {
         let mut arrival = *arrival;
         arrival.energy = arrival.energy.map(|energy| energy * self.level);
-        echogram.add_arrival(&arrival, self.speed, &self.air);
+        let added = echogram.add_arrival(&arrival, self.speed, &self.air);
+        debug_assert!(added.is_ok(), "{added:?}");
     }
 }

@@ -1,7 +1,7 @@
 //! How responses are traced.
 
 use super::duration;
-use crate::acoustics::{AcousticsError, MAX_SECONDS};
+use crate::acoustics::{AcousticsError, Echogram, MAX_SECONDS};
 use crate::error::Error;
 use crate::scene::{Scene, Surface};
 use crate::trace::{ArrivalSettings, Profile, Settings, TraceError, Tracer};
@@ -10,7 +10,8 @@ use crate::trace::{ArrivalSettings, Profile, Settings, TraceError, Tracer};
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct ResponseSettings {
-    /// Waves, start directions, seed and algorithm. The iterations follow from the seconds.
+    /// Waves, start directions, seed and algorithm. The iterations follow from the seconds, so that other than the
+    /// usual ones are refused.
     pub trace: Settings,
     /// How long the waves are followed; `None` until the energy of every band has fallen by 60 dB,
     /// as estimated by a few waves.
@@ -60,10 +61,17 @@ impl Default for ResponseSettings {
 }
 
 impl ResponseSettings {
-    /// The same with these waves, directions and algorithm.
+    /// The same with these waves, directions and algorithm. Iterations of its own are refused when it is traced.
     pub fn with_trace(mut self, trace: Settings) -> ResponseSettings {
         self.trace = trace;
         self
+    }
+
+    /// The same with the waves, directions and algorithm of frames, whose iterations a response has no use for.
+    #[cfg(any(feature = "cli", feature = "experiment", feature = "walkthrough"))]
+    pub(crate) fn with_trace_of_frames(self, frames: &Settings) -> ResponseSettings {
+        let usual = Settings::new(frames.profile()).iterations;
+        self.with_trace(frames.clone().with_iterations(usual))
     }
 
     /// The same for a record of so many seconds.
@@ -124,9 +132,9 @@ impl ResponseSettings {
     /// Checks every number against its range, before anything is traced.
     ///
     /// # Errors
-    /// [`Error::Trace`] with the name, the range and the value;
+    /// [`Error::Trace`] with the name, the range and the value, also for iterations other than the usual ones;
     /// [`TraceError::NoArrivals`] for the profile `thesis`; [`Error::Acoustics`] for more than
-    /// [`MAX_SECONDS`].
+    /// [`MAX_SECONDS`], and for bins and batches out of range.
     pub fn validate(&self) -> Result<(), Error> {
         self.trace.validate()?;
         let profile = self.trace.profile();
@@ -134,6 +142,12 @@ impl ResponseSettings {
             let profile = profile.to_string();
             return Err(TraceError::NoArrivals { profile }.into());
         }
+        let (usual, iterations) = (Settings::new(profile).iterations, self.trace.iterations);
+        if iterations != usual {
+            let must = format!("{usual}, as usual: its seconds decide how long waves are followed");
+            return Err(bad("number of iterations of a response", must, iterations));
+        }
+        Echogram::new(self.bin_s, self.batches)?;
         if let Some(seconds) = self.seconds {
             ArrivalSettings::new(seconds).validate()?;
             if seconds > MAX_SECONDS {
@@ -176,6 +190,11 @@ mod tests {
     fn bad_numbers_are_refused() {
         let settings = ResponseSettings::default();
         assert!(settings.validate().is_ok());
+        let with_bins = |bin_s, batches| ResponseSettings {
+            bin_s,
+            batches,
+            ..ResponseSettings::default()
+        };
         for bad in [
             settings.clone().with_late_waves(0),
             settings.clone().with_longest(0.0),
@@ -183,6 +202,13 @@ mod tests {
             settings.clone().with_longest(2.0 * MAX_SECONDS),
             settings.clone().with_seconds(2.0 * MAX_SECONDS),
             settings.clone().with_order(MAX_ORDER + 1),
+            settings
+                .clone()
+                .with_trace(Settings::default().with_iterations(9)),
+            with_bins(0.0, 16),
+            with_bins(f64::NAN, 16),
+            with_bins(1e-3, 0),
+            with_bins(1e-3, usize::MAX),
         ] {
             assert!(bad.validate().is_err(), "{bad:?}");
         }

@@ -106,6 +106,27 @@ pub enum SceneError {
         /// The name that is nearly that one, if there is one.
         nearest: Option<String>,
     },
+    /// A source or a listener by a number that none has.
+    #[error("scene {scene:?} has no {what} number {number}: it has {count}, counted from 0")]
+    NoSuchNumber {
+        /// The scene's name.
+        scene: String,
+        /// `source` or `listener`.
+        what: &'static str,
+        /// The requested number, from 0.
+        number: usize,
+        /// How many there are.
+        count: usize,
+    },
+    /// A wall that no room has.
+    #[error(
+        "a room has no wall number {wall}: they are counted from 0, {}",
+        super::WALL_NAMES.join(", ")
+    )]
+    NoSuchWall {
+        /// The requested number, from 0.
+        wall: usize,
+    },
     /// Two sources or two listeners of one name.
     #[error("scene {scene:?}: two of the {what} are called {name:?}")]
     SameName {

@@ -172,7 +172,7 @@ impl Scene {
         let mut materials = BTreeMap::new();
         for (wall, absorption) in absorption.iter().enumerate() {
             let name = format!("wall {wall}");
-            room = room.with_wall_material(wall, name.clone());
+            room.walls[wall] = Some(name.clone());
             let material = Material {
                 absorption: *absorption,
                 ..Material::MIRROR

@@ -26,10 +26,11 @@ pub struct Key {
 }
 
 impl Path {
-    /// A path over `keys`, or `None` when their times do not strictly increase.
+    /// A path over `keys`, or `None` when their times are not finite or do not strictly increase.
     pub fn new(keys: Vec<Key>) -> Option<Path> {
         let increasing = keys.windows(2).all(|pair| pair[0].time < pair[1].time);
-        increasing.then_some(Path { keys })
+        let finite = keys.iter().all(|key| key.time.is_finite());
+        (increasing && finite).then_some(Path { keys })
     }
 
     /// The keys in order of time.
@@ -99,5 +100,8 @@ mod tests {
             Path::new(vec![key(1.0, 0.0, 0.0), key(1.0, 1.0, 0.0)]),
             None
         );
+        for time in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            assert_eq!(Path::new(vec![key(time, 0.0, 0.0)]), None);
+        }
     }
 }

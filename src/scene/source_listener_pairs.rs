@@ -1,7 +1,7 @@
 //! All sources and listeners of a scene, and what lies between them: surfaces of materials, and air.
 
 use super::air::USUAL_SPEED_OF_SOUND;
-use super::{Listener, Material, Scene, Source};
+use super::{Listener, Material, Scene, SceneError, Source};
 use crate::bands::{BAND_COUNT, Bands};
 use std::iter::once;
 
@@ -42,31 +42,35 @@ impl Scene {
     /// # use echomarch::glam::Vec3;
     /// let mut scene = Scene::builtin("corner")?;
     /// scene.further_sources.push(Source::at(Vec3::Y).named("flute"));
-    /// let flute = scene.heard_by(1, 0);
+    /// let flute = scene.heard_by(1, 0)?;
     /// assert_eq!(flute.source.name.as_deref(), Some("flute"));
     /// assert_eq!(flute.sources().count(), 1);
     /// # Ok::<(), echomarch::Error>(())
     /// ```
     ///
-    /// # Panics
-    /// When there is no source or no listener of that number, as an index of a slice.
-    pub fn heard_by(&self, source: usize, listener: usize) -> Scene {
-        Scene {
+    /// # Errors
+    /// [`SceneError::NoSuchNumber`] when there is no source or no listener of that number.
+    pub fn heard_by(&self, source: usize, listener: usize) -> Result<Scene, SceneError> {
+        let none = |what, number, count| SceneError::NoSuchNumber {
+            scene: self.name.clone(),
+            what,
+            number,
+            count,
+        };
+        let from = self.sources().nth(source);
+        let from = from.ok_or_else(|| none("source", source, self.sources().count()))?;
+        let to = self.listeners().nth(listener);
+        let to = to.ok_or_else(|| none("listener", listener, self.listeners().count()))?;
+        Ok(Scene {
             name: self.name.clone(),
             surfaces: self.surfaces.clone(),
             materials: self.materials.clone(),
             air: self.air,
-            source: match source {
-                0 => self.source.clone(),
-                further => self.further_sources[further - 1].clone(),
-            },
-            listener: match listener {
-                0 => self.listener.clone(),
-                further => self.further_listeners[further - 1].clone(),
-            },
+            source: from.clone(),
+            listener: to.clone(),
             further_sources: Vec::new(),
             further_listeners: Vec::new(),
-        }
+        })
     }
 
     /// The material of a surface (counted from 0), or of one of its walls in the order of
@@ -130,7 +134,7 @@ fn labels<'a>(names: impl Iterator<Item = Option<&'a str>>) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use crate::scene::shape::{Room, Sphere};
-    use crate::scene::{Air, Key, Listener, Material, Path, Scene, Source, Surface};
+    use crate::scene::{Air, Key, Listener, Material, Path, Scene, SceneError, Source, Surface};
     use glam::Vec3;
 
     fn hall() -> Scene {
@@ -138,6 +142,7 @@ mod tests {
             size: Vec3::splat(9.0),
         });
         let room = room.with_material("brick").with_wall_material(2, "carpet");
+        let room = room.unwrap();
         let ball = Surface::new(Sphere { radius: 1.0 });
         let source = Source::at(Vec3::X * 3.0);
         Scene::new(
@@ -182,10 +187,13 @@ mod tests {
             .further_listeners
             .push(Listener::at(Vec3::Z * 2.0, 0.2));
         assert_eq!(scene.sources().count(), 2);
-        let pair = scene.heard_by(1, 0);
+        let pair = scene.heard_by(1, 0).unwrap();
         assert_eq!(pair.source, scene.further_sources[0]);
         assert_eq!(pair.listener, scene.listener);
-        assert_eq!(scene.heard_by(0, 1).listener, scene.further_listeners[0]);
+        assert_eq!(
+            scene.heard_by(0, 1).unwrap().listener,
+            scene.further_listeners[0]
+        );
         assert_eq!(
             (pair.sources().count(), pair.listeners().count()),
             (1, 1),
@@ -194,7 +202,7 @@ mod tests {
         assert_eq!((pair.air, &pair.surfaces), (scene.air, &scene.surfaces));
         scene.further_sources.clear();
         scene.further_listeners.clear();
-        assert_eq!(scene.heard_by(0, 0), scene);
+        assert_eq!(scene.heard_by(0, 0).unwrap(), scene);
     }
 
     /// Protects motion: every listener or source with a path moves, and the longest path counts.
@@ -234,5 +242,25 @@ mod tests {
         scene.air = Some(air);
         assert_eq!(scene.speed_of_sound(), air.speed_of_sound());
         assert_eq!(scene.air_attenuation(), air.attenuation());
+    }
+
+    /// Protects callers from numbers that nobody has: a source, a listener, a wall.
+    #[test]
+    fn numbers_that_nobody_has_are_refused() {
+        let scene = hall();
+        let (sources, listeners) = (scene.sources().count(), scene.listeners().count());
+        let told = |refused: Result<Scene, SceneError>| refused.unwrap_err().to_string();
+        let text = told(scene.heard_by(sources, 0));
+        assert!(
+            text.contains(&format!("no source number {sources}")),
+            "{text}"
+        );
+        let text = told(scene.heard_by(0, usize::MAX));
+        assert!(text.contains(&format!("it has {listeners}")), "{text}");
+        let room = Surface::new(Room { size: Vec3::ONE });
+        for wall in [6, 9, usize::MAX] {
+            let refused = room.clone().with_wall_material(wall, "brick");
+            assert!(matches!(refused, Err(SceneError::NoSuchWall { .. })));
+        }
     }
 }

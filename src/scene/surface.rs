@@ -1,6 +1,6 @@
 //! A surface: a shape, and its position.
 
-use super::{Bounds3, Driver, Node, Shape, WALL_COUNT};
+use super::{Bounds3, Driver, Node, SceneError, Shape, WALL_COUNT};
 use glam::{DMat3, Quat, Vec3};
 
 /// A shape placed in the world.
@@ -85,11 +85,16 @@ impl Surface {
     /// The same room, one of whose walls (0 to 5, see [`WALL_NAMES`](super::WALL_NAMES)) is of the
     /// material of this name.
     ///
-    /// # Panics
-    /// When there is no such wall, as an index of an array.
-    pub fn with_wall_material(mut self, wall: usize, name: impl Into<String>) -> Surface {
-        self.walls[wall] = Some(name.into());
-        self
+    /// # Errors
+    /// [`SceneError::NoSuchWall`](super::SceneError::NoSuchWall) when there is no such wall.
+    pub fn with_wall_material(
+        mut self,
+        wall: usize,
+        name: impl Into<String>,
+    ) -> Result<Surface, SceneError> {
+        let material = self.walls.get_mut(wall);
+        *material.ok_or(SceneError::NoSuchWall { wall })? = Some(name.into());
+        Ok(self)
     }
 
     /// The name of the material of a wall, or of the surface.

@@ -87,7 +87,7 @@ fn scenes(
 }
 
 fn load(said: &SceneFile, folder: &Path) -> Result<Scene, SceneError> {
-    Ok(Scene::load_in(&said.of, folder)?.heard_by(0, 0))
+    Scene::load_in(&said.of, folder)?.heard_by(0, 0)
 }
 
 /// Numbers of an axis that are tried before work begins; of longer ones the ends, and some between.
@@ -180,7 +180,7 @@ fn check_settings(study: &Study, checker: &Checker) -> Result<(), StudyError> {
         let Some((response, _)) = &study.keep.response else {
             continue;
         };
-        let response = response.clone().with_trace(case.settings.clone());
+        let response = response.clone().with_trace_of_frames(&case.settings);
         if let Err(error) = response.validate() {
             let told = match &error {
                 crate::Error::Trace(TraceError::NoArrivals { profile }) => profile.clone(),

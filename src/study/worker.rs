@@ -93,7 +93,7 @@ impl<'a> Worker<'a> {
             cells.push(exact_pan(&mut self.tracer, scene, &settings)?.into());
         }
         if let Some((how, columns)) = &keep.response {
-            let how = how.clone().with_trace(settings);
+            let how = how.clone().with_trace_of_frames(&settings);
             let response = Response::trace(&mut self.tracer, scene, &how)?;
             cells.extend(columns.cells(&response));
         }

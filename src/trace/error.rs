@@ -139,6 +139,9 @@ pub enum TraceError {
         /// Its name.
         profile: String,
     },
+    /// A frame was to be advanced that was not begun, or was collected or given up since.
+    #[error("there is no frame to advance: begin one first")]
+    NoFrameBegun,
     /// Waves were requested before any frame was traced.
     #[error("no frame was traced yet")]
     NothingTraced,

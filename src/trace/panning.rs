@@ -26,14 +26,14 @@ pub struct Panning {
 }
 
 impl Panning {
-    /// The panning value: −1 left, 0 the middle, 1 right; 0 when nothing arrived.
+    /// The panning value: −1 left, 0 the middle, 1 right; 0 when nothing arrived. A sum that is negative or not finite
+    /// counts as 0.
     pub fn pan(&self) -> f64 {
-        let sum = self.left + self.right;
-        if sum > 0.0 {
-            (self.right - self.left) / sum
-        } else {
-            0.0
-        }
+        let or_none = |sum: f64| if sum.is_finite() { sum.max(0.0) } else { 0.0 };
+        // Halves, so that their sum is finite.
+        let (left, right) = (0.5 * or_none(self.left), 0.5 * or_none(self.right));
+        let sum = left + right;
+        if sum > 0.0 { (right - left) / sum } else { 0.0 }
     }
 }
 
@@ -114,6 +114,11 @@ mod tests {
         assert_eq!(pan(2.0, 2.0), 0.0);
         assert_eq!(pan(1.0, 3.0), 0.5);
         assert_eq!(pan(0.0, 0.0), 0.0);
+        // What no waves bring.
+        assert_eq!(pan(-1.0, 3.0), 1.0);
+        assert_eq!(pan(f64::NAN, 2.0), 1.0);
+        assert_eq!(pan(f64::INFINITY, f64::INFINITY), 0.0);
+        assert_eq!(pan(f64::MAX, f64::MAX), 0.0);
     }
 
     /// Protects the counting of fates and counters.

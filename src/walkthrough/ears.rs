@@ -83,7 +83,7 @@ mod tests {
         let noise = SoundSpec::Noise { seed: 3 };
         let mut mix = Mix::new(&left, &noise, RATE_HZ).unwrap();
         for message in messages {
-            assert!(mix.hear(message));
+            assert!(mix.hear(message).unwrap());
         }
         let mut stereo = vec![0.0; RATE_HZ as usize];
         mix.fill(&mut stereo);

@@ -156,7 +156,7 @@ impl Hearing {
         let mut curve = vec![0.0; CURVE_POINTS];
         let mut on_late = Duration::ZERO;
         for source in 0..scene.sources().count() {
-            let pair = scene.heard_by(source, 0);
+            let pair = scene.heard_by(source, 0)?;
             let response = Response::trace(&mut self.tracer, &pair, &how)?;
             status.sources.push(HeardSource::of(&response));
             add_to_curve(&mut curve, &response, seconds);
@@ -203,7 +203,7 @@ impl Hearing {
         let settings = response_settings(&few).with_longest(LONGEST_S);
         let mut longest: f64 = 0.0;
         for source in 0..scene.sources().count() {
-            let pair = scene.heard_by(source, 0);
+            let pair = scene.heard_by(source, 0)?;
             longest = longest.max(settings.seconds_needed(&mut self.tracer, &pair)?);
         }
         let seconds = longest.min(LONGEST_S);
@@ -220,7 +220,8 @@ fn late_waves(before: u32, took: Duration) -> u32 {
 
 fn response_settings(chosen: &Settings) -> ResponseSettings {
     let waves = chosen.waves.min(MOST_WAVES);
-    let settings = ResponseSettings::default().with_trace(chosen.clone().with_waves(waves));
+    let chosen = chosen.clone().with_waves(waves);
+    let settings = ResponseSettings::default().with_trace_of_frames(&chosen);
     settings.with_order(ORDER)
 }
 

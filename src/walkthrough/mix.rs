@@ -1,7 +1,8 @@
 //! What is heard while one walks, as samples.
 
 use super::hearing::{Found, LONGEST_S};
-use crate::audio::{AudioError, Mixer, PanningLaw, Signal, Sound, SoundSpec, StereoSignal};
+use crate::acoustics::AcousticsError;
+use crate::audio::{Mixer, PanningLaw, Signal, Sound, SoundSpec, StereoSignal};
 use crate::auralisation::{HeardParts, Listen, Player, PlayerRemote, Spec};
 use crate::error::Error;
 use crate::scene::Scene;
@@ -20,7 +21,11 @@ const FADE_S: f32 = 0.01;
 
 /// A player of the sources of a scene, each with its own sound: as `spec` where that is a file or a sine, else each
 /// with another voice or noise.
-pub(crate) fn player(scene: &Scene, spec: &SoundSpec, rate_hz: u32) -> (Player, PlayerRemote) {
+pub(crate) fn player(
+    scene: &Scene,
+    spec: &SoundSpec,
+    rate_hz: u32,
+) -> Result<(Player, PlayerRemote), AcousticsError> {
     let load = |source: usize| {
         // A file that cannot be had at this rate is silent: that it cannot is told of the one sound.
         let sound = Sound::load(&own_voice(spec, source as u64), rate_hz);
@@ -131,9 +136,9 @@ struct Wanted {
 }
 
 impl Voices {
-    fn new(scene: &Scene, spec: &SoundSpec, rate_hz: u32) -> Result<Voices, AudioError> {
+    fn new(scene: &Scene, spec: &SoundSpec, rate_hz: u32) -> Result<Voices, Error> {
         let sound = Sound::load(spec, rate_hz)?;
-        let (player, remote) = player(scene, spec, rate_hz);
+        let (player, remote) = player(scene, spec, rate_hz)?;
         Ok(Voices {
             sound,
             player,
@@ -146,8 +151,8 @@ impl Mix {
     /// The sounds of a scene's sources at so many samples a second; all is silent until something is heard.
     ///
     /// # Errors
-    /// As [`Sound::load`].
-    pub fn new(scene: &Scene, spec: &SoundSpec, rate_hz: u32) -> Result<Mix, AudioError> {
+    /// As [`Sound::load`]; [`AcousticsError::BadRate`](crate::acoustics::AcousticsError::BadRate).
+    pub fn new(scene: &Scene, spec: &SoundSpec, rate_hz: u32) -> Result<Mix, Error> {
         let law = PanningLaw::for_profile(Profile::Hybrid);
         let listen = Listen::Full;
         Ok(Mix {
@@ -174,7 +179,7 @@ impl Mix {
     ///
     /// # Errors
     /// As [`Sound::load`]; then the previous one continues.
-    pub fn set_scene(&mut self, scene: &Scene, spec: &SoundSpec) -> Result<(), AudioError> {
+    pub fn set_scene(&mut self, scene: &Scene, spec: &SoundSpec) -> Result<(), Error> {
         self.wanted.voices = Some(Voices::new(scene, spec, self.rate_hz)?);
         Ok(())
     }
@@ -184,9 +189,13 @@ impl Mix {
         self.wanted.listen = listen;
     }
 
-    /// Loudness, 0 to 1.
+    /// Loudness, 0 to 1; no number counts as 0.
     pub fn set_volume(&mut self, volume: f32) {
-        self.wanted_volume = volume.clamp(0.0, 1.0);
+        self.wanted_volume = if volume.is_nan() {
+            0.0
+        } else {
+            volume.clamp(0.0, 1.0)
+        };
     }
 
     /// The balance, −1 to 1, as waves of that profile give it.
@@ -196,14 +205,17 @@ impl Mix {
     }
 
     /// Glides to what is heard of a source. False, and nothing changes, if too much is in progress.
-    pub fn hear(&mut self, message: HeardMessage) -> bool {
+    ///
+    /// # Errors
+    /// [`Error::Acoustics`] for a source that is not there, and a glide of no time. Then nothing changes.
+    pub fn hear(&mut self, message: HeardMessage) -> Result<bool, Error> {
         let parts = HeardParts {
             echoes: message.echoes,
             late: message.late,
         };
         let voices = self.wanted.voices.as_mut().unwrap_or(&mut self.voices);
         let heard = parts.heard(voices.remote.spec());
-        voices.remote.hear(message.source, heard, message.glide_s)
+        Ok(voices.remote.hear(message.source, heard, message.glide_s)?)
     }
 
     /// Overwrites the interleaved samples of both channels with the next ones.
@@ -253,7 +265,8 @@ impl Mix {
             Listen::Balance => {
                 self.mono.resize(stereo.len() / 2, 0.0);
                 self.voices.sound.fill(&mut self.mono);
-                self.mixer.mix(&self.mono, self.pan, stereo);
+                let mixed = self.mixer.mix(&self.mono, self.pan, stereo);
+                debug_assert!(mixed.is_ok(), "there are two samples for each one");
             }
         }
     }
@@ -343,7 +356,7 @@ mod tests {
             late: Some(late),
             glide_s: 0.0,
         };
-        assert!(mix.hear(message));
+        assert!(mix.hear(message).unwrap());
         let mut heard = vec![0.0; RATE_HZ as usize];
         mix.fill(&mut heard);
         assert!(heard.iter().any(|sample| *sample != 0.0));

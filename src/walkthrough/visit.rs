@@ -241,7 +241,9 @@ impl Visit {
             self.tracer.frame_begin(&self.world.now, &self.settings)?;
             self.traced = Some((self.world.now.clone(), self.settings.clone()));
         }
-        self.tracer.frame_advance(milliseconds)?;
+        if self.tracer.is_frame_pending() {
+            self.tracer.frame_advance(milliseconds)?;
+        }
         Ok(came)
     }
 

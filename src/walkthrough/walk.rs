@@ -45,6 +45,18 @@ pub struct MoveInput {
 }
 
 impl MoveInput {
+    /// The same with 0 for what is not finite.
+    fn finite(&self) -> MoveInput {
+        MoveInput {
+            forward: or_zero(self.forward),
+            right: or_zero(self.right),
+            up: or_zero(self.up),
+            turn: or_zero(self.turn),
+            tilt: or_zero(self.tilt),
+            run: self.run,
+        }
+    }
+
     /// Whether nothing is wanted.
     pub fn is_rest(&self) -> bool {
         let MoveInput {
@@ -59,6 +71,11 @@ impl MoveInput {
             .iter()
             .all(|&input| input == 0.0)
     }
+}
+
+/// A number that is not finite is none: it would stay in the pose for ever.
+fn or_zero(number: f32) -> f32 {
+    if number.is_finite() { number } else { 0.0 }
 }
 
 /// Position and gaze of the walker.
@@ -89,15 +106,17 @@ impl Walker {
         listener.pitch = self.pitch;
     }
 
-    /// Turns by radians to the right and upwards.
+    /// Turns by radians to the right and upwards; what is not finite counts as 0.
     pub fn look(&mut self, right: f32, up: f32) {
+        let (right, up) = (or_zero(right), or_zero(up));
         self.yaw = (self.yaw + right + PI).rem_euclid(TAU) - PI;
         self.pitch = (self.pitch + up).clamp(-STEEPEST, STEEPEST);
     }
 
-    /// Does what is wished for `seconds`, in the air of `scene`.
+    /// Does what is wished for `seconds`, in the air of `scene`. Wishes and seconds that are not finite count as 0.
     pub fn walk(&mut self, scene: &Scene, input: &MoveInput, seconds: f32) {
-        let seconds = seconds.clamp(0.0, LONGEST);
+        let seconds = or_zero(seconds).clamp(0.0, LONGEST);
+        let input = input.finite();
         self.look(
             input.turn * TURNING * seconds,
             input.tilt * TURNING * seconds,
@@ -287,5 +306,32 @@ mod tests {
         assert!((carried(&scene) - scene.listener.position).length() > scene.listener.radius);
         scene.listener.position.z = 0.5;
         assert!(scene.surface_distance(carried(&scene)).distance > 0.0);
+    }
+
+    /// Protects a walk from wishes that are no numbers: the walker stands where it stood.
+    #[test]
+    fn what_is_no_number_moves_nobody() {
+        let scene = Scene::builtin("corner").unwrap();
+        let start = Walker::of(&scene.listener);
+        for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+            let input = MoveInput {
+                forward: bad,
+                right: bad,
+                up: bad,
+                turn: bad,
+                tilt: bad,
+                run: true,
+            };
+            let mut walker = start;
+            walker.walk(&scene, &input, 0.1);
+            walker.look(bad, bad);
+            let forward = MoveInput {
+                forward: 1.0,
+                ..MoveInput::default()
+            };
+            walker.walk(&scene, &forward, bad);
+            assert_eq!(walker.position, start.position);
+            assert!((walker.yaw - start.yaw).abs() < 1e-5 && walker.pitch == start.pitch);
+        }
     }
 }

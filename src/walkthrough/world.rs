@@ -166,6 +166,12 @@ impl World {
 
     /// Lets time pass: paths go on, the walker walks, what is carried comes along.
     pub fn pass(&mut self, input: &MoveInput, seconds: f64) {
+        // A clock that is wrong stands still.
+        let seconds = if seconds.is_finite() {
+            seconds.max(0.0)
+        } else {
+            0.0
+        };
         if !self.paused {
             self.seconds += seconds;
         }

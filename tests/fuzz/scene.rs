@@ -189,7 +189,11 @@ pub fn one(data: &[u8]) {
         let losses = scene.air_attenuation();
         assert!(losses.iter().all(|m| m.is_finite()) && scene.speed_of_sound() > 0.0);
         for source in 0..scene.sources().count() {
-            drop(scene.heard_by(source, scene.listeners().count() - 1));
+            drop(
+                scene
+                    .heard_by(source, scene.listeners().count() - 1)
+                    .unwrap(),
+            );
         }
         for name in scene.value_names() {
             let _ = scene.set_value(&name, 0.5);

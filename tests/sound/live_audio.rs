@@ -127,7 +127,7 @@ fn the_callback_plays_sources_in_full_and_allocates_nothing() {
     let axes = ListenerAxes::of(&scene.listener).unwrap();
     let (mut renderer, mut remote) = renderer("sine:440");
     let sounds = vec![sound("sine:300"), sound("sine:500")];
-    let (player, mut told) = Player::new(sounds, spec, 0.2);
+    let (player, mut told) = Player::new(sounds, spec, 0.2).unwrap();
     assert_eq!(told.source_count(), 2);
     assert!(remote.set_stereo(Some(Box::new(player)), SAMPLE_RATE));
     let mut played = Vec::new();
@@ -135,7 +135,7 @@ fn the_callback_plays_sources_in_full_and_allocates_nothing() {
         if round % 10 < 8 {
             let response = [&near, &far][round / 10 % 2];
             let heard = Heard::new(response, &axes, spec, 1).unwrap();
-            assert!(told.hear(round % 2, heard, 0.02));
+            assert!(told.hear(round % 2, heard, 0.02).unwrap());
         }
         if round == 100 {
             assert!(remote.set_stereo(None, SAMPLE_RATE));

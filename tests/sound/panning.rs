@@ -48,7 +48,7 @@ proptest! {
             let target = law.gains(pan);
             let slope = (target.left - last.left, target.right - last.right);
             let mut out = vec![0.0; 2 * length];
-            mixer.mix(&vec![1.0; length], pan, &mut out);
+            mixer.mix(&vec![1.0; length], pan, &mut out).unwrap();
             let mut before = last;
             for pair in out.chunks_exact(2) {
                 let step = (pair[0] - before.left, pair[1] - before.right);
@@ -124,7 +124,7 @@ fn sweep(law: PanningLaw) {
         sound.fill(&mut mono);
         let pan = -1.0 + 2.0 * i as f32 / (FRAMES - 1) as f32;
         let before = mixer.current().unwrap_or(law.gains(pan));
-        mixer.mix(&mono, pan, &mut out);
+        mixer.mix(&mono, pan, &mut out).unwrap();
         let change = law.gains(pan);
         let change = (change.left - before.left)
             .abs()
@@ -148,13 +148,13 @@ fn sweep(law: PanningLaw) {
 #[test]
 fn the_first_block_starts_at_its_own_gains() {
     let mut mixer = Mixer::new(PanningLaw::Linear);
-    mixer.mix(&[], 0.3, &mut []);
+    mixer.mix(&[], 0.3, &mut []).unwrap();
     assert_eq!(mixer.current(), None);
     let mut out = [0.0; 6];
-    mixer.mix(&[1.0; 3], -1.0, &mut out);
+    mixer.mix(&[1.0; 3], -1.0, &mut out).unwrap();
     assert_eq!(out, [1.0, 0.0, 1.0, 0.0, 1.0, 0.0]);
     mixer.reset();
-    mixer.mix(&[1.0; 3], 1.0, &mut out);
+    mixer.mix(&[1.0; 3], 1.0, &mut out).unwrap();
     assert_eq!(out, [0.0, 1.0, 0.0, 1.0, 0.0, 1.0]);
 }
 
@@ -162,21 +162,27 @@ fn the_first_block_starts_at_its_own_gains() {
 fn silence_is_glided_to_and_odd_gains_do_no_harm() {
     let mut mixer = Mixer::new(PanningLaw::Linear);
     let mut out = [0.0; 8];
-    mixer.mix(&[1.0; 4], -1.0, &mut out);
-    mixer.mix_to(&[1.0; 4], Gains::SILENT, &mut out);
+    mixer.mix(&[1.0; 4], -1.0, &mut out).unwrap();
+    mixer.mix_to(&[1.0; 4], Gains::SILENT, &mut out).unwrap();
     assert_eq!(out, [0.75, 0.0, 0.5, 0.0, 0.25, 0.0, 0.0, 0.0]);
     let odd = Gains {
         left: f32::NAN,
         right: f32::INFINITY,
     };
-    mixer.mix_to(&[1.0; 4], odd, &mut out);
+    mixer.mix_to(&[1.0; 4], odd, &mut out).unwrap();
     assert_eq!(out, [0.0; 8]);
 }
 
+/// Protects players from slices that do not fit: they are told, and nothing is played.
 #[test]
-#[should_panic(expected = "twice as long")]
 fn a_stereo_slice_of_the_wrong_length_is_refused() {
-    Mixer::new(PanningLaw::Linear).mix(&[0.0; 4], 0.0, &mut [0.0; 4]);
+    let mut mixer = Mixer::new(PanningLaw::Linear);
+    for stereo in [0, 4, 7, 9] {
+        let refused = mixer.mix(&[0.5; 4], 0.0, &mut vec![0.0; stereo]);
+        let error = refused.unwrap_err().to_string();
+        assert!(error.contains("must be twice as many"), "{error}");
+        assert_eq!(mixer.current(), None);
+    }
 }
 
 #[test]

@@ -60,7 +60,7 @@ fn hits_by_order_are_those_of_the_image_sources() {
     let (_, waves) = tracer().frame_with_waves(&scene, &settings).unwrap();
     let starts: Vec<Vec3> = waves.iter().map(|wave| wave.start_direction).collect();
     let images = ShoeboxImages::new(&scene).unwrap();
-    let expected = images.hits_by_order(&starts, settings.iterations);
+    let expected = images.hits_by_order(&starts, settings.iterations).unwrap();
     let report = report("shoebox", &[settings]);
     let found = &rows(&report)[0].waves;
     assert_eq!(found.exact_hits, expected);

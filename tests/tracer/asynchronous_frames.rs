@@ -108,11 +108,17 @@ fn a_frame_in_parts_may_be_waited_for_or_given_up() {
     for_each_api(|context| {
         let mut tracer = Tracer::new(context).unwrap();
         let (scene, settings) = (builtin("corner"), Settings::default().with_waves(4099));
-        assert!(tracer.frame_advance(1.0).unwrap());
+        // Without a frame there is nothing to advance, and nothing to be told as done.
+        let refused = tracer.frame_advance(1.0).unwrap_err().to_string();
+        assert!(refused.contains("no frame to advance"), "{refused}");
         let whole = tracer.frame(&scene, &settings).unwrap();
         tracer.frame_begin(&scene, &settings).unwrap();
+        for milliseconds in [-1.0, f64::NAN] {
+            assert!(tracer.frame_advance(milliseconds).is_err());
+        }
         tracer.frame_advance(0.0).unwrap();
         let waited = tracer.frame_wait().unwrap().unwrap();
+        assert!(tracer.frame_advance(0.0).is_err());
         assert_eq!(
             (waited.panning, waited.counts),
             (whole.panning, whole.counts)

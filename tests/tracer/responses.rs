@@ -163,7 +163,8 @@ fn early_paths_are_the_image_sources() {
     let [size, source, listener] = [room.size, room.source, room.listener].map(|v| v.as_dvec3());
     let images = ShoeboxEnergies::new(size, source, listener, &room.absorption)
         .unwrap()
-        .images(3);
+        .images(3)
+        .unwrap();
     assert_eq!(response.paths.len(), 63);
     // The directions that are searched besides find what few waves do.
     let missed = response.missed.energy_share().unwrap();

@@ -44,7 +44,7 @@ impl MixOfPage {
     }
 
     /// Glides to what is heard of a source; false, and nothing changes, if too much is under way: it has to be told
-    /// again.
+    /// again. What is told of a source that the scene does not have any more is dropped.
     pub fn hear(
         &mut self,
         source: u32,
@@ -52,12 +52,13 @@ impl MixOfPage {
         late: Option<Vec<f32>>,
         glide_s: f64,
     ) -> bool {
-        self.mix.hear(HeardMessage {
+        let message = HeardMessage {
             source: source as usize,
             echoes,
             late,
             glide_s,
-        })
+        };
+        self.mix.hear(message).unwrap_or(true)
     }
 
     /// The next samples of both channels, interleaved.

@@ -53,7 +53,7 @@ impl Figures {
         let of_bin = energy.map(|energy| energy / bins);
         for bin in 0..bins as usize {
             let seconds = begins_s + (bin as f64 + 0.5) * echogram.bin_s();
-            further.add(0, seconds, &of_bin, DVec3::ZERO);
+            let _ = further.add(0, seconds, &of_bin, DVec3::ZERO);
         }
         let mut figures = self.with_differences((taps, &further, ends_s), &[1.0; BAND_COUNT]);
         for band in 0..BAND_COUNT {

@@ -19,13 +19,22 @@ impl Figures {
     /// records of more than 6.5 s). Results for such a room can be compared with them.
     ///
     /// # Errors
-    /// [`AcousticsError::BadLength`] for more than [`MAX_SECONDS`](crate::acoustics::MAX_SECONDS).
+    /// [`AcousticsError::BadLength`] for a length that is not above 0 s, or more than
+    /// [`MAX_SECONDS`](crate::acoustics::MAX_SECONDS); [`AcousticsError::BadNumber`] for a speed that is not above 0, and
+    /// for a room so small that its image sources are too many.
     pub fn of_image_sources(
         room: &ShoeboxEnergies,
         speed_m_per_s: f64,
         seconds: f64,
     ) -> Result<Figures, AcousticsError> {
-        let fits = |cell_s: &&f64| seconds <= **cell_s * MAX_BINS as f64;
+        if !(speed_m_per_s > 0.0 && speed_m_per_s.is_finite()) {
+            return Err(AcousticsError::BadNumber {
+                what: "the speed of sound in m/s",
+                must: "finite and above 0",
+                value: speed_m_per_s,
+            });
+        }
+        let fits = |cell_s: &&f64| seconds > 0.0 && seconds <= **cell_s * MAX_BINS as f64;
         let cell_s = CELLS_S.iter().find(fits).filter(|_| seconds <= MAX_SECONDS);
         let cell_s = *cell_s.ok_or(AcousticsError::BadLength { seconds })?;
         let direct_s = room.direct_m() / speed_m_per_s;
@@ -34,13 +43,13 @@ impl Figures {
             energy: image.energy,
             direction: image.direction,
         };
-        let taps: Vec<Tap> = room.images(TAPS_ORDER).iter().map(tap).collect();
+        let taps: Vec<Tap> = room.images(TAPS_ORDER)?.iter().map(tap).collect();
         let [cell_m, length_m] = [cell_s, seconds].map(|seconds| seconds * speed_m_per_s);
-        let late = room.energies_by_length(cell_m, length_m, Some(TAPS_ORDER));
+        let late = room.energies_by_length(cell_m, length_m, Some(TAPS_ORDER))?;
         let mut echogram = Echogram::with_edge_at(direct_s, cell_s, 1)?;
         for (cell, energy) in late.energies.iter().enumerate() {
             let seconds = late.middle_m(cell) / speed_m_per_s;
-            echogram.add(0, seconds, energy, DVec3::ZERO);
+            echogram.add(0, seconds, energy, DVec3::ZERO)?;
         }
         Ok(Figures::new(&taps, &echogram, Some(direct_s), seconds))
     }

@@ -6,9 +6,14 @@ use std::f64::consts::PI;
 /// the sampling rate: 21.6 kHz at 48 kHz.
 const REACH: i64 = 32;
 
+/// The furthest place of an impulse, in samples: 165 years at 192 kHz, behind the end of every response. Places beyond
+/// would not fit into 64 bits.
+const FURTHEST: f64 = 1e15;
+
 /// An impulse at a time in samples, not only at a whole one: a sinc function under the window of
 /// Blackman (R. B. Blackman and J. W. Tukey, 1958). Its samples, and the position of the first of them.
 pub(super) fn impulse(place: f64) -> (i64, impl Iterator<Item = f64>) {
+    let place = place.clamp(-FURTHEST, FURTHEST);
     let nearest = place.round() as i64;
     let samples =
         (-REACH..=REACH).map(move |offset| windowed_sinc((nearest + offset) as f64 - place));
@@ -83,6 +88,7 @@ mod tests {
         let mut samples = vec![0.0; 8];
         add(&mut samples, -100.0, 1.0);
         add(&mut samples, 1e9, 1.0);
+        add(&mut samples, 1e300, 1.0);
         assert_eq!(samples, vec![0.0; 8]);
     }
 }

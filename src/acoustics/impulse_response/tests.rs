@@ -141,7 +141,7 @@ fn decaying(from: &[DVec3]) -> Echogram {
         let energy = |band: usize| (-seconds / (0.1 + 0.05 * band as f64)).exp() * 1e-3;
         for direction in from {
             let energy = std::array::from_fn(|band| energy(band) / from.len() as f64);
-            echogram.add(0, seconds, &energy, -*direction);
+            echogram.add(0, seconds, &energy, -*direction).unwrap();
         }
     }
     echogram
@@ -220,7 +220,9 @@ fn noise_stays_in_its_bins() {
         } else {
             [0.0; BAND_COUNT]
         };
-        echogram.add(0, (f64::from(bin) + 0.5) * 1e-3, &energy, DVec3::X);
+        echogram
+            .add(0, (f64::from(bin) + 0.5) * 1e-3, &energy, DVec3::X)
+            .unwrap();
     }
     let made = response(&[], &echogram, Format::Mono, 4);
     let found = filtered(&made.channels()[0], 7, 0.5);
@@ -322,4 +324,59 @@ fn bad_settings_are_refused() {
         assert!(make(48_000, seconds).is_err());
     }
     assert!(make(44_100, 0.5).is_ok());
+}
+
+/// Protects samples from taps that no sound has: each is refused with its place and number.
+#[test]
+fn taps_that_no_sound_has_are_refused() {
+    let good = Tap {
+        seconds: 0.01,
+        energy: [0.1; BAND_COUNT],
+        direction: DVec3::X,
+    };
+    let mut energy = good.energy;
+    energy[3] = f64::NAN;
+    for bad in [
+        Tap {
+            seconds: f64::NAN,
+            ..good
+        },
+        Tap {
+            seconds: f64::INFINITY,
+            ..good
+        },
+        Tap {
+            seconds: -0.01,
+            ..good
+        },
+        Tap { energy, ..good },
+        Tap {
+            energy: [-1.0; BAND_COUNT],
+            ..good
+        },
+        Tap {
+            energy: [1e300; BAND_COUNT],
+            ..good
+        },
+        Tap {
+            direction: DVec3::splat(f64::NAN),
+            ..good
+        },
+        Tap {
+            direction: DVec3::X * 3.0,
+            ..good
+        },
+    ] {
+        let settings = ImpulseSettings::new(0.1);
+        let refused = ImpulseResponse::new(&[good, bad], &empty(), &axes(), &settings);
+        let is_told = matches!(refused, Err(AcousticsError::BadTap { index: 1, .. }));
+        assert!(is_told, "{bad:?}: {refused:?}");
+    }
+    // What comes after the end is cut off, however late.
+    let late = Tap {
+        seconds: 1e300,
+        ..good
+    };
+    let settings = ImpulseSettings::new(0.1);
+    assert!(ImpulseResponse::new(&[good, late], &empty(), &axes(), &settings).is_ok());
 }

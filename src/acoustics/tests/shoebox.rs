@@ -121,9 +121,11 @@ type Trace<'a> = dyn Fn(f64, &mut dyn FnMut(Arrival)) + 'a;
 
 fn found(exact: &ShoeboxEnergies, early_order: u32, seconds: f64, trace: &Trace) -> Figures {
     let direct_s = exact.direct_m() / SPEED;
-    let taps: Vec<Tap> = exact.images(early_order).iter().map(tap).collect();
+    let taps: Vec<Tap> = exact.images(early_order).unwrap().iter().map(tap).collect();
     let mut echogram = Echogram::with_edge_at(direct_s, 1e-3, 16).expect("a good bin");
-    let mut take = |arrival: Arrival| echogram.add_arrival(&arrival, SPEED, &AIRLESS);
+    let mut take = |arrival: Arrival| {
+        echogram.add_arrival(&arrival, SPEED, &AIRLESS).unwrap();
+    };
     trace(seconds * SPEED, &mut take);
     Figures::new(&taps, &echogram, Some(direct_s), seconds)
 }
@@ -241,9 +243,11 @@ fn arrivals_fly_away_from_images() {
     let room = random_room(7, RADIUS_M);
     let exact = ShoeboxEnergies::new(room.size, room.source, room.listener, &room.absorption)
         .expect("a good room");
-    let direct = exact.images(0)[0];
+    let direct = exact.images(0).unwrap()[0];
     let mut echogram = Echogram::new(1e-3, 16).expect("a good bin");
-    let mut take = |arrival: Arrival| echogram.add_arrival(&arrival, SPEED, &AIRLESS);
+    let mut take = |arrival: Arrival| {
+        echogram.add_arrival(&arrival, SPEED, &AIRLESS).unwrap();
+    };
     room.trace(262_144, direct.length_m + 0.01, None, 3, &mut take);
     let flow = (0..echogram.bins()).fold(DVec3::ZERO, |sum, bin| sum + echogram.flow(bin)[0]);
     // Waves of other images come as early only if these are as near: none is, in this room.

@@ -295,8 +295,9 @@ impl Renderer {
         while done < count {
             let (step, gains) = self.glide.advance(count - done);
             let end = done + step;
-            self.mixer
-                .mix_to(&self.mono[done..end], gains, &mut stereo[2 * done..2 * end]);
+            let (mono, stereo) = (&self.mono[done..end], &mut stereo[2 * done..2 * end]);
+            let mixed = self.mixer.mix_to(mono, gains, stereo);
+            debug_assert!(mixed.is_ok(), "there are two samples for each one");
             done = end;
         }
         if self.glide.is_silent() && self.shared.is_muted.load(Relaxed) {
@@ -408,7 +409,8 @@ fn fade_length(rate_hz: u32) -> usize {
 /// A mixer that comes from silence, where a new one would start at its first gains.
 fn silent_mixer() -> Mixer {
     let mut mixer = Mixer::new(PanningLaw::default());
-    mixer.mix_to(&[0.0], Gains::SILENT, &mut [0.0; 2]);
+    let mixed = mixer.mix_to(&[0.0], Gains::SILENT, &mut [0.0; 2]);
+    debug_assert!(mixed.is_ok(), "there are two samples for one");
     mixer
 }
 

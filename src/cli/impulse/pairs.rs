@@ -24,12 +24,15 @@ pub fn chosen(
     let both = from
         .iter()
         .flat_map(|from| to.iter().map(move |to| (*from, *to)));
-    let pair = |(from, to): (usize, usize)| Pair {
-        source: sources[from].clone(),
-        listener: listeners[to].clone(),
-        scene: scene.heard_by(from, to),
+    let pair = |(from, to): (usize, usize)| {
+        let scene = scene.heard_by(from, to);
+        Ok(Pair {
+            source: sources[from].clone(),
+            listener: listeners[to].clone(),
+            scene: scene.map_err(|error| BadInput(error.to_string()))?,
+        })
     };
-    Ok(both.map(pair).collect())
+    both.map(pair).collect()
 }
 
 /// The index of the listener that was chosen by name or number; the first without a choice.

@@ -153,7 +153,7 @@ fn settings(job: &Job) -> anyhow::Result<(Vec<String>, FullSettings)> {
     }
     let trace = job.arguments.options.settings()?;
     let seed = trace.seed;
-    let mut response = ResponseSettings::default().with_trace(trace);
+    let mut response = ResponseSettings::default().with_trace_of_frames(&trace);
     response.order = options.order;
     response.seconds = options.tail;
     response.validate()?;

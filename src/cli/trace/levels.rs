@@ -32,7 +32,7 @@ pub fn heard(
     scene: &Scene,
     settings: &Settings,
 ) -> anyhow::Result<Vec<Heard>> {
-    let how = ResponseSettings::default().with_trace(settings.clone());
+    let how = ResponseSettings::default().with_trace_of_frames(settings);
     let mut all = Vec::new();
     for pair in chosen(scene, None, None)? {
         let response = Response::trace(tracer, &pair.scene, &how)?;

@@ -79,6 +79,7 @@ fn hits_by_order(tracer: &mut Tracer, waves: u32) -> Result<Target, Error> {
     let starts: Vec<Vec3> = starts.iter().map(|wave| wave.start_direction).collect();
     let images = ShoeboxImages::new(&scene);
     let exact = images.map(|images| images.hits_by_order(&starts, ITERATIONS));
+    let exact = exact.transpose()?;
     let by_order = heard.windows(2).map(|pair| pair[1].abs_diff(pair[0]));
     let pairs = by_order.zip(exact.iter().flatten());
     let worst = pairs.map(|(hits, &images)| hits.abs_diff(images)).max();

@@ -189,7 +189,7 @@ mod tests {
         let scene = Scene::builtin("shoebox").unwrap();
         let directions = [false, true].map(|turned| lattice(50_000, turned)).concat();
         let images = ShoeboxImages::new(&scene).unwrap();
-        let hits = images.hits_by_order(&directions, 8);
+        let hits = images.hits_by_order(&directions, 8).unwrap();
         let mut truth = Truth::new(&scene, 100_000).unwrap();
         truth.find_limits(3);
         for iterations in [0, 1, 3, 8] {

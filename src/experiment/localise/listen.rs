@@ -5,12 +5,15 @@ use super::observer::{Levels, Observer, azimuth_deg};
 use crate::audio::{Mixer, PanningLaw, SAMPLE_RATE, Sound, SoundSpec};
 use crate::error::Error;
 use crate::scene::Scene;
-use crate::trace::{Settings, Tracer};
+use crate::trace::{Settings, TraceError, Tracer};
 use glam::DVec3;
 use std::iter::once;
 
 /// Beside the middle, in degrees, in scenes whose own source is not clearly beside it.
 const BESIDE_DEG: f64 = 45.0;
+
+/// The longest sound of a trial, in seconds: nobody listens for longer than ten minutes.
+const MOST_SECONDS: f64 = 600.0;
 
 /// Long enough for the ends of a sound not to click, in seconds.
 const FADE_S: f64 = 0.01;
@@ -98,8 +101,16 @@ impl LoadedSound {
     /// The first `seconds` of a sound, faded at both ends.
     ///
     /// # Errors
-    /// [`Error::Audio`] for a sound that cannot be had.
+    /// [`Error::Audio`] for a sound that cannot be had, [`Error::Trace`] for a length that is not above 0 and at most
+    /// ten minutes.
     pub fn new(spec: &SoundSpec, seconds: f64) -> Result<LoadedSound, Error> {
+        if !(seconds > 0.0 && seconds <= MOST_SECONDS) {
+            return Err(Error::from(TraceError::BadSetting {
+                what: "length of a trial's sound in seconds",
+                must: format!("above 0, at most {MOST_SECONDS}"),
+                value: seconds.to_string(),
+            }));
+        }
         let mut sound = Sound::load(spec, SAMPLE_RATE)?;
         let rate = f64::from(SAMPLE_RATE);
         let mut mono = vec![0.0; (seconds * rate).round().max(1.0) as usize];
@@ -119,7 +130,8 @@ impl LoadedSound {
     /// Both channels of it at one panning value.
     pub fn mixed(&self, pan: f64, law: PanningLaw) -> Vec<f32> {
         let mut stereo = vec![0.0; 2 * self.mono.len()];
-        Mixer::new(law).mix(&self.mono, pan as f32, &mut stereo);
+        let mixed = Mixer::new(law).mix(&self.mono, pan as f32, &mut stereo);
+        debug_assert!(mixed.is_ok(), "there are two samples for each one");
         stereo
     }
 }

@@ -253,7 +253,7 @@ mod tests {
             for pan in [-1.0f32, -0.3, 0.0, 0.6, 1.0] {
                 let mono = [0.5, -0.25, 0.125];
                 let mut stereo = [0.0; 6];
-                Mixer::new(law).mix(&mono, pan, &mut stereo);
+                Mixer::new(law).mix(&mono, pan, &mut stereo).unwrap();
                 let heard = Levels::of(&stereo).pan(law);
                 assert!(
                     (heard - f64::from(pan)).abs() < 1e-6,

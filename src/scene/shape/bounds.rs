@@ -133,10 +133,13 @@ impl Bounds3 {
             .length()
     }
 
-    /// The greatest distance of any of it from an axis through the origin (0 = x …).
+    /// The greatest distance of any of it from an axis through the origin (0 = x …); from the origin for other numbers
+    /// than 0 to 2.
     pub fn radius_about(self, axis: usize) -> f64 {
         let mut far = self.min.abs().max(self.max.abs());
-        far[axis] = 0.0;
+        if let Some(along) = AsMut::<[f64; 3]>::as_mut(&mut far).get_mut(axis) {
+            *along = 0.0;
+        }
         far.length()
     }
 }

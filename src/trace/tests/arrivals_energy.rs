@@ -33,7 +33,7 @@ fn furnished() -> Scene {
     let turn = Quat::from_rotation_y(0.3) * Quat::from_rotation_x(0.1);
     let mut room = Surface::new(Node::Room(Room { size })).turned(turn);
     for wall in 0..WALL_COUNT {
-        room = room.with_wall_material(wall, format!("m{wall}"));
+        room = room.with_wall_material(wall, format!("m{wall}")).unwrap();
     }
     let block = Surface::new(Node::Cuboid(Cuboid { size: Vec3::ONE })).at(Vec3::new(2.0, 0.0, 2.0));
     let balls = (0..12).map(|i| {

@@ -154,11 +154,23 @@ impl Tracer {
 
     /// Traces the frame begun for about so many milliseconds, one row of waves at least;
     /// without end for [`f64::INFINITY`]. Whether all of it is drawn now, so that
-    /// [`Tracer::frame_poll`] will give it. Without such a frame there is nothing to draw.
+    /// [`Tracer::frame_poll`] will give it.
     ///
     /// # Errors
+    /// [`TraceError::NoFrameBegun`] where no frame was begun, or it was collected or given up since;
+    /// [`TraceError::BadSetting`] for a time that is negative or no number;
     /// [`Error::Gpu`] when the renderer fails; the frame is then given up.
     pub fn frame_advance(&mut self, milliseconds: f64) -> Result<bool, Error> {
+        if milliseconds.is_nan() || milliseconds < 0.0 {
+            return Err(Error::from(TraceError::BadSetting {
+                what: "time of a frame in milliseconds",
+                must: "0 or more".to_owned(),
+                value: milliseconds.to_string(),
+            }));
+        }
+        if self.under_way.is_none() {
+            return Err(TraceError::NoFrameBegun.into());
+        }
         let _entered = self.context.enter()?;
         self.advance(milliseconds)
     }

@@ -72,7 +72,10 @@ fn steady(from: &[DVec3]) -> Echogram {
     for bin in 0..1000 {
         for direction in from {
             let seconds = (f64::from(bin) + 0.5) * 1e-3;
-            echogram.add(0, seconds, &[energy; BAND_COUNT], -world(*direction));
+            let towards = -world(direction.normalize());
+            echogram
+                .add(0, seconds, &[energy; BAND_COUNT], towards)
+                .unwrap();
         }
     }
     echogram

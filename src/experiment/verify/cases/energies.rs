@@ -98,11 +98,15 @@ fn heard(
     let how = ArrivalSettings::new(SECONDS).with_iterations(iterations);
     let mut echogram = Echogram::new(BIN_S, 1)?;
     let mut longest_m: f64 = 0.0;
+    let mut added = Ok(());
     let mut take = |arrival: Arrival| {
         longest_m = longest_m.max(arrival.length_m);
-        echogram.add_arrival(&arrival, scene.speed_of_sound(), &[0.0; BAND_COUNT]);
+        let speed = scene.speed_of_sound();
+        let this = echogram.add_arrival(&arrival, speed, &[0.0; BAND_COUNT]);
+        added = added.clone().and(this);
     };
     let counts = tracer.arrivals(scene, &settings.clone().with_waves(WAVES), &how, &mut take)?;
+    added?;
     Ok(Heard {
         energy: echogram.total(),
         longest_m,
