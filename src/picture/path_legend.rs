@@ -1,7 +1,7 @@
 //! The legend of the paths of waves on a plan: what their colours mean.
 
 use super::font::{self, write};
-use super::marks::{PLATE, PLATE_COLOUR, rectangle};
+use super::marks::{PLATE_COLOUR, rectangle};
 use super::plan::Plan;
 use super::wave_paths::{STYLES, Style};
 use crate::trace::Fate;
@@ -10,6 +10,15 @@ use tiny_skia::PixmapMut;
 /// Pixels of a line's sample and of a row, in the plan's unit of strokes.
 const SAMPLE: f32 = 22.0;
 const ROW: f32 = 16.0;
+
+/// Dots of a row at least: a letter has seven.
+const ROW_DOTS: f32 = 10.0;
+
+/// Pixels of a sample's width at least: thinner ones are pale.
+const LEAST_WIDTH: f32 = 2.0;
+
+/// Opacity of the ground: lines of the plan below it would be taken for samples.
+const GROUND: f32 = 0.97;
 
 /// Draws in the upper left corner what the waves of these fates look like.
 pub(super) fn draw(canvas: &mut PixmapMut, plan: &Plan, fates: &[Fate]) {
@@ -22,7 +31,7 @@ pub(super) fn draw(canvas: &mut PixmapMut, plan: &Plan, fates: &[Fate]) {
     let Some(longest) = longest else {
         return;
     };
-    let row = (ROW * unit).max(9.0 * dot);
+    let row = (ROW * unit).max(ROW_DOTS * dot);
     let (left, top) = (16.0 * unit, 14.0 * unit);
     let text = left + (SAMPLE + 8.0) * unit;
     let plate = [
@@ -31,12 +40,12 @@ pub(super) fn draw(canvas: &mut PixmapMut, plan: &Plan, fates: &[Fate]) {
         (SAMPLE + 24.0) * unit + dot * (font::ADVANCE * longest) as f32,
         row * shown.len() as f32 + 10.0 * unit,
     ];
-    rectangle(canvas, plate, PLATE_COLOUR, PLATE);
+    rectangle(canvas, plate, PLATE_COLOUR, GROUND);
     for (index, style) in shown.into_iter().enumerate() {
         let middle = top + row * (index as f32 + 0.5) - 2.0 * unit;
-        let thick = 1.6 * style.width * unit;
+        let thick = (1.6 * style.width * unit).max(LEAST_WIDTH);
         let sample = [left, middle - thick / 2.0, SAMPLE * unit, thick];
-        rectangle(canvas, sample, style.colour, style.opacity);
+        rectangle(canvas, sample, style.colour, 1.0);
         write(
             canvas,
             style.meaning,
