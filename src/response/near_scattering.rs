@@ -110,7 +110,9 @@ mod tests {
     fn with_arrivals(count: usize) -> Echogram {
         let mut echogram = Echogram::new(1e-3, 4).expect("a good bin");
         for arrival in 0..count {
-            echogram.add(arrival % 4, 0.01, &[1.0 / count as f64; 8], DVec3::X);
+            echogram
+                .add(arrival % 4, 0.01, &[1.0 / count as f64; 8], DVec3::X)
+                .unwrap();
         }
         echogram
     }

@@ -2,7 +2,7 @@
 //!
 //! `ROOMS=40 RAYS=1000000 cargo test --release --test tracer -- --nocapture random_rooms` prints the table of more rooms.
 
-use crate::common::rays::{Echoes, Estimate, RoomWithBoxes, SPEED, Sums, Wall};
+use crate::common::rays::{Echoes, Estimate, RoomWithBoxes, Sums, Wall};
 use crate::common::{Random, tracer};
 use echomarch::glam::DVec3;
 use echomarch::response::{Response, ResponseSettings};

@@ -53,6 +53,7 @@ impl Figures {
         let of_bin = energy.map(|energy| energy / bins);
         for bin in 0..bins as usize {
             let seconds = begins_s + (bin as f64 + 0.5) * echogram.bin_s();
+            // Energies of waves that were added before are in range.
             let _ = further.add(0, seconds, &of_bin, DVec3::ZERO);
         }
         let mut figures = self.with_differences((taps, &further, ends_s), &[1.0; BAND_COUNT]);
@@ -94,7 +95,9 @@ mod tests {
         let mut echogram = Echogram::new(1e-3, 16).expect("a good bin");
         for arrival in 0..arrivals {
             let seconds = 0.012 + 0.2 * (arrival as f64 * 0.618_034).fract();
-            echogram.add(arrival % 16, seconds, &[energy; BAND_COUNT], DVec3::X);
+            echogram
+                .add(arrival % 16, seconds, &[energy; BAND_COUNT], DVec3::X)
+                .unwrap();
         }
         let (taps, ends_s) = ([direct], 0.5);
         let figures = Figures::new(&taps, &echogram, Some(0.01), ends_s);

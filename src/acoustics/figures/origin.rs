@@ -101,7 +101,9 @@ mod tests {
     fn origin_of(taps: &[Tap], arrivals: &[(f64, f64)], direct_s: Option<f64>) -> Option<Origin> {
         let mut echogram = Echogram::new(BIN_S, 1).expect("a good bin");
         for (seconds, energy) in arrivals {
-            echogram.add(0, *seconds, &[*energy; BAND_COUNT], DVec3::X);
+            echogram
+                .add(0, *seconds, &[*energy; BAND_COUNT], DVec3::X)
+                .unwrap();
         }
         origin(taps, &echogram, |bin| echogram.energy(bin), (direct_s, 1.0))
     }
