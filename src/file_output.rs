@@ -3,9 +3,17 @@
 //! Everything is written beside its target and renamed at the end, so that a run that
 //! is interrupted leaves an older file as it was. What was read as an input (a scene, a file
 //! that it names, a sound, answers) is never replaced, whatever path or link leads to it.
+//!
+//! # Links
+//! A path that the user typed is written as it is meant: where it is a symbolic link, the file that
+//! the link names is replaced ([`write_whole`], [`check_file`]). Files that the program names itself, in a
+//! folder that the user typed, lie in that folder: a symbolic link of such a name is rejected
+//! ([`write_inside`], [`check_inside`], [`prepare_folder_inside`]). No file is ever written to in its place,
+//! so the other names of a file (hard links) keep the older bytes.
 #![cfg_attr(not(feature = "cli"), allow(dead_code))] // The library alone writes sounds alone.
 
 use crate::file_input::is_input;
+use crate::plain_file;
 use std::ffi::OsStr;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
@@ -67,7 +75,7 @@ pub(crate) fn is_bad_place(error: &io::Error) -> bool {
     )
 }
 
-/// Writes a file through `fill`, beside its place, and renames it there.
+/// Writes a file that the user named through `fill`, beside its place, and renames it there.
 ///
 /// # Errors
 /// [`OutputError`] with the path when any step fails; nothing is left behind.
@@ -75,13 +83,32 @@ pub fn write_whole(
     path: &Path,
     fill: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), OutputError> {
+    write_at(&followed(path), path, fill)
+}
+
+/// As [`write_whole`], for a file that the program names itself in a folder: a link is rejected.
+///
+/// # Errors
+/// As [`write_whole`].
+pub fn write_inside(
+    path: &Path,
+    fill: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> Result<(), OutputError> {
+    write_at(path, path, fill)
+}
+
+/// Writes to `target`, which messages call `path`.
+fn write_at(
+    target: &Path,
+    path: &Path,
+    fill: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> Result<(), OutputError> {
     let error = |source| OutputError {
         path: path.to_owned(),
         source,
     };
-    let target = &followed(path);
     let beside = temporary_beside(target).map_err(error)?;
-    let mut writer = BufWriter::new(beside.reopen().map_err(error)?);
+    let mut writer = BufWriter::new(beside.writer().map_err(error)?);
     fill(&mut writer).map_err(error)?;
     writer.flush().map_err(error)?;
     drop(writer);
@@ -90,7 +117,7 @@ pub fn write_whole(
     Ok(())
 }
 
-/// Where a path leads: a link keeps being one, and what it names is replaced.
+/// The file that a path of the user leads to: a link stays a link, and its file is replaced.
 pub(crate) fn followed(path: &Path) -> PathBuf {
     std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned())
 }
@@ -137,15 +164,16 @@ impl PartFile {
         })
     }
 
-    /// Another handle to the file.
-    pub fn reopen(&self) -> io::Result<File> {
-        File::options().read(true).write(true).open(&self.path)
+    /// Another handle to the very file that was made, whatever has its name by now.
+    pub fn writer(&self) -> io::Result<File> {
+        let file = self.file.as_ref().ok_or(io::ErrorKind::NotFound)?;
+        file.as_file().try_clone()
     }
 
     /// Gives the file its name once it is on the disk, replacing an older file that is no
     /// input.
     pub fn persist(mut self, target: &Path) -> io::Result<()> {
-        refuse_inputs(target)?;
+        check_place(target)?;
         let Some(file) = self.file.take() else {
             return Ok(());
         };
@@ -174,8 +202,8 @@ fn refuse_inputs(target: &Path) -> io::Result<()> {
 }
 
 /// A temporary file in the folder of `target`, to be renamed to it: readable by others
-/// as any new file is. A target that is there but no plain file (a folder, a device), or is
-/// an input, is rejected, since a rename would replace it.
+/// as any new file is. A target that is there but no plain file (a link, a folder, a device), or
+/// is an input, is rejected, since a rename would replace it.
 pub(crate) fn temporary_beside(target: &Path) -> io::Result<PartFile> {
     PartFile::new(|| temporary_named(target, ".echomarch-".as_ref(), ".part"))
 }
@@ -199,17 +227,7 @@ fn temporary_named(target: &Path, begin: &OsStr, end: &str) -> io::Result<NamedT
     if ends_as_a_folder || target.file_name().is_none() {
         return Err(io::ErrorKind::IsADirectory.into());
     }
-    match std::fs::metadata(target) {
-        Ok(found) if found.is_dir() => return Err(io::ErrorKind::IsADirectory.into()),
-        Ok(found) if !found.is_file() => {
-            let text = "it is there already and no plain file";
-            return Err(io::Error::new(io::ErrorKind::InvalidInput, text));
-        }
-        // A name that cannot even be asked for (too long, say) cannot be written either.
-        Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
-        Ok(_) | Err(_) => {}
-    }
-    refuse_inputs(target)?;
+    check_place(target)?;
     let mut builder = tempfile::Builder::new();
     builder.prefix(begin).suffix(end);
     #[cfg(unix)]
@@ -221,6 +239,20 @@ fn temporary_named(target: &Path, begin: &OsStr, end: &str) -> io::Result<NamedT
     builder
         .tempfile_in(folder_of(target))
         .map_err(|error| refused_in(folder_of(target), error.kind()))
+}
+
+/// Rejects a place where something stands that must not be replaced: anything but a plain file, and
+/// inputs.
+fn check_place(target: &Path) -> io::Result<()> {
+    // First, by whatever link: it is what the user has to know.
+    refuse_inputs(target)?;
+    match std::fs::symlink_metadata(target) {
+        Ok(found) => plain_file::check(target, &found)?,
+        // A name that cannot even be asked for (too long, say) cannot be written either.
+        Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+        Err(_) => {}
+    }
+    Ok(())
 }
 
 /// Why no file can be made in a folder; where the folder is missing, that it is.
@@ -247,13 +279,40 @@ pub fn prepare_folder(folder: &Path) -> Result<(), OutputError> {
     Ok(())
 }
 
-/// Proves that a file can be written, and is no input that was read so far: to be called
-/// once the inputs are read, before long work that ends in it.
+/// As [`prepare_folder`], for a folder that the program names itself in one that is there: a link
+/// is rejected, since what is written in it would lie elsewhere.
+///
+/// # Errors
+/// [`OutputError`] with the folder.
+pub fn prepare_folder_inside(folder: &Path) -> Result<(), OutputError> {
+    if folder.is_symlink() {
+        return Err(OutputError {
+            path: folder.to_owned(),
+            source: plain_file::link_refused(folder),
+        });
+    }
+    prepare_folder(folder)
+}
+
+/// Proves that a file that the user named can be written, and is not an input of this run: to be
+/// called after the inputs are read, before long work that ends in it.
 ///
 /// # Errors
 /// [`OutputError`] with the file.
 pub fn check_file(path: &Path) -> Result<(), OutputError> {
-    match temporary_beside(path) {
+    check_at(&followed(path), path)
+}
+
+/// As [`check_file`], for a file that the program names itself in a folder: a link is rejected.
+///
+/// # Errors
+/// [`OutputError`] with the file.
+pub fn check_inside(path: &Path) -> Result<(), OutputError> {
+    check_at(path, path)
+}
+
+fn check_at(target: &Path, path: &Path) -> Result<(), OutputError> {
+    match temporary_beside(target) {
         Ok(_) => Ok(()),
         Err(source) => Err(OutputError {
             path: path.to_owned(),
@@ -299,6 +358,52 @@ mod tests {
         write_whole(&link, |out| out.write_all(b"new")).unwrap();
         assert!(link.is_symlink());
         assert_eq!(std::fs::read(&real).unwrap(), b"new");
+    }
+
+    /// Protects files outside a folder from names in it that the program chooses: no link of such a name is
+    /// followed or replaced, and none that leads nowhere.
+    #[cfg(unix)]
+    #[test]
+    fn links_inside_a_folder_are_refused() {
+        use std::os::unix::fs::symlink;
+        let folder = tempfile::tempdir().unwrap();
+        let [real, link, dangling] =
+            ["real", "link", "dangling"].map(|name| folder.path().join(name));
+        std::fs::write(&real, b"old").unwrap();
+        symlink(&real, &link).unwrap();
+        symlink(folder.path().join("absent"), &dangling).unwrap();
+        let write = |path: &Path| write_inside(path, |out| out.write_all(b"new"));
+        for path in [&link, &dangling] {
+            assert!(check_inside(path).is_err());
+            let refused = write(path).unwrap_err();
+            assert!(refused.is_bad_input() && refused.to_string().contains("symbolic link"));
+            assert!(path.is_symlink());
+        }
+        assert!(check_file(&link).is_ok() && check_file(&dangling).is_err());
+        assert!(write_whole(&dangling, |out| out.write_all(b"new")).is_err());
+        assert_eq!(std::fs::read(&real).unwrap(), b"old");
+        // A link that came up while the file was written.
+        let (late, place) = (folder.path().join("late"), folder.path().join("place"));
+        let part = temporary_beside(&place).unwrap();
+        symlink(&real, &place).unwrap();
+        assert!(part.persist(&place).is_err() && place.is_symlink());
+        // A link in the place of the temporary file is not written to.
+        let part = temporary_beside(&late).unwrap();
+        std::fs::remove_file(&part.path).unwrap();
+        symlink(&real, &part.path).unwrap();
+        part.writer().unwrap().write_all(b"new").unwrap();
+        drop(part);
+        assert_eq!(std::fs::read(&real).unwrap(), b"old");
+        // Another name of a file keeps its bytes.
+        let other = folder.path().join("other");
+        std::fs::hard_link(&real, &other).unwrap();
+        write(&other).unwrap();
+        assert_eq!(std::fs::read(&real).unwrap(), b"old");
+        // A folder that is a link leads out.
+        let out = folder.path().join("out");
+        symlink(std::env::temp_dir(), &out).unwrap();
+        assert!(prepare_folder_inside(&out).is_err());
+        assert!(prepare_folder(&out).is_ok());
     }
 
     /// Protects devices and folders from being renamed over.

@@ -97,6 +97,7 @@ mod kernel;
 pub mod offline;
 #[cfg(feature = "picture")]
 pub mod picture;
+mod plain_file;
 mod platform;
 pub mod reference;
 #[cfg(feature = "experiment")]

@@ -176,7 +176,7 @@ fn start(
     beside: Beside,
 ) -> io::Result<(PartFile, BufWriter<File>)> {
     let temporary = beside(target)?;
-    let mut wav = BufWriter::new(temporary.reopen()?);
+    let mut wav = BufWriter::new(temporary.writer()?);
     wav.write_all(&header(channels, rate_hz, 0))?;
     Ok((temporary, wav))
 }

@@ -2,7 +2,7 @@
 
 use super::options::Common;
 use super::print;
-use crate::file_output::{check_file, prepare_folder, write_whole};
+use crate::file_output::{check_inside, prepare_folder, write_inside};
 use crate::report::Report;
 use crate::trace::Tracer;
 use anyhow::anyhow;
@@ -43,7 +43,7 @@ pub fn with_progress<R, E>(
 pub fn check<R: Report>(folder: &Path) -> anyhow::Result<()> {
     prepare_folder(folder)?;
     for ending in endings::<R>() {
-        check_file(&file::<R>(folder, ending))?;
+        check_inside(&file::<R>(folder, ending))?;
     }
     Ok(())
 }
@@ -95,12 +95,12 @@ fn write_files<R: Report>(folder: &Path, report: &R) -> anyhow::Result<()> {
         text += &format!("\n![{0}]({0}.svg)\n", R::NAME);
         let svg = report.plot_svg();
         let svg = svg.map_err(|error| anyhow!("cannot draw the plot: {error}"))?;
-        write_whole(&file("svg"), |out| out.write_all(svg.as_bytes()))?;
+        write_inside(&file("svg"), |out| out.write_all(svg.as_bytes()))?;
     }
-    write_whole(&file("csv"), |out| report.table().write_csv(out))?;
-    write_whole(&file("json"), |out| {
+    write_inside(&file("csv"), |out| report.table().write_csv(out))?;
+    write_inside(&file("json"), |out| {
         Ok(serde_json::to_writer_pretty(out, report)?)
     })?;
-    write_whole(&file("md"), |out| out.write_all(text.as_bytes()))?;
+    write_inside(&file("md"), |out| out.write_all(text.as_bytes()))?;
     Ok(())
 }

@@ -3,7 +3,7 @@
 //! The file names the scene that was opened as its base, and contains the differences: where source
 //! and listener are now, and named values.
 
-use crate::file_output::{OutputError, write_whole};
+use crate::file_output::{OutputError, write_inside, write_whole};
 use crate::scene::{BasedScene, Listener, Path as KeyPath, Scene, SceneError, Source};
 use crate::trace::{Algorithm, Directions, Settings, ThesisOptions};
 use crate::walkthrough::World;
@@ -35,7 +35,7 @@ pub enum SaveError {
     Write(#[from] OutputError),
 }
 
-/// Saves a scene as it stands, to `path`, or else beside the file that it was opened by under
+/// Saves a scene as it stands, to the `chosen` file, or else beside the file that it was opened by under
 /// the next free name `NAME-1.ron`. What was moved by hand has no path any more; what moves by
 /// itself keeps its own.
 ///
@@ -44,8 +44,12 @@ pub enum SaveError {
 ///
 /// # Errors
 /// [`SaveError`]; then nothing is left behind.
-pub fn save(world: &World, settings: &Settings, path: Option<&Path>) -> Result<PathBuf, SaveError> {
-    let path = match path {
+pub fn save(
+    world: &World,
+    settings: &Settings,
+    chosen: Option<&Path>,
+) -> Result<PathBuf, SaveError> {
+    let path = match chosen {
         Some(path) => path.to_owned(),
         None => {
             let stem = stem(&world.base.name);
@@ -70,7 +74,11 @@ pub fn save(world: &World, settings: &Settings, path: Option<&Path>) -> Result<P
     if !stands_as(&read, &expected) {
         return Err(SaveError::Differs);
     }
-    write_whole(&path, |out| out.write_all(text.as_bytes()))?;
+    let write = |out: &mut dyn std::io::Write| out.write_all(text.as_bytes());
+    match chosen {
+        Some(_) => write_whole(&path, write)?,
+        None => write_inside(&path, write)?,
+    }
     Ok(path)
 }
 
@@ -132,7 +140,8 @@ fn folder_of(file: &Path) -> &Path {
 pub fn free_file(folder: &Path, stem: &str, ending: &str) -> Option<PathBuf> {
     (1..NAMES_AT_MOST)
         .map(|number| folder.join(format!("{stem}-{number}.{ending}")))
-        .find(|path| !path.exists())
+        // A link that leads nowhere takes a name as well.
+        .find(|path| std::fs::symlink_metadata(path).is_err())
 }
 
 /// A scene's name as a part of a file's.

@@ -35,6 +35,8 @@ pub use image::RgbaImage;
 pub(crate) use map::{MapOptions, map};
 pub use plan::Bounds;
 pub use png::save_png;
+#[cfg(feature = "experiment")]
+pub(crate) use png::save_png_inside;
 pub use shader::{Kind, shader_text};
 pub use slice::{SliceOptions, slice};
 #[cfg(feature = "walkthrough")]

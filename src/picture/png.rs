@@ -1,6 +1,8 @@
 //! Pictures as PNG files.
 
 use super::PictureError;
+#[cfg(feature = "experiment")]
+use crate::file_output::write_inside;
 use crate::file_output::write_whole;
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder, RgbaImage};
@@ -11,6 +13,20 @@ use std::path::Path;
 /// # Errors
 /// [`PictureError::Encode`], and [`PictureError::Write`] with the path.
 pub fn save_png(path: &Path, picture: &RgbaImage) -> Result<(), PictureError> {
+    let bytes = png(picture)?;
+    write_whole(path, |out| out.write_all(&bytes))?;
+    Ok(())
+}
+
+/// As [`save_png`], for a file that the program names itself in a folder: a link is rejected.
+#[cfg(feature = "experiment")]
+pub(crate) fn save_png_inside(path: &Path, picture: &RgbaImage) -> Result<(), PictureError> {
+    let bytes = png(picture)?;
+    write_inside(path, |out| out.write_all(&bytes))?;
+    Ok(())
+}
+
+fn png(picture: &RgbaImage) -> Result<Vec<u8>, PictureError> {
     let mut bytes = Vec::new();
     PngEncoder::new(&mut bytes).write_image(
         picture.as_raw(),
@@ -18,6 +34,5 @@ pub fn save_png(path: &Path, picture: &RgbaImage) -> Result<(), PictureError> {
         picture.height(),
         ExtendedColorType::Rgba8,
     )?;
-    write_whole(path, |out| out.write_all(&bytes))?;
-    Ok(())
+    Ok(bytes)
 }

@@ -54,7 +54,7 @@ impl ParquetFile {
                 .set_key_value_metadata(Some(about.collect()))
                 .build();
             let schema = schema(columns).map_err(io::Error::other)?;
-            let writer = SerializedFileWriter::new(part.reopen()?, schema, Arc::new(properties))
+            let writer = SerializedFileWriter::new(part.writer()?, schema, Arc::new(properties))
                 .map_err(io::Error::other)?;
             Ok((part, writer))
         };

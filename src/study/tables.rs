@@ -34,7 +34,7 @@ impl<'a> Tables<'a> {
         let csv_path = folder.join("study.csv");
         let failed = |source| StudyError::output(&csv_path, source);
         let csv_part = temporary_beside(&csv_path).map_err(failed)?;
-        let mut csv = csv::Writer::from_writer(csv_part.reopen().map_err(failed)?);
+        let mut csv = csv::Writer::from_writer(csv_part.writer().map_err(failed)?);
         let mut columns = study.point_columns();
         columns.extend(study.found_columns());
         let names = columns.iter().map(|column| column.name.as_str());

@@ -21,7 +21,7 @@ use super::listen::{LoadedSound, facings, listen};
 use super::observer::{Levels, Observer, azimuth_deg, lateral_deg};
 use crate::audio::{PanningLaw, SoundSpec};
 use crate::error::Error;
-use crate::file_output::{OutputError, write_whole};
+use crate::file_output::{OutputError, write_inside};
 use crate::rng::Random;
 use crate::scene::Scene;
 use crate::trace::{Profile, Settings, Tracer};
@@ -255,9 +255,9 @@ impl Form {
     pub fn write(&self, folder: &Path) -> Result<(), WriteError> {
         prepare(folder)?;
         let sounds = folder.join("sounds");
-        crate::file_output::prepare_folder(&sounds)?;
+        crate::file_output::prepare_folder_inside(&sounds)?;
         for trial in &self.trials {
-            write_whole(&folder.join(&trial.file), |out| {
+            write_inside(&folder.join(&trial.file), |out| {
                 out.write_all(&encode::wav_16(&self.samples(trial))?)
             })?;
         }
@@ -268,11 +268,11 @@ impl Form {
             renderer: &self.renderer,
             trials: &self.trials,
         };
-        write_whole(&folder.join("experiment.json"), |out| {
+        write_inside(&folder.join("experiment.json"), |out| {
             Ok(serde_json::to_writer_pretty(out, &key)?)
         })?;
         // Last, so that a page is there when all that it needs is.
-        write_whole(&folder.join("form.html"), |out| {
+        write_inside(&folder.join("form.html"), |out| {
             out.write_all(self.html()?.as_bytes())
         })?;
         Ok(())
