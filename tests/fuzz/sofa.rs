@@ -27,6 +27,10 @@ pub fn target() -> Target {
                 .with("SourcePosition", cartesian.with("Type", "cartesian"))
                 .without("Data.Delay")
                 .bytes(),
+            include_bytes!("../sofa/earliest-gzip.sofa").to_vec(),
+            include_bytes!("../sofa/v112-endless.sofa").to_vec(),
+            include_bytes!("../sofa/latest-chunked.sofa").to_vec(),
+            include_bytes!("../sofa/latest-gzip.sofa").to_vec(),
         ],
         tokens: &["OHDR", "TREE", "HEAP", "SNOD", "FRHP", "Data.IR", "SOFA"],
         one,

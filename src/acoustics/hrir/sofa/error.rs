@@ -31,13 +31,22 @@ pub enum SofaProblem {
         /// The HDF5 reader's error.
         reason: String,
     },
-    /// A part of the file cannot be read: it breaks off, contradicts itself, or is stored in a way
-    /// that is not read here.
+    /// A part of the file cannot be read: it breaks off, or contradicts itself.
     #[error("{what} cannot be read ({reason}): get the file again")]
     Damaged {
         /// The variable or the part.
         what: String,
         /// The HDF5 reader's error.
+        reason: String,
+    },
+    /// A variable that is stored in a way of HDF5 that is not read here.
+    #[error(
+        "{what} is stored in a way of HDF5 that is not read here ({reason}): write the file anew with h5repack"
+    )]
+    NotRead {
+        /// The variable or the part.
+        what: String,
+        /// Which way.
         reason: String,
     },
     /// An attribute of the file is not that of the convention SimpleFreeFieldHRIR with FIR filters.

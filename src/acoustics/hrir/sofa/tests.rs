@@ -173,6 +173,57 @@ fn what_is_wrong_is_told() {
     assert!(said.contains("its unit is \"kilohertz\""), "{said}");
 }
 
+/// A file of `tests/sofa`, as HDF5 itself wrote it (`make.py` there).
+macro_rules! written_by_hdf5 {
+    ($name:literal) => {
+        (
+            $name,
+            include_bytes!(concat!("../../../../tests/sofa/", $name, ".sofa")).to_vec(),
+        )
+    };
+}
+
+/// Protects files of every HDF5 version, whole and in pieces, compressed and with sums: all give the
+/// same responses. What is not read is not called damaged.
+#[test]
+fn files_of_other_hdf5_versions_are_read_or_named() {
+    for (name, bytes) in [
+        written_by_hdf5!("earliest-gzip"),
+        written_by_hdf5!("v110-chunked"),
+        written_by_hdf5!("v112-gzip"),
+        written_by_hdf5!("v112-endless"),
+        written_by_hdf5!("latest-whole"),
+        written_by_hdf5!("latest-chunked"),
+    ] {
+        let set = from_bytes(bytes).expect(name);
+        assert_eq!(
+            (set.rate_hz(), set.directions().len()),
+            (48_000, 3),
+            "{name}"
+        );
+        for (from, level) in [(DVec3::X, 0.25), (DVec3::Y, 0.5), (DVec3::Z, 0.75)] {
+            let pair = set.pair(from);
+            let (left, right) = (peak(&pair.left), peak(&pair.right));
+            assert!(
+                (left.0 - level).abs() < 1e-3 && (right.0 - level).abs() < 1e-3,
+                "{name}"
+            );
+            assert!((right.1 - left.1 - 1.0).abs() < 0.01, "{name}");
+        }
+    }
+    for (name, bytes) in [
+        written_by_hdf5!("latest-gzip"),
+        written_by_hdf5!("v112-endless-twice"),
+    ] {
+        let said = from_bytes(bytes).expect_err(name).to_string();
+        let told = "Data.IR is stored in a way of HDF5 that is not read here (";
+        assert!(
+            said.starts_with(told) && said.ends_with("h5repack"),
+            "{said}"
+        );
+    }
+}
+
 /// Protects memory and the program from files that are none, break off, or ask for more than there
 /// is.
 #[test]

@@ -2,7 +2,7 @@
 
 use super::{SofaProblem, bad_shape, bad_value};
 use crate::acoustics::hrir::MAX_VALUES;
-use hdf5_pure::{Dataset, File};
+use hdf5_pure::{Dataset, Error, File, FormatError};
 
 /// Characters of a file's text or of the reader's words that are shown.
 const SHOWN: usize = 120;
@@ -16,10 +16,16 @@ pub(super) struct Variables(File);
 impl Variables {
     pub(super) fn open(bytes: Vec<u8>) -> Result<Variables, SofaProblem> {
         let file = File::from_bytes(bytes);
-        let reason = |error: hdf5_pure::Error| short(&error.to_string());
-        file.map(Variables).map_err(|error| SofaProblem::NotHdf5 {
-            reason: reason(error),
-        })
+        file.map(Variables)
+            .map_err(|error| match way_not_read(&error) {
+                Some(reason) => SofaProblem::NotRead {
+                    what: "the file".into(),
+                    reason,
+                },
+                None => SofaProblem::NotHdf5 {
+                    reason: short(&error.to_string()),
+                },
+            })
     }
 
     /// Rejects a file whose attribute has any other value.
@@ -56,9 +62,14 @@ impl Variables {
         Ok(found.map(|found| short(trimmed(found))))
     }
 
-    /// Whether there is such a variable.
+    /// Whether there is such a variable, damaged or not.
     pub(super) fn has(&self, variable: &str) -> bool {
-        self.0.dataset(variable).is_ok()
+        let is_absent =
+            |error: &Error| matches!(error, Error::Format(FormatError::PathNotFound(_)));
+        !self
+            .0
+            .dataset(variable)
+            .is_err_and(|error| is_absent(&error))
     }
 
     pub(super) fn shape(&self, variable: &'static str) -> Result<Vec<u64>, SofaProblem> {
@@ -186,10 +197,45 @@ fn expect_count(variable: &'static str, found: usize, count: usize) -> Result<()
     })
 }
 
-fn damaged(what: &str, error: &hdf5_pure::Error) -> SofaProblem {
-    SofaProblem::Damaged {
-        what: what.into(),
-        reason: short(&error.to_string()),
+fn damaged(what: &str, error: &Error) -> SofaProblem {
+    match way_not_read(error) {
+        Some(reason) => SofaProblem::NotRead {
+            what: what.into(),
+            reason,
+        },
+        None => SofaProblem::Damaged {
+            what: what.into(),
+            reason: short(&error.to_string()),
+        },
+    }
+}
+
+/// The way of HDF5 that the reader does not know, where that is why it fails.
+fn way_not_read(error: &Error) -> Option<String> {
+    /// The newest version of the data layout message that it knows; HDF5 2.0 writes 5 for compressed
+    /// pieces where it may write files for itself alone.
+    const NEWEST_LAYOUT: u8 = 4;
+    /// The reader's words for pieces that are listed in such a tree: two dimensions or more have no end.
+    const TREE_OF_PIECES: &str = "version 2 B-tree";
+    let Error::Format(error) = error else {
+        return None;
+    };
+    match error {
+        FormatError::InvalidLayoutVersion(version) if *version > NEWEST_LAYOUT => Some(format!(
+            "version {version} of its data layout; up to {NEWEST_LAYOUT} is read"
+        )),
+        FormatError::ChunkedReadError(text) if text.contains(TREE_OF_PIECES) => {
+            Some("pieces listed in a version 2 B-tree".into())
+        }
+        FormatError::UnsupportedVersion(_)
+        | FormatError::UnsupportedMessage(_)
+        | FormatError::UnsupportedFilter(_)
+        | FormatError::UnsupportedZfp(_)
+        | FormatError::UnsupportedVirtualLayout
+        | FormatError::UnsupportedExternalStorage
+        | FormatError::UnsupportedFilteredHeapObject
+        | FormatError::InvalidDatatypeVersion { .. } => Some(short(&error.to_string())),
+        _ => None,
     }
 }
 
