@@ -8,6 +8,8 @@
 use crate::platform;
 use std::collections::BTreeSet;
 use std::fs::{File, FileType, OpenOptions};
+#[cfg(feature = "experiment")]
+use std::io::Seek;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
@@ -91,6 +93,13 @@ impl InputFile {
     /// Bytes that the file had when it was opened.
     pub fn length(&self) -> u64 {
         self.length
+    }
+
+    /// Goes to a byte, from the beginning.
+    #[cfg(feature = "experiment")]
+    pub fn skip_to(&mut self, byte: u64) -> io::Result<()> {
+        self.left = self.limit_bytes.saturating_sub(byte);
+        self.file.seek(io::SeekFrom::Start(byte)).map(drop)
     }
 
     fn bytes(mut self) -> Result<Vec<u8>, InputError> {

@@ -7,10 +7,10 @@ use super::exit::BadInput;
 use super::numbers::count;
 use super::options::{Common, check_range};
 use super::print;
-use crate::file_output::{check_file, prepare_folder};
+use crate::file_output::{check_inside, prepare_folder};
 use crate::study::{
-    Joined, MOST_SHARDS, Shard, Study, StudyError, Worker, begun, check_maps, compute, draw_map,
-    estimate, join,
+    Joined, MOST_SHARDS, Shard, Study, StudyError, Worker, begun, check_map_files, check_maps,
+    compute, draw_map, estimate, join,
 };
 use clap::Args;
 use indicatif::ProgressBar;
@@ -92,6 +92,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     }
     check_maps(&study, &arguments.map)?;
     check_outputs(folder)?;
+    check_map_files(&study, folder, &arguments.map)?;
     let mut worker = None;
     if !arguments.join {
         worker = compute_all(&study, folder, arguments, common)?;
@@ -128,7 +129,7 @@ fn worker<'a>(
 fn check_outputs(folder: &Path) -> anyhow::Result<()> {
     prepare_folder(folder)?;
     for name in ["study.csv", "study.parquet", "study.json"] {
-        check_file(&folder.join(name))?;
+        check_inside(&folder.join(name))?;
     }
     Ok(())
 }

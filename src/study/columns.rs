@@ -7,29 +7,84 @@ use crate::bands::BANDS_HZ;
 use crate::report::Cell;
 use crate::response::{Gap, Response};
 
+/// No time that is found is longer, in seconds: a record has 60 s at most, and a time of decay is three
+/// times the part of it that it is evaluated from.
+const LONGEST_S: f64 = 3600.0;
+
+/// No level that is found is larger, in decibels: the ratio of two numbers of 64 bits has 6,320 dB at most.
+const LOUDEST_DB: f64 = 6400.0;
+
+/// The largest error as a multiple of its figure's range: Student's t widens an error by up to 6.4.
+const ERROR_TO_RANGE: f64 = 10.0;
+
+/// A share or a time may be beyond its limits by this rounding.
+const ROUNDING: f64 = 1e-9;
+
 /// A column of the joined tables.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Column {
     pub name: String,
     pub kind: Kind,
+    /// Which numbers it may hold; of text each number in it.
+    pub range: Range,
 }
 
-/// What the cells of a column are; each may also be empty, where there is no such value.
+/// The numbers of a column, from the least to the greatest; what is read from a shard is held to it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Range {
+    pub least: f64,
+    pub most: f64,
+    /// Whether there may be no value.
+    pub may_be_empty: bool,
+}
+
+impl Range {
+    /// Every finite number.
+    const ANY: Range = Range::new(f64::MIN, f64::MAX);
+
+    const fn new(least: f64, most: f64) -> Range {
+        Range {
+            least,
+            most,
+            may_be_empty: false,
+        }
+    }
+
+    const fn or_empty(self) -> Range {
+        Range {
+            may_be_empty: true,
+            ..self
+        }
+    }
+
+    /// The range of the errors of a figure with this one.
+    fn of_errors(self) -> Range {
+        let most = ERROR_TO_RANGE * (self.most - self.least);
+        Range::new(0.0, most).or_empty()
+    }
+}
+
+/// The type of a column's cells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     /// Whole numbers of 64 bits.
     Whole,
     /// Numbers of 64 bits.
     Real,
-    /// Text.
+    /// Text; of what is found, numbers with a space between them.
     Text,
 }
 
 impl Column {
     fn new(name: impl Into<String>, kind: Kind) -> Column {
+        Column::within(name, kind, Range::ANY)
+    }
+
+    fn within(name: impl Into<String>, kind: Kind, range: Range) -> Column {
         Column {
             name: name.into(),
             kind,
+            range,
         }
     }
 }
@@ -67,9 +122,11 @@ impl ResponseColumns {
         let mut columns = Vec::new();
         for (figure, band) in self.pairs() {
             let name = format!("{}_{}", figure.column(), BANDS_HZ[band]);
-            columns.push(Column::new(name.clone(), Kind::Real));
+            let range = figure.range();
+            columns.push(Column::within(name.clone(), Kind::Real, range));
             if self.errors {
-                columns.push(Column::new(name + "_error", Kind::Real));
+                let errors = range.of_errors();
+                columns.push(Column::within(name + "_error", Kind::Real, errors));
             }
         }
         if !self.figures.is_empty() {
@@ -79,10 +136,13 @@ impl ResponseColumns {
             }));
         }
         if self.echogram_bins.is_some() {
-            columns.push(Column::new("echogram_from_s", Kind::Real));
+            // The first bin may begin up to its length before the source's impulse.
+            let first = Range::new(-1.0, LONGEST_S);
+            let energies = Range::new(0.0, f64::MAX).or_empty();
+            columns.push(Column::within("echogram_from_s", Kind::Real, first));
             for band in &self.bands {
                 let name = format!("echogram_{}", BANDS_HZ[*band]);
-                columns.push(Column::new(name, Kind::Text));
+                columns.push(Column::within(name, Kind::Text, energies));
             }
         }
         columns
@@ -92,9 +152,10 @@ impl ResponseColumns {
     pub fn cells(&self, response: &Response) -> Vec<Cell> {
         let mut cells = Vec::new();
         for (figure, band) in self.pairs() {
-            cells.push(figure.of(&response.figures.bands[band]).into());
+            let finite = |number: Option<f64>| number.filter(|number| number.is_finite());
+            cells.push(finite(figure.of(&response.figures.bands[band])).into());
             if self.errors {
-                cells.push(figure.of(&response.figures.errors[band]).into());
+                cells.push(finite(figure.of(&response.figures.errors[band])).into());
             }
         }
         if !self.figures.is_empty() {
@@ -179,6 +240,19 @@ impl FigureName {
         }
     }
 
+    fn range(self) -> Range {
+        let range = match self {
+            FigureName::Edt | FigureName::T20 | FigureName::T30 | FigureName::Ts => {
+                Range::new(-ROUNDING, LONGEST_S)
+            }
+            FigureName::C50 | FigureName::C80 | FigureName::G => {
+                Range::new(-LOUDEST_DB, LOUDEST_DB)
+            }
+            FigureName::D50 => Range::new(-ROUNDING, 1.0 + ROUNDING),
+        };
+        range.or_empty()
+    }
+
     fn of(self, figures: &BandFigures) -> Option<f64> {
         match self {
             FigureName::Edt => figures.edt_s,
@@ -194,26 +268,31 @@ impl FigureName {
 }
 
 impl Kept {
-    /// The columns of what was found.
-    pub fn columns(&self) -> Vec<Column> {
+    /// The columns of the results: counts of up to `waves` waves, and of up to `marches` marches of all waves.
+    fn columns(&self, waves: u64, marches: u64) -> Vec<Column> {
         let mut columns = Vec::new();
+        let waves = Range::new(0.0, waves as f64);
+        let marches = Range::new(0.0, marches as f64);
+        let pan = Range::new(-1.0, 1.0);
         if self.pan {
-            let names = ["left", "right", "pan"];
-            columns.extend(names.map(|name| Column::new(name, Kind::Real)));
+            // A wave gives 1 to both together.
+            let ranges = [("left", waves), ("right", waves), ("pan", pan)];
+            columns.extend(ranges.map(|(name, range)| Column::within(name, Kind::Real, range)));
         }
         if self.counts {
-            let names = [
-                "listener_hits",
-                "dead",
-                "travelling",
-                "not_finite",
-                "zero_length_passes",
-                "step_limit_reached",
+            let ranges = [
+                ("listener_hits", waves),
+                ("dead", waves),
+                ("travelling", waves),
+                ("not_finite", waves),
+                ("zero_length_passes", marches),
+                ("step_limit_reached", marches),
             ];
-            columns.extend(names.map(|name| Column::new(name, Kind::Whole)));
+            columns.extend(ranges.map(|(name, range)| Column::within(name, Kind::Whole, range)));
         }
         if self.exact {
-            columns.push(Column::new("exact_pan", Kind::Real));
+            let range = Range::new(-1.0 - ROUNDING, 1.0 + ROUNDING);
+            columns.push(Column::within("exact_pan", Kind::Real, range));
         }
         if let Some((_, response)) = &self.response {
             columns.extend(response.columns());
@@ -264,6 +343,10 @@ impl Study {
 
     /// The columns of what was found.
     pub(super) fn found_columns(&self) -> Vec<Column> {
-        self.keep.columns()
+        let settings = || self.settings.iter().map(|case| &case.settings);
+        let waves = settings().map(|settings| u64::from(settings.waves));
+        let marches = settings().map(|it| u64::from(it.waves) * u64::from(it.iterations));
+        let (waves, marches) = (waves.max().unwrap_or(0), marches.max().unwrap_or(0));
+        self.keep.columns(waves, marches)
     }
 }

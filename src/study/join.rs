@@ -2,6 +2,7 @@
 
 use super::lines::Header;
 use super::read_shard::{Rows, verify};
+use super::row_form::RowForm;
 use super::shard::{folder_of, is_whole};
 use super::tables::Tables;
 use super::{BLOCK, EmptyCells, Shard, Study, StudyError, VERSION};
@@ -43,7 +44,9 @@ pub fn join(
     progress: &mut dyn FnMut(u64, u64),
 ) -> Result<Joined, StudyError> {
     let all = 2 * study.points;
-    let found = found(folder, &mut |done| progress(done.min(study.points), all))?;
+    let found = found(study, folder, &mut |done| {
+        progress(done.min(study.points), all)
+    })?;
     let (shards, renderer) = chosen(study, folder, found)?;
     let of = shards.len() as u32;
     prepare_folder(folder)?;
@@ -64,7 +67,11 @@ pub fn join(
 type Found = (PathBuf, Result<Header, String>);
 
 /// Every file that is called a shard, in order of their names.
-fn found(folder: &Path, progress: &mut dyn FnMut(u64)) -> Result<Vec<Found>, StudyError> {
+fn found(
+    study: &Study,
+    folder: &Path,
+    progress: &mut dyn FnMut(u64),
+) -> Result<Vec<Found>, StudyError> {
     let place = folder_of(folder);
     let files = std::fs::read_dir(&place).map_err(|_| StudyError::NotWhole {
         folder: folder.to_owned(),
@@ -75,7 +82,7 @@ fn found(folder: &Path, progress: &mut dyn FnMut(u64)) -> Result<Vec<Found>, Stu
     files.sort();
     let mut before = 0;
     let read = files.into_iter().map(|path| {
-        let header = verify(&path, &mut |points| progress(before + points));
+        let header = verify(&path, study, &mut |points| progress(before + points));
         before += header.as_ref().map_or(0, |header| header.points);
         (path, header)
     });
@@ -210,6 +217,7 @@ fn write(
 ) -> Result<(Vec<PathBuf>, Vec<EmptyCells>), StudyError> {
     let mut tables = Tables::create(study, folder, renderer)?;
     let count = shards.len() as u64;
+    let form = RowForm::of(study);
     let mut posed: Option<((u64, u64), Scene)> = None;
     for index in 0..study.points {
         let rows = &mut shards[(index / BLOCK % count) as usize];
@@ -217,7 +225,9 @@ fn write(
             path: path.to_owned(),
             source,
         };
-        let row = rows.next().map_err(|error| failed(rows.path(), error))?;
+        let row = rows
+            .next(&form, index)
+            .map_err(|error| failed(rows.path(), error))?;
         let point = study.point(index);
         let key = (point.variant, point.time);
         let scene = match posed.take() {

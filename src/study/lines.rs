@@ -6,6 +6,7 @@
 
 use super::hash::hex;
 use super::{Shard, Study, VERSION};
+use crate::text::in_a_line;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
@@ -14,6 +15,11 @@ const CHECKED_BYTES: usize = 4;
 
 /// What the first line of a shard begins with.
 const FORMAT: &str = "echomarch shard 1";
+
+/// Characters of a renderer's name and version at most, and bytes of a first line that holds it: a driver's
+/// names are some dozens long, and stand in messages and tables.
+const LONGEST_RENDERER: usize = 500;
+const LONGEST_HEADER: usize = 4096;
 
 /// What the last line of a whole shard begins with.
 const END: &str = "end ";
@@ -40,21 +46,36 @@ pub(super) struct Header {
 impl Header {
     /// The header of a shard of a study on a renderer.
     pub fn new(study: &Study, shard: Shard, renderer: &str) -> Header {
+        let renderer = in_a_line(renderer);
         Header {
             format: FORMAT.to_owned(),
             study: study.hash.clone(),
             version: VERSION.to_owned(),
-            renderer: crate::text::in_a_line(renderer).into_owned(),
+            renderer: renderer.chars().take(LONGEST_RENDERER).collect(),
             shard: shard.number(),
             of: shard.of(),
             points: shard.points(study.points),
         }
     }
 
-    /// The header of a line's text.
+    /// The header of a line's text, if it is spelled as the program spells it.
     pub fn parse(text: &str) -> Option<Header> {
+        if text.len() > LONGEST_HEADER {
+            return None;
+        }
         let header: Header = serde_json::from_str(text).ok()?;
-        (header.format == FORMAT).then_some(header)
+        let is_ours = header.format == FORMAT
+            && Shard::new(header.shard, header.of).is_ok()
+            && header.renderer.chars().count() <= LONGEST_RENDERER
+            && header.strings().all(|text| in_a_line(text) == text)
+            && header.text() == text;
+        is_ours.then_some(header)
+    }
+
+    fn strings(&self) -> impl Iterator<Item = &str> {
+        [&self.study, &self.version, &self.renderer]
+            .into_iter()
+            .map(String::as_str)
     }
 
     /// The text of its line.
@@ -105,10 +126,4 @@ pub(super) fn end_text(before: Sha256) -> String {
 /// Whether a text is that of a last line.
 pub(super) fn is_end(text: &str) -> bool {
     text.starts_with(END)
-}
-
-/// The number of the point that a line is of.
-pub(super) fn index_of(text: &str) -> Option<u64> {
-    let index = text.split(',').next()?;
-    index.parse().ok()
 }

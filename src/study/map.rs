@@ -6,12 +6,14 @@ use super::file::Places;
 use super::{Study, StudyError, Worker};
 use crate::error::Error;
 use crate::file_output::OutputError;
-use crate::picture::{MapOptions, map, save_png};
+use crate::picture::{MapOptions, map, save_png_inside};
+use crate::plain_file;
 use crate::response::Gap;
 use crate::stats::mean;
 use glam::Vec3;
 use plotters::style::colors::colormaps::ViridisRGB;
 use std::collections::BTreeMap;
+use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -39,7 +41,7 @@ pub fn draw_map(
     let study = worker.study;
     let lattice = Lattice::of(study)?;
     let (at, column) = numbers_column(study, column)?;
-    let maps = study.points / lattice.places / study.seeds.len();
+    let pictures = files(study, &lattice, folder, &column);
     let table = folder.join("study.csv");
     let failed = |source: io::Error| {
         StudyError::from(OutputError {
@@ -47,12 +49,12 @@ pub fn draw_map(
             source,
         })
     };
-    let mut rows = csv::Reader::from_path(&table).map_err(|error| failed(error.into()))?;
+    let rows = plain_file::open(&table, File::options().read(true)).map_err(failed)?;
+    let mut rows = csv::Reader::from_reader(rows);
     let mut rows = rows.records();
-    let mut files = Vec::new();
     let columns = [study.point_columns(), study.found_columns()].concat();
     let reasons = EmptyCount::new(columns);
-    for number in 0..maps {
+    for (number, file) in pictures.iter().enumerate() {
         let mut values = Vec::new();
         let mut gaps: BTreeMap<Gap, u64> = BTreeMap::new();
         for _ in 0..lattice.places {
@@ -62,7 +64,8 @@ pub fn draw_map(
                 let ended = || failed(io::Error::other("it has fewer rows than the study"));
                 let row = rows.next().ok_or_else(ended)?;
                 let row = row.map_err(|error| failed(error.into()))?;
-                seeds.extend(row.get(at).and_then(|cell| cell.parse::<f64>().ok()));
+                let cell = row.get(at).and_then(|cell| cell.parse::<f64>().ok());
+                seeds.extend(cell.filter(|number| number.is_finite()));
                 let cells: Vec<&str> = row.iter().collect();
                 gap = gap.or(reasons.reason(at, &cells));
             }
@@ -71,16 +74,20 @@ pub fn draw_map(
             }
             values.push(mean(seeds));
         }
-        let name = match maps {
-            1 => format!("map-{}.png", column.name),
-            _ => format!("map-{}-{}.png", column.name, number + 1),
-        };
-        let file = folder.join(name);
         let numbers = Numbers { values, gaps };
-        draw(worker, &lattice, number, &column, &numbers, &file)?;
-        files.push(file);
+        draw(worker, &lattice, number as u64, &column, &numbers, file)?;
     }
-    Ok(files)
+    Ok(pictures)
+}
+
+/// The files of a column's maps.
+fn files(study: &Study, lattice: &Lattice, folder: &Path, column: &Column) -> Vec<PathBuf> {
+    let maps = study.points / lattice.places / study.seeds.len();
+    let name = |number: u64| match maps {
+        1 => format!("map-{}.png", column.name),
+        _ => format!("map-{}-{number}.png", column.name),
+    };
+    (1..=maps).map(|number| folder.join(name(number))).collect()
 }
 
 /// The numbers of a map.
@@ -137,7 +144,7 @@ fn draw(
             },
         };
         let picture = map(worker.tracer().context(), &scene, &options)?;
-        Ok(save_png(file, &picture)?)
+        Ok(save_png_inside(file, &picture)?)
     };
     draw().map_err(|source| StudyError::Point {
         index: point.index,
@@ -194,6 +201,22 @@ pub fn check_maps(study: &Study, columns: &[String]) -> Result<(), StudyError> {
     columns
         .iter()
         .try_for_each(|column| numbers_column(study, column).map(drop))
+}
+
+/// Proves that the files of these maps can be written in the folder, which is there.
+#[cfg(feature = "cli")]
+pub(crate) fn check_map_files(
+    study: &Study,
+    folder: &Path,
+    columns: &[String],
+) -> Result<(), StudyError> {
+    for column in columns {
+        let (lattice, (_, column)) = (Lattice::of(study)?, numbers_column(study, column)?);
+        for file in files(study, &lattice, folder, &column) {
+            crate::file_output::check_inside(&file)?;
+        }
+    }
+    Ok(())
 }
 
 /// The place of a column of numbers among all columns of the joined table.

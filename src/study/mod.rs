@@ -35,17 +35,21 @@ mod other_processes;
 mod parquet_file;
 mod points;
 mod read_shard;
+mod row_form;
 mod shard;
 mod tables;
 #[cfg(test)]
 mod tests;
 mod work;
+mod work_place;
 mod worker;
 
 pub use count::{Estimate, estimate};
 pub use empty::EmptyCells;
 pub use error::StudyError;
 pub use join::{Joined, join};
+#[cfg(feature = "cli")]
+pub(crate) use map::check_map_files;
 pub use map::{check_maps, draw_map};
 #[cfg(feature = "cli")]
 pub(crate) use other_processes::{begun, rows_in};

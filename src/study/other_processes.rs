@@ -3,12 +3,16 @@
 use super::Study;
 use super::lines::{Header, text_of};
 use super::shard::{Shard, WORK, folder_of, is_whole};
+use crate::plain_file;
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
 /// Bytes of a first line at most.
 const LONGEST_HEADER: u64 = 1 << 16;
+
+/// Bytes of a working file that are read for one look at it, at most.
+const READ_AT_A_TIME: u64 = 16 << 20;
 
 /// The number of shards that the files of a study in a folder were begun with; none without such
 /// files, or where they do not agree.
@@ -34,12 +38,9 @@ pub(crate) fn begun(study: &Study, folder: &Path) -> Option<u32> {
 
 /// The content of the first line of a file, if it is that of a shard.
 fn header_of(path: &Path) -> Option<Header> {
-    let about = std::fs::metadata(path).ok()?;
-    if !about.is_file() {
-        return None;
-    }
     let mut line = Vec::new();
-    let mut file = BufReader::new(File::open(path).ok()?.take(LONGEST_HEADER));
+    let file = plain_file::open(path, File::options().read(true)).ok()?;
+    let mut file = BufReader::new(file.take(LONGEST_HEADER));
     file.read_until(b'\n', &mut line).ok()?;
     Header::parse(text_of(line.strip_suffix(b"\n")?)?)
 }
@@ -47,14 +48,16 @@ fn header_of(path: &Path) -> Option<Header> {
 /// Counts the rows of a shard that another process computes, from where it left off: `seen` holds the
 /// bytes that were looked at, and the lines in them.
 pub(crate) fn rows_in(shard: Shard, folder: &Path, points: u64, seen: &mut (u64, u64)) -> u64 {
-    let Ok(mut file) = File::open(shard.work_file(folder)) else {
+    let work = shard.work_file(folder);
+    let Ok(mut file) = plain_file::open(&work, File::options().read(true)) else {
         let is_whole = shard.file(folder).exists();
         return if is_whole { points } else { 0 };
     };
     let mut bytes = Vec::new();
+    // Further bytes are counted at the next look.
     let read = file
         .seek(SeekFrom::Start(seen.0))
-        .and_then(|_| file.read_to_end(&mut bytes));
+        .and_then(|_| file.take(READ_AT_A_TIME).read_to_end(&mut bytes));
     if read.is_ok() {
         seen.0 += bytes.len() as u64;
         seen.1 += bytes.iter().filter(|byte| **byte == b'\n').count() as u64;

@@ -207,7 +207,7 @@ fn schema(columns: &[Column]) -> Result<TypePtr, ParquetError> {
 #[cfg(test)]
 mod tests {
     use crate::study::join;
-    use crate::study::tests::{SMALL, read, shards};
+    use crate::study::tests::{SMALL, read, shards, shards_of};
     use parquet::file::reader::{FileReader, SerializedFileReader};
     use parquet::record::Field;
     use std::fs::File;
@@ -237,6 +237,19 @@ mod tests {
         assert_eq!(cell("scene"), Field::Str("shoebox".to_owned()));
         assert_eq!(cell("listener_z_m"), Field::Double(5.0));
         assert_eq!(cell("left"), Field::Double(37.0 / 3.0));
-        assert_eq!(cell("pan"), Field::Null);
+        assert_eq!(cell("pan"), Field::Double(-0.25));
+        // A figure that is not there.
+        let keep = "keep: Keep(pan: false, counts: false, response: Response(figures: [t30, g], bands_hz: [1000]))";
+        let study = read(&SMALL.replace("keep: Keep(counts: false)", keep)).unwrap();
+        let folder = shards_of(&study, 3, |point| format!("{point},,0.5"));
+        join(&study, folder.path(), &mut |_, _| ()).unwrap();
+        let file = File::open(folder.path().join("study.parquet")).unwrap();
+        let reader = SerializedFileReader::new(file).unwrap();
+        let row = reader.get_row_iter(None).unwrap().next().unwrap().unwrap();
+        let cells: Vec<Field> = row
+            .get_column_iter()
+            .map(|(_, cell)| cell.clone())
+            .collect();
+        assert!(cells.ends_with(&[Field::Null, Field::Double(0.5)]));
     }
 }

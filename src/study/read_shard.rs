@@ -1,12 +1,12 @@
 //! Reading shards that are whole: first all of it is checked, then its rows are taken in order.
 
-use super::lines::{Header, LONGEST_LINE, end_text, index_of, is_end, text_of};
-use super::{BLOCK, Shard};
+use super::lines::{Header, LONGEST_LINE, end_text, is_end, text_of};
+use super::row_form::RowForm;
+use super::{BLOCK, Shard, Study, VERSION};
 use crate::file_input::InputFile;
 use sha2::{Digest, Sha256};
 use std::collections::VecDeque;
-use std::fs::File;
-use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
+use std::io::{self, BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 
 /// Bytes of a shard at most.
@@ -15,9 +15,13 @@ const LARGEST_FILE: u64 = 1 << 44;
 /// Rows that are taken from a shard at a time: some blocks, so that 10,000 shards fit into memory.
 const ROWS_AT_A_TIME: u64 = 4 * BLOCK;
 
-/// Checks every line of a whole shard; returns the content of its first line, or why it is
-/// rejected. `progress` receives the number of points.
-pub(super) fn verify(path: &Path, progress: &mut dyn FnMut(u64)) -> Result<Header, String> {
+/// Checks every line of a whole shard, and every cell of one that is of this study; returns the
+/// content of its first line, or why it is rejected. `progress` receives the number of points.
+pub(super) fn verify(
+    path: &Path,
+    study: &Study,
+    progress: &mut dyn FnMut(u64),
+) -> Result<Header, String> {
     let file = InputFile::open(path, LARGEST_FILE).map_err(|error| error.to_string())?;
     let mut lines = Lines {
         reader: BufReader::new(file),
@@ -28,6 +32,9 @@ pub(super) fn verify(path: &Path, progress: &mut dyn FnMut(u64)) -> Result<Heade
     let first = lines.next()?.ok_or("it is empty")?;
     let header = Header::parse(first).ok_or("it is no shard of a study")?;
     let shard = Shard::new(header.shard, header.of).map_err(|error| error.to_string())?;
+    // The rows of another study or version have a form of their own; the shard is not taken.
+    let is_ours = header.study == study.hash && header.version == VERSION;
+    let form = is_ours.then(|| RowForm::of(study));
     hash.update(&lines.bytes);
     for place in 0..header.points {
         let cut_off = || format!("it is cut off after {place} of {} points", header.points);
@@ -35,8 +42,10 @@ pub(super) fn verify(path: &Path, progress: &mut dyn FnMut(u64)) -> Result<Heade
         if is_end(text) {
             return Err(cut_off());
         }
-        if index_of(text) != Some(shard.point(place)) {
-            return Err(format!("line {} is of another point", lines.number));
+        if let Some(form) = &form
+            && let Err(why) = form.check(text, shard.point(place))
+        {
+            return Err(format!("line {}: {why}", lines.number));
         }
         hash.update(&lines.bytes);
         progress(place + 1);
@@ -101,16 +110,17 @@ impl Rows {
         }
     }
 
-    /// The next row.
+    /// The next row, which is of this point.
     ///
     /// # Errors
     /// When the file is not any more as it was verified.
-    pub fn next(&mut self) -> io::Result<String> {
+    pub fn next(&mut self, form: &RowForm, point: u64) -> io::Result<String> {
         if self.ready.is_empty() {
             self.read()?;
         }
-        let changed = || io::Error::other("it was changed while it was read");
-        self.ready.pop_front().ok_or_else(changed)
+        let row = self.ready.pop_front();
+        row.filter(|row| form.check(row, point).is_ok())
+            .ok_or_else(|| io::Error::other("it was changed while it was read"))
     }
 
     /// The file that they are of.
@@ -119,8 +129,8 @@ impl Rows {
     }
 
     fn read(&mut self) -> io::Result<()> {
-        let mut file = File::open(&self.path)?;
-        file.seek(SeekFrom::Start(self.offset))?;
+        let mut file = InputFile::open(&self.path, LARGEST_FILE).map_err(io::Error::other)?;
+        file.skip_to(self.offset)?;
         let mut lines = Lines {
             reader: BufReader::new(file),
             number: 0,

@@ -2,12 +2,15 @@
 
 use super::empty::{self, EmptyCells, EmptyCount};
 use super::{Study, StudyError, VERSION};
-use crate::file_output::{PartFile, temporary_beside, write_whole};
+use crate::file_output::{PartFile, check_inside, temporary_beside, write_inside};
 use crate::report::Cell;
 use serde_json::json;
 use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
+
+/// The note on what the tables are of.
+const NOTE: &str = "study.json";
 
 /// Tables that are written row by row, and named when they are whole.
 pub(super) struct Tables<'a> {
@@ -31,6 +34,8 @@ impl<'a> Tables<'a> {
         folder: &'a Path,
         renderer: &'a str,
     ) -> Result<Tables<'a>, StudyError> {
+        // Written last, and all files are or none.
+        check_inside(&folder.join(NOTE))?;
         let csv_path = folder.join("study.csv");
         let failed = |source| StudyError::output(&csv_path, source);
         let csv_part = temporary_beside(&csv_path).map_err(failed)?;
@@ -88,7 +93,7 @@ impl<'a> Tables<'a> {
         let mut files = vec![csv_path];
         #[cfg(feature = "parquet")]
         files.push(self.parquet.finish()?);
-        let note = self.folder.join("study.json");
+        let note = self.folder.join(NOTE);
         let columns: Vec<String> = {
             let mut columns = self.study.point_columns();
             columns.extend(self.study.found_columns());
@@ -102,7 +107,7 @@ impl<'a> Tables<'a> {
         says.insert("points".to_owned(), self.study.points.into());
         says.insert("columns".to_owned(), json!(columns));
         says.insert("empty".to_owned(), empty::json(&empty));
-        write_whole(&note, |out| {
+        write_inside(&note, |out| {
             serde_json::to_writer_pretty(&mut *out, &says)?;
             out.write_all(b"\n")
         })?;

@@ -35,13 +35,18 @@ fn refusal(text: &str) -> String {
     read(text).expect_err(text).to_string()
 }
 
-/// The text of a whole shard whose numbers follow from its points.
-fn made_up(header: &Header) -> String {
+/// A row whose numbers follow from its point.
+fn row(index: u64) -> String {
+    format!("{index},{:?},0.5,-0.25", index as f64 / 3.0)
+}
+
+/// The text of a whole shard of such rows.
+fn made_up(header: &Header, row: fn(u64) -> String) -> String {
     let shard = Shard::new(header.shard, header.of).unwrap();
     let mut text = line(&header.text());
     for place in 0..header.points {
         let index = shard.point(place);
-        text += &line(&format!("{index},{:?},0.5,", index as f64 / 3.0));
+        text += &line(&row(index));
     }
     let end = end_text(Sha256::new_with_prefix(&text));
     text + &line(&end)
@@ -49,11 +54,16 @@ fn made_up(header: &Header) -> String {
 
 /// Writes all shards of so many into a new folder.
 pub(super) fn shards(study: &Study, of: u32) -> tempfile::TempDir {
+    shards_of(study, of, row)
+}
+
+/// The same with other rows.
+pub(super) fn shards_of(study: &Study, of: u32, row: fn(u64) -> String) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     std::fs::create_dir(folder_of(folder.path())).unwrap();
     for shard in Shard::all(of) {
         let header = Header::new(study, shard, RENDERER);
-        std::fs::write(shard.file(folder.path()), made_up(&header)).unwrap();
+        std::fs::write(shard.file(folder.path()), made_up(&header, row)).unwrap();
     }
     folder
 }
@@ -279,7 +289,7 @@ fn any_number_of_shards_joins_to_the_same_bytes() {
     assert_eq!(
         lines.nth(37),
         Some(
-            "37,shoebox,hybrid,random,65536,8,-3.5,0.5,-5.0,1.0,0.0,5.0,6,12.333333333333334,0.5,"
+            "37,shoebox,hybrid,random,65536,8,-3.5,0.5,-5.0,1.0,0.0,5.0,6,12.333333333333334,0.5,-0.25"
         )
     );
     assert_eq!(csv.lines().count(), 61);
@@ -309,7 +319,7 @@ fn shards_that_do_not_belong_are_named() {
             .text()
             .replace(from, to);
         let header = Header::parse(&header).unwrap();
-        std::fs::write(second(folder), made_up(&header)).unwrap();
+        std::fs::write(second(folder), made_up(&header, row)).unwrap();
     };
     let cases: [Change; 7] = [
         (
@@ -341,7 +351,7 @@ fn shards_that_do_not_belong_are_named() {
         (
             &|folder| {
                 let header = Header::new(&study, Shard::new(2, 3).unwrap(), RENDERER);
-                std::fs::write(second(folder), made_up(&header)).unwrap();
+                std::fs::write(second(folder), made_up(&header, row)).unwrap();
             },
             &[
                 "it is shard 2 of 3, not of 4",
@@ -375,7 +385,7 @@ fn no_byte_of_a_shard_can_change() {
     let whole = std::fs::read(&path).unwrap();
     let is_taken = |bytes: &[u8]| {
         std::fs::write(&path, bytes).unwrap();
-        super::read_shard::verify(&path, &mut |_| ()).is_ok()
+        super::read_shard::verify(&path, &study, &mut |_| ()).is_ok()
     };
     assert!(is_taken(&whole));
     for at in 0..whole.len() {

@@ -3,17 +3,20 @@
 //! What is kept is one point: its line is written at once, and the disk is waited for once a second.
 //! A process that is killed loses the point that it computes; a machine that fails, a second of
 //! them. The first line identifies the shard. A last line without its end was being written; it is
-//! dropped. Whatever else is wrong is rejected. When all points are there the last line is added, and
-//! the file, which lies beside its place, is renamed.
+//! dropped. Whatever else is wrong is rejected, and the file stays as it is (`work_place.rs`: which
+//! files are opened). When all points are there the last line is added, and the file, which lies beside its
+//! place, is renamed.
 
-use super::lines::{Header, LONGEST_LINE, end_text, index_of, is_end, line, text_of};
+use super::lines::{Header, LONGEST_LINE, end_text, is_end, line, text_of};
 use super::read_shard::verify;
+use super::row_form::RowForm;
 use super::shard::folder_of;
-use super::{Shard, StudyError, Worker};
-use crate::file_output::prepare_folder;
+use super::work_place::{is_of_this_user, is_there, locked};
+use super::{Shard, Study, StudyError, Worker};
+use crate::file_output::{prepare_folder, prepare_folder_inside};
 use crate::report::Cell;
 use sha2::{Digest, Sha256};
-use std::fs::{File, OpenOptions, TryLockError};
+use std::fs::File;
 use std::io::{self, BufRead, BufReader, ErrorKind, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -35,17 +38,18 @@ pub fn compute(
     folder: &Path,
     progress: &mut dyn FnMut(u64),
 ) -> Result<(), StudyError> {
-    prepare_folder(&folder_of(folder))?;
+    prepare_folder(folder)?;
+    prepare_folder_inside(&folder_of(folder))?;
     let header = Header::new(worker.study, shard, worker.renderer());
     let whole = shard.file(folder);
-    if !whole.exists() {
-        let work = WorkFile::open(shard, folder, &header)?;
+    if !is_there(&whole) {
+        let work = WorkFile::open(worker.study, shard, folder, &header)?;
         // Whoever had the lock before may have finished.
-        if !whole.exists() {
+        if !is_there(&whole) {
             return fill(worker, shard, work, &whole, progress);
         }
     }
-    check_whole(&whole, &header)?;
+    check_whole(&whole, worker.study, &header)?;
     progress(header.points);
     Ok(())
 }
@@ -78,12 +82,12 @@ pub(super) fn row(index: u64, found: &[Cell]) -> String {
 }
 
 /// A shard that is there must be this one.
-fn check_whole(path: &Path, expected: &Header) -> Result<(), StudyError> {
+fn check_whole(path: &Path, study: &Study, expected: &Header) -> Result<(), StudyError> {
     let refused = |why: String| StudyError::BadShard {
         path: path.to_owned(),
         why: format!("{why}; remove it to compute it anew"),
     };
-    let found = verify(path, &mut |_| ()).map_err(refused)?;
+    let found = verify(path, study, &mut |_| ()).map_err(refused)?;
     found
         .differs(expected)
         .map_or(Ok(()), |why| Err(refused(why)))
@@ -93,6 +97,8 @@ fn check_whole(path: &Path, expected: &Header) -> Result<(), StudyError> {
 struct WorkFile {
     file: File,
     path: PathBuf,
+    shard: Shard,
+    form: RowForm,
     /// Of all bytes so far.
     hash: Sha256,
     rows: u64,
@@ -101,31 +107,43 @@ struct WorkFile {
 
 impl WorkFile {
     /// Opens the working file of a shard, or makes it, and reads what is done.
-    fn open(shard: Shard, folder: &Path, header: &Header) -> Result<WorkFile, StudyError> {
+    fn open(
+        study: &Study,
+        shard: Shard,
+        folder: &Path,
+        header: &Header,
+    ) -> Result<WorkFile, StudyError> {
         let path = shard.work_file(folder);
         let file = locked(shard, &path)?;
         let mut work = WorkFile {
             file,
             path,
+            shard,
+            form: RowForm::of(study),
             hash: Sha256::new(),
             rows: 0,
             synced: Instant::now(),
         };
-        let kept = work.read_back(shard, header)?;
-        let cut = work
-            .file
-            .set_len(kept)
-            .and_then(|()| work.file.seek(SeekFrom::Start(kept)));
-        cut.map_err(|source| work.failed(source))?;
+        let kept = work.read_back(header)?;
+        work.cut(kept).map_err(|source| work.failed(source))?;
         if kept == 0 {
             work.write(&line(&header.text()))?;
         }
         Ok(work)
     }
 
-    /// Reads all whole lines; returns how many bytes they are.
-    fn read_back(&mut self, shard: Shard, header: &Header) -> Result<u64, StudyError> {
-        let mut reader = BufReader::new(&self.file);
+    /// Cuts the file to its first `kept` bytes, and goes to its end.
+    fn cut(&mut self, kept: u64) -> io::Result<()> {
+        if self.file.metadata()?.len() > kept {
+            self.file.set_len(kept)?;
+        }
+        self.file.seek(SeekFrom::Start(kept)).map(drop)
+    }
+
+    /// Reads all whole lines; returns how many bytes they are. The file is only read.
+    fn read_back(&mut self, header: &Header) -> Result<u64, StudyError> {
+        let file = self.file.try_clone();
+        let mut reader = BufReader::new(file.map_err(|source| self.failed(source))?);
         let (mut kept, mut lines) = (0u64, 0u64);
         let mut bytes = Vec::new();
         loop {
@@ -133,34 +151,29 @@ impl WorkFile {
             let read = (&mut reader)
                 .take(LONGEST_LINE as u64)
                 .read_until(b'\n', &mut bytes);
-            read.map_err(|source| StudyError::output(&self.path, source))?;
-            // What was being written when the process ended has no end of a line.
-            let Some(text) = bytes.strip_suffix(b"\n").map(text_of) else {
-                return Ok(kept);
-            };
+            read.map_err(|source| self.failed(source))?;
             lines += 1;
-            let refused = |why: &str| StudyError::BadShard {
-                path: self.path.clone(),
-                why: format!("{why}; remove it to begin the shard anew"),
+            let Some(whole) = bytes.strip_suffix(b"\n") else {
+                return match (self.is_begun(&bytes, lines, header), lines) {
+                    (true, _) => Ok(kept),
+                    (false, 1) => Err(self.refused("it is no shard of a study")),
+                    (false, _) => Err(self.refused(&format!("line {lines} is damaged"))),
+                };
             };
-            let Some(text) = text else {
-                return Err(refused(&format!("line {lines} is damaged")));
+            let Some(text) = text_of(whole) else {
+                return Err(self.refused(&format!("line {lines} is damaged")));
             };
             if lines == 1 {
                 let found = Header::parse(text);
-                let found = found.ok_or_else(|| refused("it is no shard of a study"))?;
-                found
-                    .differs(header)
-                    .map_or(Ok(()), |why| Err(refused(&why)))?;
-            } else if is_end(text) && self.rows == header.points {
-                // It is written again, with the file's new name.
-                return Ok(kept);
+                let found = found.ok_or_else(|| self.refused("it is no shard of a study"))?;
+                let differs = found.differs(header);
+                differs.map_or(Ok(()), |why| Err(self.refused(&why)))?;
+            } else if self.rows == header.points {
+                return self.read_end(text, reader).map(|()| kept);
             } else {
-                let is_next =
-                    self.rows < header.points && index_of(text) == Some(shard.point(self.rows));
-                if !is_next {
-                    return Err(refused(&format!("line {lines} is of another point")));
-                }
+                let point = self.shard.point(self.rows);
+                let checked = self.form.check(text, point);
+                checked.map_err(|why| self.refused(&format!("line {lines}: {why}")))?;
                 self.rows += 1;
             }
             kept += bytes.len() as u64;
@@ -168,7 +181,57 @@ impl WorkFile {
         }
     }
 
+    /// Checks the last line of a shard that was not renamed, and that nothing stands behind it. It is
+    /// written again, with the file's new name.
+    fn read_end(&self, text: &str, mut reader: impl Read) -> Result<(), StudyError> {
+        if !is_end(text) || text != end_text(self.hash.clone()) {
+            return Err(self.refused("its last line is of other bytes"));
+        }
+        let behind = reader.read(&mut [0]);
+        match behind.map_err(|source| self.failed(source))? {
+            0 => Ok(()),
+            _ => Err(self.refused("something stands behind its last line")),
+        }
+    }
+
+    /// Whether the bytes behind all whole lines are what was being written when the process ended. A
+    /// machine that fails may leave zeros in the place of bytes that did not come to the disk.
+    fn is_begun(&self, bytes: &[u8], lines: u64, header: &Header) -> bool {
+        let zeros = bytes.iter().rev().take_while(|byte| **byte == 0).count();
+        let Ok(text) = std::str::from_utf8(&bytes[..bytes.len() - zeros]) else {
+            return false;
+        };
+        if bytes.len() >= LONGEST_LINE {
+            return false;
+        }
+        match lines {
+            // A file without a whole first line is taken over only from this user.
+            1 => line(&header.text()).starts_with(text) && is_of_this_user(&self.file),
+            _ if self.rows == header.points => line(&end_text(self.hash.clone())).starts_with(text),
+            _ => self.is_begun_row(text),
+        }
+    }
+
+    /// Whether a text is the beginning of the line of the next point.
+    fn is_begun_row(&self, text: &str) -> bool {
+        let point = self.shard.point(self.rows);
+        match text.split_once('\t') {
+            None => self.form.is_begun(text, point),
+            Some((row, _)) => self.form.check(row, point).is_ok() && line(row).starts_with(text),
+        }
+    }
+
+    fn refused(&self, why: &str) -> StudyError {
+        StudyError::BadShard {
+            path: self.path.clone(),
+            why: format!("{why}; remove it to begin the shard anew"),
+        }
+    }
+
     fn append(&mut self, text: &str) -> Result<(), StudyError> {
+        let point = self.shard.point(self.rows);
+        let checked = self.form.check(text, point).map_err(io::Error::other);
+        checked.map_err(|source| self.failed(source))?;
         self.write(&line(text))?;
         self.rows += 1;
         if self.synced.elapsed() >= BETWEEN_SYNCS {
@@ -190,6 +253,11 @@ impl WorkFile {
     fn finish(mut self, whole: &Path) -> Result<(), StudyError> {
         let end = line(&end_text(self.hash.clone()));
         self.write(&end)?;
+        if is_there(whole) {
+            let text = "something of this name came up while the shard was computed";
+            let source = io::Error::new(ErrorKind::InvalidInput, text);
+            return Err(StudyError::output(whole, source));
+        }
         let renamed = self
             .file
             .sync_all()
@@ -206,43 +274,6 @@ impl WorkFile {
 
     fn failed(&self, source: io::Error) -> StudyError {
         StudyError::output(&self.path, source)
-    }
-}
-
-/// Opens a working file, which no other process may have open. A file system without locks gives
-/// no such protection.
-fn locked(shard: Shard, path: &Path) -> Result<File, StudyError> {
-    let about = std::fs::metadata(path);
-    if about.is_ok_and(|about| !about.is_file()) {
-        let text = "it is there already and no plain file";
-        return Err(StudyError::output(
-            path,
-            io::Error::new(ErrorKind::InvalidInput, text),
-        ));
-    }
-    let mut options = OpenOptions::new();
-    options.read(true).write(true).create(true).truncate(false);
-    let file = options
-        .open(path)
-        .map_err(|source| StudyError::output(path, source))?;
-    let busy = || StudyError::Busy {
-        shard,
-        path: path.to_owned(),
-    };
-    match file.try_lock() {
-        Ok(()) => (),
-        Err(TryLockError::WouldBlock) => return Err(busy()),
-        Err(TryLockError::Error(error)) if error.kind() == ErrorKind::Unsupported => (),
-        Err(TryLockError::Error(source)) => return Err(StudyError::output(path, source)),
-    }
-    // It may have been finished and renamed between the opening and the lock.
-    let opened = file
-        .try_clone()
-        .and_then(same_file::Handle::from_file)
-        .map_err(|source| StudyError::output(path, source))?;
-    match same_file::Handle::from_path(path) {
-        Ok(named) if named == opened => Ok(file),
-        _ => Err(busy()),
     }
 }
 
@@ -267,9 +298,10 @@ mod tests {
         std::fs::create_dir(folder_of(folder)).unwrap();
         let (path, whole) = (shard.work_file(folder), shard.file(folder));
         let finish = || {
-            let mut work = WorkFile::open(shard, folder, &header)?;
+            let _ = std::fs::remove_file(&whole);
+            let mut work = WorkFile::open(&study, shard, folder, &header)?;
             for place in work.rows..header.points {
-                work.append(&format!("{},{:?},,", shard.point(place), 0.25))?;
+                work.append(&format!("{},{:?},0.5,-0.5", shard.point(place), 0.25))?;
             }
             work.finish(&whole)
         };
@@ -291,15 +323,17 @@ mod tests {
         }
         let other = Header::new(&study, shard, "another");
         std::fs::write(&path, &expected).unwrap();
-        let refused = WorkFile::open(shard, folder, &other).err().unwrap();
+        let refused = WorkFile::open(&study, shard, folder, &other).err().unwrap();
         assert!(
             refused
                 .to_string()
                 .contains("renderer \"made up\", not \"another\"")
         );
         // Who works on a shard keeps others away.
-        let working = WorkFile::open(shard, folder, &header).unwrap();
-        let refused = WorkFile::open(shard, folder, &header).err().unwrap();
+        let working = WorkFile::open(&study, shard, folder, &header).unwrap();
+        let refused = WorkFile::open(&study, shard, folder, &header)
+            .err()
+            .unwrap();
         assert!(matches!(refused, StudyError::Busy { .. }), "{refused}");
         drop(working);
     }

@@ -8,6 +8,8 @@ pub mod drop;
 pub mod flights;
 mod random;
 pub mod rays;
+#[cfg(feature = "experiment")]
+pub mod shard;
 mod shared;
 #[cfg(feature = "sofa")]
 pub mod sofa;

@@ -2,6 +2,7 @@
 
 use crate::common::Random;
 use crate::common::cli::{argument, command, contents, json, refuse, stderr, stdout, succeed};
+use crate::common::shard::with_sums;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
@@ -207,6 +208,186 @@ fn damaged_and_strange_shards_are_refused() {
     refuse(&join, "2 of 2 shards are missing: 1-2");
     refuse(&join, "00001-of-00002.shard: it is of study");
     assert!(!out.join("study.csv").exists());
+}
+
+/// Four points at four places.
+const TINY: &str = r#"Study(
+    scenes: [Scene(of: "hall.ron")],
+    listeners: Grid(from: (-3, 0, 2), to: (3, 0, 6), counts: (2, 1, 2)),
+    settings: All(waves: [64], iterations: [1]),
+)"#;
+
+/// Protects tables from shards whose checksums are right and whose numbers cannot be: each is named by file,
+/// line and column, and no table is written.
+#[test]
+fn forged_shards_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = study(folder.path(), TINY);
+    let out = folder.path().join("out");
+    let to = argument(&out).to_owned();
+    succeed(&["study", &file, "-o", &to, "--shard", "1/1"]);
+    let shard = out.join("shards/00001-of-00001.shard");
+    let whole = std::fs::read_to_string(&shard).unwrap();
+    let row = whole.lines().nth(2).unwrap().to_owned();
+    let zeros = "0".repeat(100_000);
+    let join = ["study", &file, "-o", &to, "--join", "-q", "--map", "pan"];
+    for (column, name, cell) in [
+        (1, "left", "1e400"),
+        (2, "right", "nan"),
+        (1, "left", zeros.as_str()),
+        (3, "pan", "=cmd()"),
+        (3, "pan", "1.5"),
+        (3, "pan", "0.50"),
+        (4, "listener_hits", "65"),
+        (4, "listener_hits", "1.0"),
+        (6, "travelling", "+1"),
+        (9, "step_limit_reached", ""),
+    ] {
+        let text = row.split('\t').next().unwrap();
+        let mut cells: Vec<&str> = text.split(',').collect();
+        cells[column] = cell;
+        let forged = whole.replace(&row, &format!("{}\t", cells.join(",")));
+        std::fs::write(&shard, with_sums(forged.as_bytes())).unwrap();
+        let told = format!("00001-of-00001.shard: line 3: {name} is \"");
+        refuse(&join, &told);
+        refuse(&["study", &file, "-o", &to, "-q"], &told);
+        assert_eq!(contents(&out).len(), 1);
+        // The same while the shard was worked on.
+        let work = out.join("shards/00001-of-00001.work");
+        std::fs::rename(&shard, &work).unwrap();
+        refuse(
+            &["study", &file, "-o", &to, "-q"],
+            &format!("work: line 3: {name} is \""),
+        );
+        std::fs::remove_file(&work).unwrap();
+    }
+    for (from, to) in [
+        ("llvmpipe", "llvmpipe \u{1b}[2J"),
+        ("\"shard\":1", "\"shard\": 1"),
+        ("\"of\":1", "\"of\":4000000000"),
+    ] {
+        std::fs::write(&shard, with_sums(whole.replacen(from, to, 1).as_bytes())).unwrap();
+        refuse(&join, "00001-of-00001.shard: it is no shard of a study");
+    }
+    std::fs::write(&shard, with_sums(whole.as_bytes())).unwrap();
+    succeed(&join);
+}
+
+/// Protects what the program did not make: whatever has the name of a shard that is worked on stays as it is, and
+/// so does what it leads to.
+#[cfg(unix)]
+#[test]
+fn strange_working_files_are_left_alone() {
+    use std::os::unix::fs::symlink;
+    let folder = tempfile::tempdir().unwrap();
+    let file = study(folder.path(), TINY);
+    let place = |name: &str| folder.path().join(name);
+    std::fs::write(place("victim"), "precious").unwrap();
+    let good = place("good");
+    succeed(&["study", &file, "-o", argument(&good)]);
+    let whole = std::fs::read(good.join("shards/00001-of-00001.shard")).unwrap();
+    let head = whole.iter().position(|byte| *byte == b'\n').unwrap() + 1;
+    type Put<'a> = &'a dyn Fn(&Path);
+    let with = |text: &'static str| move |path: &Path| std::fs::write(path, text).unwrap();
+    let behind = |begin: &[u8], more: &[u8]| {
+        let bytes = [begin, more].concat();
+        move |path: &Path| std::fs::write(path, &bytes).unwrap()
+    };
+    let puts: [Put; 13] = [
+        &|path| symlink("../../hall.ron", path).unwrap(),
+        &|path| symlink("../../victim", path).unwrap(),
+        &|path| symlink("../../absent", path).unwrap(),
+        &|path| symlink("/dev/zero", path).unwrap(),
+        &|path| std::fs::hard_link(place("hall.ron"), path).unwrap(),
+        &|path| std::fs::hard_link(place("victim"), path).unwrap(),
+        &|path| {
+            let made = std::process::Command::new("mkfifo").arg(path).status();
+            assert!(made.unwrap().success());
+        },
+        &|path| std::fs::create_dir(path).unwrap(),
+        &with("no end of a line"),
+        &with("an end of a line\n"),
+        &behind(&whole[..head], b"garbage"),
+        &behind(&whole, b"garbage"),
+        &behind(&whole[..head - 1], b"garbage"),
+    ];
+    let before = contents(folder.path());
+    for (number, put) in puts.iter().enumerate() {
+        let out = place("out");
+        std::fs::create_dir_all(out.join("shards")).unwrap();
+        let work = out.join("shards/00001-of-00001.work");
+        put(&work);
+        let there = || {
+            let about = std::fs::symlink_metadata(&work).unwrap();
+            let bytes = about.is_file().then(|| std::fs::read(&work).unwrap());
+            (about.file_type(), about.len(), bytes)
+        };
+        let found = there();
+        refuse(
+            &["study", &file, "-o", argument(&out), "-q"],
+            "00001-of-00001.work",
+        );
+        refuse(
+            &["study", &file, "-o", argument(&out), "-q", "--shard", "1/1"],
+            "00001-of-00001.work",
+        );
+        assert!(there() == found, "{number}");
+        assert_eq!(contents(&out).len(), 1, "{number}");
+        std::fs::remove_dir_all(&out).unwrap();
+        assert!(contents(folder.path()) == before, "{number}");
+    }
+    // Several processes look at it.
+    let out = place("out");
+    std::fs::create_dir_all(out.join("shards")).unwrap();
+    let pipe = out.join("shards/00002-of-00002.work");
+    assert!(
+        std::process::Command::new("mkfifo")
+            .arg(pipe)
+            .status()
+            .unwrap()
+            .success()
+    );
+    refuse(
+        &["study", &file, "-o", argument(&out), "-q", "--jobs", "2"],
+        "00002-of-00002.work",
+    );
+}
+
+/// Protects what lies outside the folder of results: no name that the program chooses in it is followed. The folder
+/// itself may be a link, since the user names it.
+#[cfg(unix)]
+#[test]
+fn results_stay_in_their_folder() {
+    use std::os::unix::fs::symlink;
+    let folder = tempfile::tempdir().unwrap();
+    let file = study(folder.path(), TINY);
+    let (out, victim) = (folder.path().join("out"), folder.path().join("victim"));
+    std::fs::create_dir(&out).unwrap();
+    std::fs::write(&victim, "precious").unwrap();
+    let all = ["study", &file, "-o", argument(&out), "-q", "--map", "pan"];
+    for name in ["study.csv", "study.json", "study.parquet", "map-pan.png"] {
+        for target in ["../victim", "../absent"] {
+            let link = out.join(name);
+            symlink(target, &link).unwrap();
+            refuse(&all, name);
+            assert!(link.is_symlink());
+            assert_eq!(contents(&out).len(), 1);
+            std::fs::remove_file(&link).unwrap();
+        }
+    }
+    std::fs::create_dir(folder.path().join("elsewhere")).unwrap();
+    symlink("../elsewhere", out.join("shards")).unwrap();
+    refuse(&all, "shards: it is a symbolic link");
+    assert!(contents(&folder.path().join("elsewhere")).is_empty());
+    std::fs::remove_file(out.join("shards")).unwrap();
+    // Another name of a file keeps its bytes.
+    std::fs::hard_link(&victim, out.join("study.csv")).unwrap();
+    let link = folder.path().join("link");
+    symlink(&out, &link).unwrap();
+    succeed(&["study", &file, "-o", argument(&link), "-q", "--map", "pan"]);
+    assert!(out.join("map-pan.png").is_file() && out.join("shards/00001-of-00001.shard").is_file());
+    assert_eq!(std::fs::read_to_string(&victim).unwrap(), "precious");
+    assert!(!folder.path().join("absent").exists());
 }
 
 /// Protects maps: a picture of a column over a grid of listeners, and a refusal where there is none.
