@@ -17,14 +17,23 @@ mod random;
 mod scratch;
 
 mod answers;
+mod base_scene;
 mod field_text;
 mod height_image;
+mod materials;
 mod scene;
+#[cfg(feature = "experiment")]
+#[path = "../common/shard.rs"]
+mod shard_file;
 #[cfg(feature = "sofa")]
 mod sofa;
 #[cfg(feature = "sofa")]
 #[path = "../common/sofa.rs"]
 mod sofa_file;
+#[cfg(feature = "experiment")]
+mod study;
+#[cfg(feature = "experiment")]
+mod study_folder;
 mod wav;
 
 use mutate::Mutator;
@@ -94,6 +103,39 @@ fn fuzz(target: &Target) {
 #[test]
 fn scenes() {
     fuzz(&scene::target());
+}
+
+/// Protects from untrusted scenes that others are based on.
+#[test]
+fn base_scenes() {
+    fuzz(&base_scene::target());
+}
+
+/// Protects from untrusted tables of materials.
+#[test]
+fn materials() {
+    fuzz(&materials::target());
+}
+
+/// Protects from untrusted study files.
+#[cfg(feature = "experiment")]
+#[test]
+fn studies() {
+    fuzz(&study::target());
+}
+
+/// Protects tables from untrusted shards, whose checksums may be right.
+#[cfg(feature = "experiment")]
+#[test]
+fn shards() {
+    fuzz(&study_folder::shards());
+}
+
+/// Protects the files of a folder of results, and the targets of its links, when an interrupted shard is continued.
+#[cfg(feature = "experiment")]
+#[test]
+fn work_files() {
+    fuzz(&study_folder::work_files());
 }
 
 /// Protects from untrusted sounds.
