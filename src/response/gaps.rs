@@ -40,9 +40,9 @@ impl Gap {
         if times.iter().all(Option::is_some) {
             return None;
         }
-        match figures.c80_db {
-            Some(_) => Some(Gap::TooNoisy),
-            None => Some(Gap::NoLateSound),
+        match (figures.g_db, figures.c80_db) {
+            (Some(_), None) => Some(Gap::NoLateSound),
+            _ => Some(Gap::TooNoisy),
         }
     }
 

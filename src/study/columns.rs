@@ -76,7 +76,8 @@ pub(super) enum Kind {
 }
 
 impl Column {
-    fn new(name: impl Into<String>, kind: Kind) -> Column {
+    /// A column that may hold every finite number.
+    pub(super) fn new(name: impl Into<String>, kind: Kind) -> Column {
         Column::within(name, kind, Range::ANY)
     }
 
@@ -132,12 +133,11 @@ impl ResponseColumns {
         if !self.figures.is_empty() {
             columns.extend(self.bands.iter().map(|band| {
                 let name = gap_column(BANDS_HZ[*band]);
-                Column::new(name, Kind::Whole)
+                Column::within(name, Kind::Whole, Range::new(0.0, Gap::ALL.len() as f64))
             }));
         }
         if self.echogram_bins.is_some() {
-            // The first bin may begin up to its length before the source's impulse.
-            let first = Range::new(-1.0, LONGEST_S);
+            let first = Range::new(0.0, LONGEST_S);
             let energies = Range::new(0.0, f64::MAX).or_empty();
             columns.push(Column::within("echogram_from_s", Kind::Real, first));
             for band in &self.bands {

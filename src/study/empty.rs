@@ -101,10 +101,7 @@ mod tests {
             "gap_63",
             "gap_1000",
         ];
-        let columns = names.map(|name| Column {
-            name: name.to_owned(),
-            kind: Kind::Real,
-        });
+        let columns = names.map(|name| Column::new(name, Kind::Real));
         let mut count = EmptyCount::new(columns.to_vec());
         count.add(&["0", "", "", "3", "0.5", "4", "0"]);
         count.add(&["1", "", "", "3", "", "4", "0"]);
