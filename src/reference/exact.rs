@@ -11,6 +11,7 @@
 //! - The listener comes before a surface at the same distance.
 
 use super::closed_form::{Face, Intersection, Placed, intersect_sphere};
+use super::hierarchy::Hierarchy;
 use crate::fnv;
 use crate::scene::{Scene, SceneError};
 use glam::{DVec3, Vec3};
@@ -19,6 +20,10 @@ use rayon::prelude::*;
 /// What counts as rounding, as a part of the scene's extent: some hundred units in
 /// the last place.
 const ROUNDING: f64 = 1e-13;
+
+/// What boxes around surfaces are wider than these, as a part of the scene's extent: a millimetre in a hundred metres.
+/// Marches end, and lines are lost, by far less beside a surface.
+const SPARE: f64 = 1e-5;
 
 /// Fewer waves than this for a thread are not worth the thread.
 const WAVES_WORTH_A_THREAD: usize = 4096;
@@ -39,9 +44,8 @@ const WAVES_WORTH_A_THREAD: usize = 4096;
 #[derive(Clone, Debug)]
 pub struct ExactScene {
     pub(super) surfaces: Vec<Placed>,
-    /// Indices of the surfaces, those with a closed form first: what is marched need not be
-    /// followed beyond what these have.
-    order: Vec<usize>,
+    /// Those with a closed form, then those that are marched: these need not be followed beyond what the first have.
+    pub(super) hierarchies: [Hierarchy; 2],
     ear: Ear,
     /// What counts as rounding, in metres.
     pub(super) error_bound: f64,
@@ -144,11 +148,16 @@ impl ExactScene {
         for surface in &mut surfaces {
             surface.mark_covered_faces(&walls, error_bound);
         }
-        let mut order: Vec<usize> = (0..surfaces.len()).collect();
-        order.sort_by_key(|&index| surfaces[index].is_marched());
+        let spare = DVec3::splat(extent * SPARE);
+        let hierarchies = [false, true].map(|is_marched| {
+            let all = (0..).zip(&surfaces);
+            let of_kind = all.filter(|(_, surface)| surface.is_marched() == is_marched);
+            let boxes = of_kind.map(|(index, surface)| (index, surface.bounds().grown(spare)));
+            Hierarchy::new(boxes.collect())
+        });
         Ok(ExactScene {
             surfaces,
-            order,
+            hierarchies,
             ear,
             error_bound,
         })
@@ -161,6 +170,25 @@ impl ExactScene {
             .iter()
             .map(|surface| surface.distance(point))
             .fold(f64::INFINITY, f64::min)
+    }
+
+    /// Whether a world point lies in a solid by more than so many metres.
+    pub(crate) fn is_in_solid(&self, point: DVec3, depth: f64) -> bool {
+        let is_in = |index: usize| self.surfaces[index].distance(point) < -depth;
+        let mut hierarchies = self.hierarchies.iter();
+        hierarchies.any(|hierarchy| hierarchy.any_near(point, 0.0, is_in))
+    }
+
+    /// [`ExactScene::surface_distance`] if some surface's box is not farther than `reach` metres; else at least that.
+    pub(crate) fn distance_within(&self, point: DVec3, reach: f64) -> f64 {
+        let mut nearest = reach;
+        for hierarchy in &self.hierarchies {
+            hierarchy.any_near(point, reach, |index| {
+                nearest = nearest.min(self.surfaces[index].distance(point));
+                false
+            });
+        }
+        nearest
     }
 
     /// What a wave meets first that starts in the air at `origin` (world metres) and
@@ -227,7 +255,7 @@ impl ExactScene {
             return ExactWave::at(start, DVec3::ZERO);
         };
         let mut wave = ExactWave::at(start, direction);
-        if self.surface_distance(start) < -self.error_bound {
+        if self.is_in_solid(start, self.error_bound) {
             return wave;
         }
         let mut left = None;
@@ -258,7 +286,7 @@ impl ExactScene {
     fn next(&self, origin: DVec3, direction: DVec3, left: Left) -> Option<(Hit, Left)> {
         let heard = self.ear.intersect(origin, direction);
         let until = heard.unwrap_or(f64::INFINITY);
-        let met = self.next_surface(origin, direction, left, until);
+        let (met, _) = self.next_surface(origin, direction, left, until);
         match (met, heard) {
             (Some((hit, left)), _) => Some((hit, Some(left))),
             (None, Some(t)) => Some((self.ear.hit(origin, direction, t), None)),
@@ -267,44 +295,53 @@ impl ExactScene {
     }
 
     /// The next surface nearer than `until` metres, and what the wave leaves when it is
-    /// mirrored there. The listener does not count.
+    /// mirrored there. The listener does not count. Also how many surfaces, and boxes around them, were asked.
     pub(super) fn next_surface(
         &self,
         origin: DVec3,
         direction: DVec3,
         left: Left,
         until: f64,
-    ) -> Option<(Hit, (usize, Option<Face>))> {
-        let mut nearest = until;
+    ) -> (Option<(Hit, (usize, Option<Face>))>, u64) {
         let mut met: Option<(usize, Intersection)> = None;
-        for &index in &self.order {
+        let mut ask = |index: usize, nearest: f64| {
             let surface = &self.surfaces[index];
             let left_face = match left {
                 Some((last, face)) if last == index && surface.is_room() => face,
-                Some((last, _)) if last == index && surface.is_convex() => continue,
+                Some((last, _)) if last == index && surface.is_convex() => return nearest,
                 _ => None,
             };
-            let Some(intersection) =
-                surface.intersect(origin, direction, left_face, self.error_bound, nearest)
-            else {
-                continue;
+            let found = surface.intersect(origin, direction, left_face, self.error_bound, nearest);
+            let Some(found) = found else {
+                return nearest;
             };
             // Of two at the same distance the first in the scene is met.
             let is_before = met.is_some_and(|(other, _)| index < other);
-            if intersection.t < nearest || (intersection.t == nearest && is_before) {
-                nearest = intersection.t;
-                met = Some((index, intersection));
+            if found.t < nearest || (found.t == nearest && is_before) {
+                met = Some((index, found));
+                return found.t;
             }
-        }
-        let (index, intersection) = met?;
-        let (point, normal) = self.surfaces[index].project(origin, direction, intersection);
-        let hit = Hit {
-            t: intersection.t,
-            object: index as u32 + 1,
-            point,
-            normal,
+            nearest
         };
-        Some((hit, (index, intersection.face)))
+        let mut nearest = until;
+        let mut asked = 0;
+        for hierarchy in &self.hierarchies {
+            asked += hierarchy.along(origin, direction, nearest, |index, until| {
+                nearest = ask(index, until);
+                nearest
+            });
+        }
+        let hit = met.map(|(index, met)| {
+            let (point, normal) = self.surfaces[index].project(origin, direction, met);
+            let hit = Hit {
+                t: met.t,
+                object: index as u32 + 1,
+                point,
+                normal,
+            };
+            (hit, (index, met.face))
+        });
+        (hit, asked)
     }
 }
 

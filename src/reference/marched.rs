@@ -6,7 +6,7 @@
 //! counts as a hit only if the line goes into the solid there; a line that leaves the
 //! surface is led away from it by steps of at least [`LEAST_STEP`].
 
-use crate::scene::Shape;
+use crate::scene::{Bounds3, Shape};
 use glam::DVec3;
 
 /// A value that counts as the surface, as a share of the extent.
@@ -36,6 +36,7 @@ pub(super) struct MarchedField {
     field: Shape,
     inverse_lipschitz: f64,
     extent: f64,
+    bounds: Bounds3,
     convex: bool,
 }
 
@@ -48,6 +49,7 @@ impl MarchedField {
             field: field.clone(),
             inverse_lipschitz: 1.0 / properties.lipschitz,
             extent,
+            bounds: properties.bounds,
             convex: properties.convex,
         }
     }
@@ -60,6 +62,11 @@ impl MarchedField {
     /// The largest coordinate that belongs to it, in metres.
     pub fn extent(&self) -> f64 {
         self.extent
+    }
+
+    /// What holds its solid, in its own axes.
+    pub fn bounds(&self) -> Bounds3 {
+        self.bounds
     }
 
     /// Never more than the distance, in metres.

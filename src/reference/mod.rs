@@ -41,6 +41,7 @@ mod closed_form;
 #[cfg(test)]
 mod distance32;
 mod exact;
+mod hierarchy;
 mod image_source;
 #[cfg(test)]
 pub(crate) mod march32;

@@ -13,6 +13,8 @@ pub(crate) struct LastFlight {
     pub direction: DVec3,
     /// Whether it is known to meet nothing any more.
     pub is_free: bool,
+    /// Surfaces, and boxes around them, that were asked on the way there.
+    pub asked: u64,
 }
 
 impl ExactScene {
@@ -32,17 +34,20 @@ impl ExactScene {
         reflections: u32,
         mut visit: impl FnMut(&Hit),
     ) -> Option<LastFlight> {
-        if self.surface_distance(start) < -self.error_bound {
+        if self.is_in_solid(start, self.error_bound) {
             return None;
         }
         let mut flight = LastFlight {
             origin: start,
             direction,
             is_free: false,
+            asked: 0,
         };
         let mut left = None;
         for _ in 0..reflections {
-            let next = self.next_surface(flight.origin, flight.direction, left, f64::INFINITY);
+            let (next, asked) =
+                self.next_surface(flight.origin, flight.direction, left, f64::INFINITY);
+            flight.asked += asked;
             let Some((hit, now_left)) = next else {
                 flight.is_free = true;
                 break;
@@ -68,7 +73,7 @@ impl ExactScene {
         until: f64,
     ) -> Option<Hit> {
         let left = leaving.and_then(|(surface, normal)| self.left(surface, normal));
-        let met = self.next_surface(origin, direction, left, until);
+        let (met, _) = self.next_surface(origin, direction, left, until);
         met.map(|(hit, _)| hit)
     }
 

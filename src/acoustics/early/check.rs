@@ -157,10 +157,12 @@ impl EndOnSurface<'_> {
         }
     }
 
-    /// The distance of the nearest surface next to a point on a surface, in this direction; negative in a solid.
+    /// The distance of the nearest surface next to a point on a surface, in this direction; negative in a solid. Of
+    /// what is farther than the point itself nothing depends.
     fn value(&self, point: DVec3, direction: DVec3) -> f64 {
         let probe_m = PROBE_IN_TOUCHES * self.surfaces.touch;
-        self.exact.surface_distance(point + direction * probe_m)
+        let probe = point + direction * probe_m;
+        self.exact.distance_within(probe, 2.0 * probe_m)
     }
 }
 

@@ -231,7 +231,7 @@ impl EarlyPaths {
 
     /// Whether a place is in no solid.
     pub(crate) fn is_open(&self, place: DVec3) -> bool {
-        self.exact.surface_distance(place) >= -self.surfaces.touch
+        !self.exact.is_in_solid(place, self.surfaces.touch)
     }
 
     /// The paths of all candidates, and the direct sound where nothing is in its way; none from or to

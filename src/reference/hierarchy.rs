@@ -1,0 +1,221 @@
+//! Which surfaces a line may meet, and which a place may lie in: a hierarchy of boxes around them.
+//!
+//! A bounding volume hierarchy (Rubin and Whitted, *A 3-dimensional representation for fast rendering of complex
+//! scenes*, 1980), halved at the median. It answers nothing itself: each surface that it names is asked as if all were.
+//! Boxes are wider than rounding, so that what is met is the same, to the bit, as if every surface were asked.
+
+use crate::scene::Bounds3;
+use glam::DVec3;
+
+/// Surfaces that are all asked at most: of fewer the boxes cost more than they save.
+const ALL_ASKED: usize = 16;
+
+/// Surfaces of a leaf at most.
+const IN_LEAF: usize = 4;
+
+/// Boxes that wait on a way down at most: one for each time that 2^32 surfaces can be halved, and one more.
+const WAITING: usize = 33;
+
+/// Boxes around surfaces.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Hierarchy {
+    /// Surfaces that are always asked, by index: few ones, and those without an end.
+    always: Vec<u32>,
+    /// The others: those of a leaf in a row.
+    order: Vec<u32>,
+    /// The first is around all; empty where all are always asked.
+    nodes: Vec<Node>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Node {
+    bounds: Bounds3,
+    /// Of a leaf its first place in the order; else the node of the second half. That of the first half comes next.
+    first: u32,
+    /// Surfaces of a leaf; else 0.
+    count: u32,
+}
+
+/// A line from `origin` along a unit vector.
+struct Line {
+    origin: DVec3,
+    /// 1 over the components of the direction.
+    inverse: DVec3,
+}
+
+impl Hierarchy {
+    /// Of surfaces by index, each with a box that holds it and its rounding.
+    pub fn new(surfaces: Vec<(u32, Bounds3)>) -> Hierarchy {
+        let index = |(index, _): &(u32, Bounds3)| *index;
+        let (mut bounded, mut always): (Vec<_>, Vec<_>) = surfaces
+            .into_iter()
+            .partition(|(_, bounds)| has_ends(bounds));
+        if bounded.len() <= ALL_ASKED {
+            always.append(&mut bounded);
+        }
+        let mut always: Vec<u32> = always.iter().map(index).collect();
+        always.sort_unstable();
+        let mut made = Hierarchy {
+            always,
+            ..Hierarchy::default()
+        };
+        if !bounded.is_empty() {
+            made.add(&mut bounded);
+        }
+        made
+    }
+
+    /// Adds the node of some surfaces, and all below it.
+    fn add(&mut self, surfaces: &mut [(u32, Bounds3)]) {
+        let boxes = surfaces.iter().map(|(_, bounds)| *bounds);
+        let Some(bounds) = boxes.clone().reduce(Bounds3::hull) else {
+            return;
+        };
+        let node = self.nodes.len();
+        self.nodes.push(Node {
+            bounds,
+            first: self.order.len() as u32,
+            count: surfaces.len() as u32,
+        });
+        if surfaces.len() <= IN_LEAF {
+            self.order.extend(surfaces.iter().map(|(index, _)| *index));
+            return;
+        }
+        let middles = Bounds3::of_points(boxes.map(Bounds3::middle));
+        let axis = longest_axis(middles.max - middles.min);
+        let half = surfaces.len() / 2;
+        surfaces.select_nth_unstable_by(half, |(a, of_a), (b, of_b)| {
+            let (at_a, at_b) = (of_a.middle()[axis], of_b.middle()[axis]);
+            at_a.total_cmp(&at_b).then(a.cmp(b))
+        });
+        let (first, second) = surfaces.split_at_mut(half);
+        self.add(first);
+        self.nodes[node].first = self.nodes.len() as u32;
+        self.nodes[node].count = 0;
+        self.add(second);
+    }
+
+    /// Calls `ask` with the index of each surface that the line may meet nearer than `until` metres, and with how far
+    /// it is looked along; `ask` returns how far from then on. Near boxes come first.
+    ///
+    /// Returns how many surfaces and boxes were asked.
+    pub fn along(
+        &self,
+        origin: DVec3,
+        direction: DVec3,
+        until: f64,
+        mut ask: impl FnMut(usize, f64) -> f64,
+    ) -> u64 {
+        let mut until = until;
+        for &index in &self.always {
+            until = ask(index as usize, until);
+        }
+        let mut asked = self.always.len() as u64;
+        let line = Line {
+            origin,
+            inverse: direction.recip(),
+        };
+        let mut waiting = [(0.0, 0); WAITING];
+        let mut count = 0;
+        if let Some(root) = self.nodes.first() {
+            waiting[0] = (line.enters(&root.bounds), 0);
+            count = 1;
+        }
+        while count > 0 {
+            count -= 1;
+            let (enters, place) = waiting[count];
+            if !is_before(enters, until) {
+                continue;
+            }
+            let node = &self.nodes[place as usize];
+            if node.count > 0 {
+                for &index in self.in_leaf(node) {
+                    until = ask(index as usize, until);
+                }
+                asked += u64::from(node.count);
+                continue;
+            }
+            let halves = [place + 1, node.first];
+            let mut next =
+                halves.map(|half| (line.enters(&self.nodes[half as usize].bounds), half));
+            asked += 2;
+            if next[0].0 < next[1].0 {
+                next.swap(0, 1);
+            }
+            for half in next {
+                if is_before(half.0, until) {
+                    waiting[count] = half;
+                    count += 1;
+                }
+            }
+        }
+        asked
+    }
+
+    /// Calls `ask` with the index of each surface whose box is not farther from a place than so many metres; ends when
+    /// it returns true, and returns whether it did.
+    pub fn any_near(&self, place: DVec3, by: f64, mut ask: impl FnMut(usize) -> bool) -> bool {
+        if self.always.iter().any(|&index| ask(index as usize)) {
+            return true;
+        }
+        let mut waiting = [0; WAITING];
+        let mut count = usize::from(!self.nodes.is_empty());
+        while count > 0 {
+            count -= 1;
+            let own = waiting[count];
+            let node = &self.nodes[own as usize];
+            if !holds(&node.bounds.grown(DVec3::splat(by)), place) {
+                continue;
+            }
+            if node.count == 0 {
+                waiting[count] = node.first;
+                waiting[count + 1] = own + 1;
+                count += 2;
+            } else if self.in_leaf(node).iter().any(|&index| ask(index as usize)) {
+                return true;
+            }
+        }
+        false
+    }
+
+    fn in_leaf(&self, node: &Node) -> &[u32] {
+        &self.order[node.first as usize..(node.first + node.count) as usize]
+    }
+}
+
+impl Line {
+    /// How far along it enters a box, at least 0; ∞ if it misses that.
+    fn enters(&self, bounds: &Bounds3) -> f64 {
+        let low = (bounds.min - self.origin) * self.inverse;
+        let high = (bounds.max - self.origin) * self.inverse;
+        let enters = low.min(high).max_element().max(0.0);
+        match enters <= low.max(high).min_element() {
+            true => enters,
+            false => f64::INFINITY,
+        }
+    }
+}
+
+/// Whether a box that is entered there may hold something as near as `until`.
+fn is_before(enters: f64, until: f64) -> bool {
+    enters < f64::INFINITY && enters <= until
+}
+
+/// Whether a box ends on both sides along some axis: else it is no use.
+fn has_ends(bounds: &Bounds3) -> bool {
+    (bounds.min.is_finite_mask() & bounds.max.is_finite_mask()).any()
+}
+
+fn holds(bounds: &Bounds3, place: DVec3) -> bool {
+    (bounds.min.cmple(place) & bounds.max.cmpge(place)).all()
+}
+
+fn longest_axis(size: DVec3) -> usize {
+    (1..3).fold(0, |most, axis| match size[axis] > size[most] {
+        true => axis,
+        false => most,
+    })
+}
+
+#[cfg(test)]
+mod tests;
