@@ -8,14 +8,23 @@
 //! is scattered, one for all bands that are traced together. Where these scatter by different shares,
 //! the mean decides where the wave goes, and the energy factor of the event compensates for it
 //! (`band_groups.rs` limits the factor).
+//!
+//! A few numbers are uniforms, those of surfaces in cells stand in the directory (`data.rs`). More than
+//! [`MOST_IN_UNIFORMS`] are a table in the scene's data: else a scene could have fewer surfaces with materials than
+//! without.
 
 use crate::bands::{BAND_COUNT, Bands};
 use crate::scene::{Material, Node, Scene, WALL_COUNT};
 use glam::Vec4;
+use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
 /// Bits of an event at most: whole numbers that a float represents with a fraction behind them.
 const MOST_BITS: u32 = 14;
+
+/// Numbers that are uniforms at most: 16 vectors of the 224 that OpenGL ES 3.0 guarantees. (A shader chooses among them
+/// by comparing one after another, which takes as long as a look-up from some dozen on.)
+const MOST_IN_UNIFORMS: usize = 64;
 
 /// The distinct materials of a scene's surfaces.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -42,15 +51,16 @@ impl Materials {
         if !scene.has_materials() {
             return materials;
         }
-        materials_met(scene).for_each(|material| materials.add(*material));
+        materials.distinct = distinct(scene);
         materials
             .distinct
             .sort_by_key(|material| !scatters(material, &bands));
         let scattering = materials.distinct.iter().filter(|m| scatters(m, &bands));
         materials.scattering = scattering.count();
+        let numbers = materials.numbers();
         let number = |index, wall| {
             let material = scene.material(index, wall).unwrap_or(&Material::MIRROR);
-            materials.number(material)
+            numbers.get(&bits_of(material)).copied().unwrap_or(0.0)
         };
         let of_surfaces = (0..scene.surfaces.len()).map(|index| number(index, None));
         let of_surfaces: Vec<f32> = of_surfaces.collect();
@@ -72,15 +82,12 @@ impl Materials {
         }
     }
 
-    fn add(&mut self, material: Material) {
-        if !material.is_mirror() && !self.distinct.contains(&material) {
-            self.distinct.push(material);
-        }
-    }
-
-    fn number(&self, material: &Material) -> f32 {
-        let known = self.distinct.iter().position(|known| known == material);
-        known.map_or(0.0, |place| (place + 1) as f32 + 0.5 * self.share(material))
+    /// The number of each distinct material.
+    fn numbers(&self) -> HashMap<MaterialBits, f32> {
+        let all = self.distinct.iter().enumerate();
+        let number = |place: usize, material| (place + 1) as f32 + 0.5 * self.share(material);
+        all.map(|(place, material)| (bits_of(material), number(place, material)))
+            .collect()
     }
 
     /// Whether there are any.
@@ -117,8 +124,30 @@ impl Materials {
         &self.of_surfaces
     }
 
-    /// The numbers of some surfaces, those of all walls where these differ, in vectors of four.
+    /// The vectors of a table in the scene's data that begins at this index: for each surface its number, and the index
+    /// of the two vectors with those of its walls where these differ.
+    pub fn table(&self, first: usize) -> Vec<Vec4> {
+        let own = |number: &f32| Vec4::new(*number, 0.0, 0.0, 0.0);
+        let mut table: Vec<Vec4> = self.of_surfaces.iter().map(own).collect();
+        for (room, [left, right, floor, ceiling, front, back]) in &self.walls {
+            table[*room].y = (first + table.len()) as f32;
+            table.push(Vec4::new(*left, *right, *floor, *ceiling));
+            table.push(Vec4::new(*front, *back, 0.0, 0.0));
+        }
+        table
+    }
+
+    /// Whether the numbers of so many unrolled surfaces are uniforms, so many of them rooms whose walls differ.
+    pub fn fit_uniforms(unrolled: usize, rooms: usize) -> bool {
+        unrolled + (WALL_COUNT - 1) * rooms <= MOST_IN_UNIFORMS
+    }
+
+    /// The numbers of some surfaces, those of all walls where these differ, in vectors of four; none if they are too
+    /// many.
     pub fn uniform_values(&self, surfaces: &[usize]) -> Vec<Vec4> {
+        if !Materials::fit_uniforms(surfaces.len(), self.walls.len()) {
+            return Vec::new();
+        }
         let mut numbers = Vec::new();
         for index in surfaces {
             match self.walls.iter().find(|(room, _)| room == index) {
@@ -173,6 +202,23 @@ impl Materials {
     pub fn is_scattered(&self, event: usize) -> bool {
         event > self.distinct.len()
     }
+}
+
+/// A material as the key of a map: absorption and scattering, bit for bit.
+type MaterialBits = [[u64; BAND_COUNT]; 2];
+
+fn bits_of(material: &Material) -> MaterialBits {
+    // −0 is 0.
+    [&material.absorption, &material.scattering].map(|bands| bands.map(|of| (of + 0.0).to_bits()))
+}
+
+/// The materials that differ, in the order in which surfaces have them; no mirror.
+fn distinct(scene: &Scene) -> Vec<Material> {
+    let mut known = HashSet::new();
+    let met = materials_met(scene).filter(|material| !material.is_mirror());
+    met.filter(|material| known.insert(bits_of(material)))
+        .copied()
+        .collect()
 }
 
 /// The materials that waves meet, of surfaces and walls: one that many have as many times, and none of a room all of
@@ -276,5 +322,30 @@ mod tests {
         // Surface 1 is of m0, which is a mirror; surface 2 is of m1, as the walls.
         assert_eq!(numbers[6..], [0.0, numbers[0]]);
         assert!(Materials::of(&Scene::builtin("corner").unwrap(), 0..BAND_COUNT).is_empty());
+    }
+
+    /// Protects the table of many materials: each surface has its number there, and walls that differ have theirs in the
+    /// order of the walls, where the surface says.
+    #[test]
+    fn a_table_has_what_uniforms_have() {
+        let materials = Materials::of(&scene(), 0..BAND_COUNT);
+        let surfaces: Vec<usize> = (0..materials.of_surfaces().len()).collect();
+        let values = materials.uniform_values(&surfaces);
+        let uniforms: Vec<f32> = values.iter().flat_map(|v| v.to_array()).collect();
+        let first = 1000;
+        let table = materials.table(first);
+        let own = |surface: &usize| table[*surface].x;
+        assert!(
+            surfaces[1..]
+                .iter()
+                .map(own)
+                .eq(uniforms[6..26].iter().copied())
+        );
+        assert!(table[1..surfaces.len()].iter().all(|own| own.y == 0.0));
+        let walls = table[0].y as usize - first;
+        let walls = [table[walls], table[walls + 1]].map(|vector| vector.to_array());
+        assert_eq!(walls.as_flattened()[..6], uniforms[..6]);
+        let most: Vec<usize> = vec![0; MOST_IN_UNIFORMS - 4];
+        assert!(materials.uniform_values(&most).is_empty());
     }
 }

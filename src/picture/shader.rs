@@ -3,7 +3,7 @@
 use super::PictureError;
 use crate::error::Error;
 use crate::gpu::{Context, Picture, Program, full_screen_pass_rows};
-use crate::kernel::{self, Lists};
+use crate::kernel::{self, Lists, Materials};
 use crate::scene::Scene;
 use crate::trace::{SceneData, UserFields, check_surfaces};
 use image::RgbaImage;
@@ -29,7 +29,13 @@ pub(super) fn program(context: &Context, scene: &Scene, kind: Kind) -> Result<Sh
     let rebasing = kernel::OriginRebasing::world();
     let rebased = rebasing.apply(scene);
     let mut data = SceneData::new(context)?;
-    data.set(scene, &rebasing, &rebased, Lists::NearestCandidates, &[])?;
+    data.set(
+        scene,
+        &rebasing,
+        &rebased,
+        Lists::NearestCandidates,
+        &Materials::default(),
+    )?;
     data.set_uniforms(&program);
     program.set_vec4_array(
         "uSurfaces",

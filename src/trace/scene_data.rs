@@ -4,7 +4,9 @@
 
 use crate::error::Error;
 use crate::gpu::{Context, DataList, Program};
-use crate::kernel::{self, CellData, Layout, Lists, OriginRebasing, RebasedScene, SceneCells};
+use crate::kernel::{
+    self, CellData, Layout, Lists, Materials, OriginRebasing, RebasedScene, SceneCells,
+};
 use crate::scene::Scene;
 
 /// What the shaders of a scene read by index.
@@ -12,6 +14,8 @@ pub(crate) struct SceneData {
     list: DataList,
     cells: Option<SceneCells>,
     cell_data: Option<CellData>,
+    /// The index of the table of materials, if there is one.
+    material_table: Option<usize>,
 }
 
 impl SceneData {
@@ -20,18 +24,19 @@ impl SceneData {
             list: DataList::new(context, kernel::DATA_WIDTH)?,
             cells: None,
             cell_data: None,
+            material_table: None,
         })
     }
 
     /// Makes the data those of the scene as it stands, with the numbers of its surfaces' materials for shaders that
-    /// read them.
+    /// read them; none for those that do not.
     pub fn set(
         &mut self,
         scene: &Scene,
         rebasing: &OriginRebasing,
         rebased: &RebasedScene,
         lists: Lists,
-        materials: &[f32],
+        materials: &Materials,
     ) -> Result<(), Error> {
         let layout = Layout::of(&scene.surfaces, lists);
         let known = self.cells.as_mut();
@@ -41,8 +46,16 @@ impl SceneData {
         let mut data = kernel::scene_data(scene);
         let cells = self.cells.as_ref();
         self.cell_data = cells.map(|cells| {
-            CellData::append(&mut data, &layout, (rebasing, rebased), cells, materials)
+            let numbers = materials.of_surfaces();
+            CellData::append(&mut data, &layout, (rebasing, rebased), cells, numbers)
         });
+        let rooms = materials.rooms().len();
+        let has_table =
+            !materials.is_empty() && !Materials::fit_uniforms(layout.unrolled.len(), rooms);
+        self.material_table = has_table.then_some(data.len());
+        if let Some(first) = self.material_table {
+            data.extend(materials.table(first));
+        }
         self.list.set(&data)?;
         Ok(())
     }
@@ -54,6 +67,9 @@ impl SceneData {
 
     /// Sets the uniforms of a program that reads the data, but for the data themselves.
     pub fn set_uniforms(&self, program: &Program) {
+        if let Some(first) = self.material_table {
+            program.set_i32("uMaterialTable", first as i32);
+        }
         let Some(cells) = &self.cell_data else {
             return;
         };

@@ -21,7 +21,7 @@ use super::waves::waves;
 use super::{Frame, Grid, Profile, Settings, Wave};
 use crate::error::Error;
 use crate::gpu::{Context, GpuTimer};
-use crate::kernel::{OriginRebasing, RebasedScene};
+use crate::kernel::{Materials, OriginRebasing, RebasedScene};
 use crate::platform::Instant;
 use crate::scene::Scene;
 pub use frame_to_texture::FrameTexture;
@@ -241,7 +241,8 @@ impl Tracer {
         if self.frame_marching_for().is_some() {
             self.give_up();
         }
-        let (prepared, setup) = timed(|| self.set_scene_data(scene, settings, &[]))?;
+        let (prepared, setup) =
+            timed(|| self.set_scene_data(scene, settings, &Materials::default()))?;
         let (rebasing, rebased, budget) = prepared;
         let as_one = keep == Waves::Dropped && fits_one_pass(scene, settings, || budget);
         let programs = self.programs(scene, settings, as_one)?;
@@ -262,7 +263,7 @@ impl Tracer {
         &mut self,
         scene: &Scene,
         settings: &Settings,
-        materials: &[f32],
+        materials: &Materials,
     ) -> Result<(OriginRebasing, RebasedScene, Budget), Error> {
         let rebasing = PreparedFrame::rebasing(scene, settings);
         let rebased = rebasing.apply(scene);

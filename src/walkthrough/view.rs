@@ -6,7 +6,7 @@
 
 use crate::error::Error;
 use crate::gpu::{Context, GpuTimer, Picture, Program, ProgramCache, full_screen_pass_rows};
-use crate::kernel::{self, Lists};
+use crate::kernel::{self, Lists, Materials};
 use crate::picture::SOURCE_SHARE;
 use crate::platform;
 use crate::scene::Scene;
@@ -248,8 +248,13 @@ impl View {
         let program = self.programs.get_or_compile(structure, compile)?;
         let rebasing = kernel::OriginRebasing::world();
         let rebased = rebasing.apply(scene);
-        self.data
-            .set(scene, &rebasing, &rebased, Lists::NearestCandidates, &[])?;
+        self.data.set(
+            scene,
+            &rebasing,
+            &rebased,
+            Lists::NearestCandidates,
+            &Materials::default(),
+        )?;
         self.data.set_uniforms(&program);
         self.data.bind(&program, 0);
         program.set_vec4_array(

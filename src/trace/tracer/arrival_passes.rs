@@ -15,7 +15,7 @@ use crate::error::Error;
 use crate::gpu::{Context, Program, RenderTarget};
 use crate::kernel::{self, ArrivalsText, Materials};
 use crate::platform::Instant;
-use crate::scene::{Scene, WALL_COUNT};
+use crate::scene::Scene;
 use glam::Vec4;
 use std::ops::Range;
 use std::rc::Rc;
@@ -35,6 +35,8 @@ struct Run {
     replay: Replay,
     /// The values of `uMaterials`.
     materials: Vec<Vec4>,
+    /// Of the listener's sphere.
+    open_volume_m3: f64,
     /// Iterations of a wave at most.
     iterations: u32,
     /// Those of a chunk.
@@ -133,7 +135,7 @@ impl Tracer {
         self.aside(|tracer| {
             let run = tracer.prepare_arrivals(scene, &settings, how)?;
             let mut counts = ArrivalCounts {
-                open_volume_m3: open_volume(scene),
+                open_volume_m3: run.open_volume_m3,
                 ..ArrivalCounts::default()
             };
             let mut cut_off_m = Vec::new();
@@ -164,10 +166,11 @@ impl Tracer {
         let mut settings = settings.clone().with_count_evaluations(false);
         settings.algorithm = Algorithm::of(profile);
         let materials = Materials::of(scene, how.bands.clone());
-        check_materials(&self.context, scene, &materials)?;
         let outputs = self.context.limits().most_outputs().min(how.outputs);
         let march = (march_options(&settings).algorithm, settings.directions);
         let text = ArrivalsText::new(march, &materials, how.records, outputs);
+        let values = kernel::material_values(scene, &materials, &text);
+        check_materials(&self.context, scene, (&materials, &values))?;
         let in_chunk = text.most_iterations().unwrap_or(MAX_ITERATIONS);
         settings.iterations_per_pass = in_chunk.min(how.iterations_in_chunk);
         self.check_input(scene, &settings)?;
@@ -175,8 +178,8 @@ impl Tracer {
         if self.frame_marching_for().is_some() {
             self.give_up();
         }
-        let (rebasing, rebased, budget) =
-            self.set_scene_data(scene, &settings, materials.of_surfaces())?;
+        let (rebasing, rebased, budget) = self.set_scene_data(scene, &settings, &materials)?;
+        let open_volume_m3 = open_volume(scene);
         let program = {
             let programs = &mut self.shared.borrow_mut().programs;
             programs.arrivals(&self.context, scene, &text)?
@@ -187,8 +190,9 @@ impl Tracer {
         let frame = PreparedFrame::new(scene, &settings, place, budget, programs, Instant::now());
         Ok(Run {
             iterations_in_chunk: iterations_in_chunk(&frame, &text),
-            materials: kernel::material_values(scene, &materials, &text),
-            replay: replay(scene, &settings, how, materials),
+            materials: values,
+            replay: replay(scene, &settings, how, (materials, open_volume_m3)),
+            open_volume_m3,
             iterations: how.iterations,
             least_energy: how.least_energy,
             bands: how.bands.clone(),
@@ -387,7 +391,7 @@ fn iterations_in_chunk(frame: &PreparedFrame, text: &ArrivalsText) -> u32 {
 fn check_materials(
     context: &Context,
     scene: &Scene,
-    materials: &Materials,
+    (materials, values): (&Materials, &[Vec4]),
 ) -> Result<(), TraceError> {
     let bits = materials.bits();
     if bits > Materials::MOST_BITS {
@@ -400,12 +404,15 @@ fn check_materials(
     if materials.is_empty() {
         return Ok(());
     }
-    let most_numbers = scene.surfaces.len() + WALL_COUNT * materials.rooms().len();
-    check_uniforms(context, scene, OWN_VECTORS + most_numbers.div_ceil(4))
+    check_uniforms(context, scene, OWN_VECTORS + values.len())
 }
 
-fn replay(scene: &Scene, settings: &Settings, how: &ArrivalSettings, of: Materials) -> Replay {
-    let volume = open_volume(scene);
+fn replay(
+    scene: &Scene,
+    settings: &Settings,
+    how: &ArrivalSettings,
+    (of, volume): (Materials, f64),
+) -> Replay {
     let density = match volume > 0.0 {
         true => 1.0 / (volume * f64::from(settings.waves)),
         false => 0.0,
