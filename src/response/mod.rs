@@ -72,11 +72,14 @@ pub struct Response {
     pub paths: Vec<HeardPath>,
     /// How much of the early part the waves have missed.
     pub missed: Missed,
-    /// Arrivals of few reflections at curved surfaces whose paths were not looked for, as there are too
-    /// many: they are in the echogram.
+    /// Arrivals of few reflections whose paths were not looked for, as there are too many at curved surfaces, or too
+    /// many surfaces: they are in the echogram.
     pub left_out: u64,
     /// The share of all energy that they have, 0 … 1, of the mean of the bands.
     pub left_out_share: f64,
+    /// The share, 0 … 1, of the 16,384 directions that were not searched for paths over planes, as too many surfaces
+    /// are in each other's way: there such a path is known only if waves find it.
+    pub search_left_out_share: f64,
     /// All that is in no exact path: energy densities in 1/m² for a source of power 1, by time and
     /// band, with the source's level and the air's loss in them.
     pub echogram: Echogram,
@@ -153,6 +156,7 @@ impl Response {
             missed: part.missed(),
             left_out: part.left_out().count() as u64,
             left_out_share: left_out_share(&part, &medium, &paths, &echogram),
+            search_left_out_share: part.search_left_out_share(),
             paths,
             echogram,
             figures,

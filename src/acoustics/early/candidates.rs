@@ -9,7 +9,11 @@ use rayon::prelude::*;
 use std::ops::Range;
 
 /// Waves that are followed together on one thread.
-const WAVES_A_SHARE: usize = 512;
+const WAVES_A_SHARE: usize = 16;
+
+/// Rounds in which waves are followed, a power of two. Each has every so-maniest wave, so that those of the first
+/// rounds go in all directions; after a round it is decided whether there is a next one.
+const ROUNDS: u32 = 64;
 
 /// The reflections of waves that passed by the listener.
 #[derive(Clone, Debug, Default)]
@@ -17,6 +21,8 @@ pub struct Candidates {
     waves: usize,
     vertices: Vec<Vertex>,
     spans: Vec<Span>,
+    /// Waves that were not followed, in order.
+    left_out: Vec<u32>,
 }
 
 /// One wave up to the listener: some vertices in a row.
@@ -65,6 +71,11 @@ impl Candidates {
         self.waves
     }
 
+    /// The waves that were not followed, in order, as that would have taken too long: none if there was no limit.
+    pub(crate) fn left_out(&self) -> &[u32] {
+        &self.left_out
+    }
+
     /// How many times a wave passed by.
     pub fn len(&self) -> usize {
         self.spans.len()
@@ -105,9 +116,9 @@ impl Candidates {
         self.vertices.truncate(end);
     }
 
+    /// Adds those of other waves.
     fn append(&mut self, other: Candidates) {
         let before = self.vertices.len();
-        self.waves += other.waves;
         self.vertices.extend(other.vertices);
         self.spans.extend(other.spans.into_iter().map(|span| Span {
             first: span.first + before,
@@ -128,33 +139,48 @@ pub(super) struct Follow<'a> {
 }
 
 impl Follow<'_> {
-    /// Follows waves along `directions` (of any length but 0); the index of a wave is that of its direction.
+    /// Follows waves along `directions` (of any length but 0); the index of a wave is that of its direction. Once more
+    /// than `most_asked` surfaces, and boxes around them, have been asked, the other rounds are left out.
     ///
     /// On the threads of rayon's pool; the result does not depend on their number.
-    pub fn all(&self, directions: &[Vec3]) -> Candidates {
-        let shares = directions.par_chunks(WAVES_A_SHARE).enumerate();
-        let shares = shares.map(|(share, directions)| {
-            let mut found = Candidates::new(directions.len());
-            for (index, direction) in directions.iter().enumerate() {
-                let wave = (share * WAVES_A_SHARE + index) as u32;
-                if let Some(start) = direction.as_dvec3().try_normalize() {
-                    self.one(&mut found, wave, start);
-                    found.forget_vertices_behind();
-                }
+    pub fn all(&self, directions: &[Vec3], most_asked: u64) -> Candidates {
+        let mut all = Candidates::new(directions.len());
+        let mut asked = 0;
+        for round in 0..ROUNDS {
+            let waves = waves_of_round(round, directions.len() as u32);
+            if asked > most_asked {
+                all.left_out.extend(waves);
+                continue;
             }
-            found
-        });
-        let shares: Vec<Candidates> = shares.collect();
-        let mut all = Candidates::default();
-        for share in shares {
-            all.append(share);
+            let shares = waves.par_chunks(WAVES_A_SHARE);
+            let shares = shares.map(|waves| self.share(directions, waves));
+            for (found, of_share) in shares.collect::<Vec<_>>() {
+                all.append(found);
+                asked += of_share;
+            }
         }
+        all.left_out.sort_unstable();
+        all.spans.sort_by_key(|span| span.wave);
         all
     }
 
+    /// Some of the waves, and how many surfaces were asked for them.
+    fn share(&self, directions: &[Vec3], waves: &[u32]) -> (Candidates, u64) {
+        let mut found = Candidates::default();
+        let mut asked = 0;
+        for wave in waves {
+            let direction = directions[*wave as usize].as_dvec3();
+            if let Some(start) = direction.try_normalize() {
+                asked += self.one(&mut found, *wave, start);
+                found.forget_vertices_behind();
+            }
+        }
+        (found, asked)
+    }
+
     /// Follows one wave; every flight of it that comes near enough is a candidate, and all of
-    /// them share its vertices.
-    fn one(&self, found: &mut Candidates, wave: u32, start: DVec3) {
+    /// them share its vertices. Returns how many surfaces, and boxes around them, were asked for its reflections.
+    fn one(&self, found: &mut Candidates, wave: u32, start: DVec3) -> u64 {
         let first = found.vertices.len();
         let mut from = self.ends.source;
         let (vertices, spans) = (&mut found.vertices, &mut found.spans);
@@ -175,12 +201,12 @@ impl Follow<'_> {
                 surface: hit.object,
             });
         });
-        let Some(flight) = last else { return };
+        let Some(flight) = last else { return 0 };
         let listener = self.ends.listener;
         let ahead = (listener - flight.origin).dot(flight.direction).max(0.0);
         let nearest = flight.origin + flight.direction * ahead;
         if nearest.distance(listener) > self.reach_m {
-            return;
+            return flight.asked;
         }
         let leaving = found.vertices[first..]
             .last()
@@ -195,6 +221,7 @@ impl Follow<'_> {
             let count = found.vertices.len() - first;
             found.spans.push(Span { wave, first, count });
         }
+        flight.asked
     }
 
     /// The direction in which a wave leaves the source along `start`, and how many reflections at an edge there come
@@ -217,6 +244,13 @@ impl Follow<'_> {
     }
 }
 
+/// The waves of a round, of so many altogether. Rounds come in the order of their reversed bits: so those of the first
+/// ones lie evenly between each other.
+fn waves_of_round(round: u32, waves: u32) -> Vec<u32> {
+    let first = round.reverse_bits() >> (ROUNDS.leading_zeros() + 1);
+    (first..waves).step_by(ROUNDS as usize).collect()
+}
+
 /// Whether the segment comes within `reach` metres of a point.
 fn passes(from: DVec3, to: DVec3, point: DVec3, reach: f64) -> bool {
     if reach == f64::INFINITY {
@@ -229,4 +263,68 @@ fn passes(from: DVec3, to: DVec3, point: DVec3, reach: f64) -> bool {
         false => 0.0,
     };
     (from + along * share).distance_squared(point) <= reach * reach
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Surface;
+    use crate::acoustics::early::EarlyPaths;
+    use crate::acoustics::early::tests::{directions, scene};
+    use crate::scene::shape::{Cuboid, Room};
+
+    /// Protects the limit of work: what is left out is known and depends on no number of threads, and what is not left
+    /// out is the same as without a limit.
+    #[test]
+    fn a_limit_leaves_out_whole_waves() {
+        let block = |index: usize| {
+            let at = Vec3::new(
+                (index % 8) as f32,
+                (index / 8 % 8) as f32,
+                (index / 64) as f32,
+            );
+            let size = Vec3::splat(0.2);
+            Surface::new(Cuboid { size }).at(at - Vec3::splat(3.4))
+        };
+        let size = Vec3::splat(9.0);
+        let mut surfaces = vec![Surface::new(Room { size })];
+        surfaces.extend((0..256).map(block));
+        let scene = scene(surfaces, Vec3::splat(-4.0), Vec3::splat(4.0));
+        let early = EarlyPaths::new(&scene).expect("a valid scene");
+        let (ends, waves) = (Ends::of(&scene), directions(2000));
+        let found = |threads, most_asked| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+            let follow = || early.candidates_within(&ends, &waves, 3, 2.0, most_asked);
+            let found = pool.build().expect("threads").install(follow);
+            let of = |c: Candidate| (c.wave, c.vertices.to_vec());
+            let all: Vec<(u32, Vec<Vertex>)> = found.iter().map(of).collect();
+            (all, found.left_out().to_vec())
+        };
+        let (all, none) = found(1, u64::MAX);
+        assert!(none.is_empty() && all.is_sorted_by_key(|(wave, _)| *wave));
+        // Each flight asks one surface at least, and a round some hundred.
+        let (some, left_out) = found(1, 3000);
+        assert!((1..1950).contains(&left_out.len()), "{}", left_out.len());
+        let is_followed = |(wave, _): &&(u32, Vec<Vertex>)| left_out.binary_search(wave).is_err();
+        assert!(all.iter().filter(is_followed).eq(&some));
+        for threads in [2, 3, 7] {
+            assert_eq!(found(threads, 3000), (some.clone(), left_out.clone()));
+        }
+        // After a limit of nothing the first round alone has been followed.
+        assert_eq!(found(2, 0).1.len(), 2000 - waves_of_round(0, 2000).len());
+    }
+
+    /// Protects directions from being left out that no others stand for: the first rounds have waves everywhere, and
+    /// all rounds together have every wave once.
+    #[test]
+    fn rounds_are_spread_evenly() {
+        let first: Vec<u32> = (0..4).map(|round| waves_of_round(round, 640)[0]).collect();
+        assert_eq!(first, [0, 32, 16, 48]);
+        for count in [0, 1, 63, 64, 1000] {
+            let rounds = (0..ROUNDS).flat_map(|round| waves_of_round(round, count));
+            let mut all: Vec<u32> = rounds.collect();
+            all.sort_unstable();
+            assert!(all.into_iter().eq(0..count));
+        }
+    }
 }

@@ -184,6 +184,20 @@ impl EarlyPaths {
         order: u32,
         reach_m: f64,
     ) -> Candidates {
+        self.candidates_within(ends, directions, order, reach_m, u64::MAX)
+    }
+
+    /// [`EarlyPaths::candidates`], but follows no more waves once more than `most_asked` surfaces, and boxes around
+    /// them, have been asked for a flight: some ten nanoseconds each, and of marched fields more. What is left out
+    /// ([`Candidates::left_out`]) lies evenly between the other directions, and depends on no time.
+    pub(crate) fn candidates_within(
+        &self,
+        ends: &Ends,
+        directions: &[Vec3],
+        order: u32,
+        reach_m: f64,
+        most_asked: u64,
+    ) -> Candidates {
         let follow = Follow {
             exact: &self.exact,
             edge: EdgeStart::at(ends.source, &self.surfaces),
@@ -191,7 +205,7 @@ impl EarlyPaths {
             order,
             reach_m,
         };
-        follow.all(directions)
+        follow.all(directions, most_asked)
     }
 
     /// Adds each sequence of planes over which sound could go from the source to the listener if nothing were in the

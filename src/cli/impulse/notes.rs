@@ -62,8 +62,14 @@ fn all(scene: &Scene, response: &Response) -> Vec<Note> {
     }
     if response.left_out > 0 {
         notes.push(note(format!(
-            "{:.1} % of the energy came over curved surfaces by paths that were not looked for, as they are too many: it is in the late part",
+            "{:.1} % of the energy came by paths of few reflections that were not looked for, as they are too many: it is in the late part",
             100.0 * response.left_out_share
+        )));
+    }
+    if response.search_left_out_share > 0.0 {
+        notes.push(note(format!(
+            "{:.0} % of the directions were not searched for exact paths over planes, as too many surfaces are in each other's way: weak paths may be missing",
+            (100.0 * response.search_left_out_share).max(1.0)
         )));
     }
     if response.direct().is_some_and(|direct| direct.path.is_focus) {

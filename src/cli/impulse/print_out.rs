@@ -50,6 +50,8 @@ struct PairReport<'a> {
     missed_early_share: Option<f64>,
     /// The share of all energy that came by few reflections, by paths that were not looked for.
     left_out_share: f64,
+    /// The share of the directions that were not searched for paths over planes.
+    search_left_out_share: f64,
     /// Until when the figures hold: seconds, `null` for the whole response.
     followed_s: Option<f64>,
     /// What is missing or off, and what helps.
@@ -140,6 +142,7 @@ fn of_pair<'a>(scene: &Scene, pair: &'a Pair, response: &'a Response) -> PairRep
         cut_off: *cut_off,
         missed_early_share: response.missed.energy_share(),
         left_out_share: response.left_out_share,
+        search_left_out_share: response.search_left_out_share,
         followed_s: response.followed_s,
         notes: notes::texts(scene, response),
         direct: response.direct().map(|path| DirectReport {
