@@ -123,6 +123,9 @@ pub fn sequence_hash(objects: &[u32]) -> u64 {
 /// The surface a wave has just left, by index, and the face if it has faces.
 pub(super) type Left = Option<(usize, Option<Face>)>;
 
+/// A hit of a surface, with the index of the surface and its face, if it has faces.
+pub(super) type Met = (Hit, (usize, Option<Face>));
+
 impl ExactScene {
     /// Takes over the surfaces and the listener of `scene`.
     ///
@@ -302,7 +305,7 @@ impl ExactScene {
         direction: DVec3,
         left: Left,
         until: f64,
-    ) -> (Option<(Hit, (usize, Option<Face>))>, u64) {
+    ) -> (Option<Met>, u64) {
         let mut met: Option<(usize, Intersection)> = None;
         let mut ask = |index: usize, nearest: f64| {
             let surface = &self.surfaces[index];

@@ -244,7 +244,7 @@ impl Follow<'_> {
     }
 }
 
-/// The waves of a round, of so many altogether. Rounds come in the order of their reversed bits: so those of the first
+/// The numbers of the waves of a round, out of `waves` waves. Rounds come in the order of their reversed bits: so those of the first
 /// ones lie evenly between each other.
 fn waves_of_round(round: u32, waves: u32) -> Vec<u32> {
     let first = round.reverse_bits() >> (ROUNDS.leading_zeros() + 1);
