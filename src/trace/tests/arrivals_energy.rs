@@ -58,6 +58,7 @@ fn rooms_in_rooms() -> Scene {
         let room = Surface::new(Node::Room(Room { size })).turned(turn);
         (0..WALL_COUNT).fold(room, |room, wall| {
             room.with_wall_material(wall, format!("m{}", (5 * number + wall) % 23))
+                .expect("a wall")
         })
     };
     let mut surfaces: Vec<Surface> = (0..11).map(room).collect();
