@@ -27,6 +27,10 @@ fn is_endless(tokens: &[Token], at: usize) -> bool {
     if !is_for && !tokens[at].is("while") {
         return false;
     }
+    // A loop without a condition is no loop: the driver says so.
+    if !tokens.get(at + 1).is_some_and(|next| next.is("(")) {
+        return false;
+    }
     let Some(close) = closing(tokens, at + 1) else {
         return false;
     };
@@ -146,6 +150,8 @@ mod tests {
             "do { if (i++ > 5) { break; } } while (true);",
             "{ a = 1.0; } while (a < 3.0) a += 1.0;",
             "bool t = true; while (i < 3) { i++; }",
+            // No GLSL, which the driver says.
+            "while; for a; do {} while 1; while",
         ] {
             assert!(
                 read(&field(body)).is_ok(),
