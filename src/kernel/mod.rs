@@ -64,7 +64,7 @@ pub(crate) use surface_values::uniform_count;
 pub(crate) use text::read_at_run_time;
 #[cfg(feature = "picture")]
 pub(crate) use text::source;
-pub(crate) use text::{Source, USER_FILE, join, user_sources};
+pub(crate) use text::{Source, USER_FILE, file_name, join, shown_name, user_sources};
 #[cfg(any(test, feature = "picture"))]
 pub(crate) use text::{distance_parts, link};
 

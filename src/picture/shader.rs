@@ -5,7 +5,7 @@ use crate::error::Error;
 use crate::gpu::{Context, Picture, Program, full_screen_pass_rows};
 use crate::kernel::{self, Lists, Materials};
 use crate::scene::Scene;
-use crate::trace::{SceneData, UserFields, check_surfaces};
+use crate::trace::{SceneData, UserFields, check_surfaces, compile_with_scene};
 use image::RgbaImage;
 
 /// Pixels in one draw call at most: see [`full_screen_pass_rows`].
@@ -25,7 +25,7 @@ pub(super) fn program(context: &Context, scene: &Scene, kind: Kind) -> Result<Sh
     let label = format!("{kind:?} of {}", scene.name);
     let text = shader_text(scene, kind);
     UserFields::default().check(context, scene, || text.clone())?;
-    let program = Program::fragment(context, &label, &text)?;
+    let program = compile_with_scene(context, scene, &label, &text)?;
     let rebasing = kernel::OriginRebasing::world();
     let rebased = rebasing.apply(scene);
     let mut data = SceneData::new(context)?;

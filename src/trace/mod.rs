@@ -24,6 +24,7 @@ mod programs;
 mod reload;
 mod renderer_limits;
 mod scene_data;
+mod scene_program;
 mod settings;
 mod tracer;
 mod user_fields;
@@ -50,6 +51,8 @@ pub use reload::{Reload, Reloading};
 pub(crate) use renderer_limits::check_surfaces;
 #[cfg(feature = "picture")]
 pub(crate) use scene_data::SceneData;
+#[cfg(feature = "picture")]
+pub(crate) use scene_program::compile as compile_with_scene;
 pub use settings::{
     Algorithm, HybridOptions, MAX_ITERATIONS, MAX_WAVES, MarchOptions, Profile, Settings,
     ThesisOptions,

@@ -1,6 +1,6 @@
 //! The shader programs of a frame, each compiled once for what its text depends on.
 
-use super::{Algorithm, Directions, Settings, field_trial};
+use super::{Algorithm, Directions, Settings, field_trial, scene_program};
 use crate::error::Error;
 use crate::gpu::{Context, Program, ProgramCache};
 use crate::kernel::{self, AlgorithmText, ArrivalsText, Key, MarchText};
@@ -76,7 +76,7 @@ impl Programs {
             let text = kernel::arrivals_text(scene, options);
             field_trial::ensure(scene, &[&text])?;
             let label = format!("arrivals of {}", scene.name);
-            Ok(Program::fragment(context, &label, &text)?)
+            scene_program::compile(context, scene, &label, &text)
         })
     }
 
@@ -115,7 +115,7 @@ impl Programs {
             let label = format!("{pass} ({}) of {}", settings.profile(), scene.name);
             let text = text();
             field_trial::ensure(scene, &[&text])?;
-            Ok(Program::fragment(context, &label, &text)?)
+            scene_program::compile(context, scene, &label, &text)
         })
     }
 

@@ -17,6 +17,7 @@
 
 mod gradient;
 
+use super::scene_program::{first_line, without_prefixes};
 use super::{TraceError, field_trial};
 use crate::error::Error;
 use crate::gpu::{
@@ -187,19 +188,17 @@ pub(super) fn check(context: &Context, field: &UserField) -> Result<(), Error> {
 /// Line and message of the first error of a log in the user's text.
 fn first_error(log: &str) -> (Option<u32>, String) {
     let errors = log_errors(log);
-    // What the text defines has another name in the shader.
-    let plain = |message: &str| message.replace("user0_", "");
     // Mesa loses the number of what a macro stands for, and keeps the line.
     let is_users = |file: u32| file == USER_FILE || file == 0;
     if let Some(error) = errors.iter().find(|error| is_users(error.file)) {
-        return (Some(error.line), plain(&error.message));
+        return (Some(error.line), without_prefixes(&error.message));
     }
     match errors.first() {
-        Some(error) => (None, format!("after its end: {}", plain(&error.message))),
-        None => {
-            let line = log.lines().find(|line| !line.trim().is_empty());
-            (None, plain(line.unwrap_or("it does not compile").trim()))
+        Some(error) => {
+            let message = without_prefixes(&error.message);
+            (None, format!("after its end: {message}"))
         }
+        None => (None, first_line(log)),
     }
 }
 

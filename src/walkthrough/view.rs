@@ -10,7 +10,7 @@ use crate::kernel::{self, Lists, Materials};
 use crate::picture::SOURCE_SHARE;
 use crate::platform;
 use crate::scene::Scene;
-use crate::trace::{SceneData, UserFields, check_surfaces};
+use crate::trace::{SceneData, UserFields, check_surfaces, compile_with_scene};
 use glam::Vec2;
 use std::num::NonZeroUsize;
 use std::rc::Rc;
@@ -242,7 +242,7 @@ impl View {
             let text = shader_text(scene);
             UserFields::default().check(context, scene, || text.clone())?;
             let label = format!("the view of {}", scene.name);
-            Ok::<_, Error>(Program::fragment(context, &label, &text)?)
+            compile_with_scene(context, scene, &label, &text)
         };
         let structure = kernel::structure(scene, Lists::NearestCandidates);
         let program = self.programs.get_or_compile(structure, compile)?;

@@ -28,6 +28,7 @@ mod user;
 pub use closed_form::closed_form_parts;
 pub use directed::directed_parts;
 pub use distance::distance_parts;
+pub(crate) use field::shown_name;
 pub(in crate::kernel) use library::library;
 pub use link::{Part, link, parts};
 pub use listener::ListenerText;
@@ -35,5 +36,5 @@ pub use materials::materials_parts;
 #[cfg(glsl_at_run_time)]
 pub(crate) use shader_source::read_at_run_time;
 pub(crate) use shader_source::source;
-pub use shader_source::{Source, join};
+pub use shader_source::{Source, file_name, join};
 pub(crate) use user::{USER_FILE, user_sources};

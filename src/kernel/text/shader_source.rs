@@ -73,3 +73,9 @@ pub fn join(sources: &[Source]) -> String {
     }
     text
 }
+
+/// The file that has a number in a joined text.
+pub fn file_name(text: &str, number: u32) -> Option<&str> {
+    let start = format!("// {number}: ");
+    text.lines().find_map(|line| line.strip_prefix(&start))
+}

@@ -114,6 +114,19 @@ fn what_a_field_cannot_be_is_refused_by_name() {
     refuses(&before("outOrigin = vec4(1.0);"), "outOrigin");
     refuses(&before("p.x += uMinDistance;"), "uMinDistance");
     refuses(&before("p.x += waveIndex();"), "waveIndex");
+    // Each of these changed the waves of other surfaces, or ended with a driver's log.
+    for declared in [
+        "float dot(vec3 a, vec3 b) { return 0.0; }",
+        "float step(float a, float b);",
+        "uint floatBitsToUint(float f) { return 0u; }",
+        "float min(float a, float b) { return 0.0; }",
+        "struct normalize { float a; };",
+        "float length;",
+        "float half = 1.0;",
+        "float a__b = 1.0;",
+    ] {
+        refuses(&format!("\n{declared}\n{BALL}"), "f.glsl:2: '");
+    }
     refuses(
         &format!("#define U uniform\nU float t;\n{BALL}"),
         "f.glsl:2: ",

@@ -3,6 +3,7 @@
 
 mod checks;
 mod gradients;
+mod names;
 mod reload;
 
 use echomarch::gpu::Context;

@@ -20,6 +20,7 @@ mod value;
 pub(in crate::kernel) use along::{free_text, is_bounded, leaps};
 pub(in crate::kernel) use copies::{cells_crossed, has_step_limit};
 pub(in crate::kernel) use hit::{has_closed_form, hit_text, takes_limit};
+pub(crate) use user::shown_name;
 pub(in crate::kernel) use user::{user_parts, user_text};
 pub(super) use value::{gradient_text, has_differences, normal_text, value_text};
 

@@ -30,7 +30,7 @@ pub(in crate::kernel) fn user_text(user: &UserField, index: usize) -> [Source; 3
     let mut before = String::new();
     let mut after = String::new();
     for name in user.names() {
-        let _ = writeln!(before, "#define {name} user{index}_{name}");
+        let _ = writeln!(before, "#define {name} {}", name_in_shader(index, &name));
         let _ = writeln!(after, "#undef {name}");
     }
     let shown = shown_name(user);
@@ -41,8 +41,16 @@ pub(in crate::kernel) fn user_text(user: &UserField, index: usize) -> [Source; 3
     ]
 }
 
+/// What a name of a user's text is called in the shader. GLSL reserves two underscores in a row.
+fn name_in_shader(index: usize, name: &str) -> String {
+    match name.starts_with('_') {
+        true => format!("users{index}{name}"),
+        false => format!("user{index}_{name}"),
+    }
+}
+
 /// The file's name as it may stand in a comment.
-fn shown_name(user: &UserField) -> String {
+pub(crate) fn shown_name(user: &UserField) -> String {
     user.file.display().to_string().replace(no_comment, "?")
 }
 

@@ -1,8 +1,9 @@
 //! Rejects what a field's text must not contain.
 
 use super::Refusal;
+use super::global_selections::Renamed;
 use super::tokens::{Kind, Token};
-use super::words::{is_known, is_selection, refusal};
+use super::words::{is_function, is_known, is_language, is_selection, is_type, refusal};
 use std::collections::HashSet;
 
 /// Brackets within brackets, at most.
@@ -36,10 +37,20 @@ pub fn leave_out_precisions<'a>(tokens: &[Token<'a>]) -> Vec<Token<'a>> {
     left
 }
 
-/// Rejects a text that is no field, or does what a field cannot do; whether it states its
-/// gradient besides.
-pub fn check(tokens: &[Token]) -> Result<bool, Refusal> {
+/// What a text declares.
+pub struct Declared {
+    /// Whether it states its gradient.
+    pub states_gradient: bool,
+    /// Places of the words outside of brackets and of initial values: the names of globals, of
+    /// functions and of structures, and the types.
+    pub globals: Vec<usize>,
+}
+
+/// Rejects a text that is no field, or does what a field cannot do.
+pub fn check(tokens: &[Token]) -> Result<Declared, Refusal> {
     let mut open: Vec<&Token> = Vec::new();
+    let mut globals = Vec::new();
+    let mut is_initial_value = false;
     let mut is_found = false;
     let mut states_gradient = false;
     for (index, token) in tokens.iter().enumerate() {
@@ -77,7 +88,28 @@ pub fn check(tokens: &[Token]) -> Result<bool, Refusal> {
                 "an array of {length} is more than a shader holds: {LONGEST_ARRAY} elements at the most"
             ));
         }
+        if is_named_as_language(tokens, index) {
+            return told(format!(
+                "'{}' is a word of GLSL and no name: choose another one",
+                token.text
+            ));
+        }
+        if is_function(token.text) {
+            let is_global = open.is_empty() && !is_initial_value;
+            if is_global || is_prototype(tokens, index) {
+                return told(format!(
+                    "'{}' is a function of GLSL and cannot be declared again: choose another name",
+                    token.text
+                ));
+            }
+        }
         if open.is_empty() {
+            match token.text {
+                "=" => is_initial_value = true,
+                "," | ";" | "}" => is_initial_value = false,
+                _ if token.is_word() && !is_initial_value => globals.push(index),
+                _ => (),
+            }
             is_found |= is_of_a_point(&tokens[index..], ["float", "field"]);
             if token.is("fieldGradient") {
                 let from_type = &tokens[index.saturating_sub(1)..];
@@ -96,21 +128,40 @@ pub fn check(tokens: &[Token]) -> Result<bool, Refusal> {
         ));
     }
     if is_found {
-        return Ok(states_gradient);
+        return Ok(Declared {
+            states_gradient,
+            globals,
+        });
     }
     let why = "there is no `float field(vec3 p)` in it, which is what a field is".to_owned();
     Err((None, why))
 }
 
-/// Names in the text that GLSL does not know, in the order in which they come. What selects
-/// components (`.xyz`) is none: nothing of ours is called so.
-pub fn names(tokens: &[Token]) -> Vec<String> {
+/// Whether the word at a place is one of the language, and stands where a name is declared: behind
+/// a type or behind `struct`.
+fn is_named_as_language(tokens: &[Token], place: usize) -> bool {
+    let before = place.checked_sub(1).map(|before| tokens[before].text);
+    is_language(tokens[place].text) && before.is_some_and(|word| is_type(word) || word == "struct")
+}
+
+/// Whether the word at a place is a function's name in a declaration: a type stands before it.
+fn is_prototype(tokens: &[Token], place: usize) -> bool {
+    let is_of_statement = |word: &Token| matches!(word.text, "return" | "else" | "do" | "case");
+    let before = place.checked_sub(1).map(|before| &tokens[before]);
+    let is_after_type = before.is_some_and(|word| word.is_word() && !is_of_statement(word));
+    is_after_type && tokens.get(place + 1).is_some_and(|next| next.is("("))
+}
+
+/// Names in the text that GLSL does not know, as they are written, in the order in which they
+/// come. What selects components (`.xyz`) is none: no global is called so.
+pub fn names(tokens: &[Token], renamed: &Renamed) -> Vec<String> {
     let mut known = HashSet::new();
-    let words = tokens.iter().filter(|token| token.is_word());
+    let words = (0..tokens.len()).filter(|place| tokens[*place].is_word());
     words
-        .filter(|word| !is_known(word.text) && !is_selection(word.text))
-        .filter(|word| known.insert(word.text))
-        .map(|word| word.text.to_owned())
+        .map(|place| renamed.text(place))
+        .filter(|word| !is_known(word) && !is_selection(word))
+        .filter(|word| known.insert(*word))
+        .map(str::to_owned)
         .collect()
 }
 

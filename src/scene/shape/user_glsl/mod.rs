@@ -14,10 +14,12 @@
 mod check;
 mod condition;
 mod endless;
+mod global_selections;
 mod preprocess;
 mod tokens;
 mod words;
 
+use global_selections::Renamed;
 use tokens::Token;
 
 /// Bytes of a text at most. The largest fields that people share, whole scenes or small
@@ -57,12 +59,13 @@ pub(super) fn read(text: &str) -> Result<Text, Refusal> {
     let (tokens, end) = tokens::tokens(&clean)?;
     let tokens = preprocess::preprocess(&tokens, MOST_TOKENS)?;
     let tokens = check::leave_out_precisions(&tokens);
-    let states_gradient = check::check(&tokens)?;
+    let declared = check::check(&tokens)?;
     endless::check(&tokens)?;
+    let renamed = Renamed::new(&tokens, &declared.globals);
     Ok(Text {
-        states_gradient,
-        code: written(&tokens, end),
-        names: check::names(&tokens),
+        states_gradient: declared.states_gradient,
+        code: written(&tokens, &renamed, end),
+        names: check::names(&tokens, &renamed),
         has_loops: tokens
             .iter()
             .any(|token| matches!(token.text, "for" | "while" | "do")),
@@ -91,10 +94,10 @@ pub(crate) fn code_lines(text: &str) -> Result<Vec<String>, String> {
 }
 
 /// Writes tokens in their lines, with what stood before each, and after the last.
-fn written(tokens: &[Token], end: &str) -> String {
+fn written(tokens: &[Token], renamed: &Renamed, end: &str) -> String {
     let mut code = String::new();
     let mut line = 1;
-    for token in tokens {
+    for (place, token) in tokens.iter().enumerate() {
         let breaks = newlines(token.space);
         // Lines that were left out.
         while line + breaks < token.line {
@@ -102,7 +105,7 @@ fn written(tokens: &[Token], end: &str) -> String {
             line += 1;
         }
         code.push_str(token.space);
-        code.push_str(token.text);
+        code.push_str(renamed.text(place));
         line += breaks;
     }
     code.push_str(end);
@@ -171,7 +174,7 @@ mod tests {
         );
         let tight =
             "#define A -1\nint a=1-A+A;int precision lowp int;b;float field(vec3 p){return p.x;}";
-        let expected = "\nint a=1- - 1 + - 1 ;int b;float field(vec3 p){return p.x;}\n";
+        let expected = "\nint a0=1- - 1 + - 1 ;int b0;float field(vec3 p){return p.x;}\n";
         assert_eq!(read(tight).unwrap().code, expected);
         let plain = "float field(vec3 p) {\n\n    return p.x; /* a\n */ }\n";
         assert_eq!(read(plain).unwrap().code, plain);

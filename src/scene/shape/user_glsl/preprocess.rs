@@ -1,7 +1,7 @@
 //! Directives and macros, within limits.
 
 use super::tokens::{Kind, Token};
-use super::{Refusal, condition};
+use super::{Refusal, condition, words};
 use std::collections::{HashMap, HashSet};
 
 /// Tokens that may be looked at until all macros are expanded, for each that may come out: at
@@ -81,12 +81,7 @@ impl<'a> Preprocessor<'a> {
             "elif" | "else" | "endif" => self.go_on(line, name.text, rest),
             _ if !self.is_on() => Ok(()),
             "define" => self.expander.define(rest).map_err(told),
-            "undef" => {
-                if let Some(name) = rest.first() {
-                    self.expander.macros.remove(name.text);
-                }
-                Ok(())
-            }
+            "undef" => self.expander.undefine(rest).map_err(told),
             // That of the shader as a whole is another.
             "version" => Ok(()),
             "error" => {
@@ -226,8 +221,8 @@ impl<'a> Expander<'a> {
         let Some((name, mut rest)) = tokens.split_first().filter(|(n, _)| n.is_word()) else {
             return Err("this #define has no name".to_owned());
         };
-        if name.is("defined") {
-            return Err("'defined' cannot be a macro".to_owned());
+        if let Some(why) = words::macro_refusal(name.text) {
+            return Err(why);
         }
         let is_function = |next: &Token| next.is("(") && next.space.is_empty();
         let mut parameters = None;
@@ -250,6 +245,17 @@ impl<'a> Expander<'a> {
             Some(old) if old != new => Err(format!("'{}' is a macro already", name.text)),
             _ => Ok(()),
         }
+    }
+
+    fn undefine(&mut self, tokens: &[Token<'a>]) -> Result<(), String> {
+        let Some(name) = tokens.first().filter(|name| name.is_word()) else {
+            return Err("this #undef has no name".to_owned());
+        };
+        if let Some(why) = words::macro_refusal(name.text) {
+            return Err(why);
+        }
+        self.macros.remove(name.text);
+        Ok(())
     }
 
     fn step(&mut self, count: usize, line: u32) -> Result<(), Refusal> {

@@ -1,38 +1,15 @@
 //! Words of GLSL: those that a field may use, and those that it may not.
 
-/// Words and functions that GLSL 3.30 and GLSL ES 3.00 share and that a function of one point
-/// can use. Everything else is a name of the text's own.
-const KNOWN: &[&str] = &[
-    // Types and qualifiers.
-    "void",
-    "bool",
-    "int",
-    "uint",
-    "float",
-    "vec2",
-    "vec3",
-    "vec4",
-    "bvec2",
-    "bvec3",
-    "bvec4",
-    "ivec2",
-    "ivec3",
-    "ivec4",
-    "uvec2",
-    "uvec3",
-    "uvec4",
-    "mat2",
-    "mat3",
-    "mat4",
-    "mat2x2",
-    "mat2x3",
-    "mat2x4",
-    "mat3x2",
-    "mat3x3",
-    "mat3x4",
-    "mat4x2",
-    "mat4x3",
-    "mat4x4",
+/// Types that GLSL 3.30 and GLSL ES 3.00 share and that a function of one point can use.
+const TYPES: &[&str] = &[
+    "void", "bool", "int", "uint", "float", "vec2", "vec3", "vec4", "bvec2", "bvec3", "bvec4",
+    "ivec2", "ivec3", "ivec4", "uvec2", "uvec3", "uvec4", "mat2", "mat3", "mat4", "mat2x2",
+    "mat2x3", "mat2x4", "mat3x2", "mat3x3", "mat3x4", "mat4x2", "mat4x3", "mat4x4",
+];
+
+/// Their other words, of which the same is true.
+const WORDS: &[&str] = &[
+    // Qualifiers.
     "struct",
     "const",
     "in",
@@ -56,7 +33,15 @@ const KNOWN: &[&str] = &[
     "return",
     "true",
     "false",
-    // Functions.
+];
+
+/// Functions that both languages have and that a function of one point can use: a text can call
+/// them, and cannot declare them again. In GLSL 3.30 a declaration replaces the function for the
+/// whole shader, in GLSL ES 3.00 it is an error.
+///
+/// All other functions of either language are names that a text can give to its own: it is
+/// renamed then, like all that it declares.
+const FUNCTIONS: &[&str] = &[
     "radians",
     "degrees",
     "sin",
@@ -162,12 +147,87 @@ const BEYOND: &[&str] = &[
     "textureGrad",
 ];
 
+/// Words that either language reserves for later. Texts with them compile nowhere.
+const RESERVED: &[&str] = &[
+    "active",
+    "asm",
+    "atomic_uint",
+    "cast",
+    "class",
+    "common",
+    "double",
+    "dvec2",
+    "dvec3",
+    "dvec4",
+    "enum",
+    "extern",
+    "external",
+    "filter",
+    "fixed",
+    "fvec2",
+    "fvec3",
+    "fvec4",
+    "goto",
+    "half",
+    "hvec2",
+    "hvec3",
+    "hvec4",
+    "inline",
+    "input",
+    "interface",
+    "long",
+    "namespace",
+    "noinline",
+    "output",
+    "packed",
+    "partition",
+    "public",
+    "resource",
+    "row_major",
+    "short",
+    "sizeof",
+    "static",
+    "superp",
+    "template",
+    "this",
+    "typedef",
+    "union",
+    "unsigned",
+    "using",
+];
+
+/// Macros that are the compiler's.
+const MACROS: &[&str] = &["__LINE__", "__FILE__", "__VERSION__", "defined"];
+
 /// Letters that select components.
 const SELECTIONS: [&str; 3] = ["xyzw", "rgba", "stpq"];
 
 /// Whether a word is of GLSL itself.
 pub fn is_known(word: &str) -> bool {
-    KNOWN.contains(&word)
+    is_language(word) || is_function(word)
+}
+
+/// Whether a word is a type of GLSL.
+pub fn is_type(word: &str) -> bool {
+    TYPES.contains(&word)
+}
+
+/// Whether a word is one of the language itself: no name.
+pub fn is_language(word: &str) -> bool {
+    WORDS.contains(&word) || is_type(word)
+}
+
+/// Whether a word is a function of GLSL that a text cannot declare again.
+pub fn is_function(word: &str) -> bool {
+    FUNCTIONS.contains(&word)
+}
+
+/// Why a text cannot define or undefine a macro of this name, if it cannot.
+pub fn macro_refusal(word: &str) -> Option<String> {
+    let is_of_compiler = word.starts_with("GL_") || MACROS.contains(&word);
+    is_of_compiler.then(|| {
+        format!("'{word}' is the compiler's: a text can neither define it nor undefine it")
+    })
 }
 
 /// Whether a word could select components of a vector.
@@ -191,16 +251,55 @@ pub fn refusal(word: &str) -> Option<String> {
             "'{word}' belongs to a whole shader: the only input of a field is its point"
         ));
     }
-    let kind = word.strip_prefix(['i', 'u']).unwrap_or(word);
-    if ["sampler", "image"].iter().any(|of| {
-        let rest = kind.strip_prefix(of).unwrap_or_default();
-        rest.starts_with(|c: char| c.is_ascii_digit()) || rest.starts_with("Cube")
-    }) {
+    if is_opaque(word) {
         return Some(format!(
             "'{word}' is not allowed: the only input of a field is its point"
         ));
     }
+    if RESERVED.contains(&word) {
+        return Some(format!(
+            "'{word}' is a word that GLSL reserves for later: choose another name"
+        ));
+    }
+    if word.contains("__") {
+        return Some(format!(
+            "'{word}' has two underscores in a row, which GLSL reserves: choose another name"
+        ));
+    }
+    if is_of_renaming(word) {
+        return Some(format!(
+            "'{word}' begins as the names that the program gives: choose another name"
+        ));
+    }
     (word == "defined").then(|| "'defined' belongs to the preprocessor".to_owned())
+}
+
+/// Whether a word begins with what names of texts are renamed to: `user0_`, `users0_`. A macro
+/// that renames it would rename others again.
+fn is_of_renaming(word: &str) -> bool {
+    let Some(after) = word.strip_prefix("user") else {
+        return false;
+    };
+    let number = after.strip_prefix('s').unwrap_or(after);
+    let name = number.trim_start_matches(|c: char| c.is_ascii_digit());
+    name.len() < number.len() && name.starts_with('_')
+}
+
+/// Whether a word is the type of a texture or an image: `sampler2D`, `uimageCube`.
+fn is_opaque(word: &str) -> bool {
+    let is_dimension = |rest: &str| {
+        let is_named = ["Cube", "Buffer"].iter().any(|name| rest.starts_with(name));
+        is_named || rest.starts_with(|c: char| c.is_ascii_digit())
+    };
+    let of_integers = word.strip_prefix(['i', 'u']);
+    let kinds = [Some(word), of_integers].into_iter().flatten();
+    let mut rests = kinds.flat_map(|kind| {
+        let kinds = ["sampler", "image"];
+        kinds
+            .into_iter()
+            .filter_map(move |of| kind.strip_prefix(of))
+    });
+    rests.any(is_dimension)
 }
 
 #[cfg(test)]
@@ -217,7 +316,19 @@ mod tests {
         for word in ["xr", "xyzwx", "origin", "outOrigin", "d"] {
             assert!(!is_selection(word), "{word}");
         }
-        for word in ["isampler2D", "samplerCube", "uimage3D", "gl_x", "defined"] {
+        for word in [
+            "isampler2D",
+            "samplerCube",
+            "samplerBuffer",
+            "uimage3D",
+            "image2D",
+            "gl_x",
+            "defined",
+            "half",
+            "a__b",
+            "user0_a",
+            "users12_a",
+        ] {
             assert!(refusal(word).is_some(), "{word}");
         }
         assert!(refusal("sampler").is_none() && refusal("imaged").is_none());
