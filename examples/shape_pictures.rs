@@ -61,32 +61,32 @@ const SHAPES: &[Picture] = &[
     ("ellipsoid", "Ellipsoid(radii: (1.6, 0.8, 1))", Outside),
     (
         "paraboloid",
-        "Intersection([Translate(of: Paraboloid(focal_length: 0.25), by: (0, -1.2, 0)), Box(size: (9, 2.4, 9))])",
+        "Intersection(of: [Translate(of: Paraboloid(focal_length: 0.25), by: (0, -1.2, 0)), Box(size: (9, 2.4, 9))])",
         Outside,
     ),
     (
         "hyperboloid",
-        "Intersection([Hyperboloid(waist: 0.6, rise: 0.7), Box(size: (9, 2.6, 9))])",
+        "Intersection(of: [Hyperboloid(waist: 0.6, rise: 0.7), Box(size: (9, 2.6, 9))])",
         Outside,
     ),
     (
         "hyperboloid-two-sheets",
-        "Intersection([Hyperboloid(waist: 0.6, rise: 0.35, sheets: 2), Box(size: (9, 2.6, 9))])",
+        "Intersection(of: [Hyperboloid(waist: 0.6, rise: 0.35, sheets: 2), Box(size: (9, 2.6, 9))])",
         Outside,
     ),
     (
         "quadric",
-        "Intersection([Quadric((1, 0, -1, 0, 0, 0, 0, 1, 0, 0)), Cylinder(radius: 1.3, height: 2.6)])",
+        "Intersection(of: [Quadric((1, 0, -1, 0, 0, 0, 0, 1, 0, 0)), Cylinder(radius: 1.3, height: 2.6)])",
         Outside,
     ),
     (
         "union",
-        "Union([Sphere(radius: 1), Translate(of: Box(size: (1.2, 1.2, 1.2)), by: (1.1, 0.2, 0.3))])",
+        "Union(of: [Sphere(radius: 1), Translate(of: Box(size: (1.2, 1.2, 1.2)), by: (1.1, 0.2, 0.3))])",
         Outside,
     ),
     (
         "intersection",
-        "Intersection([Sphere(radius: 1.3), Box(size: (2, 2, 2))])",
+        "Intersection(of: [Sphere(radius: 1.3), Box(size: (2, 2, 2))])",
         Outside,
     ),
     (
@@ -96,7 +96,7 @@ const SHAPES: &[Picture] = &[
     ),
     (
         "complement",
-        "Complement(Union([Sphere(radius: 3.6), Cylinder(radius: 1.2, axis: Z)]))",
+        "Complement(of: Union(of: [Sphere(radius: 3.6), Cylinder(radius: 1.2, axis: Z)]))",
         Inside,
     ),
     (
@@ -116,7 +116,7 @@ const SHAPES: &[Picture] = &[
     ),
     (
         "translate",
-        "Union([Sphere(radius: 0.4), Translate(of: Box(size: (1, 1, 1)), by: (1.2, 0.7, 0))])",
+        "Union(of: [Sphere(radius: 0.4), Translate(of: Box(size: (1, 1, 1)), by: (1.2, 0.7, 0))])",
         Outside,
     ),
     (
@@ -126,7 +126,7 @@ const SHAPES: &[Picture] = &[
     ),
     (
         "scale",
-        "Union([Translate(of: Torus(ring: 0.5, tube: 0.2), by: (-1, -0.8, 0)), Translate(of: Scale(of: Torus(ring: 0.5, tube: 0.2), by: 2), by: (0.7, 0.2, 0))])",
+        "Union(of: [Translate(of: Torus(ring: 0.5, tube: 0.2), by: (-1, -0.8, 0)), Translate(of: Scale(of: Torus(ring: 0.5, tube: 0.2), by: 2), by: (0.7, 0.2, 0))])",
         Outside,
     ),
     (

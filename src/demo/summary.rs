@@ -134,7 +134,7 @@ mod tests {
     #[test]
     fn a_scene_in_another_folder_stands_as_its_base() {
         let folder = tempfile::tempdir().unwrap();
-        let text = "Scene(surfaces: [Surface(shape: Union([Field(file: \"f.glsl\", lipschitz: 1, \
+        let text = "Scene(surfaces: [Surface(shape: Union(of: [Field(file: \"f.glsl\", lipschitz: 1, \
             size: (2, 2, 2)), Sphere(radius: 1)]))], source: Source(position: (0, 0, 5)), \
             listener: Listener(position: (5, 0, 0), radius: 1))";
         let field = "float field(vec3 p) { return p.x; }";

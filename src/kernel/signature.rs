@@ -147,7 +147,7 @@ mod tests {
         let scene = Scene::from_ron(
             r#"Scene(
                 name: "closing",
-                surfaces: [Surface(name: "boxes", shape: Union([
+                surfaces: [Surface(name: "boxes", shape: Union(of: [
                     Box(size: (1, 1, 1)),
                     Translate(of: Box(size: (1, 1, 1)), by: (Keys([(0, 3), (1, 2), (2, 0.9)]), 0.5, 0)),
                 ]))],

@@ -67,7 +67,7 @@ mod tests {
     const TURNS: &str = r#"Scene(
         surfaces: [
             Surface(shape: Plane, position: (0, Value("a", 30), 0), rotation: (0, 0, Value("a", 30))),
-            Surface(shape: Union([
+            Surface(shape: Union(of: [
                 Translate(of: Rotate(of: Box(size: (1, 1, 1)), by: (0, Value("a", 30), 0)), by: (Value("a", 30), 0, 0)),
                 Twist(of: Box(size: (1, 1, 1)), rate: Value("a", 30), lipschitz: 90),
                 Bend(of: Box(size: (1, 1, 1)), rate: Value("a", 30), lipschitz: 90),

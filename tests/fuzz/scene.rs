@@ -100,7 +100,7 @@ const SHAPES: &[&str] = &[
     "Quadric((1, 1, 1, 0, 0, 0, 0, 0, 0, -1))",
     "SmoothUnion(of: [Sphere(radius: 1), Box(size: (1, 2, 3))], radius: 0.3)",
     "Difference(from: Room(size: (9, 9, 9)), cut: [Sphere(radius: 2), Plane])",
-    "Intersection([Complement(Sphere(radius: 1)), Sphere(radius: 2)])",
+    "Intersection(of: [Complement(of: Sphere(radius: 1)), Sphere(radius: 2)])",
     "Shell(of: Sphere(radius: 2), thickness: Value(\"shell\", 0.2))",
     "Offset(of: Box(size: (1, 1, 1)), by: 0.1)",
     "Translate(of: Rotate(of: Torus(ring: 2, tube: 1), by: (0, 90, 45)), by: (1, 2, 3))",

@@ -26,7 +26,7 @@ pub(super) fn about_part(text: &str, error: &SpannedError) -> Option<String> {
         | Error::InvalidIdentifier(_)
         | Error::SuggestRawIdentifier(_) => {
             let (before, behind) = text.split_at(offset(text, error.span.start)?);
-            how_written(before, behind, error.code == Error::ExpectedArray)
+            how_written(before, behind)
         }
         _ => None,
     }
@@ -38,7 +38,7 @@ fn no_such_shape(found: &str) -> String {
 }
 
 /// The correct form of the part whose name is before the error.
-fn how_written(before: &str, behind: &str, is_list: bool) -> Option<String> {
+fn how_written(before: &str, behind: &str) -> Option<String> {
     let before = before.trim_end();
     let named = before.strip_suffix(['(', '[', '{']).unwrap_or(before);
     let named = named.trim_end();
@@ -50,7 +50,7 @@ fn how_written(before: &str, behind: &str, is_list: bool) -> Option<String> {
         // Something else is missing behind it.
         return None;
     }
-    Some(format!("{name} is written {}", form.written(name, is_list)))
+    Some(format!("{name} is written {}", form.written(name)))
 }
 
 /// How that is written which makes, reflects, carries or hears sound.
@@ -88,8 +88,8 @@ mod tests {
                 "Translate(of: Sphere(1), by: (0, 0, 0))",
                 "Sphere is written Sphere(radius: …)",
             ),
-            ("Union(of: [Plane])", "Union is written Union([…])"),
-            ("Union", "Union is written Union("),
+            ("Union[Plane]", "Union is written Union(of: …)"),
+            ("Union", "Union is written Union(of: …)"),
             ("Plane(1)", "Plane is written Plane, with nothing behind it"),
         ] {
             let said = told(shape);

@@ -9,6 +9,7 @@ mod base_scene;
 mod chain;
 mod hints;
 mod material;
+mod older_forms;
 mod raw_fields;
 mod serialise;
 mod sources_and_listeners;
@@ -27,6 +28,7 @@ use air::AirFile;
 use base_scene::BasedFile;
 use chain::Chain;
 use material::Materials;
+use older_forms::Modern;
 use serde::Deserialize;
 use sources_and_listeners::{ListenerFile, Several, SourceFile};
 use std::iter::once;
@@ -138,7 +140,13 @@ fn options() -> ron::Options {
 /// The scene of the text, not yet checked as a whole.
 fn parse(text: &str, files: &Attached, chain: &Chain) -> Result<Scene, SceneError> {
     // Some editors put a byte-order mark before the text.
-    let text = text.trim_start_matches('\u{feff}');
+    let modern = Modern::of(text.trim_start_matches('\u{feff}'));
+    parse_modern(&modern.text, files, chain)
+        .map_err(|error| modern.in_text_as_it_was(error, files.origin()))
+}
+
+/// The scene of a text whose operators are all in the one form.
+fn parse_modern(text: &str, files: &Attached, chain: &Chain) -> Result<Scene, SceneError> {
     let error = match options().from_str::<SceneFile>(text) {
         Ok(file) => {
             let scene = file.scene(files);

@@ -9,7 +9,7 @@ use std::fmt;
 pub(crate) enum Form {
     /// Numbers and children by their names: `Torus(ring: …, tube: …)`.
     Fields(&'static [&'static str]),
-    /// One value: `Union([…])`, `Complement(…)`.
+    /// One value: `Quadric((…))`.
     Value,
     /// Nothing: `Plane`.
     NameAlone,
@@ -21,11 +21,10 @@ impl Form {
         F::deserialize(Asked).err().and_then(|answer| answer.0)
     }
 
-    /// A part of this form and name as it is written; `is_list`: whether its value is a list.
-    pub fn written(self, name: &str, is_list: bool) -> String {
+    /// A part of this form and name as it is written.
+    pub fn written(self, name: &str) -> String {
         match self {
             Form::Fields(fields) => format!("{name}({}: …)", fields.join(": …, ")),
-            Form::Value if is_list => format!("{name}([…])"),
             Form::Value => format!("{name}(…)"),
             Form::NameAlone => format!("{name}, with nothing behind it"),
         }

@@ -1,6 +1,6 @@
 //! A variant of an enum, read as the type of its content.
 //!
-//! `Torus(ring: 1, tube: 2)` is a variant with fields, `Union([…])` one with a value, `Plane`
+//! `Torus(ring: 1, tube: 2)` is a variant with fields, `Quadric((…))` one with a value, `Plane`
 //! one with nothing. Read through this, each is an ordinary struct, newtype or unit type that
 //! stands in the file of its shape.
 

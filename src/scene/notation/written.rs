@@ -28,7 +28,7 @@ pub(crate) enum Written {
     Struct(&'static str, Fields),
     /// The name of a shape or an operator.
     Plain(ShapeName),
-    /// The same with one value: `Union([…])`.
+    /// The same with one value: `Quadric((…))`.
     Holding(ShapeName, Box<Written>),
     /// The same with fields: `Torus(ring: …, tube: …)`.
     With(ShapeName, Fields),

@@ -260,14 +260,17 @@ macro_rules! no_numbers {
 
         /// Its form in a scene file: what it works on.
         #[derive(serde::Deserialize)]
-        pub(crate) struct File($operands);
+        #[serde(deny_unknown_fields)]
+        pub(crate) struct File {
+            of: $operands,
+        }
 
         impl $crate::scene::shape::FromFile for File {
             fn read(
                 self,
                 reader: &mut $crate::scene::notation::Reader,
             ) -> Result<$crate::scene::Shape, $crate::scene::SceneError> {
-                let children = $crate::scene::shape::Operands::read(self.0, reader)?;
+                let children = $crate::scene::shape::Operands::read(self.of, reader)?;
                 Ok($crate::scene::Shape::over($part, children))
             }
         }

@@ -8,7 +8,7 @@ use std::os::unix::fs::symlink;
 /// path, a symbolic or a hard link.
 #[test]
 fn outputs_never_replace_inputs() {
-    let folder = folder_with("Union([HeightField(image: \"h.png\", size: (9, 2, 9)), Plane])");
+    let folder = folder_with("Union(of: [HeightField(image: \"h.png\", size: (9, 2, 9)), Plane])");
     let folder = folder.path();
     let picture = image::GrayImage::from_fn(4, 4, |x, y| image::Luma([(x * y * 9) as u8]));
     picture.save(folder.join("h.png")).unwrap();

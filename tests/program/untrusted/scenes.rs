@@ -8,7 +8,7 @@ use crate::common::cli::{run_in, stderr};
 #[test]
 fn what_is_impossible_between_keys_is_refused_with_its_time() {
     let prism = "Prism(corners: [(0, 0), (1, 0), (0.5, Keys([(0, 1), (2, -1)]))], depth: 1)";
-    let normal = "Complement(HalfSpace(normal: (Keys([(0, 1), (3, -2)]), 0, 0), offset: -9))";
+    let normal = "Complement(of: HalfSpace(normal: (Keys([(0, 1), (3, -2)]), 0, 0), offset: -9))";
     for shape in [prism, normal] {
         let folder = folder_with(shape);
         for arguments in [
@@ -38,9 +38,9 @@ fn a_hundred_thousand_key_frames_are_read() {
 #[test]
 fn what_compiles_for_minutes_is_refused() {
     let planes = "Plane), Surface(shape: ".repeat(600) + "Plane";
-    let balls = format!("Union([{}])", "Sphere(radius: 1),".repeat(600));
+    let balls = format!("Union(of: [{}])", "Sphere(radius: 1),".repeat(600));
     let kinds: Vec<String> = (1..40)
-        .map(|n| format!("Union([{}])", "Torus(ring: 2, tube: 1),".repeat(n)))
+        .map(|n| format!("Union(of: [{}])", "Torus(ring: 2, tube: 1),".repeat(n)))
         .collect();
     let kinds = kinds.join("), Surface(shape: ");
     for shapes in [planes, balls, kinds] {

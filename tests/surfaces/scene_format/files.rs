@@ -26,7 +26,7 @@ fn files_lie_beside_the_scene() {
     image.save(folder.path().join("hills.png")).unwrap();
 
     const FIELD: &str = "Field(file: \"ball.glsl\", lipschitz: 1.5, size: (3, 3, 3))";
-    let scene = read(&format!("shape: Union([{FIELD}, {FIELD}])")).unwrap();
+    let scene = read(&format!("shape: Union(of: [{FIELD}, {FIELD}])")).unwrap();
     let field = &scene.surfaces[0].shape;
     let Node::User(User { field: user }) = &field.children[0].node else {
         panic!("{field:?}");

@@ -37,7 +37,7 @@ fn numbers_move() {
             Motion::Named("r".into()),
         ),
         (
-            "shape: Union([Plane, Translate(of: Sphere(radius: 1), by: (0, Value(\"up\", 3), 0))])",
+            "shape: Union(of: [Plane, Translate(of: Sphere(radius: 1), by: (0, Value(\"up\", 3), 0))])",
             "1.by.y",
             Motion::Named("up".into()),
         ),

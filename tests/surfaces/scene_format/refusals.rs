@@ -8,7 +8,7 @@ fn mistakes_are_refused_at_their_place() {
     let cases = [
         // Names.
         ("shape: Spere(radius: 1)", "`Spere`"),
-        ("shape: Union([Plane, Spere(radius: 1)])", "`Spere`"),
+        ("shape: Union(of: [Plane, Spere(radius: 1)])", "`Spere`"),
         ("shape: Sphere(raduis: 1)", "`raduis`"),
         ("shape: Shell(of: Plane)", "`thickness`"),
         ("shape: Shell(thickness: 1)", "`of`"),
@@ -109,7 +109,7 @@ fn what_cannot_be_is_refused_by_name() {
             "name: \"bed\", shape: RoundedBox(size: (1, 1, 1), rounding: 0.6)",
             "surface 1 (bed): RoundedBox: ",
         ),
-        ("shape: Union([])", "surface 1 (Union): Union: "),
+        ("shape: Union(of: [])", "surface 1 (Union): Union: "),
         (
             "shape: Repeat(of: Plane, period: (1, 0, 0))",
             "surface 1 (Repeat): Repeat: ",
@@ -142,13 +142,13 @@ fn what_cannot_be_is_refused_by_name() {
 #[test]
 fn deep_nesting_is_refused_in_a_sentence() {
     let nested = |depth: usize| {
-        let (open, close) = ("Complement(".repeat(depth), ")".repeat(depth));
+        let (open, close) = ("Complement(of: ".repeat(depth), ")".repeat(depth));
         format!("shape: {open}Plane{close}")
     };
     assert_eq!(scene(&nested(64)).surfaces[0].shape.name(), "Complement");
     let operator = |depth: usize| {
         let (open, close) = (
-            "Union([Translate(of: ".repeat(depth),
+            "Union(of: [Translate(of: ".repeat(depth),
             ", by: (0, 0, 0))])".repeat(depth),
         );
         format!("shape: {open}Plane{close}")

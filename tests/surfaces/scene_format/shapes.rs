@@ -123,8 +123,8 @@ fn every_node_is_read_from_a_file() {
                 coefficients: [1.0, 2.0, 3.0, 0.0, 0.5, 0.0, 0.0, 0.0, -1.0, -4.0],
             }),
         ),
-        ("Union([Plane])", Node::Union(Union)),
-        ("Complement(Plane)", Node::Complement(Complement)),
+        ("Union(of: [Plane])", Node::Union(Union)),
+        ("Complement(of: Plane)", Node::Complement(Complement)),
     ];
     for (text, node) in shapes {
         let read = shape(text);
@@ -132,18 +132,18 @@ fn every_node_is_read_from_a_file() {
     }
     let operators = [
         (
-            format!("Union([{BALL}, {BLOCK}])"),
+            format!("Union(of: [{BALL}, {BLOCK}])"),
             Shape::union([ball(), block()]),
         ),
         (
-            format!("Intersection([{BALL}, {BLOCK}])"),
+            format!("Intersection(of: [{BALL}, {BLOCK}])"),
             Shape::intersection([ball(), block()]),
         ),
         (
             format!("Difference(from: {BALL}, cut: [{BLOCK}, Plane])"),
             ball().minus([block(), field(Node::Plane(Plane))]),
         ),
-        (format!("Complement({BLOCK})"), block().complement()),
+        (format!("Complement(of: {BLOCK})"), block().complement()),
         (
             format!("Shell(of: {BALL}, thickness: 0.5)"),
             ball().shell(0.5),
@@ -212,7 +212,7 @@ fn every_node_is_read_from_a_file() {
         ),
         (
             format!(
-                "Difference(from: Shell(of: {BALL}, thickness: 0.5), cut: [Translate(of: Union([{BLOCK}]), by: (1, 2, 3))])"
+                "Difference(from: Shell(of: {BALL}, thickness: 0.5), cut: [Translate(of: Union(of: [{BLOCK}]), by: (1, 2, 3))])"
             ),
             ball()
                 .shell(0.5)

@@ -1,0 +1,262 @@
+//! The form of three operators that older scene files have: `Union([…])` for `Union(of: […])`.
+//!
+//! RON reads a name's content either as fields or as one value, so the text is brought to the one
+//! form before it is read. Places in errors are those of the text as it was.
+
+use crate::scene::SceneError;
+use std::borrow::Cow;
+
+/// Operators that had no names within their parentheses.
+const OPERATORS: [&str; 3] = ["Union", "Intersection", "Complement"];
+
+/// What is put before their operands.
+const NAME: &str = "of: ";
+
+/// A text in the one form, and where it differs from the one that was read.
+pub(super) struct Modern<'a> {
+    pub text: Cow<'a, str>,
+    /// Line and column, each from 1, of every name put in, in the text as it was; in order.
+    inserted: Vec<(usize, usize)>,
+}
+
+impl<'a> Modern<'a> {
+    pub fn of(text: &'a str) -> Modern<'a> {
+        let places = places(text);
+        let Some(last) = places.last() else {
+            return Modern {
+                text: Cow::Borrowed(text),
+                inserted: Vec::new(),
+            };
+        };
+        let mut modern = String::with_capacity(text.len() + NAME.len() * places.len());
+        let mut inserted = Vec::with_capacity(places.len());
+        let (mut from, mut line, mut column) = (0, 1, 1);
+        for place in &places {
+            let before = &text[from..*place];
+            line += before.matches('\n').count();
+            column = match before.rsplit_once('\n') {
+                Some((_, last)) => 1 + last.chars().count(),
+                None => column + before.chars().count(),
+            };
+            inserted.push((line, column));
+            modern += before;
+            modern += NAME;
+            from = *place;
+        }
+        modern += &text[*last..];
+        Modern {
+            text: Cow::Owned(modern),
+            inserted,
+        }
+    }
+
+    /// An error of this text, of the file that is called `origin`, at its place in the text as it
+    /// was.
+    pub fn in_text_as_it_was(&self, mut error: SceneError, origin: &str) -> SceneError {
+        if let SceneError::Malformed(malformed) = &mut error
+            && malformed.origin == origin
+        {
+            malformed.column = self.column_as_it_was(malformed.line, malformed.column);
+        }
+        error
+    }
+
+    fn column_as_it_was(&self, line: usize, column: usize) -> usize {
+        let in_line = self.inserted.iter().filter(|(at, _)| *at == line);
+        in_line.fold(column, |column, (_, begin)| {
+            // Within a name that was put in: where it was put.
+            match column > *begin {
+                true => column.saturating_sub(NAME.len()).max(*begin),
+                false => column,
+            }
+        })
+    }
+}
+
+/// Where operands stand without a name, in bytes.
+fn places(text: &str) -> Vec<usize> {
+    let mut places = Vec::new();
+    let mut at = 0;
+    while at < text.len() {
+        if let Some(length) = beside_code(&text[at..]) {
+            at += length;
+            continue;
+        }
+        let word = word_length(&text[at..]);
+        if word == 0 {
+            at += text[at..].chars().next().map_or(1, char::len_utf8);
+            continue;
+        }
+        let name = &text[at..at + word];
+        at += word;
+        if OPERATORS.contains(&name)
+            && let Some(inside) = inside(text, at)
+        {
+            at = inside;
+            if is_unnamed(text, inside) {
+                places.push(inside);
+            }
+        }
+    }
+    places
+}
+
+/// Where the content of a parenthesis begins, if one opens here.
+fn inside(text: &str, at: usize) -> Option<usize> {
+    let open = after_blanks(text, at);
+    text[open..]
+        .starts_with('(')
+        .then(|| after_blanks(text, open + 1))
+}
+
+/// Whether a value begins here, not a field's name.
+fn is_unnamed(text: &str, at: usize) -> bool {
+    let word = word_length(&text[at..]);
+    let is_name = word > 0 && text[after_blanks(text, at + word)..].starts_with(':');
+    let is_empty = text[at..].is_empty() || text[at..].starts_with(')');
+    !is_name && !is_empty
+}
+
+fn after_blanks(text: &str, mut at: usize) -> usize {
+    loop {
+        let rest = &text[at..];
+        let blanks = rest.len() - rest.trim_start().len();
+        match comment_length(rest) {
+            _ if blanks > 0 => at += blanks,
+            Some(length) => at += length,
+            None => return at,
+        }
+    }
+}
+
+fn word_length(text: &str) -> usize {
+    let end = text.find(|c: char| !c.is_alphanumeric() && c != '_');
+    end.unwrap_or(text.len())
+}
+
+/// Bytes of the comment, text or character that begins here.
+fn beside_code(text: &str) -> Option<usize> {
+    if let Some(length) = comment_length(text) {
+        return Some(length);
+    }
+    if text.starts_with('"') {
+        return Some(text_length(text));
+    }
+    let raw = text.strip_prefix('r')?;
+    let hashes = raw.len() - raw.trim_start_matches('#').len();
+    let inside = raw[hashes..].strip_prefix('"')?;
+    let end = format!("\"{}", "#".repeat(hashes));
+    let length = inside
+        .find(&end)
+        .map_or(inside.len(), |found| found + end.len());
+    Some(text.len() - inside.len() + length)
+}
+
+/// Bytes of the comment that begins here; those in stars stand within each other.
+fn comment_length(text: &str) -> Option<usize> {
+    if text.starts_with("//") {
+        return Some(text.find('\n').unwrap_or(text.len()));
+    }
+    if !text.starts_with("/*") {
+        return None;
+    }
+    let (mut depth, mut at) = (0usize, 0);
+    while let Some(found) = text[at..].find(['/', '*']) {
+        at += found;
+        match text.get(at..at + 2) {
+            Some("/*") => depth += 1,
+            Some("*/") => depth -= 1,
+            _ => {
+                at += 1;
+                continue;
+            }
+        }
+        at += 2;
+        if depth == 0 {
+            return Some(at);
+        }
+    }
+    Some(text.len())
+}
+
+/// Bytes of the text in quotation marks that begins here.
+fn text_length(text: &str) -> usize {
+    let mut at = 1;
+    while let Some(found) = text[at..].find(['"', '\\']) {
+        at += found + 1;
+        if text[..at].ends_with('"') {
+            return at;
+        }
+        at += text[at..].chars().next().map_or(0, char::len_utf8);
+    }
+    text.len()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Scene;
+
+    /// Protects files of either form: names are put in where they lack, and nowhere else.
+    #[test]
+    fn names_are_put_in_where_they_lack() {
+        for (text, expected) in [
+            ("Union([Plane])", "Union(of: [Plane])"),
+            (
+                "Complement ( Intersection( [A, Union([B])]))",
+                "Complement ( of: Intersection( of: [A, Union(of: [B])]))",
+            ),
+            (
+                "Union /* (a */ ( // b\n [C])",
+                "Union /* (a */ ( // b\n of: [C])",
+            ),
+            (
+                "Complement(Sphere(radius: 1))",
+                "Complement(of: Sphere(radius: 1))",
+            ),
+        ] {
+            assert_eq!(Modern::of(text).text, expected);
+        }
+        for same in [
+            "Union(of: [Plane])",
+            "Union( of /* a */ : [Plane])",
+            "Union(off: [Plane])",
+            "Union()",
+            "Union",
+            "Union(",
+            "SmoothUnion(of: [Plane], radius: 1)",
+            "\"Union([\", 'a', \"\\\"Union([\"",
+            "r#\"Union([\"Union([\"#",
+            "// Union([\n",
+            "/* Union([ /* */ Union([ */",
+            "/* Union([",
+            "\"Union([",
+            "\"\\",
+        ] {
+            assert!(matches!(Modern::of(same).text, Cow::Borrowed(text) if text == same));
+        }
+    }
+
+    /// Protects the places of errors in files of the older form.
+    #[test]
+    fn errors_stand_where_they_stood() {
+        let told = |shape: &str| {
+            let text = format!("Scene(surfaces: [\n Surface(shape: {shape})])");
+            Scene::from_ron(&text, "f").unwrap_err().to_string()
+        };
+        for (shape, place) in [
+            ("Union([Complement(Sphere(radius: one))])", "f:2:53: "),
+            ("Union([Plane,\n Teapot])", "f:3:2: "),
+            ("Union([Complement(Teapot)])", "f:2:35: "),
+        ] {
+            let said = told(shape);
+            assert!(said.starts_with(place), "{shape}: {said}");
+            // As in the one form, but for the names.
+            let modern = told(&Modern::of(shape).text);
+            assert_eq!(
+                said.split_once(": ").unwrap().1,
+                modern.split_once(": ").unwrap().1
+            );
+        }
+    }
+}
