@@ -1,16 +1,40 @@
-// How fast the text's value grows along an axis, over h to either side as far as the box goes.
-float growthOfUser0(vec3 p, vec3 offset, vec3 halfSize) {
-    vec3 from = max(p - offset, -halfSize);
-    vec3 to = min(p + offset, halfSize);
-    return (user0_field(to) - user0_field(from)) / dot(to - from, vec3(1.0));
+// How fast the text's value grows along an axis at p, where it is `value`, and how fast that
+// changes: over h to either side, and next to a face of the box over h and 2 h away from the face,
+// which tells no change. Either is off by some h², so that their differences tell how much.
+vec2 growthOfUser0(vec3 p, float value, vec3 axis, float h, vec3 halfSize) {
+    float along = dot(p, axis);
+    float end = dot(halfSize, axis);
+    h = min(h, 0.5 * end);
+    bool isAtFace = abs(along) + h > end;
+    float inwards = along > 0.0 ? -h : h;
+    vec3 one = p + (isAtFace ? inwards : h) * axis;
+    vec3 other = p + (isAtFace ? 2.0 * inwards : -h) * axis;
+    float atOne = user0_field(one);
+    float atOther = user0_field(other);
+    float toOne = dot(one - p, axis);
+    float toOther = dot(other - p, axis);
+    float apart = dot(one - other, axis);
+    // At a face the slope at p of the parabola through all three.
+    float slope = isAtFace
+        ? ((atOther - value) / toOther * toOne - (atOne - value) / toOne * toOther) / apart
+        : (atOne - atOther) / apart;
+    float bend = isAtFace ? 0.0 : ((atOne - value) + (atOther - value)) / (h * h);
+    return vec2(slope, bend);
 }
 
 // Along an axis on which p is beyond the box, the value does not change.
-vec3 quotientsOfUser0(vec3 p, float h, vec3 halfSize, float inverseLipschitz) {
+vec3 quotientsOfUser0(
+    vec3 p, float value, float h, vec3 halfSize, float inverseLipschitz, out vec3 bends
+) {
     vec3 q = clamp(p, -halfSize, halfSize);
-    vec2 e = vec2(h, 0.0);
-    return inverseLipschitz * step(abs(p), halfSize) * vec3(
-        growthOfUser0(q, e.xyy, halfSize), growthOfUser0(q, e.yxy, halfSize), growthOfUser0(q, e.yyx, halfSize));
+    float own = value / inverseLipschitz;
+    vec2 e = vec2(1.0, 0.0);
+    vec2 x = growthOfUser0(q, own, e.xyy, h, halfSize);
+    vec2 y = growthOfUser0(q, own, e.yxy, h, halfSize);
+    vec2 z = growthOfUser0(q, own, e.yyx, h, halfSize);
+    vec3 scale = inverseLipschitz * step(abs(p), halfSize);
+    bends = scale * vec3(x.y, y.y, z.y);
+    return scale * vec3(x.x, y.x, z.x);
 }
 
 // The power of 2 next to the largest coordinate: what the text's own rounding goes by. Cut out of
@@ -30,17 +54,20 @@ vec4 gdUser0(vec3 p, vec3 halfSize, float inverseLipschitz) {
         return vec4(gradientBox(p, halfSize), outside);
     }
     float h = 9.765625e-4 * scaleOfUser0(p, halfSize);
-    return vec4(quotientsOfUser0(p, h, halfSize, inverseLipschitz), value);
+    vec3 bends;
+    return vec4(quotientsOfUser0(p, value, h, halfSize, inverseLipschitz, bends), value);
 }
 
 // For a normal: differences of sixth order over h, 2 h and 4 h (Richardson's extrapolation). Wide
 // steps leave the least rounding, and tell nothing where the surface bends or breaks within
 // them. So they are halved until the fourth order says the same within half a rounding of the
-// value; what never does, next to an edge, has the narrowest.
+// value; what never does, next to an edge, has the narrowest. An edge 16/9 h away adds nothing to
+// that difference: the slopes' changes, whose differences it does add to, must agree as well.
 vec4 gnUser0(vec3 p, vec3 halfSize, float inverseLipschitz) {
     const float WIDEST = 0.25;            // of the scale, to either side
     const float NARROWEST = 9.765625e-4;
     const float AGREE = 5.9604645e-8;     // half of 2^-23
+    const float BENDS = 0.5;              // three values round them more than two round a slope
     float value = sdUser0(p, halfSize, inverseLipschitz);
     float outside = sdBox(p, halfSize);
     if (outside >= value) {
@@ -49,17 +76,22 @@ vec4 gnUser0(vec3 p, vec3 halfSize, float inverseLipschitz) {
     float scale = scaleOfUser0(p, halfSize);
     // Nothing is known beyond the box.
     float h = clamp(-outside, 16.0 * NARROWEST * scale, WIDEST * scale);
-    vec3 wide = quotientsOfUser0(p, h, halfSize, inverseLipschitz);
-    vec3 middle = quotientsOfUser0(p, 0.5 * h, halfSize, inverseLipschitz);
+    vec3 wideBends, middleBends, narrowBends;
+    vec3 wide = quotientsOfUser0(p, value, h, halfSize, inverseLipschitz, wideBends);
+    vec3 middle = quotientsOfUser0(p, value, 0.5 * h, halfSize, inverseLipschitz, middleBends);
     for (h *= 0.25; h >= NARROWEST * scale; h *= 0.5) {
-        vec3 narrow = quotientsOfUser0(p, h, halfSize, inverseLipschitz);
+        vec3 narrow = quotientsOfUser0(p, value, h, halfSize, inverseLipschitz, narrowBends);
         vec3 gradient = (64.0 * narrow - 20.0 * middle + wide) / 45.0;
         vec3 off = (4.0 * narrow - 5.0 * middle + wide) / 45.0;
-        if (length(off) <= AGREE * scale / h * length(gradient)) {
+        vec3 bendOff = BENDS * h * (4.0 * narrowBends - 5.0 * middleBends + wideBends) / 45.0;
+        float most = AGREE * scale / h * length(gradient);
+        if (length(off) <= most && length(bendOff) <= most) {
             return vec4(gradient, value);
         }
         wide = middle;
         middle = narrow;
+        wideBends = middleBends;
+        middleBends = narrowBends;
     }
     return vec4(middle, value);
 }

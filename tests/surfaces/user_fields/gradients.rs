@@ -236,3 +236,116 @@ fn a_wave_that_meets_a_tip_is_mirrored() {
         );
     }
 }
+
+/// By how much a gyroid's sheets may turn a direction wrong: rounding of its text's numbers over the
+/// narrowest step, next to the faces of its box.
+const GYROID_MOST: f64 = 4e-4;
+
+/// Protects normals by differences from steps that agree by accident: next to a face of the box
+/// slopes were those of one side, and waves left 2e-3 rad off; no wave does now.
+#[test]
+fn no_face_of_the_box_spoils_a_normal() {
+    const TIMES: f64 = 1.3;
+    let text = "float field(vec3 p) {
+        vec3 q = 1.3 * p;
+        return (abs(dot(sin(q), cos(q.yzx))) - 0.35) / 1.3;
+    }";
+    let size = Vec3::new(12.0, 7.0, 12.0);
+    let normal = |p: DVec3| {
+        let q = TIMES * p;
+        let (s, c) = (q.map(f64::sin), q.map(f64::cos));
+        let value = s.dot(DVec3::new(c.y, c.z, c.x));
+        let by = DVec3::new(
+            c.x * c.y - s.z * s.x,
+            c.y * c.z - s.x * s.y,
+            c.z * c.x - s.y * s.z,
+        );
+        value.signum() * by.normalize()
+    };
+    let field = UserField::new("gyroid.glsl", text.to_owned(), size, 1.75);
+    let node = Node::User(User {
+        field: Arc::new(field),
+    });
+    let scene = Scene::new(
+        "gyroid",
+        vec![Surface::new(node)],
+        Source::at(Vec3::new(1.2, 0.0, 0.0)),
+        // Off every coordinate of the field, so that none is moved.
+        Listener::at(Vec3::ZERO, 0.01),
+    );
+    let mut tracer = Tracer::new(&context(Api::Gl)).unwrap();
+    let settings = Settings::new(Profile::Hybrid)
+        .with_waves(300_000)
+        .with_seed(99_173)
+        .with_iterations(1);
+    let (_, waves) = tracer.frame_with_waves(&scene, &settings).unwrap();
+    let half = 0.5 * size.as_dvec3();
+    let (mut near_faces, mut off, mut worst) = (0, 0, 0.0_f64);
+    for wave in waves.iter().filter(|wave| wave.status == 1.0) {
+        let p = wave.position.as_dvec3();
+        let to_face = (half - p.abs()).min_element();
+        if to_face < 1e-5 {
+            // A face of the box itself.
+            continue;
+        }
+        near_faces += usize::from(to_face < 0.05);
+        let normal = normal(p);
+        let d = wave.start_direction.as_dvec3();
+        let mirrored = d - 2.0 * d.dot(normal) * normal;
+        let error = mirrored.distance(wave.direction.as_dvec3());
+        off += usize::from(error > 2e-5);
+        worst = worst.max(error);
+    }
+    println!("{near_faces} near faces, {off} off by more than 2e-5, at most {worst:.1e}");
+    assert!(near_faces > 200, "{near_faces}");
+    assert!(worst < GYROID_MOST, "{worst:e}");
+}
+
+/// Protects normals next to the edge of two planes that are nearly one: at 16/9 of a step from it
+/// slopes agreed by accident, and waves left by a normal between the planes', up to half a metre
+/// from the edge.
+#[test]
+fn no_edge_that_is_far_spoils_a_normal() {
+    let mut tracer = Tracer::new(&context(Api::Gl)).unwrap();
+    for slope in [0.1, 0.01] {
+        let half = 0.5 * slope as f64;
+        let plane = |side: f64| DVec3::new(side * half.sin(), half.cos(), 0.0);
+        let glsl = |n: DVec3| format!("dot(p, vec3({:?}, {:?}, 0.0))", n.x as f32, n.y as f32);
+        let text = format!(
+            "float field(vec3 p) {{ return min({}, {}); }}",
+            glsl(plane(1.0)),
+            glsl(plane(-1.0))
+        );
+        let field = UserField::new("roof.glsl", text, Vec3::splat(8.0), 1.001);
+        let node = Node::User(User {
+            field: Arc::new(field),
+        });
+        let scene = Scene::new(
+            "valley",
+            vec![Surface::new(node).at(Vec3::new(1.3, 0.4, -0.7))],
+            Source::at(Vec3::new(1.3, 1.4, -0.7)),
+            Listener::at(Vec3::new(1.3, 3.4, -0.7), 0.1),
+        );
+        let settings = Settings::new(Profile::Hybrid)
+            .with_waves(100_000)
+            .with_iterations(1);
+        let (_, waves) = tracer.frame_with_waves(&scene, &settings).unwrap();
+        let (mut met, mut worst) = (0, 0.0_f64);
+        for wave in waves.iter().filter(|wave| wave.status == 1.0) {
+            let p = wave.position.as_dvec3() - DVec3::new(1.3, 0.4, -0.7);
+            // Steps are a thousandth of the largest coordinate at the least.
+            if p.x.abs() < 0.01 || p.abs().max_element() > 3.9 {
+                continue;
+            }
+            met += 1;
+            // The solid is where either plane has it: the lower value is that of the plane met.
+            let normal = plane(p.x.signum() * -1.0);
+            let d = wave.start_direction.as_dvec3();
+            let mirrored = d - 2.0 * d.dot(normal) * normal;
+            worst = worst.max(mirrored.distance(wave.direction.as_dvec3()));
+        }
+        println!("{slope}: {met} waves, at most {worst:.1e}");
+        assert!(met > 10_000);
+        assert!(worst < 2e-4, "{slope}: {worst:e}");
+    }
+}
