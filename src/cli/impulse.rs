@@ -1,6 +1,7 @@
 //! `echomarch impulse`: impulse responses and room acoustic figures.
 
 mod files;
+mod flutter;
 mod missing;
 mod notes;
 pub(super) mod pairs;

@@ -12,6 +12,8 @@ mod caught;
 mod duration;
 mod early;
 mod few_arrivals;
+#[cfg(feature = "cli")]
+mod flutter;
 #[cfg(any(feature = "experiment", feature = "cli"))]
 mod gaps;
 mod heard_source;
@@ -25,6 +27,8 @@ mod settings;
 mod sphere_mean;
 
 pub use early::HeardPath;
+#[cfg(feature = "cli")]
+pub(crate) use flutter::{Flutter, flutters};
 #[cfg(any(feature = "experiment", feature = "cli"))]
 pub(crate) use gaps::Gap;
 pub use heard_source::HeardSource;

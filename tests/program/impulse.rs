@@ -329,3 +329,39 @@ fn files_open_in_sox() {
         assert_eq!(told("-s"), frames.to_string(), "{format}");
     }
 }
+
+/// Protects people from a decay that they take for the room's reverberation: between hard parallel
+/// walls sound lasts, which the note on flutter names with the walls and both times; and what lacks
+/// a material is told.
+#[test]
+fn a_flutter_echo_is_told_with_its_walls() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("flutter.ron");
+    let room = |scattering: &str| {
+        format!(
+            "Scene(surfaces: [Surface(shape: Room(size: (6, 3, 5)), material: \"soft\",
+            walls: (left: \"hard\", right: \"hard\"))],
+            materials: {{\"soft\": Material(absorption: 0.5{scattering}),
+            \"hard\": Material(absorption: 0.03{scattering})}},
+            source: Source(position: (-1.2, 0.3, 0.4)),
+            listener: Listener(position: (1.7, -0.2, -0.6), radius: 0.3))"
+        )
+    };
+    let notes = |text: String| {
+        std::fs::write(&file, text).unwrap();
+        let report: Value = json(&["impulse", argument(&file), "--waves", "65536"]);
+        report["pairs"][0]["notes"].to_string()
+    };
+    let bare = notes(room(""));
+    assert!(
+        bare.contains("flutter echo between 1/left and 1/right; nothing scatters"),
+        "{bare}"
+    );
+    let rough = notes(room(", scattering: 0.6"));
+    assert!(!rough.contains("flutter"), "{rough}");
+    let bald = notes(room("").replace("material: \"soft\",", ""));
+    assert!(
+        bald.contains("1/floor, 1/ceiling, 1/front, 1/back have no material"),
+        "{bald}"
+    );
+}

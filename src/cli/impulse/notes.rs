@@ -1,13 +1,17 @@
 //! What a response does not hold, and what helps, in sentences.
 
 use super::super::options::Common;
+use super::flutter;
 use super::missing;
 use super::pairs::Pair;
 use crate::response::{HeardPath, Response};
-use crate::scene::{Scene, Surface};
+use crate::scene::{Scene, Surface, Warning};
 
 /// Printed before waves are traced, because tracing takes long where sound does not decay.
 const NOTHING_ABSORBS: &str = "note: no surface absorbs in this scene: where sound cannot leave it, it does not decay, and figures will be missing; give its surfaces a material (docs/scene-format.md)";
+
+/// The same where the air alone absorbs.
+const ONLY_AIR_ABSORBS: &str = "note: no surface absorbs in this scene, the air alone does: decays are as long as the air makes them; give its surfaces a material (docs/scene-format.md)";
 
 /// One sentence about a response.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,15 +21,22 @@ struct Note {
     text: String,
 }
 
-/// The sentences about a response, as JSON has them.
+/// The sentences about a response, as JSON has them: with that on surfaces without a material, which
+/// is printed when the scene is loaded.
 pub fn texts(scene: &Scene, response: &Response) -> Vec<String> {
-    all(scene, response).into_iter().map(|n| n.text).collect()
+    let notes = all(scene, response).into_iter().map(|note| note.text);
+    let of_scene = scene.warnings().into_iter();
+    let of_decay = of_scene.filter(|warning| matches!(warning, Warning::NoMaterial { .. }));
+    notes.chain(of_decay.map(|w| w.to_string())).collect()
 }
 
 /// Prints before anything is traced that no decay can be estimated.
 pub fn tell_first(common: &Common, scene: &Scene) {
-    if !scene.has_materials() && scene.air.is_none() {
-        common.note(NOTHING_ABSORBS);
+    if !scene.has_materials() {
+        common.note(match scene.air {
+            None => NOTHING_ABSORBS,
+            Some(_) => ONLY_AIR_ABSORBS,
+        });
     }
 }
 
@@ -91,6 +102,7 @@ fn all(scene: &Scene, response: &Response) -> Vec<Note> {
         ));
     }
     notes.extend(missing::reasons(scene, response).into_iter().map(note));
+    notes.extend(flutter::notes(scene, response).into_iter().map(note));
     notes
 }
 

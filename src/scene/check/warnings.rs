@@ -1,8 +1,11 @@
 //! What is odd about a scene, and runs.
 
-use crate::scene::{Node, ROUNDING, Scene};
+use crate::scene::{Node, ROUNDING, Scene, WALL_COUNT, WALL_NAMES};
 use glam::Vec3;
 use std::fmt;
+
+/// Surfaces that one sentence lists at most.
+const MOST_LISTED: usize = 6;
 
 /// Something odd that still runs.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,6 +39,19 @@ pub enum Warning {
         surface: String,
         /// How deep, in metres.
         depth: f32,
+    },
+    /// Two rooms: each is solid outside, so that it fills the other but for what is within both.
+    RoomsFillEachOther {
+        /// One of them.
+        first: String,
+        /// The other.
+        second: String,
+    },
+    /// Surfaces and walls without a material, in a scene whose others have one: these reflect all
+    /// sound, and decays are longer for it.
+    NoMaterial {
+        /// Which: `1/floor`, `surface 2 (Sphere)`.
+        surfaces: Vec<String>,
     },
     /// A user's field without air or without a solid in its box, by its samples.
     OneSided {
@@ -87,6 +103,26 @@ impl fmt::Display for Warning {
                     to_millimetres(*depth)
                 )
             }
+            Warning::RoomsFillEachOther { first, second } => write!(
+                f,
+                "{first} and {second} fill each other: all outside of a Room is solid; write rooms that are joined as one surface, Complement(of: Union(of: [Box(…), Box(…)]))"
+            ),
+            Warning::NoMaterial { surfaces } => {
+                let (listed, more) = surfaces.split_at(surfaces.len().min(MOST_LISTED));
+                let more = match more.len() {
+                    0 => String::new(),
+                    count => format!(" and {count} more"),
+                };
+                let verb = match surfaces.len() {
+                    1 => "has no material and reflects",
+                    _ => "have no material and reflect",
+                };
+                write!(
+                    f,
+                    "{}{more} {verb} all sound, so that decays are too long: give each surface a material",
+                    listed.join(", ")
+                )
+            }
             Warning::OneSided {
                 surface,
                 file,
@@ -120,8 +156,49 @@ impl Scene {
                 });
             }
         }
+        warnings.extend(self.rooms_that_fill_each_other());
+        warnings.extend(self.without_material());
         warnings.extend(self.one_sided_fields());
         warnings
+    }
+
+    /// Every further room, with the first.
+    fn rooms_that_fill_each_other(&self) -> Vec<Warning> {
+        let all = self.surfaces.iter().enumerate();
+        let mut rooms = all.filter(|(_, surface)| surface.has_walls());
+        let Some((index, first)) = rooms.next() else {
+            return Vec::new();
+        };
+        let further = rooms.map(|(further, second)| Warning::RoomsFillEachOther {
+            first: first.label(index),
+            second: second.label(further),
+        });
+        further.collect()
+    }
+
+    /// What has no material, where something has.
+    fn without_material(&self) -> Option<Warning> {
+        if !self.has_materials() {
+            return None;
+        }
+        let mut surfaces = Vec::new();
+        for (index, surface) in self.surfaces.iter().enumerate() {
+            let lacks = |wall: Option<usize>| self.material(index, wall).is_none();
+            let walls: Vec<usize> = match surface.has_walls() {
+                true => (0..WALL_COUNT).filter(|wall| lacks(Some(*wall))).collect(),
+                false => Vec::new(),
+            };
+            let is_whole = !surface.has_walls() && lacks(None) || walls.len() == WALL_COUNT;
+            match is_whole {
+                true => surfaces.push(surface.label(index)),
+                false => surfaces.extend(
+                    walls
+                        .iter()
+                        .map(|wall| format!("{}/{}", index + 1, WALL_NAMES[*wall])),
+                ),
+            }
+        }
+        (!surfaces.is_empty()).then_some(Warning::NoMaterial { surfaces })
     }
 
     /// Sources in solids, and those in listeners.
@@ -198,6 +275,46 @@ impl Scene {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::Surface;
+    use crate::scene::shape::Sphere;
+
+    /// Protects people from rooms without air: the sentence names both rooms and what to write.
+    #[test]
+    fn rooms_that_fill_each_other_are_told() {
+        let mut scene = super::super::tests::room();
+        scene
+            .surfaces
+            .push(scene.surfaces[0].clone().named("annexe"));
+        let warnings = scene.warnings();
+        let [warning] = &warnings[..] else {
+            panic!("{warnings:?}");
+        };
+        let said = warning.to_string();
+        assert!(said.starts_with("surface 1 (Room) and surface 2 (annexe) fill each other"));
+        assert!(said.contains("Complement(of: Union(of: [Box(…), Box(…)]))"));
+    }
+
+    /// Protects decays from surfaces that reflect all unnoticed: each is named, also a wall, and a
+    /// scene without any material is not told of each.
+    #[test]
+    fn what_has_no_material_is_told() {
+        let mut scene = super::super::tests::room();
+        assert_eq!(scene.warnings(), vec![]);
+        scene.surfaces[0] = scene.surfaces[0].clone().with_wall_material(2, "carpet");
+        let said = scene.warnings()[0].to_string();
+        let expected = "1/left, 1/right, 1/ceiling, 1/front, 1/back have no material";
+        assert!(said.starts_with(expected), "{said}");
+        scene.surfaces[0] = scene.surfaces[0].clone().with_material("plaster");
+        assert_eq!(scene.warnings(), vec![]);
+        scene
+            .surfaces
+            .push(Surface::new(Sphere { radius: 0.1 }).at(Vec3::splat(4.0)));
+        let said = scene.warnings()[0].to_string();
+        assert!(
+            said.starts_with("surface 2 (Sphere) has no material"),
+            "{said}"
+        );
+    }
 
     /// Protects the warnings: they name the surface and do not reject.
     #[test]

@@ -1,0 +1,215 @@
+//! Flutter echoes: sound that lasts between two parallel walls, longer than in a diffuse field.
+//!
+//! Known for a scene that is one [`Room`] and nothing else: only of it are the volume and the
+//! walls known.
+
+use crate::bands::BAND_COUNT;
+use crate::scene::shape::Room;
+use crate::scene::{Material, Node, Scene};
+use std::f64::consts::LN_10;
+
+/// A T30 above this many times Eyring's is reported: uneven absorption alone makes it some ten
+/// per cent longer.
+const MOST_TIMES_EYRING: f64 = 1.5;
+
+/// ln of what 60 dB are as a ratio of energies.
+const LN_OF_60_DB: f64 = 6.0 * LN_10;
+
+/// Two parallel walls between which sound lasts.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Flutter {
+    /// Their numbers in the order of [`WALL_NAMES`](crate::scene::WALL_NAMES).
+    pub walls: [usize; 2],
+    /// The bands whose decay they determine.
+    pub bands: Vec<FlutterBand>,
+    /// Whether none of the room's walls scatters in these bands.
+    pub nothing_scatters: bool,
+}
+
+/// One band that decays more slowly than in a diffuse field.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct FlutterBand {
+    /// Its number, from 0.
+    pub band: usize,
+    /// T30 of the response, in seconds.
+    pub t30_s: f64,
+    /// The reverberation time of a diffuse field by Eyring, in seconds.
+    pub eyring_s: f64,
+}
+
+/// The pairs of walls to which decays above [`MOST_TIMES_EYRING`] times Eyring's are due; `t30_s`
+/// has the seconds by band.
+pub(crate) fn flutters(scene: &Scene, t30_s: [Option<f64>; BAND_COUNT]) -> Vec<Flutter> {
+    let Some(room) = EmptyRoom::of(scene) else {
+        return Vec::new();
+    };
+    let mut found: Vec<Flutter> = Vec::new();
+    for (band, t30_s) in t30_s.into_iter().enumerate() {
+        let Some(t30_s) = t30_s else {
+            continue;
+        };
+        let limit_s = MOST_TIMES_EYRING * room.eyring_s(band);
+        let (axis, lasts_s) = room.longest_flutter(band);
+        // Between walls that absorb more it would not last so long: another cause.
+        if t30_s <= limit_s || lasts_s <= limit_s {
+            continue;
+        }
+        let walls = [2 * axis, 2 * axis + 1];
+        let nothing_scatters = room.nothing_scatters(band);
+        let of_band = FlutterBand {
+            band,
+            t30_s,
+            eyring_s: room.eyring_s(band),
+        };
+        let is_alike = |known: &&mut Flutter| {
+            known.walls == walls && known.nothing_scatters == nothing_scatters
+        };
+        match found.iter_mut().find(is_alike) {
+            Some(known) => known.bands.push(of_band),
+            None => found.push(Flutter {
+                walls,
+                bands: vec![of_band],
+                nothing_scatters,
+            }),
+        }
+    }
+    found
+}
+
+/// A scene that is one room.
+struct EmptyRoom<'a> {
+    scene: &'a Scene,
+    /// Full size in metres.
+    size: [f64; 3],
+}
+
+impl EmptyRoom<'_> {
+    fn of(scene: &Scene) -> Option<EmptyRoom<'_>> {
+        let [surface] = &scene.surfaces[..] else {
+            return None;
+        };
+        match surface.shape.node {
+            Node::Room(Room { size }) => Some(EmptyRoom {
+                scene,
+                size: size.as_dvec3().to_array(),
+            }),
+            _ => None,
+        }
+    }
+
+    fn volume(&self) -> f64 {
+        self.size.iter().product()
+    }
+
+    /// Square metres of a wall.
+    fn area(&self, wall: usize) -> f64 {
+        self.volume() / self.size[wall / 2]
+    }
+
+    /// A property of a wall's material in a band; 0 without a material.
+    fn of_wall(&self, wall: usize, property: impl Fn(&Material) -> f64) -> f64 {
+        self.scene.material(0, Some(wall)).map_or(0.0, property)
+    }
+
+    /// T = 24 ln 10 V / (c (4 m V − S ln(1 − ᾱ))) (Eyring 1930; Kuttruff, *Room Acoustics*,
+    /// section 5.1).
+    fn eyring_s(&self, band: usize) -> f64 {
+        let walls = 0..6;
+        let surface: f64 = walls.clone().map(|wall| self.area(wall)).sum();
+        let absorbed =
+            walls.map(|wall| self.area(wall) * self.of_wall(wall, |m| m.absorption[band]));
+        let mean = absorbed.sum::<f64>() / surface;
+        let air = self.scene.air_attenuation()[band];
+        let lost = 4.0 * air * self.volume() - surface * (1.0 - mean).ln();
+        4.0 * LN_OF_60_DB * self.volume() / (self.scene.speed_of_sound() * lost)
+    }
+
+    /// The axis along which sound that is mirrored to and fro lasts longest, and the seconds
+    /// in which it falls by 60 dB: a way to and fro keeps what both walls mirror.
+    fn longest_flutter(&self, band: usize) -> (usize, f64) {
+        let air = self.scene.air_attenuation()[band];
+        let seconds = |axis: usize| {
+            let lost = |wall: usize| {
+                let kept = self.of_wall(wall, |m| m.absorption[band]);
+                let mirrored = 1.0 - self.of_wall(wall, |m| m.scattering[band]);
+                -((1.0 - kept) * mirrored).ln()
+            };
+            let way = 2.0 * self.size[axis];
+            let lost = lost(2 * axis) + lost(2 * axis + 1) + way * air;
+            LN_OF_60_DB * way / (self.scene.speed_of_sound() * lost)
+        };
+        let axes = (0..3).map(|axis| (axis, seconds(axis)));
+        let longer = |a: (usize, f64), b: (usize, f64)| if b.1 > a.1 { b } else { a };
+        axes.fold((0, 0.0), longer)
+    }
+
+    fn nothing_scatters(&self, band: usize) -> bool {
+        (0..6).all(|wall| self.of_wall(wall, |m| m.scattering[band]) == 0.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Listener, Source, Surface};
+    use glam::Vec3;
+
+    fn room(scattering: f32) -> Scene {
+        let room = Room {
+            size: Vec3::new(6.0, 3.0, 5.0),
+        };
+        let surface = Surface::new(room)
+            .with_material("soft")
+            .with_wall_material(0, "hard")
+            .with_wall_material(1, "hard");
+        let mut scene = Scene::new(
+            "room",
+            vec![surface],
+            Source::at(Vec3::X),
+            Listener::at(Vec3::ZERO, 0.2),
+        );
+        let mut add = |name: &str, share: f64| {
+            let material = Material::absorbing(share).scattering_by(scattering.into());
+            scene.materials.insert(name.to_owned(), material);
+        };
+        add("soft", 0.5);
+        add("hard", 0.02);
+        scene
+    }
+
+    /// Protects the note from a wrong formula: Eyring's time and that between the hard walls, by
+    /// hand.
+    #[test]
+    fn times_are_those_of_the_formulas() {
+        let scene = room(0.0);
+        let room = EmptyRoom::of(&scene).unwrap();
+        // 0.161 s/m V / (−S ln(1 − ᾱ)) with S = 126 m², ᾱ = (30 · 0.02 + 96 · 0.5) / 126.
+        let eyring = 0.1611 * 90.0 / (126.0 * -(1.0_f64 - 48.6 / 126.0).ln());
+        assert!((room.eyring_s(3) / eyring - 1.0).abs() < 1e-3);
+        // 13.816 · 12 m / 343 m/s / (2 · 0.0202).
+        let (axis, seconds) = room.longest_flutter(3);
+        assert_eq!(axis, 0);
+        assert!((seconds / 11.96 - 1.0).abs() < 1e-3, "{seconds}");
+    }
+
+    /// Protects people from a note that is none: only a long decay with walls that explain it is
+    /// a flutter.
+    #[test]
+    fn only_a_long_decay_between_hard_walls_is_a_flutter() {
+        let scene = room(0.0);
+        let eyring = EmptyRoom::of(&scene).unwrap().eyring_s(0);
+        let found = flutters(&scene, [Some(1.6 * eyring); BAND_COUNT]);
+        assert_eq!(found.len(), 1);
+        assert_eq!(found[0].walls, [0, 1]);
+        assert!(found[0].nothing_scatters);
+        assert_eq!(found[0].bands.len(), BAND_COUNT);
+        assert!(flutters(&scene, [Some(1.4 * eyring); BAND_COUNT]).is_empty());
+        let found = flutters(&room(0.1), [Some(1.6 * eyring); BAND_COUNT]);
+        assert!(!found[0].nothing_scatters);
+        assert!(flutters(&room(0.9), [Some(1.6 * eyring); BAND_COUNT]).is_empty());
+        let mut furnished = scene.clone();
+        furnished.surfaces.push(furnished.surfaces[0].clone());
+        assert!(flutters(&furnished, [Some(9.0); BAND_COUNT]).is_empty());
+        assert!(flutters(&scene, [None; BAND_COUNT]).is_empty());
+    }
+}
