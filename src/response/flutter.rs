@@ -161,7 +161,8 @@ mod tests {
         let surface = Surface::new(room)
             .with_material("soft")
             .with_wall_material(0, "hard")
-            .with_wall_material(1, "hard");
+            .and_then(|surface| surface.with_wall_material(1, "hard"))
+            .expect("the walls of a room");
         let mut scene = Scene::new(
             "room",
             vec![surface],

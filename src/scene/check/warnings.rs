@@ -300,7 +300,8 @@ mod tests {
     fn what_has_no_material_is_told() {
         let mut scene = super::super::tests::room();
         assert_eq!(scene.warnings(), vec![]);
-        scene.surfaces[0] = scene.surfaces[0].clone().with_wall_material(2, "carpet");
+        let floored = scene.surfaces[0].clone().with_wall_material(2, "carpet");
+        scene.surfaces[0] = floored.expect("a floor");
         let said = scene.warnings()[0].to_string();
         let expected = "1/left, 1/right, 1/ceiling, 1/front, 1/back have no material";
         assert!(said.starts_with(expected), "{said}");
