@@ -8,8 +8,8 @@
 //! left out and nothing is random: the only errors are rounding, and the cells that lengths are
 //! summed in.
 
-use crate::acoustics::AcousticsError;
 use crate::bands::{BAND_COUNT, Bands};
+use crate::trace::TraceError;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -114,13 +114,13 @@ impl ShoeboxEnergies {
     /// All images of up to so many reflections, the nearest first.
     ///
     /// # Errors
-    /// [`AcousticsError::BadNumber`] for more than 60 reflections.
-    pub fn images(&self, order: u32) -> Result<Vec<ImageSource>, AcousticsError> {
+    /// [`TraceError::BadSetting`] for more than 60 reflections.
+    pub fn images(&self, order: u32) -> Result<Vec<ImageSource>, TraceError> {
         if order > MOST_ORDER {
-            return Err(AcousticsError::BadNumber {
-                what: "the order of image sources",
-                must: "at most 60",
-                value: order.into(),
+            return Err(TraceError::BadSetting {
+                what: "order of image sources",
+                must: format!("at most {MOST_ORDER}"),
+                value: order.to_string(),
             });
         }
         let reach = i64::from(order);
@@ -148,14 +148,14 @@ impl ShoeboxEnergies {
     /// a cell, 16 times while it runs.
     ///
     /// # Errors
-    /// [`AcousticsError::BadNumber`] for a length that is not finite, cells that are not above 0, more than a million
+    /// [`TraceError::BadSetting`] for a length that is not finite, cells that are not above 0, more than a million
     /// cells, and more than 10¹² images.
     pub fn energies_by_length(
         &self,
         cell_m: f64,
         length_m: f64,
         without_order: Option<u32>,
-    ) -> Result<EnergiesByLength, AcousticsError> {
+    ) -> Result<EnergiesByLength, TraceError> {
         let first_m = self.direct_m();
         let cells = self.check_sum(cell_m, length_m)?;
         let nothing = EnergiesByLength {
@@ -180,27 +180,29 @@ impl ShoeboxEnergies {
     }
 
     /// Cells of so many metres up to a length, if they can be summed.
-    fn check_sum(&self, cell_m: f64, length_m: f64) -> Result<usize, AcousticsError> {
-        let refused = |what, must, value| Err(AcousticsError::BadNumber { what, must, value });
+    fn check_sum(&self, cell_m: f64, length_m: f64) -> Result<usize, TraceError> {
+        let refused = |what, must: &str, value: f64| {
+            Err(TraceError::BadSetting {
+                what,
+                must: must.to_owned(),
+                value: value.to_string(),
+            })
+        };
         if !(cell_m > 0.0 && cell_m.is_finite()) {
-            return refused(
-                "the length of a cell in metres",
-                "finite and above 0",
-                cell_m,
-            );
+            return refused("length of a cell in metres", "finite and above 0", cell_m);
         }
         if !length_m.is_finite() {
-            return refused("the longest way in metres", "finite", length_m);
+            return refused("longest way in metres", "finite", length_m);
         }
         let cells = ((length_m - self.direct_m()) / cell_m).ceil().max(0.0);
         if cells > MOST_CELLS {
-            return refused("the number of cells", "at most 1048576", cells);
+            return refused("number of cells", "at most 1048576", cells);
         }
         // Copies along an axis, of which one is there however short the way is.
         let copies = |axis: usize| 2.0 * length_m.max(0.0) / self.size[axis] + 1.0;
         let images = copies(0) * copies(1) * copies(2) * PI / 6.0;
         if images.is_nan() || images > MOST_IMAGES {
-            return refused("the number of image sources", "at most 1e12", images);
+            return refused("number of image sources", "at most 1e12", images);
         }
         Ok(cells as usize)
     }

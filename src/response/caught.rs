@@ -5,8 +5,10 @@
 //! whose caustics places differ most, the waves give the mean. And if the waves of all paths bring other energy than this
 //! mean by more than three standard deviations, what exceeds these is a part of the error as well.
 
-use super::early::{EarlyPart, HeardPath, passing};
+use super::early::EarlyPart;
+use super::heard_path::HeardPath;
 use super::medium::Medium;
+use super::reflectance::passing;
 use crate::acoustics::early::SpecularPath;
 use crate::acoustics::{Echogram, Figures, Tap};
 use crate::bands::{self, BAND_COUNT, Bands};

@@ -1,49 +1,18 @@
 //! The early part: which arrivals are exact paths, and what is heard along each.
 
+use super::heard_path::{HeardPath, comes_from};
 use super::late_sphere::casts_shadows;
 use super::medium::Medium;
+use super::reflectance::{mirrored_share, passing, reflectance_of};
 use super::sphere_mean::{Replaced, unhidden_taps};
 use crate::acoustics::early::{Candidates, EarlyPaths, Ends, Missed, NoPath, SpecularPath, Vertex};
 use crate::acoustics::{Arrival, Tap};
 use crate::bands::{self, BAND_COUNT, Bands};
 use crate::error::Error;
-use crate::scene::{Listener, Material, Scene, Shape};
+use crate::scene::{Scene, Shape};
 use crate::sphere_directions::lattice;
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
-
-/// A specular path from source to listener, and what is heard along it.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub struct HeardPath {
-    /// Where it goes.
-    pub path: SpecularPath,
-    /// Seconds from the source's impulse to its arrival.
-    pub delay_s: f64,
-    /// Energy density at the listener by band, in 1/m² for a source of power 1: with the losses at
-    /// the surfaces and in the air, and the source's level.
-    pub energy: Bands,
-    /// Where it comes from, to the right of the listener's gaze, in radians from −π to π.
-    pub azimuth: f64,
-    /// Where it comes from, above the plane of the listener's ears, in radians.
-    pub elevation: f64,
-}
-
-impl HeardPath {
-    /// Whether it is the direct sound.
-    pub fn is_direct(&self) -> bool {
-        self.path.surfaces.is_empty()
-    }
-
-    /// The path as a tap of an impulse response.
-    pub fn tap(&self) -> Tap {
-        Tap {
-            seconds: self.delay_s,
-            energy: self.energy,
-            direction: self.path.arrival_direction,
-        }
-    }
-}
 
 /// What replaces an early arrival.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -377,67 +346,4 @@ fn candidate_lengths(ends: &Ends, candidates: &Candidates) -> Vec<(u32, f64)> {
     let of = candidates.iter();
     of.map(|c| (c.wave, length(&mut c.vertices.iter().map(|v| v.point))))
         .collect()
-}
-
-/// The share of the energy that is mirrored at all surfaces of a path, by band.
-pub(super) fn reflectance_of(scene: &Scene, path: &SpecularPath) -> Bands {
-    let at: Vec<(u32, Option<u8>)> = reflections(path).collect();
-    reflectance(scene, &at)
-}
-
-/// The share of the energy that is mirrored at these surfaces and walls, by band.
-pub(super) fn reflectance(scene: &Scene, at: &[(u32, Option<u8>)]) -> Bands {
-    along(scene, at.iter().copied(), |material, band| {
-        (1.0 - material.absorption[band]) * (1.0 - material.scattering[band])
-    })
-}
-
-/// The surfaces and walls that a path is mirrored at.
-fn reflections(path: &SpecularPath) -> impl Iterator<Item = (u32, Option<u8>)> {
-    path.surfaces
-        .iter()
-        .copied()
-        .zip(path.walls.iter().copied())
-}
-
-/// The share of waves that are not scattered at these surfaces and walls, of the mean of the bands.
-fn mirrored_share(scene: &Scene, at: impl Iterator<Item = (u32, Option<u8>)>) -> f64 {
-    let mirrored = |material: &Material, band: usize| 1.0 - material.scattering[band];
-    bands::mean(&along(scene, at, mirrored))
-}
-
-/// How many of `waves` waves pass a listener of this radius along a path, on average.
-pub(super) fn passing(scene: &Scene, path: &SpecularPath, radius_m: f64, waves: u32) -> f64 {
-    let mirrored = path.spreading * mirrored_share(scene, reflections(path));
-    f64::from(waves) * PI * radius_m * radius_m * mirrored
-}
-
-/// What is left after these surfaces and walls, by what the material of each leaves in a band.
-fn along(
-    scene: &Scene,
-    at: impl Iterator<Item = (u32, Option<u8>)>,
-    left: impl Fn(&Material, usize) -> f64,
-) -> Bands {
-    let mut all = [1.0; BAND_COUNT];
-    for (surface, wall) in at {
-        let index = surface as usize - 1;
-        let Some(material) = scene.material(index, wall.map(usize::from)) else {
-            continue;
-        };
-        for (band, all) in all.iter_mut().enumerate() {
-            *all *= left(material, band);
-        }
-    }
-    all
-}
-
-/// Azimuth to the right of the gaze and elevation of a direction, in radians; 0 for none.
-pub(super) fn comes_from(listener: &Listener, towards: DVec3) -> (f64, f64) {
-    let along = |axis: Vec3| axis.as_dvec3().dot(towards);
-    let (right, up, ahead) = (
-        along(listener.right()),
-        along(listener.up()),
-        along(listener.forward()),
-    );
-    (right.atan2(ahead), up.atan2(right.hypot(ahead)))
 }

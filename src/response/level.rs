@@ -1,6 +1,6 @@
 //! How loud, how late and from where a source is heard: one level for all bands.
 
-use super::{Response, early};
+use super::{Response, heard_path};
 use crate::acoustics::strength_db;
 use crate::bands;
 use crate::scene::Listener;
@@ -33,7 +33,7 @@ impl Response {
         let g_db = strength_db(bands::mean(&self.energy()))?;
         let delay_s = self.figures.begins_s?;
         let flow = self.flow();
-        let (azimuth, elevation) = early::comes_from(listener, -flow);
+        let (azimuth, elevation) = heard_path::comes_from(listener, -flow);
         let energy: f64 = self.energy().iter().sum();
         Some(Level {
             g_db,

@@ -16,6 +16,7 @@ mod few_arrivals;
 mod flutter;
 #[cfg(any(feature = "experiment", feature = "cli"))]
 mod gaps;
+mod heard_path;
 mod heard_source;
 mod importance;
 mod late;
@@ -23,14 +24,15 @@ mod late_sphere;
 mod level;
 mod medium;
 mod near_scattering;
+mod reflectance;
 mod settings;
 mod sphere_mean;
 
-pub use early::HeardPath;
 #[cfg(feature = "cli")]
 pub(crate) use flutter::{Flutter, flutters};
 #[cfg(any(feature = "experiment", feature = "cli"))]
 pub(crate) use gaps::Gap;
+pub use heard_path::HeardPath;
 pub use heard_source::HeardSource;
 pub use level::Level;
 pub use settings::{MAX_ORDER, ResponseSettings};

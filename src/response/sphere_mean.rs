@@ -6,8 +6,9 @@
 //! such a place towards the image of the source leads back to the source if nothing is in the way, whatever the order of
 //! the planes; over curved surfaces the path to the place is solved for.
 
-use super::early::{HeardPath, reflectance, reflectance_of};
+use super::heard_path::HeardPath;
 use super::medium::Medium;
+use super::reflectance::{reflectance, reflectance_of};
 use crate::acoustics::Tap;
 use crate::acoustics::early::{Candidates, EarlyPaths, Ends, Found, SpecularPath, Vertex};
 use crate::bands::{self, Bands};

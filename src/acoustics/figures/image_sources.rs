@@ -43,9 +43,17 @@ impl Figures {
             energy: image.energy,
             direction: image.direction,
         };
-        let taps: Vec<Tap> = room.images(TAPS_ORDER)?.iter().map(tap).collect();
+        // The room is too small for so long a record.
+        let too_many = |_| AcousticsError::BadNumber {
+            what: "the length of a record of this room in seconds",
+            must: "so short that there are at most 1e12 image sources",
+            value: seconds,
+        };
+        let images = room.images(TAPS_ORDER).map_err(too_many)?;
+        let taps: Vec<Tap> = images.iter().map(tap).collect();
         let [cell_m, length_m] = [cell_s, seconds].map(|seconds| seconds * speed_m_per_s);
-        let late = room.energies_by_length(cell_m, length_m, Some(TAPS_ORDER))?;
+        let late = room.energies_by_length(cell_m, length_m, Some(TAPS_ORDER));
+        let late = late.map_err(too_many)?;
         let mut echogram = Echogram::with_edge_at(direct_s, cell_s, 1)?;
         for (cell, energy) in late.energies.iter().enumerate() {
             let seconds = late.middle_m(cell) / speed_m_per_s;
