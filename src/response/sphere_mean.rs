@@ -74,8 +74,8 @@ impl Replaced {
             sequences: Candidates::new(MOST_CURVED),
             others: Vec::new(),
         };
-        for index in 0..paths.len() {
-            let vertices = match paths[index].surfaces.is_empty() {
+        for (index, path) in paths.iter().enumerate() {
+            let vertices = match path.surfaces.is_empty() {
                 true => Some(&[][..]),
                 false => vertices(index),
             };

@@ -43,8 +43,8 @@ pub(super) fn origin(
     let pieces = pieces(taps, echogram, energy, Span { begins_s, ends_s });
     let total: f64 = pieces.iter().map(|piece| bands::mean(&piece.energy)).sum();
     let start = START_SHARE * total;
-    let mut of_paths = pieces.iter().filter(|piece| is_instant(piece));
-    let first_path = passes(&mut of_paths, start, 0.0);
+    let of_paths = pieces.iter().filter(|piece| is_instant(piece));
+    let first_path = passes(of_paths, start, 0.0);
     let is_first = |path: &Origin| {
         let before = pieces
             .iter()
@@ -52,7 +52,7 @@ pub(super) fn origin(
         let before: f64 = before.map(|piece| bands::mean(&piece.energy)).sum();
         before <= SHARE_BEFORE_PATH * total
     };
-    let any = || passes(&mut pieces.iter(), start, echogram.bin_s());
+    let any = || passes(pieces.iter(), start, echogram.bin_s());
     first_path.filter(is_first).or_else(any)
 }
 
@@ -62,11 +62,7 @@ fn is_instant(piece: &Piece) -> bool {
 
 /// When the energy of these pieces, in the order of time, passes `least`, within a bin of `bin_s` seconds. `None` where
 /// it does not, or is 0.
-fn passes<'a>(
-    pieces: &mut dyn Iterator<Item = &'a Piece>,
-    least: f64,
-    bin_s: f64,
-) -> Option<Origin> {
+fn passes<'a>(pieces: impl Iterator<Item = &'a Piece>, least: f64, bin_s: f64) -> Option<Origin> {
     let mut arrived = 0.0;
     for piece in pieces {
         let energy = bands::mean(&piece.energy);

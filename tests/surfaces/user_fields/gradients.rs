@@ -308,7 +308,7 @@ fn no_face_of_the_box_spoils_a_normal() {
 fn no_edge_that_is_far_spoils_a_normal() {
     let mut tracer = Tracer::new(&context(Api::Gl)).unwrap();
     for slope in [0.1, 0.01] {
-        let half = 0.5 * slope as f64;
+        let half = 0.5 * slope;
         let plane = |side: f64| DVec3::new(side * half.sin(), half.cos(), 0.0);
         let glsl = |n: DVec3| format!("dot(p, vec3({:?}, {:?}, 0.0))", n.x as f32, n.y as f32);
         let text = format!(
@@ -339,7 +339,7 @@ fn no_edge_that_is_far_spoils_a_normal() {
             }
             met += 1;
             // The solid is where either plane has it: the lower value is that of the plane met.
-            let normal = plane(p.x.signum() * -1.0);
+            let normal = plane(-p.x.signum());
             let d = wave.start_direction.as_dvec3();
             let mirrored = d - 2.0 * d.dot(normal) * normal;
             worst = worst.max(mirrored.distance(wave.direction.as_dvec3()));
