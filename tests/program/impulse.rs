@@ -332,7 +332,7 @@ fn files_open_in_sox() {
 
 /// Protects people from a decay that they take for the room's reverberation: between hard parallel
 /// walls sound lasts, which the note on flutter names with the walls and both times; and what lacks
-/// a material is told.
+/// a material is reported.
 #[test]
 fn a_flutter_echo_is_told_with_its_walls() {
     let folder = tempfile::tempdir().unwrap();

@@ -270,7 +270,7 @@ fn no_face_of_the_box_spoils_a_normal() {
         "gyroid",
         vec![Surface::new(node)],
         Source::at(Vec3::new(1.2, 0.0, 0.0)),
-        // Off every coordinate of the field, so that none is moved.
+        // At the origin, so that coordinates in the dump are those of the field.
         Listener::at(Vec3::ZERO, 0.01),
     );
     let mut tracer = Tracer::new(&context(Api::Gl)).unwrap();
@@ -308,7 +308,7 @@ fn no_face_of_the_box_spoils_a_normal() {
 fn no_edge_that_is_far_spoils_a_normal() {
     let mut tracer = Tracer::new(&context(Api::Gl)).unwrap();
     for slope in [0.1, 0.01] {
-        let half = 0.5 * slope;
+        let half: f64 = 0.5 * slope;
         let plane = |side: f64| DVec3::new(side * half.sin(), half.cos(), 0.0);
         let glsl = |n: DVec3| format!("dot(p, vec3({:?}, {:?}, 0.0))", n.x as f32, n.y as f32);
         let text = format!(
@@ -333,7 +333,7 @@ fn no_edge_that_is_far_spoils_a_normal() {
         let (mut met, mut worst) = (0, 0.0_f64);
         for wave in waves.iter().filter(|wave| wave.status == 1.0) {
             let p = wave.position.as_dvec3() - DVec3::new(1.3, 0.4, -0.7);
-            // Steps are a thousandth of the largest coordinate at the least.
+            // Steps are at least a thousandth of the largest coordinate.
             if p.x.abs() < 0.01 || p.abs().max_element() > 3.9 {
                 continue;
             }

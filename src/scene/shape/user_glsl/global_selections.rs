@@ -53,7 +53,7 @@ fn new_names<'a>(tokens: &[Token<'a>], wanted: HashSet<&'a str>) -> HashMap<&'a 
     wanted.into_iter().filter_map(new).collect()
 }
 
-/// Where members of structures are declared.
+/// The declarations of members of structures.
 #[derive(Default)]
 struct Members {
     /// A `struct` whose `{` is still to come.

@@ -2,8 +2,8 @@
 
 use super::Refusal;
 
-/// Characters of a name or a number at most. GLSL ES 3.00 has a limit of 1024 for names, and what
-/// the program puts before them when it renames them has 16 at the most.
+/// Characters of a name or a number at most. GLSL ES 3.00 has a limit of 1024 for names, and
+/// the prefix with which the program renames them has at most 16.
 const LONGEST_WORD: usize = 1024 - 16;
 
 /// Marks of more than one character, longer ones first.
