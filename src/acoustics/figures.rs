@@ -100,7 +100,8 @@ pub struct BandFigures {
 /// is none if it is longer than the record.
 ///
 /// What all waves share is not in it, as paths that a wave cannot take. A [`Response`](crate::response::Response) adds
-/// what the listener's size is known to do.
+/// what the listener's size is known to do, and what one arrival more would change. In bands with fewer than 64 arrivals it
+/// keeps C50, C80 and G only with errors of at most 0.2 dB, D50 of 0.01 and Ts of 2 ms.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Figures {
@@ -114,9 +115,11 @@ pub struct Figures {
     pub cut_off: [Option<f64>; BAND_COUNT],
     /// What the times count from: seconds after the source's impulse. `None` if nothing arrived.
     pub begins_s: Option<f64>,
-    /// The error of `begins_s`, one standard deviation in seconds: 0 where it is that of a tap. It is in the errors of
+    /// The error of `begins_s`, one standard deviation in seconds: 0 where it is the direct sound. It is in the errors of
     /// the figures. `None` if nothing arrived.
     pub begins_error_s: Option<f64>,
+    /// Bands in which a figure was taken out because few waves arrived.
+    pub(crate) have_few_arrivals: [bool; BAND_COUNT],
 }
 
 /// The figures as a list, so that they can be computed with.
@@ -174,6 +177,7 @@ impl Figures {
             cut_off: [None; BAND_COUNT],
             begins_s: start.map(|start| start.seconds),
             begins_error_s: start.map(|_| 0.0),
+            have_few_arrivals: [false; BAND_COUNT],
         };
         let Some(start) = start.filter(|start| start.seconds < ends_s && ends_s.is_finite()) else {
             return figures;

@@ -10,7 +10,7 @@ use super::heard_path::HeardPath;
 use super::medium::Medium;
 use super::reflectance::passing;
 use crate::acoustics::early::SpecularPath;
-use crate::acoustics::{Echogram, Figures, Tap};
+use crate::acoustics::{Arrival, Echogram, Figures, Tap};
 use crate::bands::{self, BAND_COUNT, Bands};
 use crate::scene::Scene;
 
@@ -27,8 +27,6 @@ pub(super) struct Caught<'a> {
     pub part: &'a EarlyPart,
     /// What is heard along all exact paths.
     pub paths: &'a [HeardPath],
-    /// Waves that were traced.
-    pub waves: u32,
 }
 
 impl Caught<'_> {
@@ -51,7 +49,7 @@ impl Caught<'_> {
             let of_waves = self.with_waves(echogram, &|path| path.is_some_and(is_gathered));
             figures = figures.with_differences((&exact, &of_waves, ends_s), &all);
         }
-        let excess = self.excess(&means, &is_left_out);
+        let excess = self.excess(&means, &is_left_out, ends_s);
         if excess == [0.0; BAND_COUNT] {
             return figures;
         }
@@ -88,26 +86,31 @@ impl Caught<'_> {
     }
 
     /// The share of the difference between the means of paths and their waves, by band, that is beyond the noise of
-    /// these; `is_left_out` holds for paths that are not among the means.
-    fn excess(&self, means: &[Tap], is_left_out: &dyn Fn(&SpecularPath) -> bool) -> Bands {
+    /// these, of what arrives before the record ends; `is_left_out` holds for paths that are not among the means.
+    fn excess(
+        &self,
+        means: &[Tap],
+        is_left_out: &dyn Fn(&SpecularPath) -> bool,
+        ends_s: f64,
+    ) -> Bands {
         let mut surplus = [0.0; BAND_COUNT];
-        means
-            .iter()
-            .for_each(|mean| bands::add(&mut surplus, &mean.energy));
+        for mean in means.iter().filter(|mean| mean.seconds <= ends_s) {
+            bands::add(&mut surplus, &mean.energy);
+        }
+        let is_compared = |arrival: &Arrival, path: Option<&SpecularPath>| {
+            arrival.length_m / self.medium.speed <= ends_s && !path.is_some_and(is_left_out)
+        };
         for (arrival, path) in self.part.caught() {
-            if !path.is_some_and(is_left_out) {
+            if is_compared(arrival, path) {
                 let heard = self.medium.heard(arrival);
                 bands::add(&mut surplus, &heard.map(|energy| -energy));
             }
         }
         let mut variance = [0.0; BAND_COUNT];
-        for heard in self.paths.iter().filter(|heard| !is_left_out(&heard.path)) {
-            let passing = passing(
-                self.scene,
-                &heard.path,
-                self.scene.listener.radius.into(),
-                self.waves,
-            );
+        let radius_m = f64::from(self.scene.listener.radius);
+        let compared = self.paths.iter().filter(|heard| heard.delay_s <= ends_s);
+        for heard in compared.filter(|heard| !is_left_out(&heard.path)) {
+            let passing = passing(self.scene, &heard.path, radius_m, self.part.waves());
             let of_path = heard.energy.map(|e| CHORD_SPREAD * e * e / passing);
             bands::add(&mut variance, &of_path);
         }

@@ -23,6 +23,8 @@ enum Outcome {
     Itself,
     /// Itself as well, since its path was not looked for.
     LeftOut,
+    /// The waves that were followed, whose energies make up for it: its wave was not, as that would have taken too long.
+    NotFollowed,
     /// Another path: see [`stands_for_itself`].
     Another,
 }
@@ -32,6 +34,8 @@ pub(super) struct EarlyPart {
     arrivals: Vec<Arrival>,
     /// One for each of the arrivals.
     outcomes: Vec<Outcome>,
+    /// Waves that paths were looked for with.
+    waves: u32,
     paths: Vec<SpecularPath>,
     /// The paths from other places, where an object may hide a part of the listener's sphere from them.
     replaced: Option<Replaced>,
@@ -58,6 +62,8 @@ impl EarlyPart {
         let directions: Vec<Vec3> = starts.iter().map(|(_, direction)| *direction).collect();
         let candidates =
             paths.candidates_within(&ends, &directions, order, ends.radius_m, MOST_ASKED);
+        let followed_share = followed_share(starts.len(), candidates.left_out().len());
+        let waves = (f64::from(waves) * followed_share) as u32;
         let mut candidates = candidates.among(waves as usize);
         let lengths = candidate_lengths(&ends, &candidates);
         let of_waves = candidates.len();
@@ -101,12 +107,16 @@ impl EarlyPart {
             let wave = starts.partition_point(|(wave, _)| *wave < arrival.wave);
             let index = nearest(&lengths, wave as u32, arrival.length_m, ends.radius_m);
             let without = || match candidates.left_out().binary_search(&(wave as u32)) {
-                Ok(_) => Outcome::LeftOut,
+                Ok(_) => Outcome::NotFollowed,
                 Err(_) => Outcome::Itself,
             };
             index.map_or_else(without, of_candidate)
         };
         let outcomes = arrivals.iter().map(outcome).collect();
+        let arrivals = arrivals.into_iter().map(|arrival| Arrival {
+            energy: arrival.energy.map(|energy| energy / followed_share),
+            ..arrival
+        });
         let replaced = casts_shadows(scene).then(|| {
             let mut named = vec![None; paths_known.len()];
             for index in 0..candidates.len() {
@@ -121,15 +131,21 @@ impl EarlyPart {
             let is_beside = |index: &usize| of_candidate(*index) == Outcome::Another;
             let beside = (0..of_waves).filter(is_beside);
             let beside = beside.filter_map(|index| Some(candidates.get(index)?.vertices));
-            Replaced::new(paths.clone(), ends, &paths_known, vertices, beside)
+            Replaced::new(scene, paths.clone(), ends, &paths_known, vertices, beside)
         });
         Ok(EarlyPart {
             outcomes,
-            arrivals,
+            arrivals: arrivals.collect(),
+            waves,
             replaced,
             paths: paths_known,
             search_left_out_share,
         })
+    }
+
+    /// The waves that paths were looked for with: all, or those that could be followed within a limit of work.
+    pub fn waves(&self) -> u32 {
+        self.waves
     }
 
     /// How much of the early part the waves have missed.
@@ -164,7 +180,7 @@ impl EarlyPart {
                 (!path.is_focus).then_some((arrival, Some(path)))
             }
             Outcome::Another => Some((arrival, None)),
-            Outcome::Itself | Outcome::LeftOut => None,
+            Outcome::Itself | Outcome::LeftOut | Outcome::NotFollowed => None,
         })
     }
 
@@ -216,6 +232,14 @@ impl EarlyPart {
         let all = self.arrivals.iter().zip(&self.outcomes);
         all.filter(move |(_, of)| **of == outcome)
             .map(|(arrival, _)| arrival)
+    }
+}
+
+/// The share of waves that were followed, above 0.
+fn followed_share(waves: usize, left_out: usize) -> f64 {
+    match left_out {
+        0 => 1.0,
+        _ => waves.saturating_sub(left_out).max(1) as f64 / waves as f64,
     }
 }
 

@@ -130,9 +130,9 @@ impl EmptyRoom<'_> {
         let air = self.scene.air_attenuation()[band];
         let seconds = |axis: usize| {
             let lost = |wall: usize| {
-                let kept = self.of_wall(wall, |m| m.absorption[band]);
+                let absorbed = self.of_wall(wall, |m| m.absorption[band]);
                 let mirrored = 1.0 - self.of_wall(wall, |m| m.scattering[band]);
-                -((1.0 - kept) * mirrored).ln()
+                -((1.0 - absorbed) * mirrored).ln()
             };
             let way = 2.0 * self.size[axis];
             let lost = lost(2 * axis) + lost(2 * axis + 1) + way * air;

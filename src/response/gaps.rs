@@ -27,21 +27,25 @@ impl Gap {
     /// anything arrives in it.
     pub fn of(figures: &Figures, band: usize, is_heard: bool) -> Option<Gap> {
         match is_heard {
-            true => Gap::of_band(&figures.bands[band], figures.cut_off[band]),
+            true => Gap::of_band(
+                &figures.bands[band],
+                figures.cut_off[band],
+                figures.have_few_arrivals[band],
+            ),
             false => Some(Gap::Silence),
         }
     }
 
-    fn of_band(figures: &BandFigures, cut_off: Option<f64>) -> Option<Gap> {
+    fn of_band(figures: &BandFigures, cut_off: Option<f64>, has_few_arrivals: bool) -> Option<Gap> {
         if cut_off.is_none_or(|share| share > TOLD_CUT_OFF) {
             return Some(Gap::TooShort);
         }
         let times = [figures.edt_s, figures.t20_s, figures.t30_s];
-        if times.iter().all(Option::is_some) {
+        if times.iter().all(Option::is_some) && !has_few_arrivals {
             return None;
         }
-        match (figures.g_db, figures.c80_db) {
-            (Some(_), None) => Some(Gap::NoLateSound),
+        match figures.c80_db {
+            None if !has_few_arrivals => Some(Gap::NoLateSound),
             _ => Some(Gap::TooNoisy),
         }
     }
@@ -91,12 +95,16 @@ mod tests {
             ..whole
         };
         let dry = BandFigures::default();
-        assert_eq!(Gap::of_band(&whole, Some(0.0)), None);
-        assert_eq!(Gap::of_band(&noisy, Some(0.0)), Some(Gap::TooNoisy));
-        assert_eq!(Gap::of_band(&dry, Some(0.0)), Some(Gap::NoLateSound));
+        assert_eq!(Gap::of_band(&whole, Some(0.0), false), None);
+        assert_eq!(Gap::of_band(&noisy, Some(0.0), false), Some(Gap::TooNoisy));
+        assert_eq!(Gap::of_band(&dry, Some(0.0), false), Some(Gap::NoLateSound));
+        assert_eq!(Gap::of_band(&dry, Some(0.0), true), Some(Gap::TooNoisy));
         for figures in [whole, noisy, dry] {
-            assert_eq!(Gap::of_band(&figures, None), Some(Gap::TooShort));
-            assert_eq!(Gap::of_band(&figures, Some(0.002)), Some(Gap::TooShort));
+            assert_eq!(Gap::of_band(&figures, None, false), Some(Gap::TooShort));
+            assert_eq!(
+                Gap::of_band(&figures, Some(0.002), false),
+                Some(Gap::TooShort)
+            );
         }
     }
 

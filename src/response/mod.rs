@@ -153,7 +153,6 @@ impl Response {
             medium: &medium,
             part: &part,
             paths: &all_paths,
-            waves: settings.trace.waves,
         };
         let figures = caught.in_errors(figures, &echogram, ends_s);
         let further = further_arrival(tracer, (scene, &medium), settings, &how, &echogram)?;

@@ -30,10 +30,16 @@ impl NearScattering {
     /// Without arrivals yet, in echograms with the bins of `like`.
     pub fn new(scene: &Scene, late: &LateSphere, like: &Echogram) -> NearScattering {
         let square = f64::from(late.radius_m).powi(2) / nearest_image_m2(scene);
+        let is_wider = late.radius_m > scene.listener.radius;
         NearScattering {
             own: like.without_arrivals(),
             wide: like.without_arrivals(),
-            bias: BIAS * square,
+            // No more than all of the energy, also where source and listener are one place on a wall.
+            bias: if is_wider {
+                (BIAS * square).min(1.0)
+            } else {
+                0.0
+            },
         }
     }
 

@@ -23,9 +23,26 @@ use std::f64::consts::PI;
 /// behind an edge the mean.
 const PLACES: usize = 32;
 
-/// Images that are looked for from each place, the nearest of all, and paths over curved surfaces that are solved for. The sphere is assumed to receive all of the other paths.
-const MOST_FLAT: usize = 2048;
+/// Images that are looked for from each place, the nearest of all: those of a room up to eight reflections. A thousand take
+/// some 0.1 s of one core for all places. The sphere is assumed to receive all of further images.
+const MOST_IMAGES: usize = 2048;
+
+/// The same where a field without closed form is marched, for a thousand times as long.
+const MOST_IMAGES_MARCHED: usize = 32;
+
+/// Paths over curved surfaces that are solved for to each place, the shortest of all: a hundred take some 0.1 s.
 const MOST_CURVED: usize = 128;
+
+/// The same where a field without closed form is marched.
+const MOST_CURVED_MARCHED: usize = 16;
+
+/// Surfaces, and boxes around them, that are asked from each place, some ten nanoseconds each; the sphere is assumed to
+/// receive images that are not looked for then.
+const MOST_ASKED: u64 = 1 << 22;
+
+/// Images closer than this are one, in metres. Not a multiple of a short binary fraction: between two cells of this size no
+/// image of round coordinates lies.
+const SAME_IMAGE_M: f64 = 1.00431e-5;
 
 /// How far a line that is followed back passes the source at most, in metres: directions are rounded to `f32`, 1e-7 of
 /// its length.
@@ -51,22 +68,30 @@ pub(super) struct Replaced {
     sequences: Candidates,
     /// All other paths, by index.
     others: Vec<usize>,
+    /// How many images and curved paths there are at most.
+    most: (usize, usize),
 }
-
-/// Images closer than this are one, as a share of a metre.
-const SAME_IMAGE: f64 = 1e-5;
 
 impl Replaced {
     /// Of these paths, by length; `vertices` returns where a wave was mirrored that named a path of this index. `beside`
     /// are such vertices of waves that passed beside the centre, and whose sound no statistic holds.
     pub fn new<'a>(
+        scene: &Scene,
         early: EarlyPaths,
         ends: Ends,
         paths: &[SpecularPath],
         vertices: impl Fn(usize) -> Option<&'a [Vertex]>,
         beside: impl Iterator<Item = &'a [Vertex]>,
     ) -> Replaced {
+        let is_marched = !scene
+            .surfaces
+            .iter()
+            .all(|surface| surface.shape.is_basic());
         let mut replaced = Replaced {
+            most: match is_marched {
+                true => (MOST_IMAGES_MARCHED, MOST_CURVED_MARCHED),
+                false => (MOST_IMAGES, MOST_CURVED),
+            },
             early,
             ends,
             images: Vec::new(),
@@ -90,14 +115,14 @@ impl Replaced {
     /// Adds a path, unless there are too many of its kind.
     fn add(&mut self, path: usize, vertices: &[Vertex]) -> bool {
         if !self.early.are_flat(vertices) {
-            if self.curved.len() >= MOST_CURVED {
+            if self.curved.len() >= self.most.1 {
                 return false;
             }
             self.sequences.add(self.curved.len() as u32, vertices);
             self.curved.push(path);
             return true;
         }
-        if self.images.len() >= MOST_FLAT {
+        if self.images.len() >= self.most.0 {
             return false;
         }
         let image = self.image(vertices, Some(path));
@@ -116,7 +141,7 @@ impl Replaced {
 
     /// Adds the nearest images that are none of those which are there.
     fn add_beside<'a>(&mut self, vertices: impl Iterator<Item = &'a [Vertex]>) {
-        let rounded = |image: &Image| (image.place / SAME_IMAGE).round().as_i64vec3();
+        let rounded = |image: &Image| (image.place / SAME_IMAGE_M).round().as_i64vec3();
         let mut known: HashSet<_> = self.images.iter().map(rounded).collect();
         let mut beside = Vec::new();
         for vertices in vertices.filter(|vertices| self.early.are_flat(vertices)) {
@@ -127,7 +152,7 @@ impl Replaced {
         }
         let from_centre = |image: &Image| image.place.distance(self.ends.listener);
         beside.sort_by(|a, b| from_centre(a).total_cmp(&from_centre(b)));
-        beside.truncate(MOST_FLAT - self.images.len());
+        beside.truncate(self.most.0 - self.images.len());
         self.images.append(&mut beside);
     }
 
@@ -199,17 +224,26 @@ impl Replaced {
         let directions: Vec<Vec3> = self.images.iter().map(towards).collect();
         let order = self.images.iter().map(|image| image.at.len()).max();
         let order = order.unwrap_or(0) as u32;
-        let followed = self
-            .early
-            .candidates(&back, &directions, order, BESIDE_SOURCE_M);
+        let early = &self.early;
+        let followed =
+            early.candidates_within(&back, &directions, order, BESIDE_SOURCE_M, MOST_ASKED);
+        let most_caught = 3.0 / (2.0 * PI * self.ends.radius_m.powi(2));
+        let spreading = |image: &Image| {
+            let distance_squared = place.distance_squared(image.place);
+            (1.0 / (4.0 * PI * distance_squared)).min(most_caught)
+        };
         let mut spreadings = vec![0.0; self.images.len()];
+        for index in followed.left_out() {
+            let index = *index as usize;
+            spreadings[index] = spreading(&self.images[index]);
+        }
         for line in followed.iter() {
             let image = &self.images[line.wave as usize];
             let distance = place.distance(image.place);
             let is_as_long = (length_m(&back, line.vertices) - distance).abs() <= BESIDE_SOURCE_M;
             // A source on a wall has no reflection there on the way back.
             if line.vertices.len() <= image.at.len() && is_as_long {
-                spreadings[line.wave as usize] = 1.0 / (4.0 * PI * distance * distance);
+                spreadings[line.wave as usize] = spreading(image);
             }
         }
         spreadings

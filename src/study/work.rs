@@ -205,8 +205,11 @@ impl WorkFile {
             return false;
         }
         match lines {
-            // A file without a whole first line is taken over only from this user.
-            1 => line(&header.text()).starts_with(text) && is_of_this_user(&self.file),
+            // A file without a whole first line is taken over only from this user; an empty one has nothing to lose.
+            1 => {
+                let is_ours = text.is_empty() || is_of_this_user(&self.file);
+                line(&header.text()).starts_with(text) && is_ours
+            }
             _ if self.rows == header.points => line(&end_text(self.hash.clone())).starts_with(text),
             _ => self.is_begun_row(text),
         }

@@ -13,6 +13,9 @@ use echomarch::{Listener, Scene, Settings, Source, Surface, Tracer};
 /// 1 kHz.
 const BAND: usize = 4;
 
+/// The errors of G that are found in the rooms below are at most half of this.
+const MOST_ERROR_DB: f64 = 0.5;
+
 /// What rays may be followed for at most, in seconds.
 const LONGEST_S: f64 = 3.0;
 
@@ -205,7 +208,8 @@ fn number(name: &str, default: usize) -> usize {
     given.and_then(|text| text.parse().ok()).unwrap_or(default)
 }
 
-/// Protects the errors of figures: of the sums in random rooms, 95 % are within two standard deviations of those of rays.
+/// Protects the errors of figures: of the sums in random rooms, 95 % should be within two standard deviations of those of
+/// rays. With 24 figures nine tenths may not be missed by chance.
 #[test]
 fn errors_hold_the_rays_of_random_rooms() {
     let (rooms, rays) = (number("ROOMS", 6), number("RAYS", 100_000));
@@ -243,9 +247,12 @@ fn errors_hold_the_rays_of_random_rooms() {
 fn assert_holds(response: &Response, echoes: &Echoes) {
     let (found, origin_s) = found(response);
     let truth = echoes.sums(origin_s);
-    for off in deviations(&found, &truth).into_iter().flatten() {
+    for off in deviations(&found, &truth) {
+        let off = off.expect("all of these figures");
         assert!(off.abs() < 2.5, "{found:?} {truth:?}");
     }
+    let (_, error_db) = found[0].expect("G");
+    assert!(error_db < MOST_ERROR_DB, "{error_db} dB");
 }
 
 /// Protects G next to walls that scatter: the order of exact paths does not change it, and rays agree. It was 0.5 dB too
@@ -271,6 +278,7 @@ fn the_time_origin_does_not_depend_on_the_number_of_waves() {
     let (many_found, many_s) = found(&many);
     assert!((few_s - many_s).abs() < 1e-4, "{few_s} {many_s}");
     let truth = many_found.map(|estimate| estimate.expect("a figure"));
+    assert!(few_found[0].is_some(), "{few_found:?}");
     for off in deviations(&few_found, &truth).into_iter().flatten() {
         assert!(off.abs() < 2.5, "{few_found:?} {many_found:?}");
     }
@@ -305,6 +313,7 @@ fn a_tiny_listener_has_honest_errors() {
     room.radius = 0.01;
     let response = respond(&mut tracer, &room, 1 << 16, 1);
     let figures = &response.figures;
+    assert!(figures.bands.iter().any(|band| band.g_db.is_some()));
     for band in 0..8 {
         let (g_db, error) = (figures.bands[band].g_db, figures.errors[band].g_db);
         assert_eq!(g_db.is_some(), error.is_some());

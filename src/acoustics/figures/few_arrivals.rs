@@ -1,8 +1,9 @@
 //! Figures behind which few waves stand.
 //!
 //! The spread over batches says little where a band has a few dozen arrivals, and nothing where it has none. There the
-//! number of arrivals is the measure of what the waves may have missed: of n arrivals √n, and of none one.
+//! number of arrivals is the measure of what the waves may have missed: √n of n arrivals, and one of none.
 
+use super::uncertainty::others;
 use super::{BandFigures, FIGURE_COUNT, Figures, List};
 use crate::acoustics::{Echogram, Tap};
 use crate::bands::{BAND_COUNT, Bands};
@@ -27,8 +28,9 @@ const WORST_ERRORS: List = [
     Some(0.2),
 ];
 
-/// The energy that some arrivals may lack or have too much, from their sum: √(n + 1) of their mean where they are few, and
-/// one of it where they are many, as batches report the rest. 0 of none.
+/// The energy that some arrivals may lack or have too much, from their sum: about √n times their mean where they are few.
+/// The more they are, the more of that the batches report: the factor is √(1 + n (1 − n / 64)), and 1 from 64 on. 0 of
+/// none.
 pub(crate) fn uncertain_energy(sum: f64, arrivals: f64) -> f64 {
     if arrivals == 0.0 {
         return 0.0;
@@ -49,30 +51,35 @@ impl Figures {
             return self;
         };
         let mut further = echogram.clone();
-        let bins = (FURTHER_S / echogram.bin_s()).ceil();
+        let seconds = FURTHER_S.min(ends_s - begins_s);
+        let bins = (seconds / echogram.bin_s()).ceil().max(1.0);
         let of_bin = energy.map(|energy| energy / bins);
         for bin in 0..bins as usize {
             let seconds = begins_s + (bin as f64 + 0.5) * echogram.bin_s();
             // Energies of waves that were added before are in range.
             let _ = further.add(0, seconds, &of_bin, DVec3::ZERO);
         }
-        let mut figures = self.with_differences((taps, &further, ends_s), &[1.0; BAND_COUNT]);
-        for band in 0..BAND_COUNT {
+        let Some(others) = others(taps, &further, begins_s, ends_s) else {
+            return self;
+        };
+        let mut figures = self.differing(&others, &[1.0; BAND_COUNT]);
+        for (band, others) in others.iter().enumerate() {
             if echogram.effective_arrivals(band, begins_s) < FEW {
-                figures.leave_certain(band);
+                figures.leave_certain(band, others);
             }
         }
         figures
     }
 
-    /// Leaves those figures of a band whose errors are small.
-    fn leave_certain(&mut self, band: usize) {
+    /// Leaves those figures of a band that have small errors, and are among `others` with one arrival more.
+    fn leave_certain(&mut self, band: usize, others: &List) {
         let (mut list, mut errors) = (self.bands[band].list(), self.errors[band].list());
         for figure in 0..FIGURE_COUNT {
             let is_certain = errors[figure]
                 .zip(WORST_ERRORS[figure])
                 .is_some_and(|(error, worst)| error <= worst);
-            if !is_certain {
+            if !is_certain || others[figure].is_none() {
+                self.have_few_arrivals[band] |= list[figure].is_some();
                 (list[figure], errors[figure]) = (None, None);
             }
         }
@@ -124,7 +131,7 @@ mod tests {
             assert_eq!((strong.bands[3].g_db, strong.errors[3].g_db), (None, None));
             assert_eq!(strong.bands[3].c80_db, None);
         }
-        // Of many arrivals one is none to speak of.
+        // One arrival among many changes little.
         let many = figures(2000, 0.1);
         assert!(many.bands[3].g_db.is_some() && many.errors[3].g_db.is_some_and(|e| e < 0.2));
     }

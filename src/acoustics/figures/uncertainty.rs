@@ -70,7 +70,7 @@ impl Figures {
     }
 
     /// The same with the weighted differences from other figures as errors besides.
-    fn differing(mut self, others: &[List; BAND_COUNT], weights: &Bands) -> Figures {
+    pub(super) fn differing(mut self, others: &[List; BAND_COUNT], weights: &Bands) -> Figures {
         for band in 0..BAND_COUNT {
             let pairs = self.bands[band].list().into_iter().zip(others[band]);
             let differences =
@@ -110,7 +110,7 @@ impl Figures {
 }
 
 /// The figures of all bands of other taps and another echogram, with times from `begins_s` on.
-fn others(
+pub(super) fn others(
     taps: &[Tap],
     echogram: &Echogram,
     begins_s: f64,

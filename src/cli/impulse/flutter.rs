@@ -14,7 +14,10 @@ pub fn notes(scene: &Scene, response: &Response) -> Vec<String> {
 fn sentence(flutter: &Flutter) -> String {
     let figures = flutter.bands.iter().map(|of| {
         let hertz = BANDS_HZ[of.band];
-        format!("{:.2} s for {:.2} s at {hertz} Hz", of.t30_s, of.eyring_s)
+        format!(
+            "{:.2} s instead of {:.2} s at {hertz} Hz",
+            of.t30_s, of.eyring_s
+        )
     });
     let figures: Vec<String> = figures.collect();
     let [one, other] = flutter.walls.map(|wall| WALL_NAMES[wall]);

@@ -29,7 +29,7 @@ fn sentence(
 ) -> String {
     let seconds = response.seconds;
     let bands = bands(of_reason);
-    let times = missing_times(&response.figures.bands, of_reason);
+    let times = missing_among(&TIMES, &response.figures.bands, of_reason);
     match reason {
         Gap::Silence => format!("nothing arrives {bands}"),
         Gap::TooShort if scene.has_materials() || scene.air.is_some() => format!(
@@ -41,22 +41,43 @@ fn sentence(
         Gap::NoLateSound => format!(
             "hardly anything arrives after the first 80 ms, so decay times are not defined (—): {times}"
         ),
-        Gap::TooNoisy => format!("too noisy (—): {times}; use more --waves"),
+        Gap::TooNoisy => {
+            let all = missing_among(&ALL_FIGURES, &response.figures.bands, of_reason);
+            format!("too noisy (—): {all}; use more --waves")
+        }
     }
 }
 
-/// The decay times that some of these bands lack, each with its bands; times that the same bands lack are grouped.
-fn missing_times(figures: &[BandFigures; BAND_COUNT], of_reason: [bool; BAND_COUNT]) -> String {
-    type Time = fn(&BandFigures) -> Option<f64>;
-    let times: [(&str, Time); 3] = [
-        ("EDT", |band| band.edt_s),
-        ("T20", |band| band.t20_s),
-        ("T30", |band| band.t30_s),
-    ];
+/// A figure of a band.
+type Figure = fn(&BandFigures) -> Option<f64>;
+
+const TIMES: [(&str, Figure); 3] = [
+    ("EDT", |band| band.edt_s),
+    ("T20", |band| band.t20_s),
+    ("T30", |band| band.t30_s),
+];
+
+const ALL_FIGURES: [(&str, Figure); 8] = [
+    TIMES[0],
+    TIMES[1],
+    TIMES[2],
+    ("C50", |band| band.c50_db),
+    ("C80", |band| band.c80_db),
+    ("D50", |band| band.d50),
+    ("Ts", |band| band.ts_s),
+    ("G", |band| band.g_db),
+];
+
+/// Those of these figures that some of the bands lack, each with its bands; figures that the same bands lack are grouped.
+fn missing_among(
+    figures_named: &[(&'static str, Figure)],
+    figures: &[BandFigures; BAND_COUNT],
+    of_reason: [bool; BAND_COUNT],
+) -> String {
     let mut told: Vec<(Vec<&str>, [bool; BAND_COUNT])> = Vec::new();
-    for (name, time) in times {
+    for (name, figure) in figures_named {
         let lacks: [bool; BAND_COUNT] =
-            std::array::from_fn(|band| of_reason[band] && time(&figures[band]).is_none());
+            std::array::from_fn(|band| of_reason[band] && figure(&figures[band]).is_none());
         match told.last_mut() {
             Some((names, bands)) if *bands == lacks => names.push(name),
             _ => told.push((vec![name], lacks)),
@@ -126,12 +147,12 @@ mod tests {
             figures.t30_s = None;
         }
         figures[5].t20_s = None;
-        let told = missing_times(&figures, [true; BAND_COUNT]);
+        let told = missing_among(&TIMES, &figures, [true; BAND_COUNT]);
         assert_eq!(told, "T20 at 2 kHz; T30 at 2 and 4 kHz");
         // Bands with another reason are left out.
-        assert_eq!(missing_times(&figures, of(&[6, 7])), "T30 at 4 kHz");
+        assert_eq!(missing_among(&TIMES, &figures, of(&[6, 7])), "T30 at 4 kHz");
         let none = [BandFigures::default(); BAND_COUNT];
-        let told = missing_times(&none, [true; BAND_COUNT]);
+        let told = missing_among(&TIMES, &none, [true; BAND_COUNT]);
         assert_eq!(told, "EDT, T20 and T30 in all bands");
     }
 

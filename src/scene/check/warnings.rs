@@ -7,6 +7,15 @@ use std::fmt;
 /// Surfaces that one sentence lists at most.
 const MOST_LISTED: usize = 6;
 
+/// The first labels of many, and how many more there are.
+fn listed(labels: &[String]) -> String {
+    let (listed, more) = labels.split_at(labels.len().min(MOST_LISTED));
+    match more.len() {
+        0 => listed.join(", "),
+        count => format!("{} and {count} more", listed.join(", ")),
+    }
+}
+
 /// Something odd that still runs.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -40,12 +49,10 @@ pub enum Warning {
         /// How deep, in metres.
         depth: f32,
     },
-    /// Two rooms: each is solid outside, so that it fills the other but for what is within both.
+    /// Several rooms: each is solid outside, and fills the others except for the space that is inside all.
     RoomsFillEachOther {
-        /// One of them.
-        first: String,
-        /// The other.
-        second: String,
+        /// Their labels: `1`, `surface 2 (Room)`.
+        rooms: Vec<String>,
     },
     /// Surfaces and walls without a material, in a scene whose others have one: these reflect all
     /// sound, and decays are longer for it.
@@ -103,24 +110,20 @@ impl fmt::Display for Warning {
                     to_millimetres(*depth)
                 )
             }
-            Warning::RoomsFillEachOther { first, second } => write!(
+            Warning::RoomsFillEachOther { rooms } => write!(
                 f,
-                "{first} and {second} fill each other: all outside of a Room is solid; write rooms that are joined as one surface, Complement(of: Union(of: [Box(…), Box(…)]))"
+                "{} fill each other: all outside of a Room is solid; write rooms that are joined as one surface, Complement(of: Union(of: [Box(…), Box(…)]))",
+                listed(rooms)
             ),
             Warning::NoMaterial { surfaces } => {
-                let (listed, more) = surfaces.split_at(surfaces.len().min(MOST_LISTED));
-                let more = match more.len() {
-                    0 => String::new(),
-                    count => format!(" and {count} more"),
-                };
                 let verb = match surfaces.len() {
                     1 => "has no material and reflects",
                     _ => "have no material and reflect",
                 };
                 write!(
                     f,
-                    "{}{more} {verb} all sound, so that decays are too long: give each surface a material",
-                    listed.join(", ")
+                    "{} {verb} all sound, so that decays are too long: give each surface a material",
+                    listed(surfaces)
                 )
             }
             Warning::OneSided {
@@ -162,18 +165,12 @@ impl Scene {
         warnings
     }
 
-    /// Every further room, with the first.
-    fn rooms_that_fill_each_other(&self) -> Vec<Warning> {
+    /// All rooms, if there are several.
+    fn rooms_that_fill_each_other(&self) -> Option<Warning> {
         let all = self.surfaces.iter().enumerate();
-        let mut rooms = all.filter(|(_, surface)| surface.has_walls());
-        let Some((index, first)) = rooms.next() else {
-            return Vec::new();
-        };
-        let further = rooms.map(|(further, second)| Warning::RoomsFillEachOther {
-            first: first.label(index),
-            second: second.label(further),
-        });
-        further.collect()
+        let rooms = all.filter(|(_, surface)| surface.has_walls());
+        let rooms: Vec<String> = rooms.map(|(index, room)| room.label(index)).collect();
+        (rooms.len() > 1).then_some(Warning::RoomsFillEachOther { rooms })
     }
 
     /// What has no material, where something has.
@@ -290,7 +287,7 @@ mod tests {
             panic!("{warnings:?}");
         };
         let said = warning.to_string();
-        assert!(said.starts_with("surface 1 (Room) and surface 2 (annexe) fill each other"));
+        assert!(said.starts_with("surface 1 (Room), surface 2 (annexe) fill each other"));
         assert!(said.contains("Complement(of: Union(of: [Box(…), Box(…)]))"));
     }
 
