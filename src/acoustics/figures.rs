@@ -67,10 +67,10 @@ pub struct BandFigures {
 /// The figures of all bands, with their errors.
 ///
 /// # Method
-/// - The time counts from the direct sound. If there is none, it counts from the first tap with which taps have brought
-///   1 % of all energy, or, where 10 % arrive before that or there is no such tap, from when 1 % of all energy has
-///   arrived: 20 dB below all of it, as ISO 3382-1 takes the start of a response 20 dB below its maximum. The energy of
-///   a bin arrives evenly over the bin, that of a tap at one instant.
+/// - The time counts from the direct sound. If there is none, it counts from the first tap that is less than 20 dB below
+///   the strongest tap or bin (ISO 3382-1 takes a response to start 20 dB below its maximum), or, where 10 % of the
+///   energy arrive before that or there are no taps, from when 1 % of all energy has arrived. The energy of a bin arrives
+///   evenly over the bin, that of a tap at one instant.
 /// - The decay curve is the backward integral of the energy (M. R. Schroeder, JASA 37, 1965). The
 ///   energy beyond the record's end is added to it, as ISO 3382-1, 5.3.3 allows: that of an
 ///   exponential decay, at the rate of the last 10 dB of the record. Without it a decay ending at

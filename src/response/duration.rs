@@ -15,6 +15,9 @@ const WAVES: u32 = 4096;
 /// Waves where most leave the scene and few of these arrive late, as outdoors. Those that leave cost next to nothing.
 const WAVES_OUTDOORS: u32 = 64 * WAVES;
 
+/// Waves where few arrive late and most stay, as between two walls without an end.
+const WAVES_BETWEEN: u32 = 8 * WAVES;
+
 /// The shortest, in seconds: one block of a sound.
 const SHORTEST_S: f64 = 0.1;
 
@@ -47,11 +50,14 @@ pub(super) fn needed(
 ) -> Result<f64, Error> {
     let medium = Medium::of(scene);
     let (mut decay, counts) = Decay::trace(tracer, scene, settings, (WAVES, longest_s))?;
-    let is_known = decay.is_end_known();
-    if !is_known && most_leave(&counts) {
-        (decay, _) = Decay::trace(tracer, scene, settings, (WAVES_OUTDOORS, longest_s))?;
+    if !decay.is_end_known() {
+        let more = match most_leave(&counts) {
+            true => WAVES_OUTDOORS,
+            false => WAVES_BETWEEN,
+        };
+        (decay, _) = Decay::trace(tracer, scene, settings, (more, longest_s))?;
     }
-    let end_s = match decay.is_end_known() || !most_leave(&counts) {
+    let end_s = match decay.is_end_known() {
         true => decay.end_s(),
         false => decay.end_s().max(decay.end_unseen_s(medium.direct_s)),
     };

@@ -9,8 +9,11 @@ use crate::scene::Scene;
 use crate::trace::{ArrivalSettings, Tracer, WavesToFollow};
 use std::f64::consts::PI;
 
+/// Fewer waves say nothing of what they have missed, however often each of them arrived.
+const FEW_WAVES: u32 = 64;
+
 /// The energy that the waves may have missed, by band, in 1/m²: of arrivals that were seen by their number. Where none was
-/// seen in a band, it is that of a wave which has lost nothing, if any wave could still arrive; else 0.
+/// seen in a band, and with few waves, it is that of a wave which has lost nothing, if any wave could still arrive; else 0.
 pub(super) fn further_arrival(
     tracer: &mut Tracer,
     (scene, medium): (&Scene, &Medium),
@@ -23,12 +26,17 @@ pub(super) fn further_arrival(
         let arrivals = echogram.effective_arrivals(band, 0.0);
         further[band] = uncertain_energy(total[band], arrivals);
     }
-    if !further.contains(&0.0) || !may_arrive(tracer, scene, settings, how)? {
+    let waves = settings.late_trace().waves;
+    let are_few = waves < FEW_WAVES;
+    if !(are_few || further.contains(&0.0)) || !may_arrive(tracer, scene, settings, how)? {
         return Ok(further);
     }
     let cross_section_m2 = PI * f64::from(scene.listener.radius).powi(2);
-    let whole = medium.level / (cross_section_m2 * f64::from(settings.late_trace().waves));
-    Ok(further.map(|energy| if energy > 0.0 { energy } else { whole }))
+    let whole = medium.level / (cross_section_m2 * f64::from(waves));
+    Ok(further.map(|energy| match energy > 0.0 && !are_few {
+        true => energy,
+        false => energy.max(whole),
+    }))
 }
 
 /// Whether waves travel on after as many reflections as exact paths have, or are scattered before.
@@ -47,5 +55,6 @@ fn may_arrive(
     let counts = tracer
         .arrivals_of(scene, &settings.trace, &few, &all, &mut |_| ())?
         .counts;
-    Ok(counts.gone < counts.waves)
+    // Others have left the scene, or have flown as long as the record is.
+    Ok(counts.cut_off > 0)
 }

@@ -60,12 +60,36 @@ impl Checked<'_> {
                 return Err(NoPath::NotFromTheAir);
             }
         }
+        self.edges_mirror(exact, surfaces)?;
         self.ends_mirror(exact, surfaces, at_source)?;
         let is_free = |(i, d): (usize, &DVec3)| self.is_free(exact, surfaces.touch, i, *d);
         match self.directions.iter().enumerate().all(is_free) {
             true => Ok(()),
             false => Err(NoPath::Blocked),
         }
+    }
+
+    /// Whether each reflection in an edge, where two between the ends are at one point, comes from the air, at an edge that
+    /// points into the solid: at one that points into the air a wave meets one of the faces alone, and a face that lies
+    /// in another solid mirrors nothing.
+    fn edges_mirror(&self, exact: &ExactScene, surfaces: &Surfaces) -> Result<(), NoPath> {
+        let end = EndOnSurface { exact, surfaces };
+        for (i, pair) in self.normals.windows(2).enumerate() {
+            let point = self.points[i + 1];
+            if point.distance(self.points[i + 2]) > surfaces.touch {
+                continue;
+            }
+            let in_solid = |normal: &DVec3| end.value(point, *normal) < -surfaces.touch;
+            let across = pair[1] - pair[0];
+            let is_one_face = across.length() <= SAME_NORMAL;
+            if pair.iter().any(in_solid) || is_one_face {
+                return Err(NoPath::NotFromTheAir);
+            }
+            if end.value(point, across.normalize()) > -surfaces.touch {
+                return Err(NoPath::NotFromTheAir);
+            }
+        }
+        Ok(())
     }
 
     /// Whether each segment of no length at an end, so many of them at the source, is mirrored there.

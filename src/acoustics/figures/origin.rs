@@ -2,14 +2,15 @@
 //!
 //! ISO 3382-1 counts from the direct sound, and takes the response to start where it is less than 20 dB below its
 //! maximum. Where nothing comes straight from the source, waves that cross an edge of the listener's sphere may arrive
-//! long before the sound that its centre hears. How early the first of these is depends on the number of waves. So a
-//! share of the energy decides, 20 dB below all of it.
+//! long before the sound that its centre hears, and how early the first of these is depends on the number of waves. So
+//! exact paths decide, and without any a share of the energy.
 
 use super::pieces::{Piece, Span, pieces};
 use crate::acoustics::{Echogram, Tap};
 use crate::bands::{self, Bands};
 
-/// The share of all energy whose arrival is the start of the sound: 20 dB below all.
+/// 20 dB: a path starts the sound if it has this share of the largest energy of a path or bin, and without such a path it
+/// starts when this share of all energy has arrived.
 const START_SHARE: f64 = 0.01;
 
 /// The share of all energy that may arrive before the exact path that times count from, 10 dB below all: where waves bring
@@ -25,8 +26,8 @@ pub(super) struct Origin {
     pub within_s: f64,
 }
 
-/// The time origin: the direct sound; else the first exact path with which exact paths have brought 1 % of all energy,
-/// unless 10 % arrived before it; else when 1 % of all energy has arrived. `None` where nothing arrives.
+/// The time origin: the direct sound; else the first exact path that is less than 20 dB below the strongest path or bin,
+/// unless 10 % of all energy arrived before it; else when 1 % of all energy has arrived. `None` where nothing arrives.
 ///
 /// `energy` returns the energy of a bin; the energies are means over the bands.
 pub(super) fn origin(
@@ -42,9 +43,16 @@ pub(super) fn origin(
     let begins_s = 0.0;
     let pieces = pieces(taps, echogram, energy, Span { begins_s, ends_s });
     let total: f64 = pieces.iter().map(|piece| bands::mean(&piece.energy)).sum();
-    let start = START_SHARE * total;
-    let of_paths = pieces.iter().filter(|piece| is_instant(piece));
-    let first_path = passes(of_paths, start, 0.0);
+    let strongest = pieces.iter().map(|piece| bands::mean(&piece.energy));
+    let least = START_SHARE * strongest.fold(0.0, f64::max);
+    let starts = |piece: &&Piece| {
+        let energy = bands::mean(&piece.energy);
+        is_instant(piece) && energy > 0.0 && energy >= least
+    };
+    let first_path = pieces.iter().find(starts).map(|piece| Origin {
+        seconds: piece.begins_s,
+        within_s: 0.0,
+    });
     let is_first = |path: &Origin| {
         let before = pieces
             .iter()
@@ -52,7 +60,7 @@ pub(super) fn origin(
         let before: f64 = before.map(|piece| bands::mean(&piece.energy)).sum();
         before <= SHARE_BEFORE_PATH * total
     };
-    let any = || passes(pieces.iter(), start, echogram.bin_s());
+    let any = || passes(&pieces, START_SHARE * total, echogram.bin_s());
     first_path.filter(is_first).or_else(any)
 }
 
@@ -62,7 +70,7 @@ fn is_instant(piece: &Piece) -> bool {
 
 /// When the energy of these pieces, in the order of time, passes `least`, within a bin of `bin_s` seconds. `None` where
 /// it does not, or is 0.
-fn passes<'a>(pieces: impl Iterator<Item = &'a Piece>, least: f64, bin_s: f64) -> Option<Origin> {
+fn passes(pieces: &[Piece], least: f64, bin_s: f64) -> Option<Origin> {
     let mut arrived = 0.0;
     for piece in pieces {
         let energy = bands::mean(&piece.energy);
