@@ -101,7 +101,7 @@ pub struct BandFigures {
 ///
 /// What all waves share is not in it, as paths that a wave cannot take. A [`Response`](crate::response::Response) adds
 /// what the listener's size is known to do, and what one arrival more would change. In bands with fewer than 64 arrivals it
-/// keeps C50, C80 and G only with errors of at most 0.2 dB, D50 of 0.01 and Ts of 2 ms.
+/// keeps C50, C80 and G only with errors of at most 1 dB, D50 of 0.05 and Ts of 10 ms.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Figures {

@@ -221,11 +221,8 @@ mod tests {
                 "{walls}: {figures:?}"
             );
             assert!(figures.bands[4].g_db.is_some(), "{walls} walls");
-            assert_eq!(
-                figures.bands[4].c80_db.is_some(),
-                walls == 2,
-                "{walls} walls"
-            );
+            let c80_db = figures.bands[4].c80_db;
+            assert!(walls == 2 || c80_db.is_none(), "{walls} walls: {c80_db:?}");
             let last_s = response.paths.last().unwrap().delay_s;
             assert!(
                 response.seconds > 2.0 * last_s - 0.1,

@@ -241,7 +241,7 @@ mod tests {
         // A figure that is not there.
         let keep = "keep: Keep(pan: false, counts: false, response: Response(figures: [t30, g], bands_hz: [1000]))";
         let study = read(&SMALL.replace("keep: Keep(counts: false)", keep)).unwrap();
-        let folder = shards_of(&study, 3, |point| format!("{point},,0.5"));
+        let folder = shards_of(&study, 3, |point| format!("{point},,0.5,4"));
         join(&study, folder.path(), &mut |_, _| ()).unwrap();
         let file = File::open(folder.path().join("study.parquet")).unwrap();
         let reader = SerializedFileReader::new(file).unwrap();

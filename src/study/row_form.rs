@@ -157,7 +157,7 @@ mod tests {
     use super::*;
     use crate::study::tests::read;
 
-    /// A study with a column of each kind: left, right, pan, six counts, G and its error, an echogram.
+    /// A study with a column of each kind: left, right, pan, six counts, figures and their errors, a gap, an echogram.
     fn form() -> RowForm {
         let study = "Study(scenes: [Scene(of: \"corner\")], settings: All(waves: [64], iterations: [2]), \
                      keep: Keep(response: Response(figures: [t30, d50, g], bands_hz: [1000], errors: true, \
@@ -165,7 +165,7 @@ mod tests {
         RowForm::of(&read(study).unwrap())
     }
 
-    const GOOD: [&str; 18] = [
+    const GOOD: [&str; 19] = [
         "7",
         "0.5",
         "1.5",
@@ -182,7 +182,8 @@ mod tests {
         "",
         "-3.25",
         "0.1",
-        "-0.0005",
+        "4",
+        "0.0005",
         "0.0 1e-7 0.25",
     ];
 
@@ -235,8 +236,10 @@ mod tests {
             (11, "t30_s_1000_error", &["-0.01", "1e300"]),
             (12, "d50_1000", &["1.5", "-0.5"]),
             (14, "g_db_1000", &["1e300", "-7000.0", "inf"]),
+            (16, "gap_1000", &["5", "-1", "1.0", ""]),
+            (17, "echogram_from_s", &["-0.0005", "1e9"]),
             (
-                17,
+                18,
                 "echogram_1000",
                 &[
                     "0.0  0.5",
@@ -260,11 +263,11 @@ mod tests {
         assert!(form.check(&GOOD.join(","), 8).is_err());
         assert!(form.check(&with(0, "07"), 7).is_err());
         assert!(
-            form.check(&GOOD[..17].join(","), 7)
+            form.check(&GOOD[..18].join(","), 7)
                 .unwrap_err()
-                .contains("17 cells, not 18")
+                .contains("18 cells, not 19")
         );
-        assert!(form.check(&with(17, "0.5,0.5"), 7).is_err());
+        assert!(form.check(&with(18, "0.5,0.5"), 7).is_err());
     }
 
     /// Protects what was computed before an interruption, which may cut a row anywhere; and whatever else

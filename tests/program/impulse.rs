@@ -239,8 +239,8 @@ fn nothing_is_heard_through_walls_or_lost_in_silence() {
         "Surface(shape: Box(size: (2, 2, 2)))",
         "(0, 0, 0)",
     );
-    let few = ["--waves", "262144", "--seconds", "0.2"];
-    let report: Value = json(&[&["impulse", &inside][..], &few].concat());
+    let many = ["--waves", "262144", "--seconds", "0.2"];
+    let report: Value = json(&[&["impulse", &inside][..], &many].concat());
     assert!(report["pairs"][0]["direct"].is_null());
     assert_eq!(report["pairs"][0]["paths"], Value::Array(Vec::new()));
     assert_eq!(report["pairs"][0]["notes"][0], "nothing arrives");
@@ -250,7 +250,7 @@ fn nothing_is_heard_through_walls_or_lost_in_silence() {
         "Surface(shape: Box(size: (1, 2, 40)), position: (0, -0.9, 0))",
         "(-5, 0, 0)",
     );
-    let report: Value = json(&[&["impulse", &behind][..], &few].concat());
+    let report: Value = json(&[&["impulse", &behind][..], &many].concat());
     assert!(report["pairs"][0]["direct"].is_null());
     assert!(numbers(&report["pairs"][0]["g_db"])[0] < 6.0);
     let output = succeed(&["impulse", "shoebox", "--waves", "1024", "--seconds", "0.2"]);
