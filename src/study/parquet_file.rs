@@ -250,6 +250,6 @@ mod tests {
             .get_column_iter()
             .map(|(_, cell)| cell.clone())
             .collect();
-        assert!(cells.ends_with(&[Field::Null, Field::Double(0.5)]));
+        assert!(cells.ends_with(&[Field::Null, Field::Double(0.5), Field::Long(4)]));
     }
 }
