@@ -398,7 +398,7 @@ fn a_grid_of_listeners_is_a_map() {
         scenes: [Scene(of: "hall.ron")],
         listeners: Grid(from: (-14, 0, -9), to: (14, 0, 9), counts: (6, 1, 4)),
         listener_radius: 0.5,
-        settings: All(waves: [4096]),
+        settings: All(waves: [32768]),
         keep: Keep(response: Response(figures: [g, c80], bands_hz: [1000], seconds: 1, order: 0, echogram_ms: 50)),
     )"#;
     let file = study(folder.path(), text);
