@@ -28,13 +28,13 @@ const PLACES: usize = 32;
 const MOST_IMAGES: usize = 2048;
 
 /// The same where a field without closed form is marched, for a thousand times as long.
-const MOST_IMAGES_MARCHED: usize = 32;
+const MOST_IMAGES_MARCHED: usize = 8;
 
 /// Paths over curved surfaces that are solved for to each place, the shortest of all: a hundred take some 0.1 s.
 const MOST_CURVED: usize = 128;
 
 /// The same where a field without closed form is marched.
-const MOST_CURVED_MARCHED: usize = 16;
+const MOST_CURVED_MARCHED: usize = 4;
 
 /// Surfaces, and boxes around them, that are asked from each place, some ten nanoseconds each; the sphere is assumed to
 /// receive images that are not looked for then.
