@@ -50,7 +50,8 @@ pub(super) fn needed(
 ) -> Result<f64, Error> {
     let medium = Medium::of(scene);
     let (mut decay, counts) = Decay::trace(tracer, scene, settings, (WAVES, longest_s))?;
-    if !decay.is_end_known() {
+    // More waves make no record longer than the longest.
+    if !decay.is_end_known() && decay.end_s() + BIN_S < longest_s {
         let more = match most_leave(&counts) {
             true => WAVES_OUTDOORS,
             false => WAVES_BETWEEN,
