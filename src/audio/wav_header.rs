@@ -10,7 +10,7 @@ pub(super) const SAMPLE_BYTES: u32 = 4;
 /// `WAVE_FORMAT_IEEE_FLOAT`.
 const FLOAT: u16 = 3;
 
-/// The bytes before the first sample, of a file of so many frames.
+/// The bytes before the first sample, of a file with a number of frames.
 pub(super) fn header(channels: u16, rate_hz: u32, frames: u32) -> Vec<u8> {
     let frame_bytes = u32::from(channels) * SAMPLE_BYTES;
     let data_bytes = frames * frame_bytes;

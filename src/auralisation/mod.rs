@@ -94,7 +94,7 @@ pub struct Spec {
 }
 
 impl Spec {
-    /// What a scene needs, at so many samples a second. What is made of it checks its numbers.
+    /// The needs of a scene at a sampling rate in hertz. Constructors that take it check its numbers.
     pub fn of(scene: &Scene, rate_hz: u32) -> Spec {
         Spec {
             rate_hz,

@@ -144,6 +144,9 @@ impl Response {
         let mut figures = Figures::new(&taps, &echogram, direct_s(&paths), ends_s);
         if let Some(common) = late.errors {
             figures = figures.with_common_errors(&common);
+        }
+        // Empty where nothing scatters.
+        if bias.bins() > 0 {
             let mut biased = echogram.clone();
             biased.add_scaled(&bias, &ALL_BANDS);
             figures = figures.with_differences((&taps, &biased, ends_s), &ALL_BANDS);

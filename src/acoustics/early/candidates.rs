@@ -71,7 +71,7 @@ impl Candidates {
         self.waves
     }
 
-    /// The waves that were not followed, in order, as that would have taken too long: none if there was no limit.
+    /// The waves beyond the limit of work, which were not followed, in order; empty without a limit.
     pub(crate) fn left_out(&self) -> &[u32] {
         &self.left_out
     }

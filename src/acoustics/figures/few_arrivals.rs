@@ -12,7 +12,7 @@ use glam::DVec3;
 /// Arrivals of one energy in a band below which its spread over batches is not reported alone.
 const FEW: f64 = 64.0;
 
-/// Seconds over which a further arrival is spread, from the time origin on: as much of it before as after 80 ms.
+/// Seconds over which a further arrival is spread, from the time origin on: half of it comes before 80 ms.
 const FURTHER_S: f64 = 0.16;
 
 /// The largest errors with which figures of few arrivals are reported: just noticeable differences (ISO 3382-1, annex A) of

@@ -43,7 +43,7 @@ impl Figures {
             energy: image.energy,
             direction: image.direction,
         };
-        // The room is too small for so long a record.
+        // In a small room a long record has more image sources than can be summed.
         let too_many = |_| AcousticsError::BadNumber {
             what: "the length of a record of this room in seconds",
             must: "so short that there are at most 1e12 image sources",

@@ -127,7 +127,7 @@ pub(super) fn others(
 /// The figures of halves of the batches.
 pub(super) struct Halves {
     lists: Vec<[List; BAND_COUNT]>,
-    /// What their times count from.
+    /// The time origin of each, in seconds.
     starts_s: Vec<f64>,
     batches: usize,
 }

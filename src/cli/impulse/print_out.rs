@@ -36,7 +36,7 @@ struct PairReport<'a> {
     seconds: f64,
     iterations: u32,
     milliseconds: f64,
-    /// What the times of the figures count from, in seconds after the source's impulse, and its standard deviation;
+    /// The time origin of the figures, in seconds after the source's impulse, and its standard deviation;
     /// `null` where nothing arrives.
     time_origin_s: Option<f64>,
     time_origin_error_s: Option<f64>,
