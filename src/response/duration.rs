@@ -37,6 +37,10 @@ const LEAST_LATE: usize = 16;
 /// also holds later sound that these waves missed. Figures need a record whose second half is weaker than the first.
 const SEEN: f64 = 1.0 / 3.0;
 
+/// The length after the direct sound where nothing absorbs and no wave leaves, in seconds: no length holds such a decay,
+/// and a longer record repeats itself. It is the usual longest response of sound in full (`auralisation`).
+const WITHOUT_DECAY_S: f64 = 3.0;
+
 /// Bins of time in which the decay is looked at, in seconds.
 const BIN_S: f64 = 0.01;
 
@@ -50,6 +54,12 @@ pub(super) fn needed(
 ) -> Result<f64, Error> {
     let medium = Medium::of(scene);
     let (mut decay, counts) = Decay::trace(tracer, scene, settings, (WAVES, longest_s))?;
+    if counts.gone == 0 && scene.air.is_none() && !scene.has_materials() {
+        let end_s = medium.direct_s + WITHOUT_DECAY_S;
+        return Ok(end_s
+            .min(longest_s.max(medium.direct_s + SHORTEST_S))
+            .min(MAX_SECONDS));
+    }
     // More waves make no record longer than the longest.
     if !decay.is_end_known() && decay.end_s() + BIN_S < longest_s {
         let more = match most_leave(&counts) {
@@ -189,6 +199,24 @@ mod tests {
         assert!((decay.end_unseen_s(0.1) - 1.0).abs() < 1e-9);
         assert!(!Decay::default().is_end_known());
         assert_eq!(Decay::default().end_unseen_s(0.1), 0.1);
+    }
+
+    /// Protects the time that a scene without a decay takes: its record is short, and one that sound leaves is not cut.
+    #[test]
+    fn what_never_decays_is_not_recorded_for_long() {
+        let mut tracer =
+            Tracer::new(&Context::headless(&ContextOptions::default()).unwrap()).unwrap();
+        let mut needed = |scene: &Scene, longest_s: f64| {
+            let settings = ResponseSettings::default().with_longest(longest_s);
+            settings.seconds_needed(&mut tracer, scene).unwrap()
+        };
+        let closed = Scene::builtin("corner").unwrap();
+        let direct_s = Medium::of(&closed).direct_s;
+        assert!((needed(&closed, 10.0) - direct_s - WITHOUT_DECAY_S).abs() < 1e-9);
+        assert_eq!(needed(&closed, 1.5), 1.5);
+        let mut absorbing = closed.clone();
+        absorbing.air = Some(crate::scene::Air::default());
+        assert!(needed(&absorbing, 10.0) > 5.0);
     }
 
     /// A yard: ground, a wall, and another one opposite where there are two.
