@@ -3,26 +3,38 @@
 //! A list of vectors: the heights of images first, at places that the text knows; then, for
 //! surfaces in cells, a directory (a vector for each surface of the scene: its number, its
 //! kind, where its values lie, its material) and the values; then, for lines, the cells of each kind with records
-//! of its surfaces (`cell_record.rs`); then, for all else, the cells (a vector each: where its list
+//! of its surfaces; then, for all else, the cells (a vector each: where its list
 //! begins, how long it is) and the lists, whose entries are those of the directory; then, for
 //! distances, the groups (two vectors each: the least coordinates of a box and where its list
 //! begins, the greatest ones and how long the list is) and their lists.
+//!
+//! # Records
+//! For lines, a cell of a kind is one *record*: so many vectors that the surface in it is tested at once. One number
+//! of its first vector is the *tag*:
+//!
+//! | tag | what the record is |
+//! | --- | --- |
+//! | the number of a surface | that surface, the last of its list: next is the next cell |
+//! | the number times −1 | that surface; the next of the list lies behind it |
+//! | 0, and the first component is not 0 | where the cell's list begins, of several surfaces |
+//! | 0 | an empty cell, or none |
+//!
+//! The values of a surface are in its record as elsewhere, after a vector for the tag
+//! (with the first component for the place of a list), unless they leave a component of their
+//! first vector free: a box does, and an endless pillar, whose height means nothing.
 
-use super::assets::Assets;
-use super::cell_record::Record;
 use super::cells::{Cells, ENDLESS, Group, Lists, SceneCells};
 use super::layout::{GRID_VECTORS, Layout};
-use super::origin_rebasing::{OriginRebasing, RebasedScene, rounding_of};
-use crate::scene::Scene;
+use super::origin_rebasing::{RebasedScene, rounding_of, value_count};
+use super::structure::Assets;
+use crate::scene::{Node, Surface};
 use glam::{DVec3, UVec3, Vec3, Vec4};
 
 /// Vectors in a row of the texture `uSceneData`.
 pub const DATA_WIDTH: usize = 1024;
 
-/// The vectors that `sceneData(index)` reads in a scene without cells: the heights of its
-/// images, one a vector, in its first component.
-pub fn scene_data(scene: &Scene) -> Vec<Vec4> {
-    let assets = Assets::of(scene);
+/// The heights of the scene's images, one a vector, in its first component.
+pub(super) fn heights(assets: &Assets) -> Vec<Vec4> {
     let mut data = Vec::with_capacity(assets.data_length());
     for (image, _) in &assets.images {
         data.extend(image.heights().iter().map(|h| Vec4::new(*h, 0.0, 0.0, 0.0)));
@@ -68,14 +80,14 @@ impl CellData {
     pub fn append(
         data: &mut Vec<Vec4>,
         layout: &Layout,
-        (rebasing, rebased): (&OriginRebasing, &RebasedScene),
+        rebased: &RebasedScene,
         cells: &SceneCells,
         materials: &[f32],
     ) -> CellData {
         let mut writer = Writer {
             directory: data.len(),
             data,
-            origin: rebasing.origin.as_dvec3(),
+            origin: rebased.rebasing().origin.as_dvec3(),
             rebased,
         };
         let mut told = CellData {
@@ -218,4 +230,47 @@ fn spare(low: Vec3, high: Vec3) -> Vec3 {
 /// The number by which a shader knows a surface.
 fn number(index: usize) -> f32 {
     (index + 1) as f32
+}
+
+/// Where the tag and the values of a record lie.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Record {
+    /// Whether a vector of its own holds the tag.
+    pub has_head: bool,
+    /// The component of the first vector that is the tag.
+    pub tag: usize,
+    /// Vectors of a record.
+    pub vectors: usize,
+}
+
+impl Record {
+    /// That of a surface's kind.
+    pub fn of(surface: &Surface) -> Record {
+        let free = match surface.shape.node {
+            Node::Cuboid(_) => Some(3),
+            Node::Cylinder(_) if !surface.has_rotation() => Some(1),
+            _ => None,
+        };
+        let values = value_count(surface, true);
+        Record {
+            has_head: free.is_none(),
+            tag: free.unwrap_or(1),
+            vectors: values + usize::from(free.is_none()),
+        }
+    }
+
+    /// The tag's name in GLSL.
+    pub fn component(&self) -> &'static str {
+        ["x", "y", "z", "w"][self.tag]
+    }
+
+    /// The record of a surface with these values.
+    pub fn push(&self, tag: f32, values: &[Vec4], records: &mut Vec<Vec4>) {
+        let first = records.len();
+        if self.has_head {
+            records.push(Vec4::ZERO);
+        }
+        records.extend_from_slice(values);
+        records[first][self.tag] = tag;
+    }
 }

@@ -10,9 +10,10 @@
 //! it has ([`Layout::of`], docs/benchmarks/surfaces-llvmpipe.md).
 
 use super::cells::Lists;
-use super::signature::SurfaceStructure;
-use crate::scene::Surface;
-use crate::scene::shape::MOST_NODES;
+use crate::scene::shape::{Asset, Hyperboloid, MOST_NODES, Mirror, Repeat};
+use crate::scene::{Copies, HeightImage, Node, Scene, Shape, Surface, UserField};
+use std::hash::{Hash, Hasher};
+use std::sync::Arc;
 
 /// Surfaces of a kind from which on lines find them sooner in cells than unrolled.
 const LINES_FROM: usize = 10;
@@ -32,8 +33,19 @@ const UNROLLED_AT_MOST: usize = 23;
 /// and 0.5 GB, 1,000 took more than 30 s and 1.7 GB, and a field of 4,000 nodes more than 7 GB.
 pub const MOST_UNROLLED: usize = MOST_NODES;
 
-/// The parting of a scene's surfaces.
-#[derive(Clone, Debug, PartialEq)]
+#[cfg(test)]
+thread_local! {
+    static DERIVED: std::cell::Cell<usize> = const { std::cell::Cell::new(0) };
+}
+
+/// Layouts derived on this thread so far.
+#[cfg(test)]
+pub(super) fn layouts_derived() -> usize {
+    DERIVED.get()
+}
+
+/// The division of a scene's surfaces.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Layout {
     /// Indices of the surfaces that are unrolled.
     pub unrolled: Vec<usize>,
@@ -55,6 +67,8 @@ impl Layout {
     /// The division of surfaces for the readers of these lists; it depends on what their text depends
     /// on, and on no position.
     pub fn of(surfaces: &[Surface], lists: Lists) -> Layout {
+        #[cfg(test)]
+        DERIVED.set(DERIVED.get() + 1);
         let all = surfaces.len();
         let unrolled = Layout {
             unrolled: (0..all).collect(),
@@ -94,6 +108,13 @@ impl Layout {
     /// Whether there are cells at all.
     pub fn has_cells(&self) -> bool {
         !self.instanced.is_empty()
+    }
+
+    /// Surfaces that are unrolled, kinds, and nodes of their fields.
+    pub(super) fn pieces(&self, scene: &Scene) -> usize {
+        let with_text = self.unrolled.iter().chain(&self.instanced);
+        let nodes = |&index: &usize| scene.surfaces[index].shape.nodes().len();
+        with_text.map(nodes).sum()
     }
 
     /// The surfaces in cells whose kind is wanted, in their order.
@@ -152,4 +173,162 @@ fn in_cells(kinds: Vec<Kind>, from: usize) -> Vec<Kind> {
 fn endless_axes(surface: &Surface) -> [bool; 3] {
     let bounds = surface.bounds();
     [0, 1, 2].map(|axis| !(bounds.min[axis].is_finite() && bounds.max[axis].is_finite()))
+}
+
+/// What the text of one surface, or of one kind, depends on.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(super) struct SurfaceStructure {
+    name: &'static str,
+    has_rotation: bool,
+    /// Whether a wave that leaves it passes it over: a driven number may change that.
+    convex: bool,
+    /// Whether a reflection looks for further sheets: the same.
+    hollow_edges: bool,
+    field: Option<Signature>,
+}
+
+impl SurfaceStructure {
+    pub fn unrolled(surface: &Surface) -> SurfaceStructure {
+        let moving = |field: &Shape| surface.moving_nodes(field);
+        SurfaceStructure::new(surface, moving)
+    }
+
+    /// Of a surface whose numbers are all data.
+    pub fn as_data(surface: &Surface) -> SurfaceStructure {
+        SurfaceStructure::new(surface, |field| vec![true; field.nodes().len()])
+    }
+
+    fn new(surface: &Surface, moving: impl Fn(&Shape) -> Vec<bool>) -> SurfaceStructure {
+        let field = surface.shape.field();
+        SurfaceStructure {
+            name: surface.shape.name(),
+            has_rotation: surface.has_rotation(),
+            convex: surface.shape.is_convex(),
+            hollow_edges: surface.shape.may_have_hollow_edges(),
+            field: field.map(|field| signature(field, &moving(field))),
+        }
+    }
+}
+
+/// Two fields with the same signature have the same text: the tree, its literals, and which
+/// nodes move.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+struct Signature {
+    nodes: Vec<NodeSignature>,
+}
+
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+struct NodeSignature {
+    name: &'static str,
+    operands: usize,
+    choices: [u32; 3],
+    /// Bits of the literals; `None` for a node that moves.
+    literals: Option<Vec<u32>>,
+    asset: Option<OwnAsset>,
+}
+
+/// A large thing that the text depends on.
+#[derive(Clone, Debug)]
+enum OwnAsset {
+    Image(Arc<HeightImage>),
+    User(Arc<UserField>),
+}
+
+impl From<Asset<'_>> for OwnAsset {
+    fn from(asset: Asset) -> OwnAsset {
+        match asset {
+            Asset::Image(image) => OwnAsset::Image(Arc::clone(image)),
+            Asset::User(field) => OwnAsset::User(Arc::clone(field)),
+        }
+    }
+}
+
+/// See [`Signature`].
+fn signature(field: &Shape, moving: &[bool]) -> Signature {
+    let nodes = field.nodes().into_iter().zip(moving);
+    Signature {
+        nodes: nodes.map(|(node, moves)| of_node(node, *moves)).collect(),
+    }
+}
+
+fn of_node(field: &Shape, moves: bool) -> NodeSignature {
+    let bits = |numbers: Vec<f64>| {
+        let literals = numbers.into_iter().map(|number| (number as f32).to_bits());
+        literals.collect()
+    };
+    NodeSignature {
+        name: field.node.name(),
+        operands: field.children.len(),
+        choices: choices(field),
+        literals: (!moves).then(|| bits(field.shader_numbers())),
+        asset: field.node.asset().map(OwnAsset::from),
+    }
+}
+
+/// What is no number, and yet in the text.
+fn choices(field: &Shape) -> [u32; 3] {
+    match &field.node {
+        Node::Mirror(Mirror { axes }) => axes.map(u32::from),
+        Node::Hyperboloid(Hyperboloid { two_sheets, .. }) => [u32::from(*two_sheets), 0, 0],
+        Node::Repeat(Repeat { count, .. }) => {
+            let copies = field.copies().unwrap_or([Copies::None; 3]);
+            // Counts are below 2^24, copies at most 64.
+            let capped = u32::from(field.cap().is_some()) << 7;
+            let evaluated = |axis: usize| match copies[axis] {
+                Copies::None => 0,
+                copies => copies.count(),
+            };
+            [0, 1, 2].map(|axis| (count[axis] << 8) | capped | evaluated(axis))
+        }
+        _ => [0; 3],
+    }
+}
+
+impl PartialEq for OwnAsset {
+    fn eq(&self, other: &OwnAsset) -> bool {
+        match (self, other) {
+            (OwnAsset::Image(a), OwnAsset::Image(b)) => Arc::ptr_eq(a, b) || a == b,
+            (OwnAsset::User(a), OwnAsset::User(b)) => Arc::ptr_eq(a, b) || a == b,
+            _ => false,
+        }
+    }
+}
+
+impl Eq for OwnAsset {}
+
+impl Hash for OwnAsset {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        match self {
+            OwnAsset::Image(image) => image.size().hash(state),
+            OwnAsset::User(user) => user.text.hash(state),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::SceneError;
+
+    /// Protects results from what was traced before: where numbers that move close an edge between two boxes, the shader
+    /// is another one, and it is the same as long as none closes.
+    #[test]
+    fn boxes_that_come_to_touch_have_another_structure() -> Result<(), SceneError> {
+        let scene = Scene::from_ron(
+            r#"Scene(
+                name: "closing",
+                surfaces: [Surface(name: "boxes", shape: Union(of: [
+                    Box(size: (1, 1, 1)),
+                    Translate(of: Box(size: (1, 1, 1)), by: (Keys([(0, 3), (1, 2), (2, 0.9)]), 0.5, 0)),
+                ]))],
+                source: Source(position: (0, 0, 5)),
+                listener: Listener(position: (0, 0, -5), radius: 1),
+            )"#,
+            "closing.ron",
+        )?;
+        let at = |seconds| SurfaceStructure::unrolled(&scene.at(seconds).surfaces[0]);
+        assert_eq!(at(0.0), at(1.0));
+        assert_ne!(at(1.0), at(2.0));
+        Ok(())
+    }
 }

@@ -5,16 +5,14 @@
 //! loses no bits. Box faces that another solid covers are extended into that solid, so that
 //! rounding at the seam cannot open a gap between the two (`covered_faces.rs`).
 
-use super::cells::Lists;
 use super::covered_faces::extend_covered_faces;
 use super::layout::Layout;
-use super::surface_values::push_values;
 use crate::scene::shape::{Cuboid, Cylinder, Room, Sphere};
 use crate::scene::{Node, ROUNDING, Scene, Shape, Surface};
-use glam::{Vec3, Vec4};
+use glam::{Quat, Vec3, Vec4};
 
 /// How world coordinates become a shader's.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct OriginRebasing {
     /// World position of the shader's origin in metres.
     pub origin: Vec3,
@@ -23,8 +21,9 @@ pub struct OriginRebasing {
 }
 
 /// A scene's surfaces in a shader's coordinates.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct RebasedScene {
+    rebasing: OriginRebasing,
     surfaces: Vec<Surface>,
     error_bounds: Vec<f32>,
 }
@@ -78,6 +77,7 @@ impl OriginRebasing {
             surfaces
         };
         RebasedScene {
+            rebasing: *self,
             surfaces,
             error_bounds,
         }
@@ -85,20 +85,19 @@ impl OriginRebasing {
 }
 
 impl RebasedScene {
+    /// The coordinates of the surfaces.
+    pub fn rebasing(&self) -> &OriginRebasing {
+        &self.rebasing
+    }
+
     /// The values of `uSurfaces`: for each unrolled surface its position (and radius, or
     /// error bound), then its half size and error bound if it has one, then the inverse of
     /// its rotation if it has one, then the numbers of its field that move.
-    ///
-    /// Of those that are unrolled in a text that reads these lists of cells.
-    pub fn uniform_values(&self, lists: Lists) -> Vec<Vec4> {
+    pub fn uniform_values(&self, layout: &Layout) -> Vec<Vec4> {
         let mut all = Vec::new();
-        for index in Layout::of(&self.surfaces, lists).unrolled {
-            push_values(
-                &self.surfaces[index],
-                self.error_bounds[index],
-                false,
-                &mut all,
-            );
+        for &index in &layout.unrolled {
+            let (surface, error_bound) = (&self.surfaces[index], self.error_bounds[index]);
+            push_values(surface, error_bound, false, &mut all);
         }
         all
     }
@@ -147,6 +146,70 @@ fn error_bound(surface: &Surface) -> f32 {
         }
         _ => ROUNDING * (place + surface.shape.extent() as f32),
     }
+}
+
+pub(super) fn value_count(surface: &Surface, is_data: bool) -> usize {
+    let mut values = Vec::new();
+    push_values(surface, 0.0, is_data, &mut values);
+    values.len()
+}
+
+/// The values of one surface; of a field that is data all numbers move.
+pub(super) fn push_values(
+    surface: &Surface,
+    error_bound: f32,
+    is_data: bool,
+    values: &mut Vec<Vec4>,
+) {
+    let place = |w: f32| surface.position.extend(w);
+    match surface.shape.node {
+        Node::Cuboid(Cuboid { size }) | Node::Room(Room { size }) => {
+            values.extend([place(0.0), (size * 0.5).extend(error_bound)]);
+        }
+        Node::Sphere(Sphere { radius }) | Node::Cylinder(Cylinder { radius }) => {
+            values.push(place(radius))
+        }
+        _ => values.push(place(error_bound)),
+    }
+    if surface.has_rotation() {
+        values.push(inverse(surface.rotation));
+    }
+    if let Some(field) = surface.shape.field() {
+        let moving = match is_data {
+            true => vec![true; field.nodes().len()],
+            false => surface.moving_nodes(field),
+        };
+        let numbers = moving_values(field, &moving);
+        let vectors = numbers.chunks(4).map(|four| {
+            let at = |index: usize| four.get(index).copied().unwrap_or(0.0);
+            Vec4::new(at(0), at(1), at(2), at(3))
+        });
+        values.extend(vectors);
+    }
+}
+
+fn inverse(rotation: Quat) -> Vec4 {
+    Vec4::from(rotation.conjugate())
+}
+
+/// Whether a node of it may make its value grow faster than the distance.
+pub(super) fn divides(field: &Shape) -> bool {
+    let turns = |f: &&Shape| matches!(f.node, Node::Twist(_) | Node::Bend(_));
+    field.nodes().iter().any(turns)
+}
+
+/// The numbers that move, as they stand: in the order of [`Shape::nodes`].
+fn moving_values(field: &Shape, moving: &[bool]) -> Vec<f32> {
+    let nodes = field.nodes();
+    let of_moving = nodes.iter().zip(moving).filter(|(_, moves)| **moves);
+    let mut values: Vec<f32> = of_moving
+        .flat_map(|(node, _)| node.shader_numbers())
+        .map(|number| number as f32)
+        .collect();
+    if moving.contains(&true) && divides(field) {
+        values.push((1.0 / field.properties().lipschitz) as f32);
+    }
+    values
 }
 
 #[cfg(test)]

@@ -1,11 +1,12 @@
 //! The fragment shaders of a frame's passes.
 
 use super::cells::Lists;
+use super::structure::Structure;
 use super::text::{
-    ListenerText, Part, Source, closed_form_parts, directed_parts, distance_parts, field, join,
-    library, link, source,
+    ListenerText, Marched, Part, Source, Text, closed_form_parts, directed_parts, distance_parts,
+    join, library, link, source,
 };
-use crate::scene::{Scene, Surface};
+use crate::scene::Scene;
 use crate::text::there_is_no;
 use serde::Serialize;
 use std::fmt;
@@ -72,23 +73,28 @@ pub(super) fn start(directions: Directions) -> [Source; 2] {
     [direction, source!("start.glsl")]
 }
 
-/// The text of the march through a scene, which should have been [checked](super::check).
-pub(crate) fn march_text(scene: &Scene, text: MarchText) -> String {
-    let (mut roots, parts) = iterations(scene, text);
+/// The text of the march through a scene, which should have been [checked](Structure::check).
+pub(crate) fn march_text(scene: &Scene, structure: &Structure, text: MarchText) -> String {
+    let (mut roots, parts) = iterations(&Text::new(scene, structure), text);
     roots.push(source!("iterate.frag"));
     join(&link(roots, parts))
 }
 
 /// The text of a whole frame in one pass.
-pub(crate) fn whole_frame_text(scene: &Scene, text: MarchText, directions: Directions) -> String {
-    let (mut roots, parts) = iterations(scene, text);
+pub(crate) fn whole_frame_text(
+    scene: &Scene,
+    structure: &Structure,
+    text: MarchText,
+    directions: Directions,
+) -> String {
+    let (mut roots, parts) = iterations(&Text::new(scene, structure), text);
     roots.extend(start(directions));
     roots.extend([source!("contribution.glsl"), source!("whole_frame.frag")]);
     join(&link(roots, parts))
 }
 
-/// What takes a wave through iterations, and the parts that it calls.
-fn iterations(scene: &Scene, text: MarchText) -> (Vec<Source>, Vec<Part>) {
+/// The sources that take a wave through iterations, and the parts that they call.
+fn iterations(scene: &Text, text: MarchText) -> (Vec<Source>, Vec<Part>) {
     let counters = match text.count_evaluations {
         true => source!("counters_evaluations.glsl"),
         false => source!("counters.glsl"),
@@ -107,14 +113,14 @@ fn iterations(scene: &Scene, text: MarchText) -> (Vec<Source>, Vec<Part>) {
                 "#define EXACT_NORMALS {}\n#define PROJECTION {}\n#define MARCHES_FIELDS {}\n",
                 u8::from(exact_normals),
                 u8::from(projection),
-                u8::from(marches_fields(scene, true))
+                u8::from(scene.marches(Marched::All))
             );
             roots.push(Source::new("options", defines));
             roots.push(source!("iterate_march.glsl"));
             directed_parts(scene, ListenerText::Solid, !exact_normals)
         }
         AlgorithmText::Hybrid => {
-            let marches = u8::from(marches_fields(scene, false));
+            let marches = u8::from(scene.marches(Marched::Others));
             let defines = format!("#define MARCHES_FIELDS {marches}\n");
             roots.push(Source::new("options", defines));
             roots.push(source!("iterate_hybrid.glsl"));
@@ -125,7 +131,19 @@ fn iterations(scene: &Scene, text: MarchText) -> (Vec<Source>, Vec<Part>) {
     (roots, parts)
 }
 
-/// The sources of a picture of what the listener sees, shaded so.
+/// The text of a picture of a scene, from the sources that draw it.
+#[cfg(feature = "picture")]
+pub(crate) fn picture_text(
+    scene: &Scene,
+    structure: &Structure,
+    sources: impl IntoIterator<Item = Source>,
+) -> String {
+    let mut roots = vec![source!("view/colour.glsl")];
+    roots.extend(sources);
+    join(&link(roots, distance_parts(&Text::new(scene, structure))))
+}
+
+/// The sources of a picture of what the listener sees, with this shading.
 #[cfg(any(feature = "picture", feature = "walkthrough"))]
 pub(crate) fn first_person(shading: Source) -> [Source; 3] {
     [
@@ -156,19 +174,6 @@ pub(crate) fn first_sum_text() -> String {
 /// The text of its further passes.
 pub(crate) fn further_sum_text() -> String {
     join(&[source!("sum/further.glsl"), source!("sum/block.frag")])
-}
-
-/// Whether a march must take fields: all of them, or those alone that have no closed form.
-pub fn marches_fields(scene: &Scene, all: bool) -> bool {
-    let is_field = |surface: &Surface| surface.shape.field().is_some();
-    let takes = if all { is_field } else { is_marched };
-    scene.surfaces.iter().any(takes)
-}
-
-/// Whether every profile has to march to a surface: a field without a closed form.
-pub(crate) fn is_marched(surface: &Surface) -> bool {
-    let field = surface.shape.field();
-    field.is_some_and(|field| !field::has_closed_form(field))
 }
 
 impl fmt::Display for Directions {

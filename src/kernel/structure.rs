@@ -1,33 +1,165 @@
-//! What the shader text of a scene depends on: the key of its programs.
+//! What the shader text of a scene is written from, and the key of its programs.
+//!
+//! A [`Structure`] is derived once a frame and passed to all that ask for it: the checks of the
+//! renderer's limits, the texts, their keys and the [compiled scene](super::CompiledScene). It holds no
+//! position: two scenes with equal [keys](StructureKey) have the same text.
 
-use super::assets::Assets;
 use super::cells::Lists;
-use super::layout::Layout;
-use super::signature::SurfaceStructure;
-use crate::scene::Scene;
+use super::layout::{GRID_VECTORS, Layout, MOST_UNROLLED, SurfaceStructure};
+use super::origin_rebasing::value_count;
+use crate::scene::shape::Asset;
+use crate::scene::{HeightImage, Scene, SceneError, Shape, UserField};
+use std::rc::Rc;
+use std::sync::Arc;
+
+/// The structure of a scene as the readers of some lists of cells see it.
+#[derive(Clone, Debug)]
+pub(crate) struct Structure {
+    /// The lists of cells that the text reads.
+    pub lists: Lists,
+    /// Which surfaces have their own lines of text, and which are in cells.
+    pub layout: Layout,
+    /// Height images and users' fields.
+    pub(super) assets: Assets,
+    /// What programs are shared by.
+    pub key: Rc<StructureKey>,
+}
 
 /// What the shader text of a scene depends on: each surface's shape, whether it has a
-/// rotation, and of a field what does not move; of surfaces in cells only which kinds there
-/// are, and along which axes cells have no end. Two scenes of one structure share their programs.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub struct Structure {
+/// rotation, and the fixed part of its field; of surfaces in cells only their kinds, and the axes
+/// along which cells have no end. Two scenes with equal keys share their programs.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
+pub(crate) struct StructureKey {
     /// Unrolled surfaces by their index.
     unrolled: Vec<(usize, SurfaceStructure)>,
     instanced: Vec<SurfaceStructure>,
     unbounded_axes: [bool; 3],
-    /// Where the heights of the images lie, in the order of the text.
+    /// Indices of the heights of the images, in the order of the text.
     images: Vec<usize>,
 }
 
-/// The structure of the text that reads these lists of cells; see [`Structure`].
-pub fn structure(scene: &Scene, lists: Lists) -> Structure {
-    let layout = Layout::of(&scene.surfaces, lists);
-    let unrolled = |&index: &usize| (index, SurfaceStructure::unrolled(&scene.surfaces[index]));
-    let as_data = |&index: &usize| SurfaceStructure::as_data(&scene.surfaces[index]);
-    Structure {
-        unrolled: layout.unrolled.iter().map(unrolled).collect(),
-        instanced: layout.instanced.iter().map(as_data).collect(),
-        unbounded_axes: layout.unbounded_axes,
-        images: Assets::of(scene).places(&layout, scene),
+impl Structure {
+    /// The structure of a scene for the readers of these lists.
+    pub fn of(scene: &Scene, lists: Lists) -> Structure {
+        let layout = Layout::of(&scene.surfaces, lists);
+        let assets = Assets::of(scene);
+        let unrolled = |&index: &usize| (index, SurfaceStructure::unrolled(&scene.surfaces[index]));
+        let as_data = |&index: &usize| SurfaceStructure::as_data(&scene.surfaces[index]);
+        let key = StructureKey {
+            unrolled: layout.unrolled.iter().map(unrolled).collect(),
+            instanced: layout.instanced.iter().map(as_data).collect(),
+            unbounded_axes: layout.unbounded_axes,
+            images: assets.places(&layout, scene),
+        };
+        Structure {
+            lists,
+            layout,
+            assets,
+            key: Rc::new(key),
+        }
+    }
+
+    /// Uniform vectors of the scene's surfaces and grids, at most.
+    pub fn uniform_count(&self, scene: &Scene) -> usize {
+        let unrolled = self.layout.unrolled.iter();
+        let values = unrolled.map(|&index| value_count(&scene.surfaces[index], false));
+        values.sum::<usize>() + GRID_VECTORS * self.layout.instanced.len()
+    }
+
+    /// Checks the scene once before its text is compiled: its fields, and that the text compiles in
+    /// seconds.
+    ///
+    /// # Errors
+    /// Those of [`Scene::check`], and [`SceneError::BadNumber`] for more than [`MOST_UNROLLED`]
+    /// surfaces, kinds of them and nodes of their fields.
+    pub fn check(&self, scene: &Scene) -> Result<(), SceneError> {
+        scene.check()?;
+        if self.layout.pieces(scene) <= MOST_UNROLLED {
+            return Ok(());
+        }
+        // The limit is that of lines, which need the fewest pieces, so that every profile accepts the
+        // same scenes.
+        let pieces = Layout::of(&scene.surfaces, Lists::Lines).pieces(scene);
+        if pieces <= MOST_UNROLLED {
+            return Ok(());
+        }
+        Err(SceneError::BadNumber {
+            scene: scene.name.clone(),
+            what:
+                "what its shader holds one by one (surfaces, and shapes and operators within them)"
+                    .to_owned(),
+            must: "at most 512",
+            value: pieces.to_string(),
+        })
+    }
+}
+
+/// Things of a scene that its text refers to by number, each once.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Assets {
+    /// Index of the first height of each image in the scene's data.
+    pub images: Vec<(Arc<HeightImage>, usize)>,
+    /// Users' fields of different texts, numbered by their place.
+    pub users: Vec<Arc<UserField>>,
+}
+
+impl Assets {
+    /// Those of a scene.
+    pub fn of(scene: &Scene) -> Assets {
+        let mut assets = Assets::default();
+        for surface in &scene.surfaces {
+            assets.add(&surface.shape);
+        }
+        assets
+    }
+
+    fn add(&mut self, field: &Shape) {
+        for node in field.nodes() {
+            match node.node.asset() {
+                Some(Asset::Image(image)) if self.image(image).is_none() => {
+                    let first = self.data_length();
+                    self.images.push((Arc::clone(image), first));
+                }
+                Some(Asset::User(field)) if self.user(field).is_none() => {
+                    self.users.push(Arc::clone(field));
+                }
+                _ => (),
+            }
+        }
+    }
+
+    /// Vectors of scene data that the images take.
+    pub fn data_length(&self) -> usize {
+        self.images
+            .last()
+            .map_or(0, |(image, first)| first + image.heights().len())
+    }
+
+    /// Where the images of the surfaces that the text names lie, in its order.
+    pub fn places(&self, layout: &Layout, scene: &Scene) -> Vec<usize> {
+        if self.images.is_empty() {
+            return Vec::new();
+        }
+        let surfaces = layout.unrolled.iter().chain(&layout.instanced);
+        let fields = surfaces.map(|&index| &scene.surfaces[index].shape);
+        let images = fields
+            .flat_map(Shape::nodes)
+            .filter_map(|f| match f.node.asset() {
+                Some(Asset::Image(image)) => self.image(image),
+                _ => None,
+            });
+        images.collect()
+    }
+
+    pub fn image(&self, image: &Arc<HeightImage>) -> Option<usize> {
+        let same = |known: &Arc<HeightImage>| Arc::ptr_eq(known, image) || **known == **image;
+        let known = self.images.iter().find(|(known, _)| same(known));
+        known.map(|(_, first)| *first)
+    }
+
+    pub fn user(&self, field: &UserField) -> Option<usize> {
+        // Size and growth are arguments of its functions.
+        let same = |known: &UserField| known.file == field.file && known.text == field.text;
+        self.users.iter().position(|known| same(known))
     }
 }

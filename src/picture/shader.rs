@@ -3,47 +3,36 @@
 use super::PictureError;
 use crate::error::Error;
 use crate::gpu::{Context, Picture, Program, full_screen_pass_rows};
-use crate::kernel::{self, Lists, Materials};
+use crate::kernel::{self, Structure};
 use crate::scene::Scene;
-use crate::trace::{SceneData, UserFields, check_surfaces, compile_with_scene};
+use crate::trace::GpuScene;
 use image::RgbaImage;
 
 /// Pixels in one draw call at most: see [`full_screen_pass_rows`].
 const PIXELS_PER_DRAW: u32 = 1 << 17;
 
-/// A picture's program, and the scene's data that it reads.
+/// A picture's program, and the scene that it reads.
 pub(super) struct Shader {
     pub program: Program,
-    data: SceneData,
+    scene: GpuScene,
 }
 
 /// The program of a picture's shader around the distance functions of `scene`, whose
 /// numbers are set.
 pub(super) fn program(context: &Context, scene: &Scene, kind: Kind) -> Result<Shader, Error> {
-    kernel::check(scene)?;
-    check_surfaces(context, scene)?;
+    scene.validate()?;
+    let structure = GpuScene::picture_structure(scene);
     let label = format!("{kind:?} of {}", scene.name);
-    let text = shader_text(scene, kind);
-    UserFields::default().check(context, scene, || text.clone())?;
-    let program = compile_with_scene(context, scene, &label, &text)?;
-    let rebasing = kernel::OriginRebasing::world();
-    let rebased = rebasing.apply(scene);
-    let mut data = SceneData::new(context)?;
-    data.set(
-        scene,
-        &rebasing,
-        &rebased,
-        Lists::NearestCandidates,
-        &Materials::default(),
-    )?;
-    data.set_uniforms(&program);
-    program.set_vec4_array(
-        "uSurfaces",
-        &rebased.uniform_values(Lists::NearestCandidates),
-    );
+    let text = text(scene, &structure, kind);
+    let program = GpuScene::picture_program(context, scene, &structure, &label, &text)?;
+    let mut on_gpu = GpuScene::new(context)?;
+    on_gpu.set_picture(scene, structure, &program)?;
     let listener = &scene.listener;
     program.set_vec4("uListener", listener.position.extend(listener.radius));
-    Ok(Shader { program, data })
+    Ok(Shader {
+        program,
+        scene: on_gpu,
+    })
 }
 
 /// A kind of picture.
@@ -68,9 +57,11 @@ impl Kind {
 /// header. Needs no context; the scene should have been
 /// [checked](Scene::check).
 pub fn shader_text(scene: &Scene, kind: Kind) -> String {
-    let mut roots = vec![kernel::source!("view/colour.glsl")];
-    roots.extend(kind.sources());
-    kernel::join(&kernel::link(roots, kernel::distance_parts(scene)))
+    text(scene, &GpuScene::picture_structure(scene), kind)
+}
+
+fn text(scene: &Scene, structure: &Structure, kind: Kind) -> String {
+    kernel::picture_text(scene, structure, kind.sources())
 }
 
 /// Rejects sizes that cannot be drawn, before anything is allocated.
@@ -94,8 +85,8 @@ pub(super) fn draw(
     height: u32,
 ) -> Result<RgbaImage, Error> {
     check_size(context, width, height)?;
-    let Shader { program, data } = shader;
-    data.bind(program, 0);
+    let Shader { program, scene } = shader;
+    scene.bind(program, 0);
     let picture = Picture::new(context, width, height)?;
     let rows = (PIXELS_PER_DRAW / width).max(1);
     for start in (0..height).step_by(rows as usize) {

@@ -3,7 +3,7 @@
 //! The sentences are written where the check is: the syntax of a file in `crate::ron_error` and `scene/file/hints.rs`; a
 //! number's range in `scene/shape/parameter.rs` and `scene/notation/numbers.rs`; a shape in `scene/shape/check.rs` and
 //! its own file; names, materials and the scene as a whole in `scene/check/`; what is too large for a renderer in
-//! `kernel/size_check.rs`.
+//! `kernel/structure.rs`.
 
 use crate::file_input::{InputError, MalformedText};
 use std::path::{Path, PathBuf};

@@ -12,24 +12,19 @@
 //! are documented where they are made, in `glsl/`, and together in `docs/thesis.md`.
 
 mod arrivals;
-mod directions;
 mod error;
 mod field_trial;
 mod frame;
-mod gpu_sum;
-mod heard_search;
-mod loop_budget;
-mod panning;
+mod gpu_scene;
 mod programs;
 mod reload;
-mod renderer_limits;
-mod scene_data;
-mod scene_program;
 mod settings;
 mod tracer;
 mod user_fields;
 mod waves;
 
+#[cfg(any(test, feature = "experiment"))]
+pub(crate) use crate::kernel::Budget;
 pub use crate::kernel::Directions;
 pub use arrivals::{ArrivalCounts, ArrivalSettings};
 pub(crate) use arrivals::{Followed, Start, WavesToFollow};
@@ -37,32 +32,23 @@ pub use error::TraceError;
 #[cfg(not(target_arch = "wasm32"))]
 pub use field_trial::answer_field_trial;
 pub use field_trial::{FieldTrial, TrialCommand};
-pub use frame::{Frame, Milliseconds};
-#[cfg(feature = "walkthrough")]
-pub(crate) use heard_search::{HeardSearch, MostKept};
-#[cfg(any(test, feature = "experiment"))]
-pub(crate) use loop_budget::Budget;
-pub use panning::{Counts, Panning};
+pub use frame::{Counts, Frame, Milliseconds, Panning};
+#[cfg(feature = "picture")]
+pub(crate) use gpu_scene::GpuScene;
+#[cfg(any(test, feature = "experiment", feature = "demo"))]
 pub(crate) use programs::{Pass, shader_text};
 #[cfg(feature = "demo")]
 pub(crate) use reload::Opening;
 pub use reload::{Reload, Reloading};
-#[cfg(feature = "picture")]
-pub(crate) use renderer_limits::check_surfaces;
-#[cfg(feature = "picture")]
-pub(crate) use scene_data::SceneData;
-#[cfg(feature = "picture")]
-pub(crate) use scene_program::compile as compile_with_scene;
 pub use settings::{
     Algorithm, HybridOptions, MAX_ITERATIONS, MAX_WAVES, MarchOptions, Profile, Settings,
     ThesisOptions,
 };
 #[cfg(feature = "experiment")]
 pub(crate) use settings::{MARCHES_PER_PASS, MarchVariant};
-pub(crate) use settings::{MAX_COPY_STEPS, MAX_FIELD_STEPS, MAX_STEPS};
 pub use tracer::{FrameTexture, HeardPaths, Tracer};
-#[cfg(feature = "picture")]
-pub(crate) use user_fields::UserFields;
+#[cfg(feature = "walkthrough")]
+pub(crate) use tracer::{HeardSearch, MostKept};
 pub(crate) use waves::Grid;
 pub use waves::{Fate, Wave};
 #[cfg(test)]

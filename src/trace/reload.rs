@@ -1,9 +1,9 @@
 //! A scene that follows its files while it is traced.
 
 use super::field_trial::Trial;
-use super::{Pass, Settings, Tracer, shader_text};
+use super::programs::{march_text, structure};
+use super::{Settings, Tracer};
 use crate::error::Error;
-use crate::kernel;
 use crate::scene::{Scene, SceneError, SceneWatch};
 
 /// A scene that is read again when its files change, and only taken when it can be traced:
@@ -134,8 +134,10 @@ fn begin_trial(
     settings: &Settings,
     others: &[ProgramOf],
 ) -> Result<Option<Trial>, Error> {
-    kernel::check(scene)?;
-    let mut programs = vec![shader_text(scene, settings, Pass::March)];
+    scene.validate()?;
+    let structure = structure(scene, settings);
+    structure.check(scene)?;
+    let mut programs = vec![march_text(scene, &structure, settings)];
     programs.extend(others.iter().map(|program| program(scene)));
     let programs: Vec<&str> = programs.iter().map(String::as_str).collect();
     Trial::begin(scene, &programs)

@@ -1,38 +1,37 @@
 //! The tracer: frame after frame on one context.
 
 mod arrival_passes;
-mod frame_to_texture;
+mod frames;
 mod heard_paths;
 mod passes;
 mod prepared;
-mod steps;
+mod read_back;
 mod throughput;
 
 use super::arrivals::ArrivalTargets;
-use super::directions::unit_directions;
 use super::frame::timed;
-use super::gpu_sum::GpuSum;
-use super::loop_budget::{self, Budget};
-use super::programs::{Pass, Programs, shader_text};
-use super::renderer_limits::{check_surfaces, check_waves};
-use super::scene_data::SceneData;
+use super::gpu_scene::{GpuScene, check_surfaces};
+use super::programs::{Programs, loops_asked, march_text, structure};
 use super::user_fields::UserFields;
-use super::waves::waves;
-use super::{Frame, Grid, Profile, Settings, Wave};
+use super::waves::{unit_directions, waves};
+use super::{Frame, Grid, Profile, Settings, TraceError, Wave};
 use crate::error::Error;
 use crate::gpu::{Context, GpuTimer};
-use crate::kernel::{Materials, OriginRebasing, RebasedScene};
+use crate::kernel::{Budget, Materials, Structure};
 use crate::platform::Instant;
 use crate::scene::Scene;
-pub use frame_to_texture::FrameTexture;
+pub use frames::FrameTexture;
+use frames::FrameUnderWay;
 use glam::Vec3;
 pub use heard_paths::HeardPaths;
-use passes::Targets;
-use prepared::{FramePrograms, PreparedFrame};
+#[cfg(feature = "walkthrough")]
+pub(crate) use heard_paths::{HeardSearch, MostKept};
+use passes::{Targets, check_waves};
+use prepared::{FramePrograms, PreparedFrame, set_direction_uniforms};
+use read_back::{GpuSum, ReadBack};
 use std::cell::RefCell;
 use std::rc::Rc;
 use std::time::Duration;
-use steps::{FrameUnderWay, ReadBack};
 use throughput::Throughput;
 
 /// Traces frames. Programs and textures are kept from frame to frame: a frame that
@@ -69,10 +68,10 @@ pub struct Tracer {
     shared: Rc<RefCell<SharedPrograms>>,
     targets: Option<Targets>,
     arrival_targets: Option<ArrivalTargets>,
-    scene_data: SceneData,
+    scene: GpuScene,
     throughput: Throughput,
     under_way: Option<FrameUnderWay>,
-    /// What the last frame was read back with.
+    /// The timer and read-back of the last frame, for the next one.
     spare: Option<ReadBack>,
 }
 
@@ -83,11 +82,11 @@ enum Waves {
     Dropped,
 }
 
-/// What tracers may share.
+/// The part that tracers may share.
 #[derive(Default)]
 struct SharedPrograms {
     programs: Programs,
-    /// Those that were checked.
+    /// The fields that were checked.
     user_fields: UserFields,
 }
 
@@ -117,7 +116,7 @@ impl Tracer {
             shared,
             targets: None,
             arrival_targets: None,
-            scene_data: SceneData::new(context)?,
+            scene: GpuScene::new(context)?,
             throughput: Throughput::new(GpuTimer::new(context)),
             under_way: None,
             spare: None,
@@ -147,9 +146,10 @@ impl Tracer {
     /// As [`Tracer::frame`].
     pub fn check(&mut self, scene: &Scene, settings: &Settings) -> Result<(), Error> {
         let _entered = self.context.enter()?;
-        self.check_input(scene, settings)?;
-        let as_one = fits_one_pass(scene, settings, || Budget::of(scene, settings));
-        self.programs(scene, settings, as_one)?;
+        let structure = self.check_input(scene, settings)?;
+        let budget = || Budget::of_structure(scene, structure.clone(), settings);
+        let as_one = fits_one_pass(scene, settings, budget);
+        self.programs(scene, &structure, settings, as_one)?;
         Ok(())
     }
 
@@ -179,11 +179,11 @@ impl Tracer {
         let _entered = self.context.enter()?;
         self.aside(|tracer| {
             tracer.begin(scene, settings, Waves::Kept)?;
-            let (starts, reading) = timed(|| tracer.read_pair())?;
+            let origin = tracer.scene.compiled()?.origin();
+            let (starts, reading) = timed(|| tracer.targets()?.read_pair())?;
             let mut frame = tracer.frame_to_its_end()?;
             frame.milliseconds.total -= reading;
-            let ends = tracer.read_pair()?;
-            let origin = PreparedFrame::rebasing(scene, settings).origin;
+            let ends = tracer.targets()?.read_pair()?;
             Ok((frame, waves(&starts, &ends, origin)))
         })
     }
@@ -198,12 +198,12 @@ impl Tracer {
     pub fn paths(&mut self, scene: &Scene, settings: &Settings) -> Result<Vec<Vec<Wave>>, Error> {
         let _entered = self.context.enter()?;
         let frame = self.prepare(scene, settings, Waves::Kept)?;
-        self.initialise(&frame)?;
+        self.targets()?.initialise(&frame)?;
         self.follow(&frame)
     }
 
     /// Follows one wave for each of `directions`, which leave the scene's source along
-    /// them: as [`Tracer::paths`], but for the start. `settings.waves`, `seed` and
+    /// them: as [`Tracer::paths`], except for the start. `settings.waves`, `seed` and
     /// `directions` do not matter.
     ///
     /// World axes. A direction of any length but 0 will do: it is made a unit vector.
@@ -222,78 +222,104 @@ impl Tracer {
         let waves = u32::try_from(units.len()).unwrap_or(u32::MAX);
         let settings = settings.clone().with_waves(waves);
         let frame = self.prepare(scene, &settings, Waves::Kept)?;
-        self.upload_starts(&frame, &units)?;
+        self.targets()?.upload_starts(&frame, &units)?;
         self.follow(&frame)
     }
-}
 
-/// What frames begin with.
-impl Tracer {
-    /// Checks the input, gets the programs and the textures, and sends the scene's data.
+    /// Follows `wanted` waves that reach the listener: traces the waves of `settings`, then
+    /// those of the next seeds, until these are found or `most` waves were traced.
+    ///
+    /// In the profile `thesis` a wave that died and is marched again does not count.
+    ///
+    /// # Errors
+    /// As [`Tracer::frame`].
+    pub fn heard_paths(
+        &mut self,
+        scene: &Scene,
+        settings: &Settings,
+        wanted: usize,
+        most: u64,
+    ) -> Result<HeardPaths, Error> {
+        HeardPaths::search(self, scene, settings, wanted, most)
+    }
+
+    /// The start directions of the waves, in order: unit vectors, world axes. Of `settings` the
+    /// waves, the seed and the directions count.
+    ///
+    /// # Errors
+    /// As [`Tracer::frame`].
+    pub(crate) fn start_directions(&mut self, settings: &Settings) -> Result<Vec<Vec3>, Error> {
+        settings.validate()?;
+        let _entered = self.context.enter()?;
+        self.aside(|tracer| {
+            let grid = Grid::new(settings.waves);
+            check_waves(&tracer.context, grid)?;
+            let initialise = {
+                let programs = &mut tracer.shared.borrow_mut().programs;
+                programs.initialise(&tracer.context, settings.directions)?
+            };
+            tracer.give_up_marching();
+            tracer.make_room(settings, true)?;
+            set_direction_uniforms(&initialise, settings, grid);
+            let targets = tracer.targets()?;
+            targets.start(&initialise)?;
+            let [_, directions] = targets.read_pair()?;
+            let texels = directions.as_chunks::<4>().0.iter();
+            Ok(texels.map(|[x, y, z, _]| Vec3::new(*x, *y, *z)).collect())
+        })
+    }
+
+    /// Checks the input, compiles the scene, and provides the programs and the textures.
     fn prepare(
         &mut self,
         scene: &Scene,
         settings: &Settings,
         keep: Waves,
     ) -> Result<PreparedFrame, Error> {
-        self.check_input(scene, settings)?;
-        // The textures are this frame's now. Of one that is drawn the result is elsewhere.
-        if self.frame_marching_for().is_some() {
-            self.give_up();
-        }
-        let (prepared, setup) =
-            timed(|| self.set_scene_data(scene, settings, &Materials::default()))?;
-        let (rebasing, rebased, budget) = prepared;
+        let structure = self.check_input(scene, settings)?;
+        // The textures are this frame's now.
+        self.give_up_marching();
+        let asked = loops_asked(settings);
+        let (budget, setup) = timed(|| {
+            let none = Materials::default();
+            self.scene.set(scene, asked.algorithm, structure, &none)?;
+            Ok(self.scene.compiled()?.budget(&asked))
+        })?;
         let as_one = keep == Waves::Dropped && fits_one_pass(scene, settings, || budget);
-        let programs = self.programs(scene, settings, as_one)?;
+        let structure = self.scene.compiled()?.structure();
+        let programs = self.programs(scene, structure, settings, as_one)?;
         self.make_room(settings, !programs.are_one())?;
         // Compiling and making textures, which a first frame alone does, is not in its time.
         let setup = Duration::from_secs_f64(setup * 1e-3);
         let now = Instant::now();
         let began = now.checked_sub(setup).unwrap_or(now);
-        let place = (&rebasing, &rebased);
+        let compiled = self.scene.compiled()?;
         Ok(PreparedFrame::new(
-            scene, settings, place, budget, programs, began,
+            scene, settings, compiled, budget, programs, began,
         ))
-    }
-
-    /// Sends the scene's data, in the coordinates of the shaders, with the numbers of the surfaces' materials for
-    /// shaders that read them.
-    fn set_scene_data(
-        &mut self,
-        scene: &Scene,
-        settings: &Settings,
-        materials: &Materials,
-    ) -> Result<(OriginRebasing, RebasedScene, Budget), Error> {
-        let rebasing = PreparedFrame::rebasing(scene, settings);
-        let rebased = rebasing.apply(scene);
-        let lists = loop_budget::lists(settings);
-        self.scene_data
-            .set(scene, &rebasing, &rebased, lists, materials)?;
-        let budget = Budget::with_cells(scene, settings, self.scene_data.cells());
-        Ok((rebasing, rebased, budget))
     }
 
     /// The programs of a frame, with all passes as one or not, compiled where they are not yet.
     fn programs(
-        &mut self,
+        &self,
         scene: &Scene,
+        structure: &Structure,
         settings: &Settings,
         as_one: bool,
     ) -> Result<FramePrograms, Error> {
         let (programs, context) = (&mut self.shared.borrow_mut().programs, &self.context);
         if as_one {
-            let program = programs.whole_frame(context, scene, settings)?;
+            let program = programs.whole_frame(context, scene, structure, settings)?;
             return Ok(FramePrograms::WholeFrame(program));
         }
         Ok(FramePrograms::Passes {
-            march: programs.march(context, scene, settings)?,
+            march: programs.march(context, scene, structure, settings)?,
             initialise: programs.initialise(context, settings.directions)?,
             pan: programs.pan(context)?,
         })
     }
 
-    /// Makes textures for so many waves where there are none yet.
+    /// Makes textures for the waves where there are none yet.
     fn make_room(&mut self, settings: &Settings, with_pairs: bool) -> Result<(), Error> {
         let grid = Grid::new(settings.waves);
         let targets = match self.targets.take().filter(|targets| targets.grid == grid) {
@@ -303,7 +329,7 @@ impl Tracer {
         };
         let targets = self.targets.insert(targets);
         if with_pairs {
-            targets.provide_pairs(&self.context)?;
+            targets.provide_pairs()?;
         }
         if settings.sum_on_gpu && targets.sum.is_none() {
             let programs = &mut self.shared.borrow_mut().programs;
@@ -312,27 +338,47 @@ impl Tracer {
         Ok(())
     }
 
-    /// What is checked once a frame, and of users' fields before the first.
-    fn check_input(&mut self, scene: &Scene, settings: &Settings) -> Result<(), Error> {
+    /// Checks the input once a frame, and users' fields before the first. The structure of the scene.
+    fn check_input(&self, scene: &Scene, settings: &Settings) -> Result<Structure, Error> {
         scene.validate()?;
         settings.validate()?;
         check_waves(&self.context, Grid::new(settings.waves))?;
-        check_surfaces(&self.context, scene)?;
+        let structure = structure(scene, settings);
+        check_surfaces(&self.context, scene, &structure)?;
         let fields = &mut self.shared.borrow_mut().user_fields;
-        fields.check(&self.context, scene, || {
-            shader_text(scene, settings, Pass::March)
-        })
+        let text = || march_text(scene, &structure, settings);
+        fields.check(&self.context, scene, &structure, text)?;
+        Ok(structure)
+    }
+
+    fn targets(&self) -> Result<&Targets, TraceError> {
+        self.targets.as_ref().ok_or(TraceError::NothingTraced)
+    }
+
+    /// Sets every uniform of the march that is the same for all iterations.
+    fn set_march_uniforms(&self, frame: &PreparedFrame) {
+        frame.set_march_uniforms();
+        self.scene.set_uniforms(frame.programs.march());
+    }
+
+    /// Swaps the texture pairs: the pair written last is read next.
+    fn flip(&mut self) {
+        if let Some(targets) = &mut self.targets {
+            targets.flip();
+        }
     }
 
     /// The current waves, and those after each iteration.
     fn follow(&mut self, frame: &PreparedFrame) -> Result<Vec<Vec<Wave>>, Error> {
         self.set_march_uniforms(frame);
-        let starts = self.read_pair()?;
+        let starts = self.targets()?.read_pair()?;
         let mut states = vec![waves(&starts, &starts, frame.origin)];
         for _ in 0..frame.settings.iterations {
-            self.march_rows(frame, 1, 0..frame.grid.height)?;
+            let targets = self.targets()?;
+            targets.march_rows(frame, &self.scene, 1, 0..frame.grid.height)?;
             self.flip();
-            states.push(waves(&starts, &self.read_pair()?, frame.origin));
+            let ends = self.targets()?.read_pair()?;
+            states.push(waves(&starts, &ends, frame.origin));
         }
         Ok(states)
     }

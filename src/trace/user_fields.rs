@@ -17,14 +17,14 @@
 
 mod gradient;
 
-use super::scene_program::{first_line, without_prefixes};
+use super::programs::{first_line, without_prefixes};
 use super::{TraceError, field_trial};
 use crate::error::Error;
 use crate::gpu::{
     Context, DataTexture, GpuError, Program, RenderTarget, Texture, full_screen_pass_rows,
     log_errors,
 };
-use crate::kernel::{self, USER_FILE};
+use crate::kernel::{self, Structure, USER_FILE};
 use crate::platform::Instant;
 use crate::scene::{Scene, UserField, UserSamples, halton};
 use glam::{Vec3, Vec4};
@@ -92,6 +92,7 @@ impl UserFields {
         &mut self,
         context: &Context,
         scene: &Scene,
+        structure: &Structure,
         program: impl FnOnce() -> String,
     ) -> Result<(), Error> {
         let is_known =
@@ -102,7 +103,7 @@ impl UserFields {
         for field in scene.user_fields() {
             TraceError::check_text(field)?;
         }
-        kernel::check(scene)?;
+        structure.check(scene)?;
         field_trial::ensure(scene, &[&program()])?;
         let known = self.checked.len();
         let checked = self.check_new(context, scene);
@@ -437,6 +438,7 @@ impl Steepest {
 mod tests {
     use super::*;
     use crate::gpu::ContextOptions;
+    use crate::kernel::Lists;
 
     /// Protects long walks and edits: a field read again shares its samples, old ones go, and
     /// those of the scene stay however many they are.
@@ -448,18 +450,24 @@ mod tests {
         let count = again().user_fields().count();
         assert!(count > 0);
         let first = again();
-        fields.check(&context, &first, String::new).unwrap();
+        let check = |fields: &mut UserFields, scene: &Scene| {
+            let structure = Structure::of(scene, Lists::Lines);
+            fields
+                .check(&context, scene, &structure, String::new)
+                .unwrap();
+        };
+        check(&mut fields, &first);
         let mut last = first.clone();
         for _ in 0..2 * KNOWN {
             last = again();
-            fields.check(&context, &last, String::new).unwrap();
+            check(&mut fields, &last);
         }
         assert_eq!(fields.checked.len(), KNOWN + count);
         let samples = |scene: &Scene| scene.user_fields().next().unwrap().samples().cloned();
         let (old, new) = (samples(&first).unwrap(), samples(&last).unwrap());
         assert!(Arc::ptr_eq(&old, &new));
         let known = fields.checked.clone();
-        fields.check(&context, &last, String::new).unwrap();
+        check(&mut fields, &last);
         assert!(
             known
                 .iter()

@@ -6,11 +6,11 @@
 
 use crate::error::Error;
 use crate::gpu::{Context, GpuTimer, Picture, Program, ProgramCache, full_screen_pass_rows};
-use crate::kernel::{self, Lists, Materials};
+use crate::kernel::{self, Structure, StructureKey};
 use crate::picture::SOURCE_SHARE;
 use crate::platform;
 use crate::scene::Scene;
-use crate::trace::{SceneData, UserFields, check_surfaces, compile_with_scene};
+use crate::trace::GpuScene;
 use glam::Vec2;
 use std::num::NonZeroUsize;
 use std::rc::Rc;
@@ -57,8 +57,8 @@ struct Shown {
 /// Draws the picture and keeps what can be used again.
 pub struct View {
     context: Context,
-    programs: ProgramCache<kernel::Structure>,
-    data: SceneData,
+    programs: ProgramCache<Rc<StructureKey>>,
+    scene: GpuScene,
     timer: GpuTimer,
     coarse: Option<Picture>,
     fine: Option<Picture>,
@@ -104,7 +104,7 @@ impl View {
         Ok(View {
             context: context.clone(),
             programs: ProgramCache::new(PROGRAMS_KEPT),
-            data: SceneData::new(context)?,
+            scene: GpuScene::new(context)?,
             timer: GpuTimer::new(context),
             coarse: None,
             fine: None,
@@ -237,30 +237,15 @@ impl View {
     /// The program of the scene's structure, with the numbers of its surfaces set.
     fn program(&mut self, scene: &Scene) -> Result<Rc<Program>, Error> {
         let context = &self.context;
+        let structure = GpuScene::picture_structure(scene);
         let compile = || {
-            check_surfaces(context, scene)?;
-            let text = shader_text(scene);
-            UserFields::default().check(context, scene, || text.clone())?;
             let label = format!("the view of {}", scene.name);
-            compile_with_scene(context, scene, &label, &text)
+            let text = text(scene, &structure);
+            GpuScene::picture_program(context, scene, &structure, &label, &text)
         };
-        let structure = kernel::structure(scene, Lists::NearestCandidates);
-        let program = self.programs.get_or_compile(structure, compile)?;
-        let rebasing = kernel::OriginRebasing::world();
-        let rebased = rebasing.apply(scene);
-        self.data.set(
-            scene,
-            &rebasing,
-            &rebased,
-            Lists::NearestCandidates,
-            &Materials::default(),
-        )?;
-        self.data.set_uniforms(&program);
-        self.data.bind(&program, 0);
-        program.set_vec4_array(
-            "uSurfaces",
-            &rebased.uniform_values(Lists::NearestCandidates),
-        );
+        let key = Rc::clone(&structure.key);
+        let program = self.programs.get_or_compile(key, compile)?;
+        self.scene.set_picture(scene, structure, &program)?;
         Ok(program)
     }
 
@@ -271,12 +256,14 @@ impl View {
 }
 
 /// The fragment shader of the picture, `#version` apart.
+#[cfg(feature = "demo")]
 pub fn shader_text(scene: &Scene) -> String {
-    let mut roots = vec![kernel::source!("view/colour.glsl")];
-    roots.extend(kernel::first_person(kernel::source!(
-        "view/shading_fast.glsl"
-    )));
-    kernel::join(&kernel::link(roots, kernel::distance_parts(scene)))
+    text(scene, &GpuScene::picture_structure(scene))
+}
+
+fn text(scene: &Scene, structure: &Structure) -> String {
+    let sources = kernel::first_person(kernel::source!("view/shading_fast.glsl"));
+    kernel::picture_text(scene, structure, sources)
 }
 
 /// Pixels that are foreseen to be drawn in so many seconds: only of users' fields is it known

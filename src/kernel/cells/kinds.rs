@@ -5,7 +5,7 @@
 
 use super::{Cells, Lists};
 use crate::kernel::layout::Layout;
-use crate::kernel::passes::is_marched;
+use crate::kernel::text::is_marched;
 use crate::scene::Scene;
 
 /// The cells of a scene.

@@ -1,14 +1,15 @@
 //! The distance functions of the shaders against their twins on the CPU: one list of surfaces,
 //! walked by both over the same points, on every API.
 
+use super::{parts_of, world_values};
 use crate::gpu::{Context, Program, RenderTarget, Texture, full_screen_pass};
-use crate::kernel::{
-    Lists, OriginRebasing, Source as Text, Structure, distance_parts, join, link, structure,
-};
+use crate::kernel::text::{distance_parts, link};
+use crate::kernel::{Lists, Source as Text, Structure, StructureKey, join};
 use crate::scene::shape::{Cuboid, Cylinder, Plane, Room, Sphere};
 use crate::test_common::for_each_api;
 use crate::{Listener, Node, Scene, Source, Surface};
 use glam::{EulerRot, Quat, Vec3};
+use std::rc::Rc;
 
 /// Units in the last place, of the largest number that an evaluation meets, by which shader and
 /// CPU may part. Without a rotation there are some five operations (the offset, squares, a sum,
@@ -157,7 +158,10 @@ void main() {
 
 fn shader(context: &Context, scene: &Scene) -> Program {
     let roots = vec![Text::new("evaluate", EVALUATE)];
-    let sources = link(roots, distance_parts(scene));
+    let sources = link(
+        roots,
+        parts_of(scene, Lists::NearestCandidates, distance_parts),
+    );
     Program::fragment(context, "evaluate", &join(&sources)).unwrap()
 }
 
@@ -171,9 +175,7 @@ fn evaluate(context: &Context, program: &Program, scene: &Scene, points: &[Vec3]
     let output = Texture::new(context, width, height).unwrap();
     let target = RenderTarget::new(context, &[&output]).unwrap();
     program.set_texture("uPoints", 0, &input);
-    let values = OriginRebasing::world()
-        .apply(scene)
-        .uniform_values(Lists::NearestCandidates);
+    let values = world_values(scene, Lists::NearestCandidates);
     program.set_vec4_array("uSurfaces", &values);
     let listener = scene.listener.position.extend(scene.listener.radius);
     program.set_vec4("uListener", listener);
@@ -230,12 +232,12 @@ fn every_shape_is_in_the_list() {
 #[test]
 fn shaders_and_cpu_agree_on_every_shape() {
     for_each_api(|context| {
-        let mut compiled: Vec<(Structure, Program)> = Vec::new();
+        let mut compiled: Vec<(Rc<StructureKey>, Program)> = Vec::new();
         for surface in surfaces() {
             let points = points(&surface);
             let scene = scene_of(surface);
             let surface = &scene.surfaces[0];
-            let structure = structure(&scene, Lists::NearestCandidates);
+            let structure = Structure::of(&scene, Lists::NearestCandidates).key;
             if !compiled.iter().any(|(known, _)| *known == structure) {
                 compiled.push((structure.clone(), shader(context, &scene)));
             }

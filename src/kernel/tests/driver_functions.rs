@@ -2,7 +2,8 @@
 
 use crate::gpu::{Context, Program, RenderTarget, Texture, full_screen_pass};
 use crate::kernel::text::library;
-use crate::kernel::{Source, first_sum_text, join, link, pan_text};
+use crate::kernel::text::link;
+use crate::kernel::{Source, first_sum_text, join, pan_text};
 use crate::test_common::for_each_api;
 use std::f64::consts::TAU;
 use std::fs;

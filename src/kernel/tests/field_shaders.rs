@@ -1,9 +1,11 @@
 //! The shaders' values, gradients and hits against the CPU.
 
+use super::{has_marched_fields, parts_of, world_values};
 use crate::gpu::{Api, Context, DataList, Program, RenderTarget, Texture, full_screen_pass};
-use crate::kernel;
-use crate::kernel::Lists;
-use crate::kernel::text::{ListenerText, Part, closed_form_parts, directed_parts};
+use crate::kernel::data::heights;
+use crate::kernel::text::{ListenerText, Part, closed_form_parts, directed_parts, link};
+use crate::kernel::turn_budget::MAX_COPY_STEPS;
+use crate::kernel::{self, Lists, Structure};
 use crate::reference::ExactScene;
 use crate::scene::shape::Ellipsoid;
 use crate::scene::shape::tests::promises::trees;
@@ -43,18 +45,17 @@ void main() {
             kernel::Source::new("counters", counters),
             kernel::Source::new("ask", ask + main),
         ];
-        let text = kernel::join(&kernel::link(roots, parts));
+        let text = kernel::join(&link(roots, parts));
         let program = Program::fragment(context, "ask", &text)
             .unwrap_or_else(|error| panic!("{error}\n{:#?}", scene.surfaces));
         let mut data = DataList::new(context, kernel::DATA_WIDTH).unwrap();
-        data.set(&kernel::scene_data(scene)).unwrap();
-        let values = kernel::OriginRebasing::world()
-            .apply(scene)
-            .uniform_values(Lists::Lines);
+        let assets = Structure::of(scene, Lists::Lines).assets;
+        data.set(&heights(&assets)).unwrap();
+        let values = world_values(scene, Lists::Lines);
         program.set_vec4_array("uSurfaces", &values);
         let listener = scene.listener.position.extend(scene.listener.radius);
         program.set_vec4("uListener", listener);
-        program.set_i32("uCopySteps", crate::trace::MAX_COPY_STEPS as i32);
+        program.set_i32("uCopySteps", MAX_COPY_STEPS as i32);
         Asked {
             context: context.clone(),
             program,
@@ -173,10 +174,13 @@ fn asked(context: &Context, scene: &Scene) -> Asked {
             offset
         };
         ask += &format!("float VALUE{number}(vec3 q) {{ return field{number}({place}); }}\n");
-        first += kernel::uniform_count(&scene_of(vec![surface.clone()]));
+        let alone = scene_of(vec![surface.clone()]);
+        first += Structure::of(&alone, Lists::Lines).uniform_count(&alone);
     }
     ask += &field_calls(scene.surfaces.len());
-    let parts = directed_parts(scene, ListenerText::Solid, false);
+    let parts = parts_of(scene, Lists::Overlapping, |text| {
+        directed_parts(text, ListenerText::Solid, false)
+    });
     Asked::new(context, scene, parts, ask)
 }
 
@@ -338,7 +342,7 @@ fn closed_forms_meet_what_a_march_meets() {
     let (mut tried, mut left_out, mut most) = (0, 0, 0f64);
     for (entry, surface) in pairs(entries()) {
         let scene = scene_of(vec![surface.clone()]);
-        if kernel::marches_fields(&scene, false) {
+        if has_marched_fields(&scene) {
             continue;
         }
         let exact = ExactScene::new(&scene).unwrap();
@@ -348,7 +352,9 @@ fn closed_forms_meet_what_a_march_meets() {
         let asked = Asked::new(
             &context,
             &scene,
-            closed_form_parts(&scene, ListenerText::Solid),
+            parts_of(&scene, Lists::Lines, |text| {
+                closed_form_parts(text, ListenerText::Solid)
+            }),
             ask,
         );
         let mut random = Random(23);

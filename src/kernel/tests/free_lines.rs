@@ -1,8 +1,10 @@
 //! The bounds of fields along lines, by which a march goes further than by values.
 
 use super::field_shaders::{Asked, gradient, points, unit};
+use super::parts_of;
 use crate::Surface;
 use crate::gpu::{Api, Context};
+use crate::kernel::Lists;
 use crate::kernel::text::field::is_bounded;
 use crate::kernel::text::{ListenerText, directed_parts};
 use crate::scene::shape::tests::table::{Entry, on_cpu, scene_of, surfaces, to_world};
@@ -81,7 +83,9 @@ fn check(
     worth: &mut Vec<f64>,
 ) -> Result<(), String> {
     let scene = scene_of(vec![surface.clone()]);
-    let parts = directed_parts(&scene, ListenerText::Solid, false);
+    let parts = parts_of(&scene, Lists::Overlapping, |text| {
+        directed_parts(text, ListenerText::Solid, false)
+    });
     let asked = Asked::new(context, &scene, parts, FREE.to_owned());
     let lines = lines(entry, surface);
     let turn = surface.rotation.as_dquat();

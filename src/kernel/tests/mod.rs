@@ -6,34 +6,60 @@ mod field_shaders;
 mod free_lines;
 mod parallel_lines;
 
-use super::text::{ListenerText, Part, closed_form_parts, directed_parts};
-use super::{Lists, OriginRebasing, Source, distance_parts, join, link, structure};
+use super::origin_rebasing::OriginRebasing;
+use super::text::{
+    ListenerText, Part, Text, closed_form_parts, directed_parts, distance_parts, is_marched, link,
+};
+use super::{Lists, Source, Structure, join};
 use crate::scene::shape::Cuboid;
 use crate::scene::{Node, Scene};
-use glam::{Quat, Vec3};
+use glam::{Quat, Vec3, Vec4};
 
-type Parts = fn(&Scene) -> Vec<Part>;
+type Parts = fn(&Text) -> Vec<Part>;
 
-/// What a pass calls, and where from.
-const CALLS: [(&str, Parts); 4] = [
-    ("distanceFunction()", distance_parts),
+/// The functions that a pass calls, the lists of cells that it reads, and its parts.
+const CALLS: [(&str, Lists, Parts); 4] = [
+    (
+        "distanceFunction()",
+        Lists::NearestCandidates,
+        distance_parts,
+    ),
     (
         "directedDistance() directedGradient() reflectWave()",
-        |scene| directed_parts(scene, ListenerText::Solid, false),
+        Lists::Overlapping,
+        |text| directed_parts(text, ListenerText::Solid, false),
     ),
     (
         "directedDistance() surfaceDistance() reflectWave()",
-        |scene| directed_parts(scene, ListenerText::Solid, true),
+        Lists::NearestCandidates,
+        |text| directed_parts(text, ListenerText::Solid, true),
     ),
-    ("closestHit() reflectWave()", |scene| {
-        closed_form_parts(scene, ListenerText::Solid)
+    ("closestHit() reflectWave()", Lists::Lines, |text| {
+        closed_form_parts(text, ListenerText::Solid)
     }),
 ];
 
+/// The parts of a scene's text.
+fn parts_of(scene: &Scene, lists: Lists, parts: Parts) -> Vec<Part> {
+    parts(&Text::new(scene, &Structure::of(scene, lists)))
+}
+
+/// Whether `hybrid` marches to a surface of a scene.
+fn has_marched_fields(scene: &Scene) -> bool {
+    scene.surfaces.iter().any(is_marched)
+}
+
+/// The values of `uSurfaces` in world coordinates.
+fn world_values(scene: &Scene, lists: Lists) -> Vec<Vec4> {
+    let rebased = OriginRebasing::world().apply(scene);
+    rebased.uniform_values(&Structure::of(scene, lists).layout)
+}
+
 /// Every text of a scene, each with the functions that a pass calls.
 fn texts(scene: &Scene) -> Vec<String> {
-    let linked = |(calls, parts): (&'static str, Parts)| {
-        join(&link(vec![Source::new("a pass", calls)], parts(scene)))
+    let linked = |(calls, lists, parts): (&'static str, Lists, Parts)| {
+        let parts = parts_of(scene, lists, parts);
+        join(&link(vec![Source::new("a pass", calls)], parts))
     };
     CALLS.map(linked).to_vec()
 }
@@ -66,14 +92,10 @@ fn moving_and_resizing_leaves_the_text_alone() {
     let size = Vec3::splat(3.0);
     moved.surfaces[1].shape = Node::Cuboid(Cuboid { size }).into();
     assert_eq!(
-        structure(&scene, Lists::Lines),
-        structure(&moved, Lists::Lines)
+        Structure::of(&scene, Lists::Lines).key,
+        Structure::of(&moved, Lists::Lines).key
     );
     assert_eq!(texts(&scene), texts(&moved));
-    let values = |scene| {
-        OriginRebasing::world()
-            .apply(scene)
-            .uniform_values(Lists::Lines)
-    };
+    let values = |scene| world_values(scene, Lists::Lines);
     assert_ne!(values(&scene), values(&moved));
 }

@@ -1,9 +1,10 @@
 //! Lines that are exactly parallel to faces: where a closed form would divide by 0.
 
 use super::field_shaders::Asked;
+use super::{has_marched_fields, parts_of};
 use crate::Surface;
 use crate::gpu::Api;
-use crate::kernel::marches_fields;
+use crate::kernel::Lists;
 use crate::kernel::text::{ListenerText, closed_form_parts};
 use crate::reference::ExactScene;
 use crate::scene::Shape;
@@ -78,9 +79,11 @@ fn lines_parallel_to_faces_meet_what_they_should() {
     let context = context(Api::Gl);
     for shape in shapes() {
         let scene = scene_of(vec![Surface::new(shape.clone())]);
-        assert!(!marches_fields(&scene, false), "{shape:?}");
+        assert!(!has_marched_fields(&scene), "{shape:?}");
         let exact = ExactScene::new(&scene).unwrap();
-        let parts = closed_form_parts(&scene, ListenerText::Solid);
+        let parts = parts_of(&scene, Lists::Lines, |text| {
+            closed_form_parts(text, ListenerText::Solid)
+        });
         let asked = Asked::new(&context, &scene, parts, ASK.to_owned());
         let in_air = |(p, _): &(Vec3, Vec3)| shape.value(p.as_dvec3()) > 1e-3;
         let (starts, directions): (Vec<Vec3>, Vec<Vec3>) =

@@ -1,26 +1,27 @@
-//! The signed distance to everything: what the thesis' march evaluates.
+//! Distances of a scene: to everything, for the thesis' march and pictures, and to what can be met
+//! ahead with its gradient, for the march of `march`.
 
-use super::field::value_text;
+use super::field::{gradient_text, normal_text, value_text};
+use super::fields_ahead::fields_ahead;
 use super::link::Part;
-use super::over_kinds::of_kind;
-use super::scene_text::Text;
-use crate::kernel::cells::Lists;
-use crate::scene::Scene;
+use super::reflect::reflect_text;
+use super::scene_text::{ListenerText, Text, by_object, of_kind};
+use super::surface_names::{Marched, Named};
+use crate::scene::Node;
 use std::fmt::Write;
 
-/// The distance functions of `scene`: `surfaceDistance(p, object)` over the surfaces
+/// The distance functions of a scene: `surfaceDistance(p, object)` over the surfaces
 /// and `distanceFunction(p, object)` over surfaces and listener, in world metres.
-pub fn distance_parts(scene: &Scene) -> Vec<Part> {
-    let text = Text::new(scene, Lists::NearestCandidates);
+pub fn distance_parts(text: &Text) -> Vec<Part> {
     let mut parts = text.parts();
     text.add_fields(&mut parts, |_| true, value_text);
-    text.add(&mut parts, "the scene's distance", surface_distances(&text));
+    text.add(&mut parts, "the scene's distance", surface_distances(text));
     text.add(&mut parts, "the scene and the listener", DISTANCE_FUNCTION);
     parts
 }
 
 /// `surfaceDistance(p, object)`, and what it calls for the surfaces in cells.
-pub(super) fn surface_distances(text: &Text) -> String {
+fn surface_distances(text: &Text) -> String {
     distance_of_kind(text) + &surface_distance(text)
 }
 
@@ -78,3 +79,108 @@ float distanceFunction(vec3 p, out float object) {
     return nearest;
 }
 ";
+
+/// `directedDistance(p, d, last, object, second)`, `directedGradient(p, d, object, errorBound)`,
+/// `reflectWave(object, t, p, d)` of a scene, `surfaceDistance(p, object)` where normals are
+/// taken from differences of it, and `marchFields(p, d, last, limit, object, limitReached)` where
+/// there are fields.
+pub fn directed_parts(text: &Text, listener: ListenerText, difference_normals: bool) -> Vec<Part> {
+    let mut parts = text.parts();
+    text.add_fields(&mut parts, |_| true, value_text);
+    text.add_fields(&mut parts, |_| true, gradient_text);
+    text.add_fields(&mut parts, |_| true, normal_text);
+    if difference_normals {
+        text.add(&mut parts, "the scene's distance", surface_distances(text));
+    }
+    let functions = of_kinds(text) + &directed_distance(text, listener) + &directed_gradient(text);
+    text.add(&mut parts, "the scene", functions + &reflect_text(text));
+    parts.extend(fields_ahead(text, Marched::All));
+    parts
+}
+
+/// What the functions below call for the surfaces in cells.
+fn of_kinds(text: &Text) -> String {
+    let basic = |named: &Named| named.field().is_none();
+    let distance = of_kind(
+        text,
+        "// The distance to a basic shape in cells, by its kind and the place of its values.\n\
+         float distanceOfKind(float kind, int data, vec3 p, vec3 d, bool left) {\n",
+        basic,
+        |named| {
+            let distance = named.directed_distance("p", "d");
+            format!("return {};", named.unless_left("left", "1e30", &distance))
+        },
+        "    return 1e30;\n",
+    );
+    let gradient = of_kind(
+        text,
+        "// Its gradient, and what rounding may do to it.\n\
+         vec3 gradientOfKind(float kind, int data, vec3 p, vec3 d, out float errorBound) {\n    \
+         errorBound = 0.0;\n",
+        basic,
+        gradient_statement,
+        "    return vec3(0.0);\n",
+    );
+    distance + &gradient
+}
+
+fn directed_distance(text: &Text, listener: ListenerText) -> String {
+    let first = match listener {
+        ListenerText::Solid => "sdListenerDirected(p, d)",
+        ListenerText::Transparent => "1e30",
+    };
+    let mut out = format!(
+        "// Distance to the nearest object that a wave at p along d can meet, its number, and\n\
+         // the distance to the second nearest. What the wave leaves (last) is out of its way\n\
+         // when it is convex, and so is all that it recedes from; of a room only the walls\n\
+         // ahead count.\n\
+         float directedDistance(vec3 p, vec3 d, float last, out float object, out float second) {{\n    \
+         float nearest = {first};\n    object = 0.0;\n    second = 1e30;\n    \
+         float candidate;\n",
+    );
+    for named in text.unrolled.iter().filter(|named| named.field().is_none()) {
+        let distance = named.directed_distance("p", "d");
+        let distance = named.unless_left(&named.left(), "1e30", &distance);
+        let _ = writeln!(
+            out,
+            "    // {}\n    candidate = {distance};\n    \
+             if (candidate < nearest) {{ second = nearest; nearest = candidate; object = {}.0; }}\n    \
+             else {{ second = min(second, candidate); }}",
+            named.label, named.tag
+        );
+    }
+    if text.instanced.iter().any(|named| named.field().is_none()) {
+        out.push_str("    directedInCells(p, d, last, nearest, object, second);\n");
+    }
+    out + "    return nearest;\n}\n\n"
+}
+
+fn directed_gradient(text: &Text) -> String {
+    let mut out = String::from(
+        "// The gradient of the distance to one object, and what rounding may do to it.\n\
+         vec3 directedGradient(vec3 p, vec3 d, float object, out float errorBound) {\n",
+    );
+    let closed_forms = text.unrolled.iter().filter(|named| named.field().is_none());
+    out += &by_object(closed_forms, gradient_statement);
+    if text.instanced.iter().any(|named| named.field().is_none()) {
+        out.push_str(
+            "    if (object > 0.0) {\n        vec4 entry = entryOf(object);\n        \
+             return gradientOfKind(entry.y, int(entry.z), p, d, errorBound);\n    }\n",
+        );
+    }
+    out + "    errorBound = roundErrorBound(listener);\n    return normalize(p - listener.xyz);\n}\n\n"
+}
+
+fn gradient_statement(named: &Named) -> String {
+    let (shape, point, size) = (named.shape(), named.point("p"), named.size());
+    let gradient = match named.surface.shape.node {
+        Node::Room(_) => format!("gradientRoomDirected({point}, {}{size})", named.vector("d")),
+        Node::Cuboid(_) => format!("gradientBox({point}{size})"),
+        _ => format!("gradient{shape}({point})"),
+    };
+    format!(
+        "errorBound = {}; return {};",
+        named.error_bound(),
+        named.outward(&gradient)
+    )
+}

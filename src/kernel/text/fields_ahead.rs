@@ -1,34 +1,16 @@
 //! The fields that are marched: their least value, and the gradient of one of them.
 
 use super::field::{free_text, is_bounded};
-use super::link::Part;
-use super::link::parts;
-use super::over_kinds::of_kind;
-use super::scene_text::{Text, by_object};
-use super::shader_source::source;
-use super::surface_names::Named;
+use super::link::{Part, parts, source};
+use super::scene_text::{Text, by_object, of_kind};
+use super::surface_names::{Marched, Named};
 use std::fmt::Write;
-
-/// Which fields of a scene a march has to take.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::kernel) enum Marched {
-    /// All of them.
-    All,
-    /// Those without a closed form.
-    Others,
-}
-
-impl Marched {
-    pub fn takes(self, named: &Named) -> bool {
-        named.field().is_some() && (self == Marched::All || !named.has_closed_form())
-    }
-}
 
 /// `fieldsAhead(p, d, last, object, reach, within)`, `fieldsFree(p, d, last, errorBound)`,
 /// `fieldGradient(p, object, errorBound)` and the march that calls them; nothing where nothing is
 /// marched.
 pub(super) fn fields_ahead(text: &Text, marched: Marched) -> Vec<Part> {
-    if !text.all().any(|named| marched.takes(named)) {
+    if !text.marches(marched) {
         return Vec::new();
     }
     let in_cells = text.instanced.iter().any(|named| marched.takes(named));

@@ -1,12 +1,92 @@
-//! A linker for shader text: a program gets the functions that it calls, and no others.
+//! Pieces of shader text, and a linker: a program gets the functions that it calls, and no others.
 //!
 //! A file under `glsl/` is paragraphs, parted by empty lines; each defines a function, constants
-//! or uniforms. [`link`] takes some sources whole and puts before each what it names, callees
-//! first. GLSL has no recursion, so that there always is such an order.
+//! or uniforms, and is a [`Part`]. [`link`] takes some sources whole and puts before each the parts that it
+//! names, callees first. GLSL has no recursion, so that there always is such an order. [`join`] makes one
+//! text of the sources, with the file and the line of each for the driver's messages.
 
-use super::shader_source::Source;
+use crate::scene::shape::every_part;
 use std::borrow::Cow;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
+use std::fmt::Write;
+use std::sync::LazyLock;
+
+/// A piece of shader text: its file, and its first line.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Source {
+    /// The file under the repository's root, or what the piece is about.
+    pub name: Cow<'static, str>,
+    /// Number of its first line in that file, from 1.
+    pub line: usize,
+    /// The text itself.
+    pub text: Cow<'static, str>,
+}
+
+impl Source {
+    /// A piece that is no part of a file.
+    pub fn new(name: impl Into<Cow<'static, str>>, text: impl Into<Cow<'static, str>>) -> Source {
+        Source {
+            name: name.into(),
+            line: 1,
+            text: text.into(),
+        }
+    }
+}
+
+/// A [`Source`] out of a file under `glsl/`. `scripts/mutate.sh` builds the tests with
+/// `--cfg glsl_at_run_time`: it changes the files and builds nothing again.
+macro_rules! source {
+    ($file:expr) => {{
+        #[cfg(not(glsl_at_run_time))]
+        let text = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/glsl/", $file));
+        #[cfg(glsl_at_run_time)]
+        let text = $crate::kernel::read_at_run_time($file);
+        $crate::kernel::Source::new(concat!("glsl/", $file), text)
+    }};
+}
+pub(crate) use source;
+
+/// The text of a file in the folder that the environment variable `ECHOMARCH_GLSL` names.
+#[cfg(glsl_at_run_time)]
+pub(crate) fn read_at_run_time(file: &str) -> String {
+    let folder = std::env::var_os("ECHOMARCH_GLSL").expect("ECHOMARCH_GLSL names the folder");
+    let path = std::path::Path::new(&folder).join(file);
+    std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+/// Joins sources to one text. Each file has a number by which the driver's messages name it:
+/// in the order in which the files come first, from 1.
+pub fn join(sources: &[Source]) -> String {
+    let mut files: Vec<&str> = Vec::new();
+    let mut text = String::new();
+    let mut before = "";
+    for source in sources {
+        let known = files.iter().position(|name| *name == source.name);
+        let number = 1 + known.unwrap_or_else(|| {
+            files.push(&source.name);
+            files.len() - 1
+        });
+        let Source {
+            name,
+            line,
+            text: part,
+        } = source;
+        // Parts of one file that follow each other are told once where they come from. Writing
+        // to a String cannot fail.
+        if before != name {
+            let _ = writeln!(text, "// {number}: {name}");
+        }
+        before = name;
+        let _ = write!(text, "#line {line} {number}\n{part}\n");
+    }
+    text
+}
+
+/// The file that has a number in a joined text.
+pub fn file_name(text: &str, number: u32) -> Option<&str> {
+    let start = format!("// {number}: ");
+    text.lines().find_map(|line| line.strip_prefix(&start))
+}
 
 /// A piece that is taken as a whole, and only if something names what it defines.
 #[derive(Clone, Debug)]
@@ -132,6 +212,55 @@ fn words(text: &str) -> impl Iterator<Item = &str> {
             Some(&from[..with_bracket])
         })
     })
+}
+
+macro_rules! files {
+    ($folder:literal: $($file:ident)*) => {
+        vec![$(source!(concat!($folder, "/", stringify!($file), ".glsl"))),*]
+    };
+}
+
+macro_rules! files_of_parts {
+    (
+        shapes: { $($(#[$attr:meta])* $_s:literal $shape:ident::$_st:ident,)* }
+        operators: { $($_o:literal $operator:ident::$_ot:ident,)* }
+        written_out: { $($_w:tt)* }
+        made: { $($_mn:literal $made:ident::$_mt:ident,)* }
+    ) => {
+        [
+            [$($(#[$attr])* source!(concat!("shape/", stringify!($shape), ".glsl"))),*].to_vec(),
+            files!("shape": $($made)*),
+            files!("operator": $($operator)*),
+        ]
+        .concat()
+    };
+}
+
+/// Every function of the files, cut into parts once.
+static LIBRARY: LazyLock<Vec<Part>> = LazyLock::new(|| {
+    let shared = files!(
+        "common": ball beyond_turning bound chord corner cosine_sine exit_distance hash least_component listener mirror_direction
+        no_hit onto_field quadric_form reflect_at_face rotate_by_quaternion rounding safe_inverse
+        scene_data segment
+    );
+    let cells = files!("cells": directed distance fields fields_free grid grid_traversal records);
+    let all: Vec<Source> = [shared, cells, every_part!(files_of_parts)].concat();
+    all.into_iter().flat_map(parts).collect()
+});
+
+/// Every function, to be linked where it is called.
+pub(in crate::kernel) fn library() -> Vec<Part> {
+    LIBRARY.clone()
+}
+
+/// Whether the library has a function of this name: the use of a shape depends on the
+/// functions in its file.
+pub(super) fn has_function(name: &str) -> bool {
+    static DEFINED: LazyLock<HashSet<&str>> = LazyLock::new(|| {
+        let defined = LIBRARY.iter().flat_map(|part| &part.defines);
+        defined.map(String::as_str).collect()
+    });
+    DEFINED.contains(format!("{name}(").as_str())
 }
 
 #[cfg(test)]

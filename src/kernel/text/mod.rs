@@ -9,32 +9,23 @@
 //! - [`closed_form_parts`]: where a line intersects each surface, without a march.
 
 mod closed_form;
-mod directed;
 mod distance;
 pub(super) mod field;
-pub(super) mod fields_ahead;
-mod library;
+mod fields_ahead;
 mod link;
-mod listener;
-mod materials;
-mod over_kinds;
-mod records;
 mod reflect;
-pub(super) mod scene_text;
-mod shader_source;
-pub(super) mod surface_names;
-mod user;
+mod scene_text;
+mod surface_names;
 
 pub use closed_form::closed_form_parts;
-pub use directed::directed_parts;
-pub use distance::distance_parts;
-pub(crate) use field::shown_name;
-pub(in crate::kernel) use library::library;
-pub use link::{Part, link, parts};
-pub use listener::ListenerText;
-pub use materials::materials_parts;
+pub use distance::{directed_parts, distance_parts};
+pub(crate) use field::{USER_FILE, shown_name, user_sources};
+pub(super) use link::library;
 #[cfg(glsl_at_run_time)]
-pub(crate) use shader_source::read_at_run_time;
-pub(crate) use shader_source::source;
-pub use shader_source::{Source, file_name, join};
-pub(crate) use user::{USER_FILE, user_sources};
+pub(crate) use link::read_at_run_time;
+pub(crate) use link::source;
+pub use link::{Part, Source, file_name, join, link, parts};
+pub use scene_text::ListenerText;
+pub(crate) use scene_text::Text;
+pub(crate) use surface_names::is_marched;
+pub(super) use surface_names::{Marched, Named};

@@ -5,8 +5,7 @@
 //! one box, one cylinder is computed. Waves that are drawn together meet different surfaces, and
 //! a renderer that draws them in lockstep would compute every branch for all of them.
 
-use super::over_kinds::of_kind;
-use super::scene_text::Text;
+use super::scene_text::{Text, of_kind};
 use super::surface_names::Named;
 use crate::scene::Node;
 use std::fmt::Write;

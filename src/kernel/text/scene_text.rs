@@ -1,32 +1,37 @@
-//! What the text of a scene is written from, and what every such text has.
+//! The names from which the text of a scene is written, and the parts of every such text.
 
 use super::field;
-use super::library::library;
-use super::link::{self, Part};
-use super::shader_source::Source;
-use super::surface_names::{Named, value_name};
-use crate::kernel::assets::Assets;
-use crate::kernel::cells::Lists;
-use crate::kernel::layout::Layout;
+use super::link::{self, Part, Source, library};
+use super::surface_names::{Marched, Named, value_name};
+use crate::kernel::structure::{Assets, Structure};
 use crate::scene::Scene;
 use std::borrow::Cow;
 use std::fmt::Write;
 
-/// What the text of a scene is written from.
-pub(in crate::kernel) struct Text<'a> {
+/// Whether waves meet the listener.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ListenerText {
+    /// A wave that comes to its sphere has arrived, and stops.
+    Solid,
+    /// Waves fly through it: it is in no text about what lies ahead.
+    Transparent,
+}
+
+/// The surfaces of a scene by the names that its text has for them.
+pub(crate) struct Text<'a> {
     /// Unrolled surfaces.
     pub unrolled: Vec<Named<'a>>,
     /// Kinds of the surfaces in cells.
     pub instanced: Vec<Named<'a>>,
     /// Axes along which cells have no end.
     pub unbounded_axes: [bool; 3],
-    assets: Assets,
+    assets: &'a Assets,
 }
 
 impl<'a> Text<'a> {
-    /// For readers of these lists of cells.
-    pub fn new(scene: &'a Scene, lists: Lists) -> Text<'a> {
-        let layout = Layout::of(&scene.surfaces, lists);
+    /// The names of a scene of this structure.
+    pub fn new(scene: &'a Scene, structure: &'a Structure) -> Text<'a> {
+        let layout = &structure.layout;
         let mut first = 0;
         let mut unrolled = Vec::new();
         for &index in &layout.unrolled {
@@ -41,7 +46,7 @@ impl<'a> Text<'a> {
             instanced: kinds
                 .map(|(kind, &index)| Named::kind(scene, index, kind))
                 .collect(),
-            assets: Assets::of(scene),
+            assets: &structure.assets,
         }
     }
 
@@ -50,10 +55,15 @@ impl<'a> Text<'a> {
         self.unrolled.iter().chain(&self.instanced)
     }
 
+    /// Whether a march has to take fields.
+    pub fn marches(&self, marched: Marched) -> bool {
+        self.all().any(|named| marched.takes(named))
+    }
+
     /// What every text may call: the library, the users' fields, the values of the surfaces.
     pub fn parts(&self) -> Vec<Part> {
         let mut parts = library();
-        parts.extend(field::user_parts(&self.assets));
+        parts.extend(field::user_parts(self.assets));
         self.add(&mut parts, "the values of the surfaces", self.uniforms());
         parts
     }
@@ -85,7 +95,7 @@ impl<'a> Text<'a> {
     ) {
         let wanted = self.all().filter(|named| wanted(named));
         let text: String = wanted
-            .map(|named| named.field_functions(write, &self.assets))
+            .map(|named| named.field_functions(write, self.assets))
             .collect();
         self.add(parts, "the surfaces", text);
     }
@@ -132,4 +142,26 @@ pub(super) fn by_object<'a>(
         format!("    if (object == {number}.0) {{ {statement} }} // {label}\n")
     };
     surfaces.map(line).collect()
+}
+
+/// A function over the kinds that are wanted: `head` up to its brace, a statement a kind,
+/// and what is returned for none of them.
+pub(super) fn of_kind(
+    text: &Text,
+    head: &str,
+    wanted: impl Fn(&Named) -> bool,
+    statement: impl Fn(&Named) -> String,
+    otherwise: &str,
+) -> String {
+    let mut out = head.to_owned();
+    for (kind, named) in text.instanced.iter().enumerate() {
+        if wanted(named) {
+            let (label, statement) = (&named.label, statement(named));
+            let _ = writeln!(
+                out,
+                "    if (kind == {kind}.0) {{ {statement} }} // {label}"
+            );
+        }
+    }
+    out + otherwise + "}\n\n"
 }

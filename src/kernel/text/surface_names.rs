@@ -1,8 +1,8 @@
 //! The names by which generated text calls a surface, or a kind of surfaces.
 
 use super::field::{self, has_closed_form};
-use crate::kernel::assets::Assets;
-use crate::kernel::surface_values::value_count;
+use crate::kernel::origin_rebasing::value_count;
+use crate::kernel::structure::Assets;
 use crate::scene::{Node, Scene, Shape, Surface};
 
 /// A surface that is unrolled, or a kind of surfaces that are data.
@@ -13,6 +13,27 @@ pub(in crate::kernel) struct Named<'a> {
     /// What a comment calls it.
     pub label: String,
     values: Values,
+}
+
+/// Which fields of a scene a march has to take.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::kernel) enum Marched {
+    /// All of them.
+    All,
+    /// Those without a closed form.
+    Others,
+}
+
+/// Whether every profile has to march to a surface: a field without a closed form.
+pub(crate) fn is_marched(surface: &Surface) -> bool {
+    let field = surface.shape.field();
+    field.is_some_and(|field| !has_closed_form(field))
+}
+
+impl Marched {
+    pub fn takes(self, named: &Named) -> bool {
+        named.field().is_some() && (self == Marched::All || !named.has_closed_form())
+    }
 }
 
 /// Where the values of a surface are stored.

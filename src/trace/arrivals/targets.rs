@@ -1,7 +1,7 @@
 //! The textures that the passes of arrivals draw to, and what is read back of them.
 
 use super::super::Grid;
-use super::super::directions::start_texels;
+use super::super::waves::start_texels;
 use super::replay::{Chunk, Listed};
 use super::starts::Start;
 use crate::gpu::{AsyncRead, Context, GpuError, RenderTarget, Texture};

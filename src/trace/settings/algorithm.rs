@@ -1,7 +1,8 @@
 //! The algorithms, each with the options that mean something in it alone.
 
 use super::variant::MarchVariant;
-use super::{MAX_STEPS, TraceError, bad, positive};
+use super::{TraceError, bad, positive};
+use crate::kernel::MAX_STEPS;
 use crate::text::there_is_no;
 use serde::Serialize;
 use std::fmt;

@@ -5,18 +5,25 @@
 //! for the experiments alone.
 
 mod algorithm;
-mod limits;
 mod variant;
 
 use super::TraceError;
 use crate::kernel::Directions;
 pub use algorithm::{Algorithm, HybridOptions, MarchOptions, Profile, ThesisOptions};
-use limits::MAX_DISTANCE;
-pub use limits::{MAX_COPY_STEPS, MAX_FIELD_STEPS, MAX_ITERATIONS, MAX_STEPS, MAX_WAVES};
 use serde::Serialize;
 use std::fmt;
 #[cfg(feature = "experiment")]
 pub(crate) use variant::MarchVariant;
+
+/// The most waves in one frame: 2^24, a 4096 x 4096 texture pair.
+pub const MAX_WAVES: u32 = 1 << 24;
+
+/// The most iterations. A wave's two counters share one float of 24 bits, 12 each.
+pub const MAX_ITERATIONS: u32 = 4095;
+
+/// The largest distance that may be requested, in metres: its square and the square of
+/// what a wave moves on the way are still finite in `f32`.
+const MAX_DISTANCE: f32 = 1e15;
 
 /// Where a wave of `march` and `hybrid` counts as gone, in metres: far beyond what a
 /// listener hears of, and well inside what `f32` can square.
@@ -232,7 +239,10 @@ mod tests {
         let limit = thesis.step_limit(THESIS_MAX_DISTANCE);
         assert!(limit as f32 > THESIS_MAX_DISTANCE / thesis.min_distance);
         let tiny = thesis.with_min_distance(1e-30);
-        assert_eq!(tiny.step_limit(THESIS_MAX_DISTANCE), MAX_STEPS);
+        assert_eq!(
+            tiny.step_limit(THESIS_MAX_DISTANCE),
+            crate::kernel::MAX_STEPS
+        );
     }
 
     /// Protects the GPU from settings that make no sense.

@@ -4,16 +4,17 @@ use super::super::arrivals::{
     ArrivalCounts, ArrivalSettings, ArrivalTargets, Block, EventTable, Followed, LISTED_AT_MOST,
     Listed, Replay, Start, WAVES_IN_BLOCK, WavesToFollow, listed_rows, open_volume,
 };
-use super::super::programs::march_options;
-use super::super::renderer_limits::check_uniforms;
+use super::super::gpu_scene::check_uniforms;
+use super::super::programs::loops_asked;
 use super::super::{Algorithm, Grid, MAX_ITERATIONS, Profile, Settings, TraceError};
 use super::Tracer;
+use super::passes::draw;
 use super::prepared::{FramePrograms, PreparedFrame};
 use crate::arrival::Arrival;
 use crate::bands::{BAND_COUNT, Bands};
 use crate::error::Error;
 use crate::gpu::{Context, Program, RenderTarget};
-use crate::kernel::{self, ArrivalsText, Materials};
+use crate::kernel::{self, ArrivalsText, Materials, Structure};
 use crate::platform::Instant;
 use crate::scene::Scene;
 use glam::Vec4;
@@ -166,28 +167,30 @@ impl Tracer {
         let mut settings = settings.clone().with_count_evaluations(false);
         settings.algorithm = Algorithm::of(profile);
         let materials = Materials::of(scene, how.bands.clone());
+        let asked = loops_asked(&settings);
         let outputs = self.context.limits().most_outputs().min(how.outputs);
-        let march = (march_options(&settings).algorithm, settings.directions);
+        let march = (asked.algorithm, settings.directions);
         let text = ArrivalsText::new(march, &materials, how.records, outputs);
-        let values = kernel::material_values(scene, &materials, &text);
-        check_materials(&self.context, scene, (&materials, &values))?;
         let in_chunk = text.most_iterations().unwrap_or(MAX_ITERATIONS);
         settings.iterations_per_pass = in_chunk.min(how.iterations_in_chunk);
-        self.check_input(scene, &settings)?;
+        let asked = loops_asked(&settings);
+        let structure = self.check_input(scene, &settings)?;
+        let values = materials.uniform_values(&structure.layout.unrolled);
+        check_materials(&self.context, scene, &structure, (&materials, &values))?;
         // The scene's data are of this scene now.
-        if self.frame_marching_for().is_some() {
-            self.give_up();
-        }
-        let (rebasing, rebased, budget) = self.set_scene_data(scene, &settings, &materials)?;
+        self.give_up_marching();
+        self.scene
+            .set(scene, asked.algorithm, structure, &materials)?;
         let open_volume_m3 = open_volume(scene);
+        let compiled = self.scene.compiled()?;
         let program = {
             let programs = &mut self.shared.borrow_mut().programs;
-            programs.arrivals(&self.context, scene, &text)?
+            programs.arrivals(&self.context, scene, compiled.structure(), &text)?
         };
-        self.provide_arrival_targets(&settings, &text)?;
         let programs = FramePrograms::WholeFrame(Rc::clone(&program));
-        let place = (&rebasing, &rebased);
-        let frame = PreparedFrame::new(scene, &settings, place, budget, programs, Instant::now());
+        let (budget, now) = (compiled.budget(&asked), Instant::now());
+        let frame = PreparedFrame::new(scene, &settings, compiled, budget, programs, now);
+        self.provide_arrival_targets(&settings, &text)?;
         Ok(Run {
             iterations_in_chunk: iterations_in_chunk(&frame, &text),
             materials: values,
@@ -278,7 +281,7 @@ impl Tracer {
 
     fn set_arrival_uniforms(&self, run: &Run, grid: Grid) {
         run.frame.set_march_uniforms();
-        self.scene_data.set_uniforms(&run.program);
+        self.scene.set_uniforms(&run.program);
         let limit = run.replay.length_limit * (1.0 + FARTHER);
         run.program.set_u32("uGridWidth", grid.width);
         run.program.set_f32("uLengthLimit", limit as f32);
@@ -345,17 +348,14 @@ impl Tracer {
         let [origins, directions] = targets.current();
         program.set_texture("uOrigins", 0, origins);
         program.set_texture("uDirections", 1, directions);
-        self.scene_data.bind(program, 2);
+        self.scene.bind(program, 2);
         let is_start = part.first_iteration == 0 && !part.is_uploaded;
         program.set_i32("uIsStart", i32::from(is_start));
         program.set_u32("uStartIteration", part.first_iteration);
         program.set_u32("uFirstWave", part.first_wave);
         program.set_i32("uIterationsInChunk", part.iterations as i32);
-        let mut evaluations = run.frame.evaluations(part.iterations);
-        if !self.context.is_software() {
-            evaluations = evaluations.saturating_mul(run.frame.weight());
-        }
-        self.draw(program, grid, target, evaluations, rows)
+        let evaluations = run.frame.evaluations(&self.context, part.iterations);
+        draw(&self.context, program, grid, target, evaluations, rows)
     }
 }
 
@@ -391,6 +391,7 @@ fn iterations_in_chunk(frame: &PreparedFrame, text: &ArrivalsText) -> u32 {
 fn check_materials(
     context: &Context,
     scene: &Scene,
+    structure: &Structure,
     (materials, values): (&Materials, &[Vec4]),
 ) -> Result<(), TraceError> {
     let bits = materials.bits();
@@ -404,7 +405,7 @@ fn check_materials(
     if materials.is_empty() {
         return Ok(());
     }
-    check_uniforms(context, scene, OWN_VECTORS + values.len())
+    check_uniforms(context, scene, structure, OWN_VECTORS + values.len())
 }
 
 fn replay(

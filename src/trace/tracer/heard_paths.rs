@@ -1,19 +1,70 @@
-//! The paths of waves that reach the listener.
+//! The search for waves that reach the listener, and their paths.
 
+use super::super::{Fate, Settings, Wave};
 use super::Tracer;
 use crate::error::Error;
 use crate::scene::Scene;
-use crate::trace::heard_search::{HeardSearch, MostKept};
-use crate::trace::{Fate, Settings, Wave};
+use glam::Vec3;
 
-/// Waves that are traced at a time: what is read back of them is some 10 MB.
+/// Traces waves with one seed after another, and keeps the start directions of those searched
+/// for. Tracing these again gives their paths.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct HeardSearch {
+    /// Of waves that reached the listener.
+    pub heard: Vec<Vec3>,
+    /// Of other waves.
+    pub others: Vec<Vec3>,
+    /// Times that waves were traced.
+    pub searches: u32,
+}
+
+/// Directions that are kept at most.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct MostKept {
+    pub heard: usize,
+    pub others: usize,
+}
+
+impl HeardSearch {
+    /// Traces the waves of `settings`, each time with the next seed, and keeps the first ones
+    /// of them.
+    ///
+    /// # Errors
+    /// As [`Tracer::frame`].
+    pub fn search(
+        &mut self,
+        tracer: &mut Tracer,
+        scene: &Scene,
+        settings: &Settings,
+        most: MostKept,
+    ) -> Result<(), Error> {
+        let settings = Settings {
+            seed: settings.seed.wrapping_add(self.searches),
+            ..settings.clone()
+        };
+        self.searches += 1;
+        let (_, waves) = tracer.frame_with_waves(scene, &settings)?;
+        for wave in waves {
+            let (kept, most) = match wave.fate() {
+                Fate::Listener => (&mut self.heard, most.heard),
+                Fate::Dead | Fate::Travelling | Fate::NotFinite => (&mut self.others, most.others),
+            };
+            if kept.len() < most {
+                kept.push(wave.start_direction);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Waves that are traced at a time: some 10 MB are read back of them.
 const AT_A_TIME: u32 = 1 << 18;
 
-/// Waves that reached the listener, and their ways there.
+/// Waves that reached the listener, and their paths.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct HeardPaths {
-    /// As [`Tracer::paths`] gives them, of waves that reached the listener alone; empty
+    /// As [`Tracer::paths`] gives them, but only of waves that reached the listener; empty
     /// without any.
     pub paths: Vec<Vec<Wave>>,
     /// Waves that were traced to find them.
@@ -26,25 +77,17 @@ impl HeardPaths {
         self.paths.first().map_or(0, Vec::len)
     }
 
-    /// Adds one wave of what [`Tracer::paths`] gave.
+    /// Adds one wave of the states that [`Tracer::paths`] gave.
     fn add(&mut self, states: &[Vec<Wave>], wave: usize) {
         self.paths.resize_with(states.len(), Vec::new);
         for (all, state) in self.paths.iter_mut().zip(states) {
             all.push(state[wave]);
         }
     }
-}
 
-impl Tracer {
-    /// Follows `wanted` waves that reach the listener: traces the waves of `settings`, then
-    /// those of the next seeds, until there are so many or `most` waves were traced.
-    ///
-    /// In the profile `thesis` a wave that died and is marched again is none of them.
-    ///
-    /// # Errors
-    /// As [`Tracer::frame`].
-    pub fn heard_paths(
-        &mut self,
+    /// Implements [`Tracer::heard_paths`].
+    pub(super) fn search(
+        tracer: &mut Tracer,
         scene: &Scene,
         settings: &Settings,
         wanted: usize,
@@ -58,11 +101,11 @@ impl Tracer {
                 heard: wanted - found.count(),
                 others: 0,
             };
-            search.search(self, scene, &settings, most)?;
+            search.search(tracer, scene, &settings, most)?;
             found.traced += u64::from(settings.waves);
             let starts = std::mem::take(&mut search.heard);
             if !starts.is_empty() {
-                let states = self.trace_directions(scene, &settings, &starts)?;
+                let states = tracer.trace_directions(scene, &settings, &starts)?;
                 // Made a unit vector once more a direction may differ by a rounding.
                 let heard = (0..starts.len()).filter(|&wave| reaches_listener(&states, wave));
                 heard.for_each(|wave| found.add(&states, wave));

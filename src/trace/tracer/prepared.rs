@@ -1,11 +1,9 @@
-//! What one frame needs: its input, checked, and what follows from it.
+//! A frame that is ready to be drawn: its checked input, its programs, and the values of their uniforms.
 
-use super::super::directions::random_turn;
-use super::super::loop_budget::{Budget, lists};
-use super::super::waves::{STATUS_DEAD, STATUS_STARTED};
+use super::super::waves::{STATUS_DEAD, STATUS_STARTED, random_turn};
 use super::super::{Algorithm, Grid, MarchOptions, Settings};
-use crate::gpu::Program;
-use crate::kernel::{OriginRebasing, RebasedScene};
+use crate::gpu::{Context, Program};
+use crate::kernel::{Budget, CompiledScene};
 use crate::platform::Instant;
 use crate::scene::Scene;
 use glam::{Vec3, Vec4};
@@ -67,9 +65,8 @@ impl FramePrograms {
     }
 }
 
-/// The scene's values that the programs receive, in the shaders' coordinates.
+/// Source and listener as the programs receive them, in the shaders' coordinates.
 struct Uniforms {
-    surfaces: Vec<Vec4>,
     source: Vec3,
     start_status: f32,
     /// Position and radius.
@@ -78,29 +75,20 @@ struct Uniforms {
 }
 
 impl PreparedFrame {
-    /// The coordinates of a frame's shaders.
-    pub fn rebasing(scene: &Scene, settings: &Settings) -> OriginRebasing {
-        match &settings.algorithm {
-            Algorithm::Thesis(_) => OriginRebasing::world(),
-            Algorithm::March(_) | Algorithm::Hybrid(_) => OriginRebasing::at_listener(scene),
-        }
-    }
-
-    /// Of a scene whose surfaces lie in the shaders' coordinates according to `rebased`.
+    /// A frame of a scene that is compiled in its current state.
     pub fn new(
         scene: &Scene,
         settings: &Settings,
-        (rebasing, rebased): (&OriginRebasing, &RebasedScene),
+        compiled: &CompiledScene,
         budget: Budget,
         programs: FramePrograms,
         began: Instant,
     ) -> PreparedFrame {
         let listener = &scene.listener;
         let uniforms = Uniforms {
-            surfaces: rebased.uniform_values(lists(settings)),
-            source: rebasing.place(scene.source.position),
-            start_status: start_status(scene, settings, rebased),
-            listener: rebasing.place(listener.position).extend(listener.radius),
+            source: compiled.local(scene.source.position),
+            start_status: start_status(scene, settings, compiled),
+            listener: compiled.local(listener.position).extend(listener.radius),
             listener_right: listener.right(),
         };
         PreparedFrame {
@@ -109,7 +97,7 @@ impl PreparedFrame {
             budget,
             programs,
             began,
-            origin: rebasing.origin,
+            origin: compiled.origin(),
             uniforms,
             evaluation_seconds: scene.evaluation_seconds(),
         }
@@ -131,7 +119,6 @@ impl PreparedFrame {
             self.set_pan_uniforms(program);
         }
         set_grid(program, self.grid);
-        program.set_vec4_array("uSurfaces", &self.uniforms.surfaces);
         program.set_vec4("uListener", self.uniforms.listener);
         program.set_f32("uMaxDistance", settings.max_distance);
         program.set_i32("uStepLimit", self.budget.steps as i32);
@@ -172,14 +159,19 @@ impl PreparedFrame {
         source.extend(start_status).to_array()
     }
 
-    /// Evaluations of one surface that a wave may take in so many iterations.
-    pub fn evaluations(&self, iterations: u32) -> u64 {
-        u64::from(iterations) * self.budget.evaluations
+    /// Evaluations of one surface that a wave may take in these iterations, at most: as many usual ones
+    /// as take the same time, where a watchdog looks after that time.
+    pub fn evaluations(&self, context: &Context, iterations: u32) -> u64 {
+        let evaluations = u64::from(iterations) * self.budget.evaluations;
+        match context.is_software() {
+            true => evaluations,
+            false => evaluations.saturating_mul(self.weight()),
+        }
     }
 
-    /// How many evaluations of a usual surface one of the scene's takes the time of: of users'
-    /// fields that was measured.
-    pub fn weight(&self) -> u64 {
+    /// The time of an evaluation of the scene's slowest surface, in evaluations of a usual one: of users'
+    /// fields it was measured.
+    fn weight(&self) -> u64 {
         let slowest = self.evaluation_seconds.unwrap_or_default();
         ((slowest * EVALUATIONS_PER_DRAW as f64) as u64).max(1)
     }
@@ -196,12 +188,12 @@ impl PreparedFrame {
 }
 
 /// The thesis marches waves even out of a solid; elsewhere a source in a solid sends none.
-fn start_status(scene: &Scene, settings: &Settings, rebased: &RebasedScene) -> f32 {
+fn start_status(scene: &Scene, settings: &Settings, compiled: &CompiledScene) -> f32 {
     if matches!(settings.algorithm, Algorithm::Thesis(_)) {
         return STATUS_STARTED;
     }
     let nearest = scene.surface_distance(scene.source.position);
-    match -nearest.distance > rebased.error_bound(nearest.object) {
+    match -nearest.distance > compiled.error_bound(nearest.object) {
         true => STATUS_DEAD,
         false => STATUS_STARTED,
     }

@@ -7,8 +7,8 @@
 use super::copies::{CopyAxes, keep_to_cells};
 use super::value::{Axis, arguments, mirrored};
 use super::{Place, Writer};
-use crate::kernel::assets::Assets;
-use crate::kernel::text::library::has_function;
+use crate::kernel::structure::Assets;
+use crate::kernel::text::link::has_function;
 use crate::scene::shape::{HeightField, Mirror, Repeat};
 use crate::scene::{Copies, Node, Shape};
 

@@ -1,6 +1,6 @@
 //! A repetition as a line traversals of its copies.
 
-use super::numbers::literal;
+use super::literal;
 use crate::scene::shape::Repeat;
 use crate::scene::{Copies, Node, Shape};
 

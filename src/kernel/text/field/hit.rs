@@ -11,8 +11,8 @@
 use super::copies::{CopyAxes, cells_crossed, has_step_limit, keep_to_cells};
 use super::value::arguments;
 use super::{Place, Writer};
-use crate::kernel::assets::Assets;
-use crate::kernel::text::library::has_function;
+use crate::kernel::structure::Assets;
+use crate::kernel::text::link::has_function;
 use crate::scene::{Node, Shape};
 
 /// Whether [`hit_text`] can be written for it.

@@ -1,9 +1,9 @@
-//! Users' fields as parts of a shader's text.
+//! Users' fields as parts of a shader's text, and each by itself: to be compiled, and sampled, before it
+//! is part of a scene.
 
-use crate::kernel::assets::Assets;
-use crate::kernel::text::link::parts;
+use crate::kernel::structure::Assets;
+use crate::kernel::text::link::{Part, Source, parts, source};
 use crate::kernel::text::surface_names::no_comment;
-use crate::kernel::text::{Part, Source, source};
 use crate::scene::UserField;
 use std::fmt::Write;
 
@@ -69,4 +69,21 @@ fn user_functions(user: &UserField, index: usize) -> Vec<Source> {
     [source!("user/value.glsl"), gradient]
         .map(numbered)
         .to_vec()
+}
+
+/// The number by which a driver's messages name the user's own text in [`user_sources`].
+pub(crate) const USER_FILE: u32 = 2;
+
+/// A fragment shader with the field alone: its values, and the gradients that it states, at the
+/// points in `uPoints`.
+pub(crate) fn user_sources(user: &UserField) -> Vec<Source> {
+    let mut sources = Vec::from(user_text(user, 0));
+    let stated = match user.states_gradient() {
+        true => "user0_fieldGradient(p)",
+        false => "vec3(0.0)",
+    };
+    let function = format!("vec3 statedGradient(vec3 p) {{\n    return {stated};\n}}\n");
+    sources.push(Source::new("the stated gradient", function));
+    sources.push(source!("user/check.frag"));
+    sources
 }

@@ -1,8 +1,7 @@
 //! Value and gradient of a tree.
 
-use super::numbers::{Numbers, literal};
-use super::{Place, Writer};
-use crate::kernel::assets::Assets;
+use super::{Numbers, Place, Writer, literal};
+use crate::kernel::structure::Assets;
 use crate::scene::shape::{HeightField, Mirror, Repeat, User};
 use crate::scene::{Copies, Node, Shape};
 use std::fmt::Write;

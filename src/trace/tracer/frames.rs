@@ -9,14 +9,13 @@
 //! divided, or on what was drawn in between, bit for bit.
 
 use super::super::frame::in_milliseconds;
-use super::super::{
-    Counts, Frame, Grid, Milliseconds, Panning, Settings, TraceError, gpu_sum, panning,
-};
+use super::super::{Frame, Milliseconds, Settings, TraceError};
 use super::prepared::PreparedFrame;
+use super::read_back::ReadBack;
 use super::throughput::Progress;
-use super::{Targets, Tracer, Waves};
+use super::{Tracer, Waves};
 use crate::error::Error;
-use crate::gpu::{AsyncRead, Context, GpuError, GpuTimer};
+use crate::gpu::glow;
 use crate::platform::Instant;
 use crate::scene::Scene;
 
@@ -29,16 +28,6 @@ pub(super) struct FrameUnderWay {
     asking: Option<f64>,
 }
 
-/// What measures a frame and brings its result back; kept from one frame to the next.
-pub(super) struct ReadBack {
-    /// Four marks: around initialise, and around pan. Between the two others may draw.
-    timer: GpuTimer,
-    /// What each wave gives, or the sum.
-    heard: AsyncRead,
-    /// The counts of passes where they are summed on the GPU.
-    passes: AsyncRead,
-}
-
 impl FrameUnderWay {
     /// Whether all passes are drawn, so that only the result is missing.
     pub fn is_drawn(&self) -> bool {
@@ -46,67 +35,24 @@ impl FrameUnderWay {
     }
 }
 
-impl ReadBack {
-    fn new(context: &Context) -> Result<ReadBack, GpuError> {
-        Ok(ReadBack {
-            timer: GpuTimer::new(context),
-            heard: AsyncRead::new(context)?,
-            passes: AsyncRead::new(context)?,
-        })
-    }
-
-    /// Requests the result of a frame whose passes are all drawn.
-    fn ask(&mut self, context: &Context, targets: &Targets, on_gpu: bool) -> Result<(), Error> {
-        let grid = targets.grid;
-        if !on_gpu {
-            return Ok(self.heard.begin(&targets.pan, 0, grid.width, grid.height)?);
-        }
-        let sum = targets.sum.as_ref().ok_or(TraceError::NothingTraced)?;
-        sum.draw(context, &targets.contributions, grid)?;
-        // The passes are asked for first, so that they are there when the rest is.
-        self.passes.begin(sum.last(), 1, 1, 1)?;
-        Ok(self.heard.begin(sum.last(), 0, 1, 1)?)
-    }
-
-    /// The sum of what came back, if it is there, after waiting if requested: computed on the CPU, or
-    /// on the GPU, as set in the settings.
-    fn sum(
-        &mut self,
-        settings: &Settings,
-        grid: Grid,
-        wait: bool,
-    ) -> Result<Option<(Panning, Counts)>, GpuError> {
-        let are_evaluations = settings.count_evaluations;
-        if !settings.sum_on_gpu {
-            let floats = 4 * grid.waves as usize;
-            let sum = |texels: &[f32]| panning::sum(&texels[..floats], are_evaluations);
-            return take(&mut self.heard, wait, sum);
-        }
-        let Some(heard) = take(&mut self.heard, wait, <[f32]>::to_vec)? else {
-            return Ok(None);
-        };
-        self.passes
-            .wait(|passes| gpu_sum::totals(&heard, passes, grid, are_evaluations))
-    }
-
-    /// Milliseconds of initialise and pan. Waits until both are done.
-    fn initialise_and_pan(&self) -> [f64; 2] {
-        let between = self.timer.milliseconds();
-        [0, 2].map(|part| between.get(part).copied().unwrap_or_default())
-    }
-}
-
-/// The result of a read-back, after waiting if requested.
-fn take<T>(
-    from: &mut AsyncRead,
-    wait: bool,
-    read: impl FnOnce(&[f32]) -> T,
-) -> Result<Option<T>, GpuError> {
-    if wait {
-        from.wait(read)
-    } else {
-        from.poll(read)
-    }
+/// The contribution of each wave of a frame to either ear, as a texture: for drawing with the tracer's context, which
+/// [`Context::from_glow`](crate::gpu::Context::from_glow) makes one of the caller's own.
+///
+/// Wave number n is the texel (n mod `width`, n / `width`), of four floats: shares to the left and to the right, which are 0
+/// for a wave that is not heard, else 1 together; two more that this crate alone uses. Texels beyond the last wave
+/// are to be left out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct FrameTexture {
+    /// GL's name for the texture: `TEXTURE_2D` of `RGBA32F`, with one level, not filtered, clamped to its edge. The tracer
+    /// owns it and draws to it: it holds this frame until the next call of the tracer, and goes with it at the latest.
+    pub texture: glow::Texture,
+    /// Texels in a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Waves.
+    pub waves: u32,
 }
 
 /// Frames in steps.
@@ -209,6 +155,43 @@ impl Tracer {
         marching.map(|frame| frame.progress.spent())
     }
 
+    /// Traces one frame as [`Tracer::frame`] does, and leaves its result where it is: nothing is read back. On a graphics
+    /// card nothing is waited for.
+    ///
+    /// ```
+    /// use echomarch::gpu::Context;
+    /// use echomarch::{Scene, Settings, Tracer};
+    ///
+    /// let mut tracer = Tracer::new(&Context::headless(&Default::default())?)?;
+    /// let settings = Settings::default().with_waves(4096);
+    /// let result = tracer.frame_to_texture(&Scene::builtin("corner")?, &settings)?;
+    /// assert_eq!(result.width * result.height, result.waves);
+    /// # Ok::<(), echomarch::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Tracer::frame`].
+    pub fn frame_to_texture(
+        &mut self,
+        scene: &Scene,
+        settings: &Settings,
+    ) -> Result<FrameTexture, Error> {
+        let _entered = self.context.enter()?;
+        self.aside(|tracer| {
+            tracer.begin(scene, settings, Waves::Dropped)?;
+            let drawn = tracer.draw_to_its_end();
+            tracer.give_up();
+            drawn?;
+            let targets = tracer.targets()?;
+            Ok(FrameTexture {
+                texture: targets.contributions.raw(),
+                width: targets.grid.width,
+                height: targets.grid.height,
+                waves: targets.grid.waves,
+            })
+        })
+    }
+
     /// Begin, advance and wait in a row. A frame that was begun before, and is drawn, can be
     /// collected afterwards.
     pub(super) fn frame_at_once(
@@ -224,6 +207,15 @@ impl Tracer {
     pub(super) fn frame_to_its_end(&mut self) -> Result<Frame, Error> {
         self.advance(f64::INFINITY)?;
         Ok(self.collect(true)?.ok_or(TraceError::NothingTraced)?)
+    }
+
+    /// All passes of the frame begun, without asking for its result.
+    fn draw_to_its_end(&mut self) -> Result<(), Error> {
+        let mut frame = self.under_way.take().ok_or(TraceError::NothingTraced)?;
+        self.march_for(&mut frame, f64::INFINITY)?;
+        self.targets()?.pan(&frame.prepared)?;
+        self.under_way = Some(frame);
+        Ok(())
     }
 
     /// Does something with frames of its own, and leaves a frame that is drawn as it was.
@@ -258,7 +250,7 @@ impl Tracer {
         self.throughput
             .select(prepared.programs.march(), prepared.grid);
         read_back.timer.restart()?;
-        self.initialise(&prepared)?;
+        self.targets()?.initialise(&prepared)?;
         read_back.timer.mark()?;
         let iterations_per_pass = prepared.budget.iterations_per_pass;
         self.under_way = Some(FrameUnderWay {
@@ -270,7 +262,14 @@ impl Tracer {
         Ok(())
     }
 
-    /// Forgets the frame in progress, but keeps what it was read back with.
+    /// Gives up a frame that is not drawn yet. Of one that is drawn the result is elsewhere.
+    pub(super) fn give_up_marching(&mut self) {
+        if self.frame_marching_for().is_some() {
+            self.give_up();
+        }
+    }
+
+    /// Forgets the frame in progress, but keeps its timer and read-back.
     pub(super) fn give_up(&mut self) {
         if let Some(frame) = self.under_way.take() {
             self.spare = Some(frame.read_back);
@@ -320,7 +319,9 @@ impl Tracer {
                 break;
             }
             let rows = fit.clamp(1, prepared.grid.height - progress.rows);
-            self.march_rows(prepared, iterations, progress.rows..progress.rows + rows)?;
+            let rows_drawn = progress.rows..progress.rows + rows;
+            self.targets()?
+                .march_rows(prepared, &self.scene, iterations, rows_drawn)?;
             let part = f64::from(rows) * f64::from(iterations);
             match self.throughput.end_part(part)? {
                 Some(took) => {
@@ -341,13 +342,11 @@ impl Tracer {
 
     fn pan_and_ask(&mut self, frame: &mut FrameUnderWay) -> Result<(), Error> {
         frame.read_back.timer.mark()?;
-        self.pan(&frame.prepared)?;
+        self.targets()?.pan(&frame.prepared)?;
         frame.read_back.timer.mark()?;
         let asking = Instant::now();
         let on_gpu = frame.prepared.settings.sum_on_gpu;
-        frame
-            .read_back
-            .ask(&self.context, self.targets()?, on_gpu)?;
+        self.targets()?.ask(&mut frame.read_back, on_gpu)?;
         frame.asking = Some(in_milliseconds(asking.elapsed()));
         Ok(())
     }
@@ -390,7 +389,7 @@ impl Tracer {
 mod tests {
     use super::super::throughput::Throughput;
     use super::*;
-    use crate::gpu::ContextOptions;
+    use crate::gpu::{Context, ContextOptions, GpuTimer};
 
     /// Protects graphics cards, whose timers do not wait, where none is at hand: a frame in one
     /// call or in many is the same frame, and without any time each call draws one row. Software
@@ -407,10 +406,9 @@ mod tests {
         let by_query = || GpuTimer::of_kind(&context, true);
         let mut tracer = Tracer::new(&context).unwrap();
         tracer.throughput = Throughput::new(by_query());
-        tracer.spare = Some(ReadBack {
-            timer: by_query(),
-            ..ReadBack::new(&context).unwrap()
-        });
+        let mut read_back = ReadBack::new(&context).unwrap();
+        read_back.timer = by_query();
+        tracer.spare = Some(read_back);
         let whole = tracer.frame(&scene, &settings).unwrap();
         assert_eq!(
             (whole.panning, whole.counts),

@@ -1,15 +1,91 @@
-//! The panning texture summed on the GPU: block by block, until one texel is left.
+//! The read-back of a frame's result: the panning texture summed on the CPU, or on the GPU block by block
+//! until one texel is left.
 //!
-//! The thesis reads the whole texture back and sums on the CPU. Summed here, one texel a
+//! The thesis reads the whole texture back and sums on the CPU. Summed on the GPU, one texel a
 //! target comes back; the sum runs in `f32`, by blocks, so its relative error stays below
 //! 64 roundings, 4e-6, a pass (1e-7 was measured: docs/accuracy.md). Counts of waves are exact;
 //! counts of passes and evaluations are exact up to 2^24 and rounded like any `f32` above.
 
-use super::programs::Programs;
-use super::{Counts, Grid, Panning};
+use super::super::programs::Programs;
+use super::super::{Counts, Grid, Panning, Settings, frame};
 use crate::error::Error;
-use crate::gpu::{Context, Program, RenderTarget, Texture, TexturePair, full_screen_pass};
+use crate::gpu::{
+    AsyncRead, Context, GpuError, GpuTimer, Program, RenderTarget, Texture, TexturePair,
+    full_screen_pass,
+};
 use std::rc::Rc;
+
+/// The timer of a frame, and the read-back of its result; kept from one frame to the next.
+pub(super) struct ReadBack {
+    /// Four marks: around initialise, and around pan. Between the two others may draw.
+    pub timer: GpuTimer,
+    /// The contribution of each wave, or the sum.
+    heard: AsyncRead,
+    /// The counts of passes where they are summed on the GPU.
+    passes: AsyncRead,
+}
+
+impl ReadBack {
+    pub fn new(context: &Context) -> Result<ReadBack, GpuError> {
+        Ok(ReadBack {
+            timer: GpuTimer::new(context),
+            heard: AsyncRead::new(context)?,
+            passes: AsyncRead::new(context)?,
+        })
+    }
+
+    /// Requests the contributions of all waves, to be summed on the CPU.
+    pub fn ask(&mut self, pan: &RenderTarget, grid: Grid) -> Result<(), Error> {
+        Ok(self.heard.begin(pan, 0, grid.width, grid.height)?)
+    }
+
+    /// Requests the result of a sum on the GPU that is drawn.
+    pub fn ask_sum(&mut self, sum: &GpuSum) -> Result<(), Error> {
+        // The passes are asked for first, so that they are there when the rest is.
+        self.passes.begin(sum.last(), 1, 1, 1)?;
+        Ok(self.heard.begin(sum.last(), 0, 1, 1)?)
+    }
+
+    /// The sum of all contributions, if it is there, after waiting if requested: computed on the CPU, or
+    /// on the GPU, as set in the settings.
+    pub fn sum(
+        &mut self,
+        settings: &Settings,
+        grid: Grid,
+        wait: bool,
+    ) -> Result<Option<(Panning, Counts)>, GpuError> {
+        let are_evaluations = settings.count_evaluations;
+        if !settings.sum_on_gpu {
+            let floats = 4 * grid.waves as usize;
+            let sum = |texels: &[f32]| frame::sum(&texels[..floats], are_evaluations);
+            return take(&mut self.heard, wait, sum);
+        }
+        let Some(heard) = take(&mut self.heard, wait, <[f32]>::to_vec)? else {
+            return Ok(None);
+        };
+        self.passes
+            .wait(|passes| totals(&heard, passes, grid, are_evaluations))
+    }
+
+    /// Milliseconds of initialise and pan. Waits until both are done.
+    pub fn initialise_and_pan(&self) -> [f64; 2] {
+        let between = self.timer.milliseconds();
+        [0, 2].map(|part| between.get(part).copied().unwrap_or_default())
+    }
+}
+
+/// The result of a read-back, after waiting if requested.
+fn take<T>(
+    from: &mut AsyncRead,
+    wait: bool,
+    read: impl FnOnce(&[f32]) -> T,
+) -> Result<Option<T>, GpuError> {
+    if wait {
+        from.wait(read)
+    } else {
+        from.poll(read)
+    }
+}
 
 /// Side of a block in texels: 64 texels to one.
 const BLOCK: u32 = 8;
@@ -73,12 +149,7 @@ impl GpuSum {
 }
 
 /// The sums that stand in the last texel of either texture.
-pub(super) fn totals(
-    heard: &[f32],
-    passes: &[f32],
-    grid: Grid,
-    are_evaluations: bool,
-) -> (Panning, Counts) {
+fn totals(heard: &[f32], passes: &[f32], grid: Grid, are_evaluations: bool) -> (Panning, Counts) {
     let panning = Panning {
         left: f64::from(heard[0]),
         right: f64::from(heard[1]),
