@@ -10,8 +10,7 @@
 //! | file | what it does |
 //! | --- | --- |
 //! | `events.rs` | what reflections leave of a wave's energy |
-//! | `settings.rs` | settings, and counts |
-//! | `starts.rs` | which waves are followed, and how they start |
+//! | `settings.rs` | settings, which waves are followed and how they start, counts |
 //! | `volume.rs` | the open volume of the listener's sphere |
 //! | `targets.rs` | textures, and what is read back of them |
 //! | `replay.rs` | from records to arrivals |
@@ -20,15 +19,13 @@
 mod events;
 mod replay;
 mod settings;
-mod starts;
 mod targets;
 mod volume;
 
 pub(super) use events::EventTable;
 pub(super) use replay::{Block, Listed, Replay};
-pub(crate) use settings::Followed;
 pub use settings::{ArrivalCounts, ArrivalSettings};
-pub(crate) use starts::{Start, WavesToFollow};
+pub(crate) use settings::{Followed, Start, WavesToFollow};
 pub(super) use targets::{ArrivalTargets, LISTED_AT_MOST, listed_rows};
 pub(super) use volume::open_volume;
 

@@ -1,9 +1,10 @@
-//! Settings of arrivals, and counts.
+//! Settings of arrivals, the waves that are followed and how they start, and counts.
 
 use super::super::TraceError;
 use super::super::settings::MAX_ITERATIONS;
 use super::{ITERATIONS_IN_CHUNK, RECORDS};
 use crate::bands::{self, BAND_COUNT, Bands};
+use glam::Vec3;
 use std::ops::Range;
 
 /// How arrivals are traced, beside [`Settings`](crate::Settings): of these the waves, their
@@ -96,7 +97,51 @@ impl ArrivalSettings {
 /// The longest time that may be requested, in seconds: no room sounds for as long.
 const MOST_SECONDS: f64 = 1000.0;
 
-/// What became of the waves whose arrivals were traced.
+/// The waves whose arrivals are traced.
+pub(crate) enum WavesToFollow<'a> {
+    /// Those of these numbers, in the directions that the settings give them, each with 1/N of the energy, N the waves
+    /// of the settings.
+    Numbers(Range<u32>),
+    /// Waves numbered from 0, whose starts are given by a function of a range of numbers.
+    Starts {
+        /// Number of waves.
+        waves: u32,
+        /// The starts of these numbers. The waves of the settings do not count.
+        of: &'a dyn Fn(Range<u32>) -> Vec<Start>,
+    },
+}
+
+/// How a wave starts from the source.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Start {
+    /// Where it goes: a unit vector, world axes.
+    pub direction: Vec3,
+    /// Importance weight: the density of even directions divided by the density with which this one was drawn; 1 on
+    /// average, or a factor that all have in common.
+    pub weight: f32,
+}
+
+impl WavesToFollow<'_> {
+    /// The numbers of the waves, `waves` at a time.
+    pub(in crate::trace) fn blocks(&self, waves: u32) -> impl Iterator<Item = Range<u32>> {
+        let Range { start, end } = match self {
+            WavesToFollow::Numbers(numbers) => numbers.clone(),
+            WavesToFollow::Starts { waves, .. } => 0..*waves,
+        };
+        let first = (start..end).step_by(waves as usize);
+        first.map(move |first| first..first.saturating_add(waves).min(end))
+    }
+
+    /// The starts of these waves, if they are given.
+    pub(in crate::trace) fn starts(&self, numbers: &Range<u32>) -> Option<Vec<Start>> {
+        match self {
+            WavesToFollow::Numbers(_) => None,
+            WavesToFollow::Starts { of, .. } => Some(of(numbers.clone())),
+        }
+    }
+}
+
+/// The fates of the waves whose arrivals were traced.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct ArrivalCounts {
@@ -149,7 +194,7 @@ impl ArrivalCounts {
     }
 }
 
-/// What became of some of the waves.
+/// The fates of some of the waves.
 pub(crate) struct Followed {
     /// Without [`followed_m`](ArrivalCounts::followed_m).
     pub counts: ArrivalCounts,

@@ -3,7 +3,7 @@
 use super::super::Grid;
 use super::super::waves::start_texels;
 use super::replay::{Chunk, Listed};
-use super::starts::Start;
+use super::settings::Start;
 use crate::gpu::{AsyncRead, Context, GpuError, RenderTarget, Texture};
 use crate::kernel::ArrivalsText;
 

@@ -1,19 +1,17 @@
 //! How to trace: the thesis' constants, and the numbers a user may change.
 //!
-//! What has no meaning in an algorithm cannot be set in it: [`Settings`] holds what all share,
-//! [`Algorithm`] what each has (`algorithm.rs`). Worsened ways to march are in `variant.rs`,
-//! for the experiments alone.
+//! An option without meaning in an algorithm cannot be set in it: [`Settings`] holds the options that all
+//! share, [`Algorithm`] those of one (`algorithm.rs`).
 
 mod algorithm;
-mod variant;
 
 use super::TraceError;
 use crate::kernel::Directions;
+#[cfg(feature = "experiment")]
+pub(crate) use algorithm::MarchVariant;
 pub use algorithm::{Algorithm, HybridOptions, MarchOptions, Profile, ThesisOptions};
 use serde::Serialize;
 use std::fmt;
-#[cfg(feature = "experiment")]
-pub(crate) use variant::MarchVariant;
 
 /// The most waves in one frame: 2^24, a 4096 x 4096 texture pair.
 pub const MAX_WAVES: u32 = 1 << 24;
