@@ -16,10 +16,10 @@ pub(crate) const WORD_BITS: u32 = 30;
 /// Words of events in a texture of their own, beside the one in the tally.
 const WORDS_IN_TEXTURE: u32 = 4;
 
-/// What the text depends on beside the structure of the scene.
+/// Parameters of the text beside the structure of the scene.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct ArrivalsText {
-    /// How a wave finds what it meets. There is no such text of `thesis`.
+    /// How a wave finds the next surface. `thesis` has no such text.
     pub algorithm: AlgorithmText,
     /// How waves start.
     pub directions: Directions,
@@ -40,8 +40,8 @@ impl ArrivalsText {
     /// are any, then the records.
     pub const TALLY: u32 = 2;
 
-    /// For a scene of these materials, with so many records at most, on a driver that allows
-    /// so many outputs, four at least.
+    /// For a scene of these materials, with `records` at most, on a driver that allows `outputs`, four
+    /// at least.
     pub fn new(
         (algorithm, directions): (AlgorithmText, Directions),
         materials: &Materials,
@@ -84,7 +84,7 @@ impl ArrivalsText {
         }
     }
 
-    /// Iterations of a pass for whose events there is room; none where there are no events.
+    /// Iterations of a pass for whose events there is room; `None` without events.
     pub fn most_iterations(&self) -> Option<u32> {
         (self.event_bits > 0).then(|| self.words() * self.events_in_word())
     }
@@ -125,7 +125,7 @@ pub(crate) fn arrivals_text(scene: &Scene, structure: &Structure, text: &Arrival
     join(&link(roots, library))
 }
 
-/// What finds the next surface, whether that marches fields, and the parts that it calls.
+/// The source that finds the next surface, whether it marches fields, and the parts that it calls.
 fn flight(scene: &Text, algorithm: AlgorithmText) -> (Source, bool, Vec<Part>) {
     let listener = ListenerText::Transparent;
     match algorithm {
@@ -144,7 +144,7 @@ fn flight(scene: &Text, algorithm: AlgorithmText) -> (Source, bool, Vec<Part>) {
     }
 }
 
-/// The outputs of words and records, and what keeps them until they are written. (Writing to a
+/// The outputs of words and records, and the variables that hold them until they are written. (Writing to a
 /// String cannot fail.)
 fn written(text: &ArrivalsText) -> String {
     let (mut outputs, mut keep, mut write) = (String::new(), String::new(), String::new());
@@ -172,7 +172,7 @@ fn written(text: &ArrivalsText) -> String {
     )
 }
 
-/// What keeps the words of events.
+/// The variables and functions of the words of events.
 fn words(text: &ArrivalsText) -> String {
     if text.words() == 0 {
         return "float firstWord() { return 0.0; }\n\n".to_owned();
@@ -197,7 +197,7 @@ fn words(text: &ArrivalsText) -> String {
 }
 
 /// `copyMaterials()` and `materialAt(object, turned)`: the number of the material
-/// ([`Materials`]) of the object that turns a wave by so much. `rooms` are
+/// ([`Materials`]) of the object that changes a wave's direction by `turned`. `rooms` are
 /// the rooms whose walls differ.
 fn materials_parts(text: &Text, rooms: &[usize]) -> Vec<Part> {
     let written = match Materials::fit_uniforms(text.unrolled.len(), rooms.len()) {

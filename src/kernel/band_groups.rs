@@ -12,7 +12,7 @@ use std::ops::Range;
 /// Evaluated range of a decay, as a share of the energy: 30 dB.
 const DECAYED: f64 = 1e-3;
 
-/// How much the mean square of energies may grow over such a decay: to twice, as if there were half as many waves.
+/// Growth of the mean square of energies over such a decay, at most: to twice, as if half the waves were left.
 const MOST_GROWTH: f64 = 2.0;
 
 /// Groups of bands, each of which is traced by waves of its own: one where all scatter alike.
@@ -92,12 +92,12 @@ mod tests {
         assert_eq!(groups(&[]), whole(0..8));
         assert_eq!(groups(&[(0.1, [0.3; BAND_COUNT])]), whole(0..8));
         assert_eq!(groups(&[(0.1, rising)]).len(), 8);
-        // What absorbs all tells nothing of what it scatters, and what absorbs little is met often.
+        // A material that absorbs everything scatters nothing, and one that absorbs little is met often.
         assert_eq!(groups(&[(1.0, rising)]), whole(0..8));
         assert_eq!(groups(&[(0.2, slightly)]), whole(0..8));
         assert!(groups(&[(0.0, slightly)]).len() > 1);
         assert_eq!(groups(&[(0.1, stepped)]), [0..3, 3..8]);
-        // What no wave meets tells nothing: that of a room all of whose walls have another.
+        // A material that no wave meets has no influence: here that of a room whose walls all have another.
         let mut scene = Scene::builtin("shoebox").expect("a built-in scene");
         let rising = Material {
             scattering: rising,

@@ -36,7 +36,7 @@ pub(crate) struct CompiledScene {
     surfaces: RebasedScene,
     values: Vec<Vec4>,
     cells: Option<SceneCells>,
-    /// What `sceneData(index)` reads.
+    /// The vectors that `sceneData(index)` reads.
     data: Vec<Vec4>,
     /// Vectors of the data that are heights of images.
     heights: usize,
@@ -143,7 +143,7 @@ impl CompiledScene {
         self.surfaces.rebasing().place(point)
     }
 
-    /// What rounding may do to the distance to a surface (numbered from 1), in metres.
+    /// Rounding error of the distance to a surface (numbered from 1), in metres, at most.
     pub fn error_bound(&self, object: u32) -> f32 {
         self.surfaces.error_bound(object)
     }
@@ -153,12 +153,12 @@ impl CompiledScene {
         &self.values
     }
 
-    /// What `sceneData(index)` reads.
+    /// The vectors that `sceneData(index)` reads.
     pub fn data(&self) -> &[Vec4] {
         &self.data
     }
 
-    /// Where the cells lie in the data, of a scene that has any.
+    /// The places of the cells in the data, if the scene has cells.
     pub fn cell_data(&self) -> Option<&CellData> {
         self.cell_data.as_ref()
     }

@@ -7,11 +7,11 @@
 //!
 //! What an extension adds to a box is a slab between two parallel faces. It is added only when
 //! one convex solid holds all eight corners of the slab, and so all of it: no air is lost.
-//! The slab is that of the box as it has grown so far. Walls of rooms and planes come
+//! The slab is that of the box with its earlier extensions. Walls of rooms and planes come
 //! first, so that a box that stands between floor and ceiling and against another such box
 //! finds it grown as tall.
 //!
-//! Where boxes of one width stand on each other, the slab's sides would lie in the faces of
+//! If boxes of one width stand on each other, the slab's sides would lie in the faces of
 //! its cover: waves that hit the cover there would be reported as hits of the box. So a long
 //! extension has to end deep inside of its cover; any other is only as long as rounding requires.
 
@@ -176,7 +176,7 @@ fn corners(surface: &Surface, size: Vec3, (axis, side): Face, by: f32) -> [Vec3;
 }
 
 /// Whether one convex solid holds all points: the near ones within `error_bound`, the far ones
-/// with a distance of `most` at most. Of a room each wall is a solid of its own.
+/// with a distance of `most` at most. Each wall of a room is a solid of its own.
 fn holds_all(solid: &Surface, near: &[Vec3], far: &[Vec3], error_bound: f32, most: f32) -> bool {
     let held_by = |distance: &dyn Fn(Vec3) -> f32| {
         near.iter().all(|&point| distance(point) <= error_bound)

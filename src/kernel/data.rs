@@ -9,7 +9,7 @@
 //! begins, the greatest ones and how long the list is) and their lists.
 //!
 //! # Records
-//! For lines, a cell of a kind is one *record*: so many vectors that the surface in it is tested at once. One number
+//! For lines, a cell of a kind is one *record*: all vectors that the test of the surface in it needs. One number
 //! of its first vector is the *tag*:
 //!
 //! | tag | what the record is |
@@ -42,12 +42,12 @@ pub(super) fn heights(assets: &Assets) -> Vec<Vec4> {
     data
 }
 
-/// Where the surfaces in cells lie, as passed to the shader.
+/// The places of the surfaces in cells, as passed to the shader.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CellData {
     /// Index of the directory.
     pub directory: i32,
-    /// Of the cells with lists: corner of the grid with the least coordinates, in the shader's
+    /// Corner of the grid of the cells with lists, with the least coordinates, in the shader's
     /// coordinates (metres).
     pub origin: Vec3,
     /// Width, height and depth of a cell in metres.
@@ -66,7 +66,7 @@ pub struct CellData {
     pub grids: Vec<Vec4>,
 }
 
-/// What is written into the scene's data.
+/// Writes the scene's data.
 struct Writer<'a> {
     data: &'a mut Vec<Vec4>,
     origin: DVec3,
@@ -164,7 +164,7 @@ impl Writer<'_> {
                 }
             }
         });
-        // What holds all surfaces, and lists are made for no less: the border is wider.
+        // The box that holds all surfaces; the lists reach further, because the border is wider.
         let inner = grid.inner.grown(0.01 * grid.cell);
         let (low, high) = (self.local(inner.min), self.local(inner.max));
         let spare = spare(low, high);
@@ -219,9 +219,9 @@ impl Writer<'_> {
     }
 }
 
-/// What rounding may do to the sides of a box.
+/// Rounding error of the sides of a box, at most.
 fn spare(low: Vec3, high: Vec3) -> Vec3 {
-    // What stands for no end is no place that anything is computed with.
+    // A coordinate that stands for no end is not used in any computation.
     let places = low.abs().max(high.abs());
     let ends = places.cmplt(Vec3::splat(0.5 * ENDLESS as f32));
     Vec3::splat(rounding_of(Vec3::select(ends, places, Vec3::ZERO)))
@@ -232,7 +232,7 @@ fn number(index: usize) -> f32 {
     (index + 1) as f32
 }
 
-/// Where the tag and the values of a record lie.
+/// The places of the tag and of the values in a record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Record {
     /// Whether a vector of its own holds the tag.
@@ -244,7 +244,7 @@ pub struct Record {
 }
 
 impl Record {
-    /// That of a surface's kind.
+    /// The record of a surface's kind.
     pub fn of(surface: &Surface) -> Record {
         let free = match surface.shape.node {
             Node::Cuboid(_) => Some(3),

@@ -1,6 +1,6 @@
 //! Which surfaces are unrolled in the shader's text, and which are in cells.
 //!
-//! A few surfaces are unrolled: each has its own lines of text. Of many of a *kind* (a shape,
+//! A few surfaces are unrolled: each has its own lines of text. If there are many of a *kind* (a shape,
 //! turned or not) only the kind is in the text, and its surfaces are data; cells list which of
 //! them can be met where. What has no end cannot lie in a cell, but along an axis along which
 //! most have none (a hall of endless pillars) the cells have no end, either.
@@ -38,7 +38,7 @@ thread_local! {
     static DERIVED: std::cell::Cell<usize> = const { std::cell::Cell::new(0) };
 }
 
-/// Layouts derived on this thread so far.
+/// Layouts that this thread has derived.
 #[cfg(test)]
 pub(super) fn layouts_derived() -> usize {
     DERIVED.get()
@@ -136,7 +136,7 @@ fn kinds(surfaces: &[Surface], wanted: impl Iterator<Item = usize>) -> Vec<Kind>
     let mut kinds: Vec<Kind> = Vec::new();
     for index in wanted {
         let structure = SurfaceStructure::as_data(&surfaces[index]);
-        // More kinds than may be there are refused, and not told apart any more.
+        // More kinds than may be there are refused, and are not distinguished any more.
         let known = match kinds.len() {
             ..=MOST_UNROLLED => kinds.iter().position(|kind| kind.structure == structure),
             _ => None,
@@ -152,7 +152,7 @@ fn kinds(surfaces: &[Surface], wanted: impl Iterator<Item = usize>) -> Vec<Kind>
     kinds
 }
 
-/// The kinds of so many surfaces or more; and the largest of the others, until few are left.
+/// The kinds of `from` surfaces or more; and the largest of the others, until few are left.
 fn in_cells(kinds: Vec<Kind>, from: usize) -> Vec<Kind> {
     let mut sizes: Vec<usize> = kinds.iter().map(|kind| kind.surfaces.len()).collect();
     sizes.sort_unstable_by(|a, b| b.cmp(a));
@@ -175,7 +175,7 @@ fn endless_axes(surface: &Surface) -> [bool; 3] {
     [0, 1, 2].map(|axis| !(bounds.min[axis].is_finite() && bounds.max[axis].is_finite()))
 }
 
-/// What the text of one surface, or of one kind, depends on.
+/// The properties of a surface, or of a kind, that its text depends on.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(super) struct SurfaceStructure {
     name: &'static str,
@@ -193,7 +193,7 @@ impl SurfaceStructure {
         SurfaceStructure::new(surface, moving)
     }
 
-    /// Of a surface whose numbers are all data.
+    /// The structure of a surface whose numbers are all data.
     pub fn as_data(surface: &Surface) -> SurfaceStructure {
         SurfaceStructure::new(surface, |field| vec![true; field.nodes().len()])
     }
@@ -265,7 +265,7 @@ fn of_node(field: &Shape, moves: bool) -> NodeSignature {
     }
 }
 
-/// What is no number, and yet in the text.
+/// Parameters that are in the text but are not numbers of the shape.
 fn choices(field: &Shape) -> [u32; 3] {
     match &field.node {
         Node::Mirror(Mirror { axes }) => axes.map(u32::from),

@@ -31,7 +31,7 @@ const MOST_IN_UNIFORMS: usize = 64;
 pub struct Materials {
     /// The bands that are traced together.
     bands: Range<usize>,
-    /// Those that scatter come first.
+    /// The materials that scatter come first.
     distinct: Vec<Material>,
     /// How many scatter.
     scattering: usize,
@@ -42,7 +42,7 @@ pub struct Materials {
 }
 
 impl Materials {
-    /// Those of the scene, for waves that carry these bands; none where no surface absorbs or scatters.
+    /// The materials of the scene, for waves that carry these bands; none if no surface absorbs or scatters.
     pub fn of(scene: &Scene, bands: Range<usize>) -> Materials {
         let mut materials = Materials {
             bands: bands.clone(),
@@ -137,7 +137,7 @@ impl Materials {
         table
     }
 
-    /// Whether the numbers of so many unrolled surfaces are uniforms, so many of them rooms whose walls differ.
+    /// Whether the numbers of `unrolled` surfaces are uniforms, where `rooms` of these have walls that differ.
     pub fn fit_uniforms(unrolled: usize, rooms: usize) -> bool {
         unrolled + (WALL_COUNT - 1) * rooms <= MOST_IN_UNIFORMS
     }
@@ -162,7 +162,7 @@ impl Materials {
         numbers.chunks(4).map(four).collect()
     }
 
-    /// What each event leaves of the energy, by its number; of bands that are traced by other waves it means nothing.
+    /// The share of the energy that each event leaves, by its number; without meaning for bands that other waves carry.
     pub fn left(&self) -> Vec<Bands> {
         let mirrored = self.distinct.iter().map(|material| {
             self.left_of(material, |scattered, share| match share < 1.0 {
@@ -177,7 +177,7 @@ impl Materials {
         nothing_lost.chain(mirrored).chain(scattered).collect()
     }
 
-    /// Of the energy that a material reflects in each band a part goes the way that was chosen; in the
+    /// A part of the energy that a material reflects in each band goes the way that was chosen; in the
     /// mean over both ways `of_way(scattering, share)` is 1.
     fn left_of(&self, material: &Material, of_way: impl Fn(f64, f64) -> f64) -> Bands {
         let share = f64::from(self.share(material));
@@ -186,7 +186,7 @@ impl Materials {
     }
 
     /// The share of reflections that are diffuse: the mean over the bands that are traced together, as a multiple of a
-    /// step of which a half stands exactly behind an event of so many bits in a float.
+    /// step of which a half stands exactly behind an event of these bits in a float.
     fn share(&self, material: &Material) -> f32 {
         let steps = f64::from(1u32 << (22 - self.bits().min(MOST_BITS)));
         let mean = mean_scattering(material, &self.bands);

@@ -19,7 +19,7 @@
 //! literals, except those that a driver moves. So the text depends on the [`StructureKey`] alone,
 //! and moving things never compiles a shader again.
 //!
-//! Of many surfaces only their kinds are in the text (`layout`): they lie in cells, whose
+//! If there are many surfaces only their kinds are in the text (`layout`): they lie in cells, whose
 //! lists, like the surfaces' values, are in the scene's data.
 
 mod arrivals_shader;

@@ -69,7 +69,7 @@ impl OriginRebasing {
     pub fn apply(&self, scene: &Scene) -> RebasedScene {
         let place = |surface: &Surface| surface.clone().at(self.place_surface(surface));
         let surfaces: Vec<Surface> = scene.surfaces.iter().map(place).collect();
-        // Of the surfaces before: an extension adds size where no wave comes.
+        // Derived from the surfaces before: an extension adds size where no wave comes.
         let error_bounds: Vec<f32> = surfaces.iter().map(error_bound).collect();
         let surfaces = if self.extends_covered_faces {
             extend_covered_faces(&surfaces, &error_bounds)
@@ -117,7 +117,7 @@ impl RebasedScene {
         );
     }
 
-    /// What rounding may do to the distance to a surface (numbered from 1), in metres.
+    /// Rounding error of the distance to a surface (numbered from 1), in metres, at most.
     pub fn error_bound(&self, object: u32) -> f32 {
         let index = (object as usize).checked_sub(1);
         index
@@ -126,13 +126,13 @@ impl RebasedScene {
     }
 }
 
-/// What rounding may do to a distance that is computed with a place, in metres.
+/// Rounding error of a distance that is computed with a position, in metres, at most.
 pub(super) fn rounding_of(place: Vec3) -> f32 {
     ROUNDING * place.abs().max_element()
 }
 
-/// What rounding may do to the distance to a surface, in metres; of a box or a room never so
-/// much that a thin one would vanish in it.
+/// Rounding error of the distance to a surface, in metres, at most; limited for a box or a room, so
+/// that a thin one does not vanish in it.
 fn error_bound(surface: &Surface) -> f32 {
     const SHARE_OF_THICKNESS: f32 = 0.25;
     let place = surface.position.abs().max_element();

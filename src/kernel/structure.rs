@@ -1,4 +1,5 @@
-//! What the shader text of a scene is written from, and the key of its programs.
+//! The structure of a scene: layout and assets, from which its shader text is written, and the key of its
+//! programs.
 //!
 //! A [`Structure`] is derived once a frame and passed to all that ask for it: the checks of the
 //! renderer's limits, the texts, their keys and the [compiled scene](super::CompiledScene). It holds no
@@ -21,11 +22,11 @@ pub(crate) struct Structure {
     pub layout: Layout,
     /// Height images and users' fields.
     pub(super) assets: Assets,
-    /// What programs are shared by.
+    /// The key by which programs are shared.
     pub key: Rc<StructureKey>,
 }
 
-/// What the shader text of a scene depends on: each surface's shape, whether it has a
+/// The parameters of the shader text of a scene: each surface's shape, whether it has a
 /// rotation, and the fixed part of its field; of surfaces in cells only their kinds, and the axes
 /// along which cells have no end. Two scenes with equal keys share their programs.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
@@ -70,7 +71,7 @@ impl Structure {
     /// seconds.
     ///
     /// # Errors
-    /// Those of [`Scene::check`], and [`SceneError::BadNumber`] for more than [`MOST_UNROLLED`]
+    /// The errors of [`Scene::check`], and [`SceneError::BadNumber`] for more than [`MOST_UNROLLED`]
     /// surfaces, kinds of them and nodes of their fields.
     pub fn check(&self, scene: &Scene) -> Result<(), SceneError> {
         scene.check()?;
@@ -104,7 +105,7 @@ pub(super) struct Assets {
 }
 
 impl Assets {
-    /// Those of a scene.
+    /// The assets of a scene.
     pub fn of(scene: &Scene) -> Assets {
         let mut assets = Assets::default();
         for surface in &scene.surfaces {
@@ -135,7 +136,7 @@ impl Assets {
             .map_or(0, |(image, first)| first + image.heights().len())
     }
 
-    /// Where the images of the surfaces that the text names lie, in its order.
+    /// The indices of the heights of the images that the text names, in its order.
     pub fn places(&self, layout: &Layout, scene: &Scene) -> Vec<usize> {
         if self.images.is_empty() {
             return Vec::new();

@@ -35,7 +35,7 @@ const MAX_FIELD_STEPS: u32 = 1024;
 pub(crate) const MAX_COPY_STEPS: u32 = 32_000;
 
 /// Turns that a call of a user's field with loops in it is taken for. Compilers unroll loops of
-/// a few dozen turns whose number is known, so that few texts have as many left.
+/// a few dozen turns whose number is known, so that few texts have that many left.
 const USER_TURNS: u64 = 60;
 
 /// Calls of a user's text in one projection at most, where normals are differences: seven for
@@ -62,7 +62,7 @@ pub(super) struct Loops {
     pub all_fields: Option<u64>,
     /// The same of the fields without a closed form.
     pub other_fields: Option<u64>,
-    /// Where a line intersects what has a closed form, but for traversals with a step limit.
+    /// Intersecting a line with closed forms, except traversals with a step limit.
     pub line: u64,
     /// One step of a traversal that has a step limit.
     pub copy_step: u64,
@@ -200,7 +200,7 @@ fn of_copies(field: &Shape, of_user: &dyn Fn(&UserField) -> u64) -> u64 {
         .sum();
     match &field.node {
         Node::Repeat(_) => {
-            // What cannot be repeated is refused before it comes here.
+            // Shapes that cannot be repeated were refused before.
             let copies = field.copies().unwrap_or([Copies::None; 3]);
             let along = copies.iter().map(|copies| u64::from(copies.count()));
             let nested = |turns: u64, count: u64| match count {
@@ -214,7 +214,7 @@ fn of_copies(field: &Shape, of_user: &dyn Fn(&UserField) -> u64) -> u64 {
     }
 }
 
-/// Turns in finding where a line intersects a field that has a closed form, but for traversals
+/// Turns in finding where a line intersects a field that has a closed form, except traversals
 /// with a step limit.
 fn of_hit(field: &Shape) -> u64 {
     let below: u64 = field.children.iter().map(of_hit).sum();
@@ -247,7 +247,7 @@ const FIELD_TURNS: u64 = 2;
 /// grazes a surface. A single march of such a scene may run out of turns.
 const LEAST_STEPS: u64 = 128;
 
-/// What settings ask of the loops in a pass.
+/// The settings that limit the loops in a pass.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LoopsAsked {
     /// How a wave finds what it meets.
@@ -306,7 +306,7 @@ fn march(exact_normals: bool, loops: &Loops, asked: u32) -> Budget {
     };
     let rest = 1 + loops.projection + differences;
     let left = MOST_TURNS.saturating_sub(rest);
-    // Where there are fields the basic shapes may use half of the turns, and the fields the rest.
+    // With fields, the basic shapes may use half of the turns, and the fields use the rest.
     let share = if loops.all_fields.is_some() { 2 } else { 1 };
     let steps = held(MAX_STEPS, left / share, 1 + loops.directed);
     let left = left.saturating_sub(steps * (1 + loops.directed));
@@ -384,7 +384,7 @@ mod tests {
     use crate::trace::{MAX_ITERATIONS, Profile, Settings};
     use glam::Vec3;
 
-    /// Every profile, with as many iterations in a pass as may be requested.
+    /// A profile with the most iterations in a pass that may be requested.
     fn asked(profile: Profile) -> Settings {
         Settings::new(profile).with_iterations_per_pass(MAX_ITERATIONS)
     }

@@ -111,9 +111,9 @@ pub enum TraceError {
     FieldTooSlow {
         /// The field's file.
         file: String,
-        /// What an evaluation takes, in seconds, many of them side by side.
+        /// The time of an evaluation in seconds, many of them side by side.
         seconds: f64,
-        /// What it may take, in seconds.
+        /// The limit of this time in seconds.
         limit: f64,
     },
     /// A user's field that ended the process in which it was tried, or took too long there: see
@@ -128,7 +128,7 @@ pub enum TraceError {
     /// The process in which users' fields are tried cannot be started, or gave no answer.
     #[error("the child process that tries fields {why}")]
     NoFieldTrial {
-        /// What it did.
+        /// What the process did.
         why: String,
     },
     /// Arrivals were requested in a profile whose waves stop at the listener.

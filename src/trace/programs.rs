@@ -47,7 +47,7 @@ impl Default for Programs {
 }
 
 impl Programs {
-    /// Programs compiled so far.
+    /// Number of programs compiled.
     pub fn compiled(&self) -> usize {
         self.cache.compiled()
     }

@@ -21,7 +21,7 @@ pub struct Reloading {
 /// The text of a fragment shader of a scene.
 type ProgramOf = fn(&Scene) -> String;
 
-/// What a look at the files has brought.
+/// The result of a look at the files.
 #[derive(Debug)]
 #[must_use]
 pub enum Reload {
@@ -37,7 +37,7 @@ impl Reloading {
     /// Reads a scene, checks it with the tracer, and follows its files from now on.
     ///
     /// # Errors
-    /// As [`Scene::load`] and [`Tracer::check`]: at first there is no scene to keep.
+    /// As [`Scene::load`] and [`Tracer::check`]: at first no earlier scene can be kept.
     pub fn open(
         name_or_file: &str,
         tracer: &mut Tracer,
@@ -50,7 +50,7 @@ impl Reloading {
     /// As [`Reloading::open`], for a scene that `load` reads from the file and what it names.
     ///
     /// # Errors
-    /// Those of `load`, and as [`Tracer::check`].
+    /// The errors of `load`, and as [`Tracer::check`].
     pub fn open_with(
         name_or_file: &str,
         load: impl Fn() -> Result<Scene, SceneError> + 'static,
@@ -97,7 +97,7 @@ impl Reloading {
     /// A new scene whose fields have been tried.
     fn tried(&mut self, settings: &Settings) -> Result<Option<Scene>, Error> {
         if let Some(read) = self.watch.poll() {
-            // What was tried until now is old.
+            // The scene that was being tried is outdated.
             self.trying = None;
             let scene = read?;
             let Some(trial) = begin_trial(&scene, settings, &self.others)? else {

@@ -35,7 +35,7 @@ use std::time::Duration;
 use throughput::Throughput;
 
 /// Traces frames. Programs and textures are kept from frame to frame: a frame that
-/// only moves things compiles nothing and allocates nothing on the GPU. Of many scenes and
+/// only moves things compiles nothing and allocates nothing on the GPU. With many scenes and
 /// profiles in turns the programs used last are kept, a dozen of them.
 ///
 /// Every call makes the tracer's context current, whatever the caller has made current in the

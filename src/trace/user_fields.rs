@@ -40,7 +40,7 @@ const TRIES: usize = 16_384;
 /// no harm to a march, whose last steps are Newton's.
 const TOLERANCE: f32 = 0.01;
 
-/// What rounding does to a value, as a share of the largest value that its box allows.
+/// The rounding error of a value, as a share of the largest value that its box allows.
 const ROUNDING: f32 = 1e-6;
 
 /// Points in a row of a texture.
@@ -60,7 +60,7 @@ const CLOSER_TO_SURFACE: usize = 3;
 /// does holds up the others.
 const TIMINGS: u32 = 8;
 
-/// Seconds that taking them may last; what seems too slow is looked at for as long.
+/// Seconds that the timing may take; a field that seems too slow is timed for all of them.
 const TIMING: f64 = 1.0;
 
 /// Seconds that an evaluation may take, many of them side by side: with twenty times those of
@@ -128,7 +128,7 @@ impl UserFields {
                         field.set_evaluation_seconds(seconds);
                     }
                 }
-                // What has come from a child: the field's own program is not used again.
+                // Samples from a child: the field's own program is not used again.
                 None if field.samples().is_some() && field_trial::has_passed(field) => (),
                 None => check(context, field)?,
             }
@@ -357,7 +357,7 @@ impl Probe<'_> {
         .into())
     }
 
-    /// Where a sample lies.
+    /// The position of a sample.
     fn place(&self, index: usize) -> Vec3 {
         let along = [index % SIDE, index / SIDE % SIDE, index / (SIDE * SIDE)];
         let share = Vec3::from(along.map(|a| a as f32 / (SIDE - 1) as f32));
@@ -412,7 +412,7 @@ fn neighbours() -> impl Iterator<Item = (usize, usize)> {
 struct Steepest {
     growth: f32,
     ends: [Vec3; 2],
-    /// What rounding can make of two values that are equal: it is taken off.
+    /// The difference that rounding can make between two equal values: it is subtracted.
     rounding: f32,
 }
 

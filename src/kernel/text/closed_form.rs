@@ -1,4 +1,4 @@
-//! Where a line intersects each surface, without a march except for fields without a closed form.
+//! Intersections of a line with each surface, without a march except for fields without a closed form.
 //!
 //! Unrolled surfaces have a line of text each. A kind with cells of its own has a loop over their
 //! records (`kernel/data.rs`).
@@ -86,7 +86,7 @@ fn candidate(named: &Named) -> String {
     out
 }
 
-/// What all kinds share: their grids, and the axes of these.
+/// The grids of the kinds, and the axes of these.
 fn grids_text(text: &Text) -> String {
     let kinds = own_kinds(text).count();
     if kinds == 0 {
@@ -183,7 +183,7 @@ fn closest_of_kind(named: &Named, kind: usize, grid: usize) -> String {
     out
 }
 
-/// What is computed once a line, and where the line intersects the surface of a record.
+/// The values that are computed once a line, and the intersection of the line with the surface of a record.
 fn record_candidate(named: &Named) -> (&'static str, String) {
     let turned = named.surface.has_rotation();
     match named.surface.shape.node {

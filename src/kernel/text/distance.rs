@@ -98,7 +98,7 @@ pub fn directed_parts(text: &Text, listener: ListenerText, difference_normals: b
     parts
 }
 
-/// What the functions below call for the surfaces in cells.
+/// The functions over kinds that the functions below call for surfaces in cells.
 fn of_kinds(text: &Text) -> String {
     let basic = |named: &Named| named.field().is_none();
     let distance = of_kind(

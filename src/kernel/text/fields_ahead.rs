@@ -7,7 +7,7 @@ use super::surface_names::{Marched, Named};
 use std::fmt::Write;
 
 /// `fieldsAhead(p, d, last, object, reach, within)`, `fieldsFree(p, d, last, errorBound)`,
-/// `fieldGradient(p, object, errorBound)` and the march that calls them; nothing where nothing is
+/// `fieldGradient(p, object, errorBound)` and the march that calls them; empty if no field is
 /// marched.
 pub(super) fn fields_ahead(text: &Text, marched: Marched) -> Vec<Part> {
     if !text.marches(marched) {

@@ -23,7 +23,7 @@ pub struct Source {
 }
 
 impl Source {
-    /// A piece that is no part of a file.
+    /// A piece that does not come from a file.
     pub fn new(name: impl Into<Cow<'static, str>>, text: impl Into<Cow<'static, str>>) -> Source {
         Source {
             name: name.into(),
@@ -71,7 +71,7 @@ pub fn join(sources: &[Source]) -> String {
             line,
             text: part,
         } = source;
-        // Parts of one file that follow each other are told once where they come from. Writing
+        // Parts of one file that follow each other have one line with their origin. Writing
         // to a String cannot fail.
         if before != name {
             let _ = writeln!(text, "// {number}: {name}");
@@ -169,7 +169,7 @@ impl Linker<'_> {
     }
 }
 
-/// What a line that begins a definition defines.
+/// The name that a line defines, if it begins a definition.
 fn defined(line: &str) -> Option<String> {
     let mut rest = line.split_whitespace();
     let first = rest.next()?;

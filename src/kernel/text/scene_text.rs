@@ -60,7 +60,7 @@ impl<'a> Text<'a> {
         self.all().any(|named| marched.takes(named))
     }
 
-    /// What every text may call: the library, the users' fields, the values of the surfaces.
+    /// The parts that every text may call: the library, the users' fields, the values of the surfaces.
     pub fn parts(&self) -> Vec<Part> {
         let mut parts = library();
         parts.extend(field::user_parts(self.assets));

@@ -8,9 +8,9 @@ use crate::scene::{Node, Scene, Shape, Surface};
 /// A surface that is unrolled, or a kind of surfaces that are data.
 pub(in crate::kernel) struct Named<'a> {
     pub surface: &'a Surface,
-    /// What its functions are called after: the surface's number, or `Kind` and a number.
+    /// The end of the names of its functions: the surface's number, or `Kind` and a number.
     pub tag: String,
-    /// What a comment calls it.
+    /// Its name in comments.
     pub label: String,
     values: Values,
 }
@@ -20,7 +20,7 @@ pub(in crate::kernel) struct Named<'a> {
 pub(in crate::kernel) enum Marched {
     /// All of them.
     All,
-    /// Those without a closed form.
+    /// The fields without a closed form.
     Others,
 }
 
@@ -36,7 +36,7 @@ impl Marched {
     }
 }
 
-/// Where the values of a surface are stored.
+/// The storage of the values of a surface.
 #[derive(Clone, Copy)]
 enum Values {
     /// In variables that are copied from `uSurfaces`, from this vector on.
@@ -57,7 +57,7 @@ fn squared_radius_name(place: usize) -> String {
     format!("squaredRadius{place}")
 }
 
-/// What must not be in a comment: GLSL's character set is ASCII, and a backslash would
+/// Whether a character must not be in a comment: GLSL's character set is ASCII, and a backslash would
 /// carry the comment on to the next line.
 pub(super) fn no_comment(character: char) -> bool {
     character == '\\' || !(character.is_ascii_graphic() || character == ' ')
@@ -119,7 +119,7 @@ impl<'a> Named<'a> {
         matches!(self.values, Values::Data)
     }
 
-    /// What the functions of a kind take beside the point, where its values lie.
+    /// The parameter of the functions of a kind beside the point: the place of its values.
     pub fn data_parameter(&self) -> &'static str {
         if self.is_data() { ", int data" } else { "" }
     }
@@ -208,7 +208,7 @@ impl<'a> Named<'a> {
         }
     }
 
-    /// What rounding may do to the distance to it, in metres.
+    /// Rounding error of the distance to it, in metres, at most.
     pub fn error_bound(&self) -> String {
         match self.surface.shape.node {
             Node::Cuboid(_) | Node::Room(_) => format!("{}.w", self.value(1)),

@@ -9,13 +9,13 @@ const WORDS: usize = 5;
 /// Bits of the events that are looked up at a time: a table of 64 KiB, five events of two bits.
 const GROUP_BITS: u32 = 10;
 
-/// What events do, some of them at a time.
+/// The share of the energy that events leave, looked up for several events at once.
 #[derive(Clone, Debug)]
 pub struct EventTable {
     bits: u32,
     /// Events that are looked up at a time.
     in_group: u32,
-    /// What is left of the energy after a group of events, by their bits.
+    /// The share of the energy after a group of events, by their bits.
     left: Vec<Bands>,
     /// Whether a wave is scattered in one of them.
     is_scattered: Vec<bool>,
@@ -35,7 +35,7 @@ pub struct Events<'a> {
 }
 
 impl EventTable {
-    /// That of a scene's materials; none where there are none.
+    /// The table of a scene's materials; `None` without materials.
     pub fn of(materials: Materials) -> Option<EventTable> {
         if materials.is_empty() {
             return None;
@@ -51,7 +51,7 @@ impl EventTable {
             left.clear();
             is_scattered.clear();
             for event in 0..1 << bits {
-                // What is no event no shader writes.
+                // No shader writes other numbers.
                 let one = of_one.get(event).unwrap_or(&[0.0; BAND_COUNT]);
                 left.extend(before.iter().map(|before| product(before, one)));
                 let here = materials.is_scattered(event);

@@ -11,7 +11,7 @@ use std::ops::Range;
 /// In a tally crossings count 1, fates this (`glsl/arrivals/chunk.frag`).
 const CROSSINGS: u32 = 1024;
 
-/// What arrivals are computed with.
+/// The constants that arrivals are computed with.
 #[derive(Clone, Debug)]
 pub struct Replay {
     /// Reflections of an early arrival at most.
@@ -22,7 +22,7 @@ pub struct Replay {
     pub chord_unit: f64,
     /// Energy density of a metre of chord of a wave that has lost nothing: 1 / (V N), in 1/m³.
     pub density: f64,
-    /// What reflections do; none where nothing absorbs or scatters.
+    /// The effect of reflections; `None` if no surface absorbs or scatters.
     pub events: Option<EventTable>,
 }
 
@@ -35,7 +35,7 @@ pub struct Listed {
     pub passed_over: u32,
 }
 
-/// What became of a wave until the end of a chunk.
+/// The state of a wave at the end of a chunk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Fate {
     Travelling,
@@ -72,7 +72,7 @@ pub struct Block {
     waves: Vec<WaveSoFar>,
     /// The energy with which all start, in each band that they carry.
     energy_at_start: f64,
-    /// What is left of their energies, where these are not always 1.
+    /// Their remaining energies, where these are not always 1.
     energies: Vec<Bands>,
     /// Rows that have waves which are followed.
     pub rows: Range<u32>,
@@ -80,7 +80,7 @@ pub struct Block {
     pub iterations: u32,
 }
 
-/// What the passes of a chunk wrote: four floats a texel.
+/// The texels that the passes of a chunk wrote, four floats each.
 #[derive(Clone, Copy, Debug)]
 pub struct Chunk<'a> {
     pub tally: &'a [f32],
@@ -124,7 +124,7 @@ impl Block {
         start * self.grid.width..(end * self.grid.width).min(self.grid.waves)
     }
 
-    /// The waves that cross the listener more often than is recorded, once for each so many
+    /// The waves that cross the listener more often than is recorded, once for each `records`
     /// crossings.
     pub fn list(&self, tally: &[f32], records: u32) -> Vec<Listed> {
         let mut list = Vec::new();
@@ -226,7 +226,7 @@ impl Block {
         })
     }
 
-    /// What is left of the energy of a wave of this number.
+    /// The remaining energy of a wave of this number.
     fn energy(&self, number: usize) -> Bands {
         let left = self.energies.get(number).copied();
         left.unwrap_or([1.0; BAND_COUNT])

@@ -28,7 +28,7 @@ pub struct ArrivalSettings {
     pub(crate) iterations_in_chunk: u32,
     /// Crossings that a pass records of a wave at most.
     pub(crate) records: u32,
-    /// Outputs of a pass at most, if the driver allows as many.
+    /// Outputs of a pass at most, within the driver's limit.
     pub(crate) outputs: u32,
 }
 
@@ -94,12 +94,12 @@ impl ArrivalSettings {
     }
 }
 
-/// The longest time that may be requested, in seconds: no room sounds for as long.
+/// The longest time that may be requested, in seconds: longer than any room sounds.
 const MOST_SECONDS: f64 = 1000.0;
 
 /// The waves whose arrivals are traced.
 pub(crate) enum WavesToFollow<'a> {
-    /// Those of these numbers, in the directions that the settings give them, each with 1/N of the energy, N the waves
+    /// The waves of these numbers, in the directions that the settings give them, each with 1/N of the energy, N the waves
     /// of the settings.
     Numbers(Range<u32>),
     /// Waves numbered from 0, whose starts are given by a function of a range of numbers.
@@ -114,7 +114,7 @@ pub(crate) enum WavesToFollow<'a> {
 /// How a wave starts from the source.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Start {
-    /// Where it goes: a unit vector, world axes.
+    /// Its direction: a unit vector, world axes.
     pub direction: Vec3,
     /// Importance weight: the density of even directions divided by the density with which this one was drawn; 1 on
     /// average, or a factor that all have in common.
@@ -202,7 +202,7 @@ pub(crate) struct Followed {
     pub cut_off_m: Vec<f64>,
 }
 
-/// One wave in so many may be cut off silently: a thousandth of the energy at most is then missing, as early
+/// One wave in this number may be cut off without a report: a thousandth of the energy at most is then missing, as early
 /// as they ended (three thousandths where importance weights are up to 2.9).
 const CUT_OFF_UNTOLD: usize = 1000;
 

@@ -16,27 +16,27 @@ const LIST_HEIGHT: u32 = 64;
 /// Waves that are drawn as one list at most.
 pub const LISTED_AT_MOST: usize = (LIST_WIDTH * LIST_HEIGHT) as usize;
 
-/// What a place of a list holds that no wave has.
+/// An entry of a list without a wave.
 const NO_WAVE: [f32; 4] = [-1.0, 0.0, 0.0, 0.0];
 
-/// Rows of a list of so many waves.
+/// Rows of a list of waves.
 pub fn listed_rows(waves: usize) -> u32 {
     (waves as u32).div_ceil(LIST_WIDTH)
 }
 
-/// The textures for blocks of so many waves.
+/// The textures for blocks of waves of one size.
 pub struct ArrivalTargets {
     pub grid: Grid,
-    /// What the outputs are.
+    /// The text that defines the outputs.
     pub text: ArrivalsText,
     /// Position and status, direction and length: where the waves stand, and where they go.
     states: [[Texture; 2]; 2],
-    /// Of each pair the target that writes it, with what both share: the tally, and the records.
+    /// The target of each pair, with the tally and the records, which both share.
     chunks: [RenderTarget; 2],
     current: usize,
     /// Tally, words and records.
     reads: Vec<AsyncRead>,
-    /// What was read.
+    /// The texels that were read.
     texels: Vec<Vec<f32>>,
     pub list: ListTargets,
     _shared: Vec<Texture>,
@@ -93,17 +93,17 @@ impl ArrivalTargets {
         second.upload(directions.as_flattened())
     }
 
-    /// Where the waves stand at the start of a chunk.
+    /// The waves at the start of a chunk.
     pub fn current(&self) -> &[Texture; 2] {
         &self.states[self.current]
     }
 
-    /// What a chunk is drawn to.
+    /// The target of a chunk.
     pub fn next(&self) -> &RenderTarget {
         &self.chunks[1 - self.current]
     }
 
-    /// Where the chunk just drawn ends the next one starts.
+    /// The next chunk starts where the one just drawn ends.
     pub fn flip(&mut self) {
         self.current = 1 - self.current;
     }
@@ -129,7 +129,7 @@ impl ArrivalTargets {
         &self.texels[0]
     }
 
-    /// What was read, with the records of a list.
+    /// The texels that were read, with the records of a list.
     pub fn chunk<'a>(&'a self, listed: &'a [Vec<f32>], iterations: u32) -> Chunk<'a> {
         let first_record = (self.text.first_record() - ArrivalsText::TALLY) as usize;
         Chunk {
@@ -168,7 +168,7 @@ impl ListTargets {
         self.waves.upload(entries.as_flattened())
     }
 
-    /// Appends what a list of so many waves has recorded, record by record.
+    /// Appends the records of a list of `waves`, record by record.
     pub fn read(&self, waves: usize, records: &mut [Vec<f32>]) -> Result<(), GpuError> {
         let mut texels = Vec::new();
         for (index, record) in records.iter_mut().enumerate() {

@@ -17,7 +17,7 @@ const POINTS: usize = 16_384;
 /// are asked for a point.
 const CELLS: usize = 4;
 
-/// What rounding in `f32` may take off a distance, as a share of the largest coordinate: some ten units in the last place.
+/// The rounding error of a distance in `f32`, as a share of the largest coordinate: some ten units in the last place.
 const SPARE: f32 = 1e-6;
 
 /// Cubic metres of the listener's sphere that are in no solid.

@@ -37,12 +37,12 @@ pub enum Algorithm {
     Thesis(ThesisOptions),
 }
 
-/// What `hybrid` alone has: no option so far.
+/// The options of `hybrid`: none yet.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct HybridOptions {}
 
-/// What `march` alone has: no option so far.
+/// The options of `march`: none yet.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct MarchOptions {

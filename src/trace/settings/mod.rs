@@ -23,7 +23,7 @@ pub const MAX_ITERATIONS: u32 = 4095;
 /// what a wave moves on the way are still finite in `f32`.
 const MAX_DISTANCE: f32 = 1e15;
 
-/// Where a wave of `march` and `hybrid` counts as gone, in metres: far beyond what a
+/// The distance at which a wave of `march` and `hybrid` counts as gone, in metres: far beyond what a
 /// listener hears of, and well inside what `f32` can square.
 const FAR: f32 = 1e9;
 

@@ -264,7 +264,7 @@ fn crossings_among_curved_surfaces_are_exact() {
 }
 
 /// Protects the division of the work: chunks of any length and any number of records give the same
-/// arrivals, but for the last bits of lengths, which are summed in other parts.
+/// arrivals, except for the last bits of lengths, which are summed in other parts.
 #[test]
 fn records_and_chunks_change_nothing() {
     for_each_api(|context| {

@@ -29,18 +29,18 @@ const FARTHER: f64 = 3e-4;
 /// Uniform vectors of the shader beside those of surfaces and materials, at most.
 const OWN_VECTORS: usize = 40;
 
-/// What one call of [`Tracer::arrivals`] goes by.
+/// The constants of one call of [`Tracer::arrivals`].
 struct Run {
     frame: PreparedFrame,
     program: Rc<Program>,
     replay: Replay,
     /// The values of `uMaterials`.
     materials: Vec<Vec4>,
-    /// Of the listener's sphere.
+    /// The open volume of the listener's sphere.
     open_volume_m3: f64,
     /// Iterations of a wave at most.
     iterations: u32,
-    /// Those of a chunk.
+    /// Iterations of a chunk.
     iterations_in_chunk: u32,
     /// Bands that the waves carry.
     bands: Range<usize>,
@@ -75,7 +75,7 @@ impl Part {
 
 impl Tracer {
     /// Follows waves past the listener, which stops none of them, and gives every crossing of its
-    /// sphere to `take`: in the order of the waves, for 262,144 waves and so many iterations
+    /// sphere to `take`: in the order of the waves, for 262,144 waves and some iterations
     /// at a time. The same input gives the same arrivals, bit for bit on one renderer. Where bands scatter
     /// differently, the waves are followed once for each group of bands that scatter alike; the energies of
     /// other bands are 0 then.
@@ -204,7 +204,7 @@ impl Tracer {
         })
     }
 
-    /// Makes the textures where there are none of that kind for as many waves.
+    /// Makes the textures where there are none of that kind for these waves.
     fn provide_arrival_targets(
         &mut self,
         settings: &Settings,
@@ -265,7 +265,7 @@ impl Tracer {
             let chunk = targets.chunk(&listed, part.iterations);
             counts.arrivals += block.replay(&run.replay, &chunk, take);
             match next {
-                // Where they have not, the chunk that is being drawn is not read.
+                // Without energy, the chunk that is being drawn is not read.
                 Some(next) if block.has_energy(run.least_energy) => part = next,
                 Some(_) => {
                     block.end_flights();

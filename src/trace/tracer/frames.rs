@@ -1,7 +1,7 @@
 //! A frame in steps: begin, advance, and poll or wait.
 //!
 //! *Begin* checks the input and draws the waves at the source. *Advance* traces them for about
-//! the time that it is given: as many rows of a pass as fit, in the order of the passes. After
+//! the time that it is given: the rows of a pass that fit, in the order of the passes. After
 //! the last one it draws the panning pass, and requests a copy of the result in a pixel buffer.
 //! *Poll* and *wait* take the copy, when a fence signals that it is complete, and sum it.
 //!
@@ -98,7 +98,7 @@ impl Tracer {
         self.begin(scene, settings, Waves::Dropped)
     }
 
-    /// Traces the frame begun for about so many milliseconds, one row of waves at least;
+    /// Traces the frame begun for about this time in milliseconds, at least one row of waves;
     /// without end for [`f64::INFINITY`]. Whether all of it is drawn now, so that
     /// [`Tracer::frame_poll`] will give it.
     ///
@@ -121,7 +121,7 @@ impl Tracer {
         self.advance(milliseconds)
     }
 
-    /// The frame begun, if it is there; `None` where it is not yet, or none was begun.
+    /// The frame begun, if it is complete; `None` if it is not yet, or if no frame was begun.
     ///
     /// Its `read_back` is the time of the copy and the sum, its `total` the time since it was
     /// begun.
@@ -133,7 +133,7 @@ impl Tracer {
         self.collect(false)
     }
 
-    /// Traces what is left of the frame begun, and waits for it; `None` where none was begun.
+    /// Traces the rest of the frame begun, and waits for it; `None` if no frame was begun.
     ///
     /// # Errors
     /// As [`Tracer::frame_poll`].
@@ -148,15 +148,15 @@ impl Tracer {
         self.under_way.is_some()
     }
 
-    /// Milliseconds spent so far on the march of a frame begun; `None` without one, and when
+    /// Milliseconds spent on the march of a frame begun; `None` without one, and when
     /// all of it is drawn.
     pub fn frame_marching_for(&self) -> Option<f64> {
         let marching = self.under_way.as_ref().filter(|frame| !frame.is_drawn());
         marching.map(|frame| frame.progress.spent())
     }
 
-    /// Traces one frame as [`Tracer::frame`] does, and leaves its result where it is: nothing is read back. On a graphics
-    /// card nothing is waited for.
+    /// Traces one frame as [`Tracer::frame`] does, and leaves its result on the GPU, without reading it back. On a graphics
+    /// card it does not wait.
     ///
     /// ```
     /// use echomarch::gpu::Context;
@@ -203,7 +203,7 @@ impl Tracer {
         self.frame_to_its_end()
     }
 
-    /// What is left of the frame begun.
+    /// Traces the rest of the frame begun.
     pub(super) fn frame_to_its_end(&mut self) -> Result<Frame, Error> {
         self.advance(f64::INFINITY)?;
         Ok(self.collect(true)?.ok_or(TraceError::NothingTraced)?)
@@ -292,7 +292,7 @@ impl Tracer {
         Ok(is_drawn)
     }
 
-    /// Draws rows of waves, one at least, until so many milliseconds are used up or all
+    /// Draws rows of waves, at least one, until the time in milliseconds is used up or all
     /// passes are drawn.
     pub(super) fn march_for(
         &mut self,
@@ -357,7 +357,7 @@ impl Tracer {
             return Ok(None);
         };
         if wait {
-            // For the passes, which are no part of the read-back.
+            // Waits for the passes, whose time does not count as read-back.
             frame.read_back.initialise_and_pan();
         }
         let reading = Instant::now();
@@ -391,7 +391,7 @@ mod tests {
     use super::*;
     use crate::gpu::{Context, ContextOptions, GpuTimer};
 
-    /// Protects graphics cards, whose timers do not wait, where none is at hand: a frame in one
+    /// Protects graphics cards, whose timers do not wait, on machines without one: a frame in one
     /// call or in many is the same frame, and without any time each call draws one row. Software
     /// renderers have timestamp queries too, though with wrong times.
     #[test]

@@ -1,5 +1,5 @@
-//! The textures of a frame, and the passes that draw to them. None is waited for; the callers take their
-//! times.
+//! The textures of a frame, and the passes that draw to them. No pass waits for the GPU; the callers take
+//! their times.
 
 use super::super::gpu_scene::GpuScene;
 use super::super::waves::start_texels;

@@ -159,8 +159,8 @@ impl PreparedFrame {
         source.extend(start_status).to_array()
     }
 
-    /// Evaluations of one surface that a wave may take in these iterations, at most: as many usual ones
-    /// as take the same time, where a watchdog looks after that time.
+    /// Evaluations of one surface that a wave may take in these iterations, at most. Where a watchdog
+    /// limits the time of a draw, slow evaluations count as several usual ones.
     pub fn evaluations(&self, context: &Context, iterations: u32) -> u64 {
         let evaluations = u64::from(iterations) * self.budget.evaluations;
         match context.is_software() {

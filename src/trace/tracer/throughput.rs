@@ -24,7 +24,7 @@ pub(super) struct Progress {
     pub iterations_in_pass: u32,
     /// Rows of it that are drawn.
     pub rows: u32,
-    /// Milliseconds spent on all calls so far, on a graphics card without the last one; none
+    /// Milliseconds spent on all calls, on a graphics card without the last one; none
     /// before the first call.
     spent: Option<f64>,
     iterations_per_pass: u32,
@@ -54,7 +54,7 @@ impl Progress {
         self.left -= self.iterations_in_pass;
     }
 
-    /// Milliseconds spent so far.
+    /// Milliseconds spent.
     pub fn spent(&self) -> f64 {
         self.spent.unwrap_or_default()
     }
@@ -63,7 +63,7 @@ impl Progress {
         *self.spent.get_or_insert_default() += milliseconds;
     }
 
-    /// The call before this one took so long; before the first one that was another frame's.
+    /// Adds the time of the call before this one; before the first one that was another frame's.
     pub fn last_call_took(&mut self, milliseconds: f64) {
         self.spent = Some(self.spent.map_or(0.0, |spent| spent + milliseconds));
     }
@@ -103,8 +103,8 @@ impl Throughput {
         }
     }
 
-    /// Rows of so many iterations that fit a time: none where nothing is known yet, and as many
-    /// as there are in a time without end.
+    /// Rows of `iterations` that fit a time: `None` before the first measurement, and all rows for a
+    /// time without end.
     pub fn rows(&self, iterations: u32, milliseconds: f64) -> Option<u32> {
         if milliseconds == f64::INFINITY {
             return Some(u32::MAX);
@@ -134,7 +134,7 @@ impl Throughput {
         self.timer.restart()
     }
 
-    /// Milliseconds of the part just drawn, of so many rows times iterations: measured where
+    /// Milliseconds of the part just drawn, of `work` rows times iterations: measured where
     /// the timer waits, else none.
     pub fn end_part(&mut self, work: f64) -> Result<Option<f64>, GpuError> {
         if !self.timer.waits() {
@@ -147,12 +147,12 @@ impl Throughput {
         Ok(Some(took))
     }
 
-    /// Milliseconds that so many rows times iterations should take.
+    /// Milliseconds that `work` rows times iterations should take.
     pub fn foreseen(&self, work: f64) -> f64 {
         self.milliseconds.unwrap_or_default() * work
     }
 
-    /// The end of a call, of so many rows times iterations in all.
+    /// The end of a call, of `work` rows times iterations in all.
     pub fn end_call(&mut self, work: f64) -> Result<(), GpuError> {
         if !self.timer.waits() {
             self.timer.mark()?;

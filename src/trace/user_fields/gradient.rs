@@ -32,7 +32,7 @@ const AROUND: usize = DISTANCES.len() * 3 * NEIGHBOURS.len();
 /// gradient's length: a hundredth of a radian is seen in no picture.
 const TOLERANCE: f64 = 0.01;
 
-/// What counts as a rounding of a coordinate: the shader looks so far aside where a gradient is
+/// The size of a rounding of a coordinate: the shader looks so far aside where a gradient is
 /// no number. As in `glsl/common/rounding.glsl`.
 const ROUNDING: f32 = 8.0 * f32::EPSILON;
 
@@ -118,7 +118,7 @@ impl Probe<'_> {
         offsets.map(move |offset| (place + offset).clamp(-half, half))
     }
 
-    /// What is known of each component: over every distance for which all neighbours are within
+    /// The bounds of each component: over every distance for which all neighbours are within
     /// the box.
     fn slopes(&self, place: Vec3, middle: f32, points: &[Vec3], values: &[f32]) -> [Vec<Slope>; 3] {
         let mut known = [const { Vec::new() }; 3];
@@ -157,7 +157,7 @@ fn compared(stated: Vec3, known: &[Vec<Slope>; 3]) -> (f64, Vec3) {
     let excess = |axis: usize| {
         let off = (f64::from(stated[axis]) - told[axis].slope).abs();
         let allowed = told[axis].doubt + TOLERANCE * length;
-        // What is no number is off too, whatever is allowed.
+        // A value that is not a number is off too, whatever is allowed.
         if off <= allowed {
             0.0
         } else {

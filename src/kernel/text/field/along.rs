@@ -50,7 +50,7 @@ struct Line<'a> {
 }
 
 /// `float free<number>(vec3 p, vec3 d, float errorBound)`: how many metres along the unit vector d
-/// from p, which is in the air but for `error_bound`, are free of the field for sure.
+/// from p, which is in the air except for `error_bound`, are free of the field for sure.
 pub(in crate::kernel) fn free_text(field: &Shape, place: &Place, assets: &Assets) -> String {
     let head = format!(
         "float free{}(vec3 p, vec3 d, float errorBound{}) {{\n",
@@ -82,7 +82,7 @@ pub(in crate::kernel) fn leaps(field: &Shape) -> u64 {
     LEAPS * repetitions.count() as u64
 }
 
-/// Whether anything is known of the field but its value: nothing is of a user's text.
+/// Whether a bound along lines is known of the field, beside its value: not of a user's text.
 pub(in crate::kernel) fn is_bounded(field: &Shape) -> bool {
     let known = |node: &Shape| match node.node {
         Node::Twist(_) | Node::Bend(_) => false,
@@ -247,7 +247,7 @@ impl Writer<'_> {
                 | Node::GeneralQuadric(_),
                 _,
             ) => return self.quadric_along(&field.node, line, side, n, &gradient),
-            // Nothing is known of the shape but its value.
+            // Only the value of the shape is known.
             _ if !has_function(&format!("exit{name}")) => {
                 format!("plainAlong({sign} * {gradient}.w)")
             }
@@ -387,7 +387,7 @@ impl Writer<'_> {
             ));
         }
         self.numbers.skip(&field.children[0]);
-        // Next to a copy, and of its levels, nothing is known but the value.
+        // Next to a copy, and of its levels, only the value is known.
         self.bound(&free.map_or_else(|| free_bound("0.0"), |free| free_bound(&free)))
     }
 

@@ -14,7 +14,7 @@ pub(super) fn keep_to_cells(field: &Shape) -> bool {
     field.copies().is_ok_and(|c| c.iter().all(within))
 }
 
-/// Cells that a line crosses at most on its way past all copies; `None` for so many that a
+/// Cells that a line crosses at most on its way past all copies; `None` where there are too many, so that a
 /// traversal has a step limit.
 pub(in crate::kernel) fn cells_crossed(field: &Shape) -> Option<u64> {
     let Node::Repeat(Repeat { period, count }) = &field.node else {
@@ -50,7 +50,7 @@ pub(super) struct CopyAxes {
 }
 
 impl CopyAxes {
-    /// Of a `Repeat` with these numbers as expressions.
+    /// The axes of a `Repeat` with these numbers as expressions.
     pub fn new(field: &Shape, numbers: &[String]) -> Option<CopyAxes> {
         let Node::Repeat(Repeat { period, count }) = &field.node else {
             return None;
@@ -97,7 +97,7 @@ struct Along {
 }
 
 impl Along {
-    /// With so many copies (0: without end), or without repetition.
+    /// With `count` copies (0: without end), or without repetition.
     fn new(count: Option<u32>, period: &str) -> Along {
         /// Beyond every copy that a float can number.
         const NO_LAST: f64 = 1e30;

@@ -1,4 +1,4 @@
-//! Where a line intersects a field, for those that have a closed form.
+//! Intersections of a line with fields that have a closed form.
 //!
 //! A quadric's value along a line, A t² + 2 B t + C, goes from air to solid at no more than
 //! one place: where its growth 2 (A t + B) is negative, t = (−B − √(B² − A C)) / A. That one
@@ -154,7 +154,7 @@ impl Writer<'_> {
                 });
             }
         }
-        // A union has an operand at the least.
+        // A union has at least one operand.
         nearest.unwrap_or_else(|| "NO_HIT".to_owned())
     }
 
@@ -169,7 +169,7 @@ impl Writer<'_> {
 
     /// The first of the copies that the line intersects.
     fn hit_copies(&mut self, field: &Shape, line: Line, numbers: &[String]) -> String {
-        // What is no repetition never comes here.
+        // Only repetitions come here.
         let Some(axes) = CopyAxes::new(field, numbers) else {
             return "NO_HIT".to_owned();
         };

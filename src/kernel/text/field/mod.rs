@@ -30,13 +30,13 @@ use crate::scene::Shape;
 /// Writes a function of a field.
 pub(in crate::kernel) type Write = fn(&Shape, &Place, &Assets) -> String;
 
-/// What the text of a field is about: a surface, or a kind of surfaces.
+/// The surface, or the kind of surfaces, that has a field.
 pub(in crate::kernel) struct Place<'a> {
-    /// What its functions are called after.
+    /// The end of the names of its functions.
     pub tag: &'a str,
-    /// What its functions take beside the point, with a comma before it.
+    /// The parameter of its functions beside the point, with a comma before it.
     pub parameter: &'a str,
-    /// What they are given for that.
+    /// The argument for this parameter.
     pub argument: &'a str,
     /// Nodes whose numbers move, in the order of [`Shape::nodes`].
     pub moving: &'a [bool],
@@ -44,11 +44,11 @@ pub(in crate::kernel) struct Place<'a> {
     pub value: &'a dyn Fn(usize) -> String,
 }
 
-/// What the text of one field is written with.
+/// Writes the text of one field.
 pub(super) struct Writer<'a> {
     numbers: Numbers<'a>,
     place: &'a Place<'a>,
-    /// Where each height image and user's field of the scene lies.
+    /// The places of height images and users' fields of the scene.
     assets: &'a Assets,
     next_name: usize,
     /// Functions that the one being written calls.
@@ -59,7 +59,7 @@ pub(super) struct Writer<'a> {
 /// The numbers of a tree, node by node in the order of [`Shape::nodes`].
 pub(super) struct Numbers<'a> {
     place: &'a Place<'a>,
-    /// Moving numbers so far.
+    /// Moving numbers taken.
     taken: usize,
     node: usize,
 }
@@ -102,7 +102,7 @@ impl<'a> Numbers<'a> {
         (self.taken, self.node) = (taken, node);
     }
 
-    /// What the whole value is divided by, or nothing where that is 1.
+    /// The factor of the whole value, or `None` where that is 1.
     pub fn lipschitz(&mut self, field: &Shape) -> Option<String> {
         let lipschitz = field.properties().lipschitz;
         if self.place.moving.contains(&true) && divides(field) {

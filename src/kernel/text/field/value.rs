@@ -6,7 +6,7 @@ use crate::scene::shape::{HeightField, Mirror, Repeat, User};
 use crate::scene::{Copies, Node, Shape};
 use std::fmt::Write;
 
-/// What a function computes.
+/// The result of a function.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Kind {
     Value,
