@@ -227,7 +227,7 @@ fn bad(what: &'static str, must: String, value: impl fmt::Display) -> TraceError
 
 #[cfg(test)]
 mod tests {
-    use super::variant::MarchVariant;
+    use super::algorithm::MarchVariant;
     use super::*;
 
     /// Protects the step limit: no result of the thesis' own constants reaches it.
