@@ -50,8 +50,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     )
 }
 
-/// The built-in scenes that the exact reference knows: it has nothing but samples of a
-/// user's GLSL.
+/// The built-in scenes without users' GLSL: the exact reference knows such a field only by samples.
 fn with_a_truth() -> Vec<&'static str> {
     let known =
         |name: &&str| Scene::builtin(name).is_ok_and(|scene| scene.user_fields().next().is_none());

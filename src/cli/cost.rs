@@ -1,4 +1,4 @@
-//! `echomarch cost`: what each surface and each option costs, and what could be left out.
+//! `echomarch cost`: the cost of each surface and option, and which could be left out.
 
 use super::numbers::count;
 use super::options::{Common, TraceOptions, check_ending, check_range};

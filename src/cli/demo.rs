@@ -27,7 +27,7 @@ F1 in the window lists the keys. Scene files and WAV files can be dropped on it.
 Scenes: corner, obstacles, open-field, open-pillars, shoebox, whispering-gallery,
 parabolic-mirrors, colonnade, cave, morphing-room, menger, glasshouse.";
 
-/// The shortest time that `--seconds` accepts: 0 would be none.
+/// The shortest time that `--seconds` accepts.
 const SHORTEST_S: f64 = 1e-3;
 
 /// Arguments of `demo`.
@@ -48,13 +48,13 @@ pub struct Arguments {
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Sound")]
 struct SoundOptions {
-    /// What the source plays: FILE.wav, sine:440, noise, speech
+    /// Sound of the source: FILE.wav, sine:440, noise, speech
     #[arg(long, default_value = "speech", value_name = "SOUND")]
     sound: String,
     /// Loudness, 0 to 1
     #[arg(long, allow_negative_numbers = true, default_value_t = 0.5, value_parser = real::<f32>)]
     volume: f32,
-    /// What is heard: full (loudness, delays, echoes, reverberation), or balance (left against right
+    /// Listening mode: full (loudness, delays, echoes, reverberation), or balance (left against right
     /// alone, as in the thesis) [default: full; balance with --profile thesis and with --law]
     #[arg(long, value_name = "WHAT")]
     listen: Option<Listen>,
@@ -199,7 +199,7 @@ fn options(arguments: &Arguments, common: &Common) -> anyhow::Result<DemoOptions
         frames: window.frames,
         seconds: window.seconds,
         help: !window.no_help,
-        // A report says how many there were.
+        // The report states the number of errors.
         check_gl: common.json,
         is_asked_to_end: super::interrupt::is_asked,
         log_frames: window.log_frames.then_some(print::tell_record),
@@ -207,7 +207,7 @@ fn options(arguments: &Arguments, common: &Common) -> anyhow::Result<DemoOptions
     })
 }
 
-/// Rejects what cannot be, before a window is opened.
+/// Rejects impossible options before a window is opened.
 fn check(sound: &SoundOptions, window: &WindowOptions, common: &Common) -> anyhow::Result<()> {
     if common.gl != Api::Gl || common.gpu.is_some() {
         let text = "--gl and --gpu are for commands without a window: the window is drawn on the display's GPU";
@@ -239,7 +239,7 @@ fn check(sound: &SoundOptions, window: &WindowOptions, common: &Common) -> anyho
     Ok(())
 }
 
-/// Rejects a law that nothing would be heard by.
+/// Rejects a panning law that would have no effect.
 fn check_law(sound: &SoundOptions) -> Result<(), BadInput> {
     if sound.law.law.is_none() || sound.listen != Some(Listen::Full) {
         return Ok(());
@@ -247,7 +247,7 @@ fn check_law(sound: &SoundOptions) -> Result<(), BadInput> {
     Err(super::render::no_effect_in_full("--law"))
 }
 
-/// Behind the reading of the sound and the scene, which are not to be replaced.
+/// Called after sound and scene were read, so that the files read are known and not overwritten.
 fn check_outputs(arguments: &Arguments) -> anyhow::Result<()> {
     let window = &arguments.window;
     for file in [&arguments.sound.record, &window.save, &window.screenshot] {
@@ -256,7 +256,7 @@ fn check_outputs(arguments: &Arguments) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Rejects a device that is not there, and a recording of nothing: before a window is opened.
+/// Rejects an unknown device, and a recording without a device, before a window is opened.
 #[cfg(feature = "audio")]
 fn check_device(sound: &SoundOptions) -> anyhow::Result<()> {
     if sound.device.is_none() && sound.record.is_none() {
@@ -291,7 +291,7 @@ fn check_device(sound: &SoundOptions) -> anyhow::Result<()> {
     bail!("built without sound: nothing can be played or recorded")
 }
 
-/// A number of something, in singular or plural.
+/// A count with its noun, in singular or plural.
 fn counted(count: u64, what: &str) -> String {
     match count {
         1 => format!("1 {what}"),
@@ -300,7 +300,7 @@ fn counted(count: u64, what: &str) -> String {
 }
 
 fn to_output(line: &str) {
-    // With nowhere to print to the window still says it.
+    // If this cannot be printed, the window still shows it.
     let _ = print::line(&text::message(line));
 }
 
@@ -341,7 +341,7 @@ fn print_text(report: &Report) -> anyhow::Result<()> {
         report.sound.text
     ))?;
     if !report.trace_call_is_exact {
-        print::line("# source or listener stand elsewhere now; F5 would have saved that:")?;
+        print::line("# source or listener were moved; F5 would have saved their positions:")?;
     }
     print::line("the same frame without the window:")?;
     print::line(&report.trace_call)

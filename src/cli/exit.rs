@@ -1,4 +1,4 @@
-//! From an error to one sentence and an exit code.
+//! Converts an error to one sentence and an exit code.
 
 use super::option_hints;
 use super::print;
@@ -17,12 +17,12 @@ const BAD_INPUT: u8 = 2;
 #[error("{0}")]
 pub struct BadInput(pub String);
 
-/// Prints the error and chooses the exit code.
+/// Prints the error and returns the exit code.
 pub fn report(error: &anyhow::Error) -> ExitCode {
     if is_broken_pipe(error) {
         return ExitCode::SUCCESS;
     }
-    // The outermost error alone: ours name their cause in their own sentence.
+    // Only the outermost error: this program's errors include their cause in their own sentence.
     // If it cannot be written, the exit code still reports the failure.
     print::tell(&format!("echomarch: {error}"));
     ExitCode::from(code(error))
@@ -70,7 +70,7 @@ fn code(error: &anyhow::Error) -> u8 {
             || cause
                 .downcast_ref::<StudyError>()
                 .is_some_and(StudyError::is_bad_input)
-            // A place to write to is input as well: it was typed.
+            // An output path was typed, so it is input as well.
             || cause
                 .downcast_ref::<OutputError>()
                 .is_some_and(OutputError::is_bad_input)

@@ -6,15 +6,15 @@ use crate::trace::{FieldTrial, TrialCommand, answer_field_trial};
 use std::ffi::OsString;
 use std::process::ExitCode;
 
-/// Sets that users' fields are tried in child processes, on the requested renderer.
+/// Makes users' fields be tried in child processes, on the requested renderer.
 pub fn choose(common: &Common) {
     let mut arguments = vec![
         OsString::from("field-trial"),
         format!("--gl={}", common.gl).into(),
     ];
     arguments.extend(common.gpu.map(|gpu| format!("--gpu={gpu}").into()));
-    // Without a name for the program itself every trial fails, and so do all fields: never
-    // are they compiled untried.
+    // Without the path of this program every trial fails, and all fields with it: they are never
+    // compiled untried.
     let command = TrialCommand::this_program(arguments.clone()).unwrap_or(TrialCommand {
         program: "echomarch".into(),
         arguments,

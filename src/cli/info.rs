@@ -1,4 +1,4 @@
-//! `echomarch info`: what there is to render with.
+//! `echomarch info`: the available renderers.
 
 use super::options::Common;
 use super::print;

@@ -11,20 +11,20 @@ use std::io;
 use std::sync::atomic::{AtomicBool, AtomicI32, Ordering::SeqCst};
 use std::time::Duration;
 
-/// How long the window may take to end when a signal requests it.
+/// Maximum time that the window may take to end after a signal.
 const MOST_TO_END: Duration = Duration::from_secs(5);
 
 /// Whether the running command polls [`asked`] and then ends.
 static IS_GENTLE: AtomicBool = AtomicBool::new(false);
 
-/// The signal that came; 0 for none.
+/// The signal received; 0 for none.
 static ASKED: AtomicI32 = AtomicI32::new(0);
 
-/// From now on signals are handled as described in the module header. A hang-up that was ignored
-/// before (`nohup`) still is.
+/// Handles signals from now on as described in the module header. A hang-up that was ignored before
+/// (`nohup`) stays ignored.
 ///
 /// # Errors
-/// Those of the system, which may have no thread left.
+/// Errors of the system, which may be unable to start another thread.
 pub fn install() -> io::Result<()> {
     let mut answered = vec![SIGINT, SIGTERM];
     if !is_ignored(SIGHUP) {
@@ -59,7 +59,7 @@ fn answer(signal: i32) {
 
 fn end(signal: i32) {
     remove_parts();
-    // At once: other threads may be in the middle of anything.
+    // Exits at once: other threads may be in the middle of anything.
     signal_hook::low_level::exit(exit_code(signal));
 }
 
@@ -67,7 +67,7 @@ fn exit_code(signal: i32) -> i32 {
     128 + signal
 }
 
-/// From now on a signal only requests the end, and the running command must poll [`asked`].
+/// From now on a signal only requests the end; the running command must poll [`asked`].
 #[cfg(feature = "demo")]
 pub fn ask_from_now_on() {
     IS_GENTLE.store(true, SeqCst);
@@ -88,8 +88,8 @@ pub fn asked() -> Option<u8> {
 }
 
 fn is_ignored(signal: i32) -> bool {
-    // SAFETY: all zero bytes are a `sigaction` (no handler, an empty mask), and with no new
-    // action `sigaction` only writes the present one to where it is told.
+    // SAFETY: all zero bytes are a valid `sigaction` (no handler, an empty mask), and without a new
+    // action `sigaction` only writes the present one to the given place.
     unsafe {
         let mut present: libc::sigaction = std::mem::zeroed();
         let asked = libc::sigaction(signal, std::ptr::null(), &raw mut present);

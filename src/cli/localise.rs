@@ -1,5 +1,4 @@
-//! `echomarch localise`: where is the source? For an observer (`run`) and for people (`form`,
-//! `score`).
+//! `echomarch localise`: the localisation experiment, for an observer (`run`) and for people (`form`, `score`).
 
 use super::exit::BadInput;
 use super::numbers::{count, real};
@@ -42,7 +41,7 @@ Examples:
   echomarch localise score --json anna.json bert.json
   echomarch localise score -o out answers-*.json";
 
-/// The rooms and sounds that are taken without a choice.
+/// The default rooms and sounds.
 const SCENES: &str = "corner,obstacles";
 const ALL_SOUNDS: &str = "speech,sine:500";
 
@@ -64,7 +63,7 @@ enum Command {
     Score(ScoreArguments),
 }
 
-/// What to listen to.
+/// The stimuli of the experiment.
 #[derive(Args, Debug)]
 struct Stimuli {
     /// Built-in scenes or scene files, separated by commas
@@ -216,14 +215,14 @@ fn stimuli(from: &Stimuli, common: &Common) -> anyhow::Result<(Vec<Scene>, Vec<S
     let mut sounds = Vec::new();
     for name in distinct(&from.sounds) {
         let spec: SoundSpec = name.parse().map_err(Error::from)?;
-        // Before any work: the file may not be there.
+        // Before any work: the file may not exist.
         Sound::load(&spec, SAMPLE_RATE).map_err(Error::from)?;
         sounds.push(spec);
     }
     Ok((scenes?, sounds))
 }
 
-/// Each once, in the order given.
+/// The items without duplicates, in the order given.
 fn distinct<T: Clone + PartialEq>(items: &[T]) -> Vec<T> {
     let mut once = Vec::new();
     for item in items {
@@ -254,7 +253,7 @@ fn write_form(arguments: &FormArguments, common: &Common) -> anyhow::Result<()> 
 }
 
 impl FormArguments {
-    /// What the form shall hold.
+    /// The contents of the form.
     fn options(&self, common: &Common) -> anyhow::Result<FormOptions> {
         check_range("--seconds", self.seconds, 0.1, 60.0)?;
         let (waves, iterations) = (distinct(&self.waves), distinct(&self.iterations));

@@ -1,4 +1,5 @@
-//! The command line: one file a subcommand; arguments in, a call, a print out.
+//! The command line, one file per subcommand: each parses arguments, calls the library and prints
+//! the result.
 //!
 //! Exit codes: 0 done, 1 failed, 2 bad input. Results go to standard output (`--json`
 //! for machines), everything else to standard error.
@@ -14,7 +15,7 @@ mod impulse;
 mod info;
 #[cfg(unix)]
 mod interrupt;
-/// Where there are no signals the system ends the program.
+/// On systems without signals the system ends the program.
 #[cfg(not(unix))]
 mod interrupt {
     pub fn install() -> std::io::Result<()> {
@@ -105,7 +106,7 @@ enum Command {
     Figures(figures::Arguments),
     /// Speed against error: every profile and option beside the exact waves
     Accuracy(accuracy::Arguments),
-    /// What each surface and option costs, and what could be left out
+    /// Cost of each surface and option, and what could be left out
     Cost(cost::Arguments),
     /// The hard cases: by every profile, against exact answers
     Verify(verify::Arguments),

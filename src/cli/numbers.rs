@@ -6,7 +6,7 @@ use std::str::FromStr;
 /// Whole numbers up to this are exact as `f64`.
 const MOST_EXACT: f64 = 9_007_199_254_740_992.0;
 
-/// A count: digits, which may be grouped by underscores, or a power of ten that is whole.
+/// Parses a count: digits, optionally grouped by underscores, or a power of ten that is whole.
 pub fn count<T: TryFrom<u64>>(said: &str) -> Result<T, String> {
     let text = ungrouped(said)?;
     let whole = match text.parse::<u64>() {
@@ -30,18 +30,18 @@ fn of_power(text: &str) -> Result<u64, String> {
     }
 }
 
-/// A number that may have digits after the point.
+/// Parses a number that may have decimals.
 pub fn real<T: FromStr<Err: Display>>(said: &str) -> Result<T, String> {
     let text = ungrouped(said)?;
     text.parse().map_err(|error: T::Err| error.to_string())
 }
 
-/// Rounded to tenths, and 0 without a sign.
+/// Rounds to tenths; the result 0 has no sign.
 pub fn tenths(value: f64) -> f64 {
     (10.0 * value).round() / 10.0 + 0.0
 }
 
-/// Without the underscores, each of which must stand between two digits.
+/// The text without its underscores, each of which must stand between two digits.
 fn ungrouped(said: &str) -> Result<String, String> {
     let bytes = said.as_bytes();
     let is_digit = |at: Option<usize>| {
@@ -60,7 +60,7 @@ fn ungrouped(said: &str) -> Result<String, String> {
 mod tests {
     use super::*;
 
-    /// Protects counts: every way to write one means that one, and what is no count is rejected.
+    /// Protects counts: every notation gives the same count, and anything else is rejected.
     #[test]
     fn counts_are_read_in_every_form() {
         let forms = [

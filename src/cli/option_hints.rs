@@ -1,11 +1,11 @@
-//! What is meant by options that a subcommand does not have.
+//! Hints for options that a subcommand does not have.
 
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 
-/// Words that are typed for a list of the scenes.
+/// Words that users type to get a list of the scenes.
 const SCENE_LISTS: [&str; 3] = ["scenes", "list", "scene"];
 
-/// The sentence for what was typed, where one is known to help.
+/// Returns a hint for an unknown command or option, where one is known to help.
 pub fn hint(error: &clap::Error) -> Option<String> {
     match error.kind() {
         ErrorKind::UnknownArgument => {
@@ -23,7 +23,7 @@ pub fn hint(error: &clap::Error) -> Option<String> {
     }
 }
 
-/// Takes away the tip to pass an unknown option as a value, which no subcommand here takes.
+/// Removes the tip to pass an unknown option as a value, which no subcommand here accepts.
 pub fn drop_misleading(error: &mut clap::Error) {
     let Some(ContextValue::StyledStrs(tips)) = error.get(ContextKind::Suggested) else {
         return;
@@ -40,7 +40,7 @@ fn word(error: &clap::Error, kind: ContextKind) -> Option<&str> {
     }
 }
 
-/// What is meant by an option that this subcommand does not have.
+/// Returns a hint for an option that this subcommand does not have.
 fn of_option(command: &str, typed: &str) -> Option<&'static str> {
     Some(match (command, typed) {
         ("trace", "-o" | "--output") => {

@@ -11,7 +11,7 @@ use crate::trace::{Algorithm, Budget, Directions, Profile, Settings, Tracer};
 use clap::Args;
 use std::path::Path;
 
-/// For every subcommand.
+/// Options of every subcommand.
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Renderer and output")]
 pub struct Common {
@@ -37,7 +37,7 @@ impl Common {
             gpu: self.gpu,
         };
         let context = Context::headless(&options)?;
-        // A device that is there but cannot be used is told even with --quiet.
+        // A device that exists but cannot be used is reported even with --quiet.
         for reason in context.passed_over() {
             print::tell(&format!("warning: skipped {reason}"));
         }
@@ -45,12 +45,12 @@ impl Common {
         Ok(context)
     }
 
-    /// A tracer on that renderer.
+    /// A tracer on the requested renderer.
     pub fn tracer(&self) -> Result<Tracer, Error> {
         Tracer::new(&self.context()?)
     }
 
-    /// A line on standard error, unless `--quiet`.
+    /// Prints a line to standard error, unless `--quiet` is set.
     pub fn note(&self, line: &str) {
         if !self.quiet {
             print::tell(line);
@@ -70,7 +70,7 @@ pub struct FrameRateOption {
     pub fps: f64,
 }
 
-/// From the waves' balance to the levels of the two channels.
+/// The conversion from the waves' balance to the levels of the two channels.
 #[derive(Args, Clone, Copy, Debug)]
 pub struct LawOption {
     /// Panning law: constant-power, or linear (the thesis)
@@ -80,7 +80,7 @@ pub struct LawOption {
 }
 
 impl LawOption {
-    /// The requested law, or that of the profile.
+    /// The requested law, or the profile's default.
     pub fn of(self, profile: Profile) -> PanningLaw {
         self.law.unwrap_or(PanningLaw::for_profile(profile))
     }
@@ -125,15 +125,15 @@ pub struct TraceOptions {
     /// Start directions: random (the thesis), fibonacci (an even lattice)
     #[arg(long, default_value_t = Directions::Random, value_name = "NAME")]
     pub directions: Directions,
-    /// thesis alone: a surface is met below this distance, in metres [0.1]
+    /// thesis only: a wave hits a surface below this distance, in metres [0.1]
     #[arg(long, allow_negative_numbers = true, value_name = "METRES", value_parser = real::<f32>)]
     pub min_distance: Option<f32>,
     /// A wave is dead beyond this distance in one iteration, in metres [thesis: 300,
     /// else 1e9]
     #[arg(long, allow_negative_numbers = true, value_name = "METRES", value_parser = real::<f32>)]
     pub max_distance: Option<f32>,
-    /// Iterations in one pass over the waves, fewer where the scene's loops allow no
-    /// more [hybrid: all; march: 8; thesis: 1]
+    /// Iterations in one pass over the waves, limited where the scene's loops allow no more
+    /// [hybrid: all; march: 8; thesis: 1]
     #[arg(long, allow_negative_numbers = true, value_name = "N", value_parser = count::<u32>)]
     pub iterations_per_pass: Option<u32>,
     /// Sum the panning on the GPU and read back one texel
@@ -157,7 +157,7 @@ impl TraceOptions {
         Ok(settings)
     }
 
-    /// The algorithm with those of its options that were typed.
+    /// The algorithm with its options as typed.
     fn algorithm(&self) -> Result<Algorithm, BadInput> {
         let mut algorithm = Algorithm::of(self.profile);
         let Some(metres) = self.min_distance else {
@@ -182,19 +182,19 @@ impl TraceOptions {
         let most = Budget::of(scene, settings).iterations_per_pass;
         if most < asked.min(settings.iterations) {
             common.note(&format!(
-                "note: with --profile {} this scene takes {most} iterations in a pass at the most",
+                "note: with --profile {} this scene takes {most} iterations in a pass at most",
                 settings.profile()
             ));
         }
     }
 }
 
-/// Rejects a file whose name does not end as its contents do.
+/// Rejects a file whose name does not have the ending of its format.
 pub fn check_ending(file: &Path, ending: &str) -> Result<(), BadInput> {
     match file.extension() {
         Some(found) if found.eq_ignore_ascii_case(ending) => Ok(()),
         _ => Err(BadInput(format!(
-            "the file {} must end in .{ending}: that is what is written",
+            "the file {} must end in .{ending}: that is the format written",
             file.display()
         ))),
     }
@@ -211,9 +211,9 @@ pub fn check_range(what: &str, value: f64, least: f64, most: f64) -> Result<(), 
     )))
 }
 
-/// A limit as people write it: very small ones as powers of ten.
+/// Formats a limit: very small ones as powers of ten.
 fn plain(limit: f64) -> String {
-    /// Below this digits behind the point are hard to count.
+    /// Below this, decimals are hard to count.
     const SMALL: f64 = 1e-4;
     match limit != 0.0 && limit.abs() < SMALL {
         true => format!("{limit:e}"),

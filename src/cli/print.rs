@@ -1,4 +1,4 @@
-//! What subcommands print with: text, JSON, progress.
+//! Output of the subcommands: text, JSON, progress.
 
 use crate::text;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -11,23 +11,23 @@ pub fn line(text: &str) -> anyhow::Result<()> {
     writeln!(std::io::stdout(), "{}", text::in_lines(text)).map_err(unwritten)
 }
 
-/// Adds to an error that standard output could not be written; the cause is kept.
+/// Adds to an error that standard output could not be written; keeps the cause.
 pub fn unwritten(error: std::io::Error) -> anyhow::Error {
     let text = format!("cannot write standard output: {error}");
     anyhow::Error::new(error).context(text)
 }
 
-/// Prints a message to standard error: every message of the program goes through here, and
-/// none is longer than 10 lines and 1,000 characters.
+/// Prints a message to standard error. Every message of the program goes through here and has at
+/// most 10 lines and 1,000 characters.
 pub fn tell(message: &str) {
-    // No message is worth a failure when there is nowhere to write it.
+    // A message that cannot be written is not an error.
     let _ = writeln!(std::io::stderr(), "{}", text::message(message));
 }
 
 /// Prints a JSON record to standard error, for a program that controls this one.
 #[cfg(feature = "demo")]
 pub fn tell_record(json: &str) {
-    // Whoever it is for may have gone.
+    // The receiver may have gone.
     let _ = writeln!(std::io::stderr(), "{}", text::json_record(json));
 }
 
@@ -37,7 +37,7 @@ pub fn json(value: &impl Serialize) -> anyhow::Result<()> {
     writeln!(std::io::stdout(), "{}", text::json(&json)).map_err(unwritten)
 }
 
-/// A progress bar on standard error: on a terminal only, and not with `--quiet`.
+/// A progress bar on standard error, shown only on a terminal and without `--quiet`.
 pub fn progress(quiet: bool, total: u64, unit: &str) -> ProgressBar {
     let target = if quiet {
         ProgressDrawTarget::hidden()

@@ -4,12 +4,12 @@ use super::exit::BadInput;
 use clap::ArgMatches;
 use clap::parser::ValueSource;
 
-/// Options that a subcommand takes and does not use.
+/// Options that a subcommand accepts but does not use.
 struct Ignored {
-    /// The subcommand, and the one below it.
+    /// The subcommand, and its own subcommand.
     command: &'static [&'static str],
     options: &'static [&'static str],
-    /// Whether it is so with these arguments.
+    /// Whether the rule applies to these arguments.
     when: fn(&ArgMatches) -> bool,
     because: &'static str,
 }
@@ -78,7 +78,7 @@ const IGNORED: &[Ignored] = &[
     },
 ];
 
-/// Options that were renamed, with what they are called now.
+/// Renamed options, with their present names.
 const RENAMED: &[(&str, &str, &str)] = &[
     (
         "slice",
@@ -98,7 +98,7 @@ fn always(_: &ArgMatches) -> bool {
     true
 }
 
-/// Rejects what was typed and would change nothing.
+/// Rejects options that would have no effect.
 pub fn check(matches: &ArgMatches) -> Result<(), BadInput> {
     let (mut path, mut given) = (Vec::new(), matches);
     while let Some((name, below)) = given.subcommand() {
@@ -122,7 +122,7 @@ pub fn check(matches: &ArgMatches) -> Result<(), BadInput> {
     let rules = IGNORED.iter().filter(|rule| rule.command == path);
     for rule in rules.filter(|rule| (rule.when)(given)) {
         let wanted = |id: &&str| match rule.options {
-            // Everything but what prints the list.
+            // All options except those that print the list.
             [] => !["list_devices", "json", "quiet"].contains(id),
             options => options.contains(id),
         };
@@ -160,13 +160,13 @@ fn given_twice(given: &ArgMatches) -> Option<String> {
     ["profiles", "map"].into_iter().find_map(twice)
 }
 
-/// Whether an option has this value, by what was typed or without.
+/// Whether an option has this value, typed or by default.
 fn has_value(given: &ArgMatches, id: &str, value: &str) -> bool {
     let mut raw = given.get_raw(id).into_iter().flatten();
     raw.any(|typed| typed == value)
 }
 
-/// Whether an option was typed: not, if the subcommand has none of that name.
+/// Whether an option was typed; false if the subcommand has no option of that name.
 fn is_given(given: &ArgMatches, id: &str) -> bool {
     let is_known = given.ids().any(|known| known.as_str() == id);
     is_known && given.value_source(id) == Some(ValueSource::CommandLine)

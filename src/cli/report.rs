@@ -1,4 +1,4 @@
-//! What the experiments have in common on the command line: progress, files, print-out.
+//! Common parts of the experiments on the command line: progress, files, print-out.
 
 use super::options::Common;
 use super::print;
@@ -8,7 +8,7 @@ use crate::trace::Tracer;
 use anyhow::anyhow;
 use std::path::{Path, PathBuf};
 
-/// Proves that the folder can be written to, runs the experiment with a progress bar that counts
+/// Checks that the folder can be written to, runs the experiment with a progress bar that counts
 /// `unit`, writes its files, and prints its report.
 pub fn run<R: Report>(
     common: &Common,
@@ -24,7 +24,7 @@ pub fn run<R: Report>(
     write_and_print(common, folder, &report)
 }
 
-/// Does something long with a progress bar that counts `unit`.
+/// Runs a long job with a progress bar that counts `unit`.
 pub fn with_progress<R, E>(
     common: &Common,
     unit: &str,
@@ -39,7 +39,7 @@ pub fn with_progress<R, E>(
     Ok(done)
 }
 
-/// Proves that all files of a report can be written.
+/// Checks that all files of a report can be written.
 pub fn check<R: Report>(folder: &Path) -> anyhow::Result<()> {
     prepare_folder(folder)?;
     for ending in endings::<R>() {
@@ -48,7 +48,7 @@ pub fn check<R: Report>(folder: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Writes the files of a report, if there is a folder, and prints it.
+/// Writes the files of a report, if a folder is given, and prints it.
 pub fn write_and_print<R: Report>(
     common: &Common,
     folder: Option<&Path>,
@@ -76,7 +76,7 @@ pub fn print_report<R: Report>(common: &Common, report: &R) -> anyhow::Result<()
     }
 }
 
-/// The endings of a report's files; the first is its table's.
+/// The endings of a report's files; the first is that of its table.
 fn endings<R: Report>() -> &'static [&'static str] {
     match R::HAS_PLOT {
         true => &["csv", "json", "md", "svg"],

@@ -8,10 +8,10 @@ use crate::kernel::{Layout, Lists};
 use crate::scene::{Scene, SceneError};
 use clap::Args;
 
-/// Warnings printed for one scene; for more, only their number is printed.
+/// Maximum number of warnings printed for one scene; above it only their number is printed.
 const MOST_WARNINGS: usize = 8;
 
-/// From about here on compiling a scene's shader takes seconds (docs/scene-format.md).
+/// From about this number on, compiling a scene's shader takes seconds (docs/scene-format.md).
 const MANY_SURFACES: usize = 64;
 
 /// A scene and its named values.
@@ -85,7 +85,7 @@ impl Common {
         if loaded.duration() == 0.0 && scene == loaded {
             let name = &scene.name;
             self.note(&format!(
-                "warning: {name}: nothing moves, --time changes nothing"
+                "warning: {name}: nothing moves, --time has no effect"
             ));
         }
         let possible = scene.validate().map_err(|refused| refused.at(seconds));
@@ -93,7 +93,7 @@ impl Common {
         Ok(self.told(scene))
     }
 
-    /// Prints the warnings of a scene that was loaded.
+    /// Prints the warnings of a loaded scene.
     fn told(&self, scene: Scene) -> Scene {
         self.warn_when_known(&scene, false);
         self.note_many(&scene);
@@ -110,8 +110,8 @@ impl Common {
         }
     }
 
-    /// Prints the warnings of a scene that the renderer has checked, unless they were printed
-    /// when it was loaded: of users' fields nothing is known before.
+    /// Prints the warnings of a scene that the renderer has checked, unless they were printed when
+    /// it was loaded: users' fields can be checked only by the renderer.
     pub fn warn_checked(&self, scene: &Scene) {
         self.warn_when_known(scene, true);
     }

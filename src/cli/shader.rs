@@ -1,4 +1,4 @@
-//! `echomarch shader`: the text that a scene becomes.
+//! `echomarch shader`: the shader text generated from a scene.
 
 use super::exit::BadInput;
 use super::options::Common;
@@ -50,13 +50,13 @@ enum Which {
     March,
     /// The contribution of each wave to left and right
     Pan,
-    /// What the listener sees
+    /// The listener's view
     View,
     /// The plan from above
     Slice,
 }
 
-/// Runs the subcommand. No renderer is needed: what is printed is what would be compiled.
+/// Runs the subcommand. It needs no renderer: it prints what would be compiled.
 pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     let scene = common.scene(&arguments.scene)?;
     if let Some(path) = &arguments.output {
@@ -74,7 +74,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     print::line(text.trim_end())
 }
 
-/// Rejects options without which the text would be the same.
+/// Rejects options that would not change the text.
 fn check_effects(arguments: &Arguments, scene: &Scene) -> Result<(), BadInput> {
     let usual = |change: fn(&mut Arguments)| {
         let mut usual = arguments.clone();

@@ -101,10 +101,11 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     print::line(&output)
 }
 
-/// Waves of one frame of the search for heard ones at least: fewer take as long.
+/// Minimum number of waves in one frame of the search for heard ones: smaller frames take equally
+/// long.
 const LEAST_SEARCHED: u32 = 4096;
 
-/// Waves that are traced to find heard ones at most: half a minute without a graphics card.
+/// Maximum number of waves traced to find heard ones: half a minute without a graphics card.
 const MOST_TRACED: u64 = 1 << 22;
 
 /// Prints a note when fewer heard waves were found than requested.
@@ -112,13 +113,14 @@ fn tell_missing(found: &HeardPaths, wanted: usize, common: &Common) {
     let count = found.count();
     if count < wanted {
         common.note(&format!(
-            "note: only {count} of {wanted} heard paths: of {} waves traced no more reached the listener",
+            "note: only {count} of {wanted} heard paths found: no more of the {} traced waves reached the listener",
             found.traced
         ));
     }
 }
 
-/// Paths are kept in memory point by point, and more than these make no picture.
+/// Rejects too many path points: they are kept in memory, and too many paths make the picture
+/// unreadable.
 fn check_paths(option: &str, paths: u32, iterations: u32) -> anyhow::Result<()> {
     const MOST_POINTS: f64 = 1e7;
     check_range(option, f64::from(paths), 0.0, 100_000.0)?;

@@ -28,7 +28,7 @@ Examples:
 
 Study files, Slurm, GNU parallel: docs/clusters.md.";
 
-/// Processes of one run at most: more than a machine has cores.
+/// Maximum number of processes of one run: more than the cores of any machine.
 const MOST_JOBS: u32 = 1024;
 
 /// Arguments of `study`.
@@ -108,7 +108,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     print_out::joined(common, &study, &joined)
 }
 
-/// A worker on the requested renderer, if it is the one that is demanded.
+/// A worker on the requested renderer; an error if `--require-renderer` does not match it.
 fn worker<'a>(
     study: &'a Study,
     arguments: &Arguments,
@@ -125,7 +125,7 @@ fn worker<'a>(
     }
 }
 
-/// Proves that the tables can be written, and are no inputs, before long work.
+/// Checks, before long work, that the tables can be written and are not inputs.
 fn check_outputs(folder: &Path) -> anyhow::Result<()> {
     prepare_folder(folder)?;
     for name in ["study.csv", "study.parquet", "study.json"] {
@@ -134,8 +134,8 @@ fn check_outputs(folder: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Computes what is missing of all shards, as many as the study was begun with here. Returns the
-/// worker, where it is in this process.
+/// Computes the missing points of all shards, in the number of shards that the study was begun with here. Returns the
+/// worker, if it is in this process.
 fn compute_all<'a>(
     study: &'a Study,
     folder: &Path,
@@ -164,8 +164,8 @@ fn compute_all<'a>(
     Ok(Some(worker))
 }
 
-/// What shows progress on a bar, behind so many points of other shards. What was done before it began
-/// is not used to estimate the time that is left.
+/// Returns a function that shows progress on a bar, after `before` points of other shards. Points computed earlier are
+/// not used to estimate the time left.
 fn shown(bar: &ProgressBar, before: u64) -> impl FnMut(u64) + '_ {
     let mut is_first = true;
     move |done| {
@@ -183,7 +183,7 @@ fn joined(study: &Study, folder: &Path, common: &Common) -> anyhow::Result<Joine
     Ok(joined)
 }
 
-/// Ends this process when its parent has ended for any reason.
+/// Ends this process when its parent has ended, for any reason.
 fn end_with_input() -> anyhow::Result<()> {
     let watch = || {
         let mut byte = [0];

@@ -27,7 +27,7 @@ Examples:
   echomarch trace hall.ron --levels
   echomarch trace my.ron --watch";
 
-/// Time between two looks at the files of a scene that is watched.
+/// Time between two checks of a watched scene's files.
 const BETWEEN_LOOKS: Duration = Duration::from_millis(50);
 
 /// Arguments of `trace`.
@@ -110,7 +110,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     trace(arguments, common, &mut tracer, &scene, &settings)
 }
 
-/// Behind the reading of the scene, whose files are not to be replaced.
+/// Called after the scene was read, so that its files are known and not overwritten.
 fn check_output(arguments: &Arguments) -> Result<(), OutputError> {
     arguments.dump_waves.as_deref().map_or(Ok(()), check_file)
 }
@@ -142,7 +142,7 @@ fn watch(arguments: &Arguments, common: &Common, settings: &Settings) -> anyhow:
                 common.warn(reloading.scene());
                 trace(arguments, common, &mut tracer, reloading.scene(), settings)?;
             }
-            // Told even with --quiet: the file that was just written is not in use.
+            // Printed even with --quiet: the file just written is not in use.
             Reload::Kept(error) => {
                 print::tell(&format!("echomarch: {error} (the last scene stays)"));
             }
@@ -151,7 +151,7 @@ fn watch(arguments: &Arguments, common: &Common, settings: &Settings) -> anyhow:
     Ok(())
 }
 
-/// One frame, printed; with `--repeat` the median times of the frames after it.
+/// Traces and prints one frame; with `--repeat` also the median times of the frames after it.
 fn trace(
     arguments: &Arguments,
     common: &Common,
@@ -180,7 +180,7 @@ fn trace(
     if frame.counts.not_finite > 0 {
         let waves = frame.counts.not_finite;
         common.note(&format!(
-            "warning: the place or the direction of {waves} waves is no number; they are left out"
+            "warning: {waves} waves with a position or direction that is not a number are left out"
         ));
     }
     let levels = match arguments.levels {
@@ -205,7 +205,7 @@ fn trace(
     report.levels.iter().flatten().try_for_each(levels::print)
 }
 
-/// The median times of so many frames.
+/// The median times of `--repeat` frames.
 fn repeated(
     tracer: &mut Tracer,
     scene: &Scene,
@@ -217,7 +217,7 @@ fn repeated(
     Ok(Milliseconds::medians(&frames))
 }
 
-/// How many steps a march may take: fields have a limit of their own.
+/// The maximum number of steps of a march: fields have a limit of their own.
 fn step_limits(scene: &Scene, settings: &Settings) -> String {
     let budget = Budget::of(scene, settings);
     let limits = [
@@ -299,7 +299,7 @@ fn print_text(report: &Report) -> anyhow::Result<()> {
     ))
 }
 
-/// One line a wave; numbers in the shortest form that reads back to the same bits.
+/// Writes one line per wave, with numbers in the shortest form that reads back to the same bits.
 fn dump(waves: &[Wave], out: &mut dyn Write) -> io::Result<()> {
     let mut csv = csv::Writer::from_writer(out);
     csv.write_record([

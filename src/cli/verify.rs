@@ -46,7 +46,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Those of that very name, or else those that begin with it.
+/// The cases of exactly that name, or else those whose names begin with it.
 fn chosen(names: &[String]) -> Result<Vec<Case>, BadInput> {
     let all = verify::all();
     if names.is_empty() {
@@ -70,7 +70,7 @@ fn chosen(names: &[String]) -> Result<Vec<Case>, BadInput> {
     Ok(chosen.collect())
 }
 
-/// Lists the names that are nearest to an unknown one.
+/// The error for an unknown name, with the names nearest to it.
 fn no_such_case(name: &str, all: &[Case]) -> String {
     /// Maximum number of names printed: a line of them.
     const TOLD: usize = 5;

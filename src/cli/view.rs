@@ -1,4 +1,4 @@
-//! `echomarch view`: what the listener sees.
+//! `echomarch view`: a picture of what the listener sees.
 
 use super::numbers::{count, real};
 use super::options::{Common, check_ending};

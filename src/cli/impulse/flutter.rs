@@ -4,7 +4,7 @@ use crate::bands::BANDS_HZ;
 use crate::response::{Flutter, Response, flutters};
 use crate::scene::{Scene, WALL_NAMES};
 
-/// A sentence for each pair of walls between which sound lasts.
+/// Returns a sentence for each pair of walls between which sound lasts.
 pub fn notes(scene: &Scene, response: &Response) -> Vec<String> {
     let t30_s = response.figures.bands.map(|band| band.t30_s);
     let found = flutters(scene, t30_s);

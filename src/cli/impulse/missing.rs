@@ -5,10 +5,10 @@ use crate::bands::{BAND_COUNT, BANDS_HZ};
 use crate::response::{Gap, Response};
 use crate::scene::Scene;
 
-/// A sentence for each reason why figures are missing, with the bands of which it is true.
+/// Returns a sentence for each reason why figures are missing, with the bands that it applies to.
 pub fn reasons(scene: &Scene, response: &Response) -> Vec<String> {
     if response.counts.arrivals == 0 && response.paths.is_empty() {
-        // That nothing arrives is told elsewhere.
+        // Another note reports that nothing arrives.
         return Vec::new();
     }
     let gaps = response.gaps();
@@ -68,7 +68,7 @@ const ALL_FIGURES: [(&str, Figure); 8] = [
     ("G", |band| band.g_db),
 ];
 
-/// Those of these figures that some of the bands lack, each with its bands; figures that the same bands lack are grouped.
+/// Returns the figures that some bands lack, each with its bands; figures that the same bands lack are grouped.
 fn missing_among(
     figures_named: &[(&'static str, Figure)],
     figures: &[BandFigures; BAND_COUNT],
@@ -132,7 +132,7 @@ mod tests {
         std::array::from_fn(|band| bands.contains(&band))
     }
 
-    /// Protects the reader from a note that belies the table: a time is named with the bands that lack it, and no others.
+    /// Protects the reader from a note that contradicts the table: a time is named with exactly the bands that lack it.
     #[test]
     fn a_time_is_named_with_the_bands_that_lack_it() {
         let whole = BandFigures {

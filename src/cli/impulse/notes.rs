@@ -1,4 +1,4 @@
-//! What a response does not hold, and what helps, in sentences.
+//! Notes about a response: what is missing or inexact, and what helps.
 
 use super::super::options::Common;
 use super::flutter;
@@ -10,19 +10,19 @@ use crate::scene::{Scene, Surface, Warning};
 /// Printed before waves are traced, because tracing takes long where sound does not decay.
 const NOTHING_ABSORBS: &str = "note: no surface absorbs in this scene: where sound cannot leave it, it does not decay, and figures will be missing; give its surfaces a material (docs/scene-format.md)";
 
-/// The same where the air alone absorbs.
-const ONLY_AIR_ABSORBS: &str = "note: no surface absorbs in this scene, the air alone does: decays are as long as the air makes them; give its surfaces a material (docs/scene-format.md)";
+/// The note where only the air absorbs.
+const ONLY_AIR_ABSORBS: &str = "note: no surface absorbs in this scene, only the air does, so the air alone limits the decays; give its surfaces a material (docs/scene-format.md)";
 
 /// One sentence about a response.
 #[derive(Clone, Debug, PartialEq)]
 struct Note {
-    /// Whether figures are off because of it.
+    /// Whether it makes figures inexact.
     is_warning: bool,
     text: String,
 }
 
-/// The sentences about a response, as JSON has them: with that on surfaces without a material, which
-/// is printed when the scene is loaded.
+/// Returns the sentences about a response for the JSON, including the one about surfaces without a material, which the
+/// text output prints when the scene is loaded.
 pub fn texts(scene: &Scene, response: &Response) -> Vec<String> {
     let notes = all(scene, response).into_iter().map(|note| note.text);
     let of_scene = scene.warnings().into_iter();
@@ -30,7 +30,7 @@ pub fn texts(scene: &Scene, response: &Response) -> Vec<String> {
     notes.chain(of_decay.map(|w| w.to_string())).collect()
 }
 
-/// Prints before anything is traced that no decay can be estimated.
+/// Prints, before anything is traced, that no decay can be estimated.
 pub fn tell_first(common: &Common, scene: &Scene) {
     if !scene.has_materials() {
         common.note(match scene.air {
@@ -73,32 +73,32 @@ fn all(scene: &Scene, response: &Response) -> Vec<Note> {
     }
     if response.left_out > 0 {
         notes.push(note(format!(
-            "{:.1} % of the energy came by paths of few reflections that were not looked for, as they are too many: it is in the late part",
+            "{:.1} % of the energy came by paths of few reflections that were not searched, as there are too many: it is in the late part",
             100.0 * response.left_out_share
         )));
     }
     if response.search_left_out_share > 0.0 {
         notes.push(note(format!(
-            "{:.0} % of the directions were not searched for exact paths over planes, as too many surfaces are in each other's way: weak paths may be missing",
+            "{:.0} % of the directions were not searched for exact paths over planes, because too many surfaces hide each other: weak paths may be missing",
             (100.0 * response.search_left_out_share).max(1.0)
         )));
     }
     if response.direct().is_some_and(|direct| direct.path.is_focus) {
         notes.push(note(format!(
-            "the source is so near that the listener's sphere of {} m catches all it can of the direct sound: its level is that of the sphere, not that of a point",
+            "the source is so near that the size of the listener's sphere ({} m) limits the direct sound: its level is that of the sphere, not that of a point",
             scene.listener.radius
         )));
     }
     let gathered = |heard: &HeardPath| heard.path.is_focus && !heard.is_direct();
     if response.paths.iter().any(gathered) {
         notes.push(note(
-            "sound meets in a focus: where it does so again and again rounding decides where it goes, and ± of late decays does not hold that".to_owned(),
+            "sound is focused: after repeated focusing, rounding determines the paths, and ± of late decays does not include that error".to_owned(),
         ));
     }
     let gathers = |surface: &Surface| surface.shape.gathers_sound();
     if scene.surfaces.iter().any(gathers) {
         notes.push(note(
-            "a hollow curved surface gathers sound: where exact paths bring other energy to the listener's centre than its sphere catches, ± holds the difference; of reflections beyond --order none is known, so compare with a greater one and a smaller listener".to_owned(),
+            "a hollow curved surface gathers sound: where the energy of exact paths at the listener's centre differs from that caught by its sphere, ± includes the difference; for reflections beyond --order it is unknown, so compare with a larger --order and a smaller listener".to_owned(),
         ));
     }
     notes.extend(missing::reasons(scene, response).into_iter().map(note));
@@ -111,14 +111,14 @@ fn warnings(response: &Response) -> Vec<Note> {
     let mut texts = Vec::new();
     if counts.step_limit_reached > 0 {
         texts.push(format!(
-            "waves are dead whose march reached the step limit: {}",
+            "waves that are dead because their march reached the step limit: {}",
             counts.step_limit_reached
         ));
     }
     if counts.cut_off > 0 {
         let what_of_it = match response.followed_s {
             Some(seconds) => format!(
-                "after {seconds:.2} s the response is too weak, and figures are computed from what is before"
+                "after {seconds:.2} s the response is too weak, and figures are computed from the part before"
             ),
             None => "they are too few to be heard".to_owned(),
         };

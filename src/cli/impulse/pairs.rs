@@ -1,18 +1,19 @@
-//! Which sources and listeners are meant.
+//! The choice of sources and listeners.
 
 use super::super::exit::BadInput;
 use crate::scene::Scene;
 
 /// A source and a listener of a scene.
 pub struct Pair {
-    /// What they are called: by their names, or their numbers from 1.
+    /// Their names, or their numbers from 1.
     pub source: String,
     pub listener: String,
-    /// The scene with these two as the first.
+    /// The scene with this source and this listener as the first.
     pub scene: Scene,
 }
 
-/// The pairs of the sources and listeners that were chosen by name or number; all without a choice.
+/// Returns the pairs of the sources and listeners chosen by name or number; all pairs without a
+/// choice.
 pub fn chosen(
     scene: &Scene,
     source: Option<&str>,
@@ -35,13 +36,13 @@ pub fn chosen(
     both.map(pair).collect()
 }
 
-/// The index of the listener that was chosen by name or number; the first without a choice.
+/// Returns the index of the listener chosen by name or number; the first without a choice.
 pub fn listener(scene: &Scene, wanted: Option<&str>) -> Result<usize, BadInput> {
     let chosen = choose("listener", &scene.listener_labels(), wanted)?;
     Ok(chosen[0])
 }
 
-/// Reports that files contain one pair.
+/// The error that files contain only one pair.
 pub fn too_many(scene: &Scene, count: usize) -> String {
     format!(
         "files hold one source and one listener, and {} has {count} such pairs: choose by --source and --listener",
@@ -49,7 +50,7 @@ pub fn too_many(scene: &Scene, count: usize) -> String {
     )
 }
 
-/// The indices that are meant: a name counts before a number.
+/// Returns the chosen indices: a name takes precedence over a number.
 fn choose(what: &str, labels: &[String], wanted: Option<&str>) -> Result<Vec<usize>, BadInput> {
     let Some(wanted) = wanted else {
         return Ok((0..labels.len()).collect());
@@ -78,12 +79,12 @@ fn choose(what: &str, labels: &[String], wanted: Option<&str>) -> Result<Vec<usi
 mod tests {
     use super::*;
 
-    /// Protects the choice by name and by number, and what is said of a wrong one.
+    /// Protects the choice by name and by number, and the message for an unknown one.
     #[test]
     fn names_count_before_numbers() {
         let labels = ["2", "2", "flute"].map(str::to_owned);
         assert_eq!(choose("source", &labels, None).unwrap(), [0, 1, 2]);
-        // The second one without a name is "2" as well: the name wins.
+        // The second source, without a name, is "2" as well: the name wins.
         assert_eq!(choose("source", &labels, Some("2")).unwrap(), [0]);
         assert_eq!(choose("source", &labels, Some("3")).unwrap(), [2]);
         assert_eq!(choose("source", &labels, Some("flute")).unwrap(), [2]);

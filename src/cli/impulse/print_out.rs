@@ -1,4 +1,4 @@
-//! What `echomarch impulse` prints.
+//! The output of `echomarch impulse`.
 
 use super::super::numbers::tenths;
 use super::super::print;
@@ -11,10 +11,10 @@ use crate::response::{HeardPath, Response, ResponseSettings};
 use crate::scene::{Scene, WALL_NAMES};
 use serde::Serialize;
 
-/// Paths that the text names; the JSON has all.
+/// Maximum number of paths in the text; the JSON lists all.
 const PATHS_IN_TEXT: usize = 8;
 
-/// What is printed as JSON.
+/// The JSON output.
 #[derive(Serialize)]
 pub struct Report<'a> {
     scene: &'a str,
@@ -48,13 +48,13 @@ struct PairReport<'a> {
     cut_off: [Option<f64>; BAND_COUNT],
     /// The share of the early energy on paths that no wave found.
     missed_early_share: Option<f64>,
-    /// The share of all energy that came by few reflections, by paths that were not looked for.
+    /// The share of all energy that came by paths of few reflections that were not searched.
     left_out_share: f64,
     /// The share of the directions that were not searched for paths over planes.
     search_left_out_share: f64,
-    /// Until when the figures hold: seconds, `null` for the whole response.
+    /// The time until which the figures hold, in seconds; `null` for the whole response.
     followed_s: Option<f64>,
-    /// What is missing or off, and what helps.
+    /// Notes on what is missing or inexact, and what helps.
     notes: Vec<String>,
     direct: Option<DirectReport>,
     paths: Vec<PathReport<'a>>,
@@ -85,10 +85,10 @@ struct DirectReport {
 struct PathReport<'a> {
     order: usize,
     surfaces: &'a [u32],
-    /// Of rooms, the walls: left, right, floor, ceiling, front, back.
+    /// The walls of rooms: left, right, floor, ceiling, front, back.
     walls: Vec<Option<&'static str>>,
     delay_s: f64,
-    /// Of the mean of the bands' energies.
+    /// From the mean of the bands' energies.
     g_db: Option<f64>,
     g_db_bands: Vec<Option<f64>>,
     azimuth_deg: f64,
@@ -207,7 +207,7 @@ struct BandRow {
     errors: BandFigures,
 }
 
-/// The figures for people.
+/// Prints the figures as text.
 pub fn text(
     scene: &Scene,
     settings: &ResponseSettings,
@@ -294,7 +294,7 @@ fn print_paths(scene: &Scene, response: &Response) -> anyhow::Result<()> {
     }
 }
 
-/// What a path is mirrored at: surfaces by their names or numbers, and walls of rooms.
+/// The surfaces that a path is mirrored at, by their names or numbers, and the walls of rooms.
 fn mirrors(scene: &Scene, path: &HeardPath) -> Vec<String> {
     let surfaces = path.path.surfaces.iter().zip(wall_names(path));
     let name = |(number, wall): (&u32, Option<&str>)| {

@@ -1,4 +1,4 @@
-//! The thesis' way: left against right, and nothing else.
+//! Rendering as in the thesis: only the balance between left and right.
 
 use super::super::print;
 use super::{Job, ReportHead, sounds};

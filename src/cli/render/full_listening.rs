@@ -1,4 +1,4 @@
-//! All that is heard: loudness, delays, echoes, reverberation.
+//! Rendering in full: loudness, delays, echoes, reverberation.
 
 use super::super::impulse::pairs;
 use super::super::numbers::{count, real, tenths};
@@ -13,13 +13,13 @@ use crate::response::{HeardSource, MAX_ORDER, ResponseSettings};
 use clap::Args;
 use serde::Serialize;
 
-/// The highest and the lowest gain accepted, in decibels: beyond these nothing is audible.
+/// Largest gain accepted, up or down, in decibels: this includes every audible gain.
 const MOST_GAIN_DB: f64 = 120.0;
 
 /// The shortest response, in seconds.
 const SHORTEST_TAIL_S: f64 = 1e-3;
 
-/// What has a meaning when all is heard.
+/// Options that have an effect only when all is heard.
 #[derive(Args, Debug)]
 #[command(next_help_heading = "With --listen full")]
 pub struct FullOptions {
@@ -40,7 +40,7 @@ pub struct FullOptions {
 }
 
 impl FullOptions {
-    /// One that was typed.
+    /// The first of these options that was typed.
     pub fn given(&self) -> Option<&'static str> {
         let typed = [
             (self.gain.is_some(), "--gain"),
@@ -65,7 +65,7 @@ struct Report<'a> {
     tail_s: f64,
     sample_rate: u32,
     fps: f64,
-    /// The largest sample, in decibels against full scale; none of silence.
+    /// The largest sample, in decibels relative to full scale; none for silence.
     peak_db: Option<f64>,
     frames: Vec<FrameLine>,
 }
@@ -76,11 +76,11 @@ struct FrameLine {
     sources: Vec<SourceLine>,
 }
 
-/// What is heard of a source.
+/// A source as the listener hears it.
 #[derive(Serialize)]
 struct SourceLine {
     source: String,
-    /// The strength *G* of all that arrives; none if nothing does.
+    /// The strength *G* of all arrivals; none without arrivals.
     g_db: Option<f64>,
     paths: usize,
     direct: bool,
@@ -139,7 +139,7 @@ pub fn run(job: Job) -> anyhow::Result<()> {
     print_text(&report)
 }
 
-/// The names of the sources, and how they are heard.
+/// The names of the sources, and the settings of listening.
 fn settings(job: &Job) -> anyhow::Result<(Vec<String>, FullSettings)> {
     let options = &job.arguments.full;
     if let Some(gain) = options.gain {

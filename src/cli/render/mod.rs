@@ -28,10 +28,10 @@ Examples:
   echomarch render corner -o corner.wav --sound noise --seconds 3 --gain 12
   echomarch render my.ron -o walk.wav --sound voice.wav --law linear";
 
-/// Seconds of sound of a scene in which nothing moves.
+/// Default length in seconds for a scene in which nothing moves.
 const STANDING_SECONDS: f64 = 5.0;
 
-/// About what a WAV of this kind holds.
+/// About the maximum that a WAV of this kind holds.
 const LONGEST_SECONDS: f64 = 3.0 * 3600.0;
 
 /// Arguments of `render`.
@@ -43,12 +43,12 @@ pub struct Arguments {
     /// The WAV to write: 48 kHz, 32-bit float, stereo
     #[arg(short, long, value_name = "FILE.wav")]
     output: PathBuf,
-    /// What is heard: full (loudness, delays, echoes, reverberation), or balance (left against right
-    /// alone, as in the thesis) [default: full; balance with --profile thesis, and with options that
-    /// full has not: --law, --iterations]
+    /// Listening mode: full (loudness, delays, echoes, reverberation), or balance (left against right alone, as in the
+    /// thesis) [default: full; balance with --profile thesis, and with options that full does not have: --law,
+    /// --iterations]
     #[arg(long, value_name = "WHAT")]
     listen: Option<Listen>,
-    /// What the sources play: sine:HERTZ, noise, noise:SEED, speech, speech:SEED, or a WAV file
+    /// Sounds of the sources: sine:HERTZ, noise, noise:SEED, speech, speech:SEED, or a WAV file
     /// (looped); NAME=SOUND for one source, by its name or number; repeatable [default: speech, each source another voice]
     #[arg(long = "sound", value_name = "SOUND")]
     sounds: Vec<SourceSound>,
@@ -84,7 +84,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     }
 }
 
-/// What is to be rendered.
+/// A rendering job.
 struct Job<'a> {
     arguments: &'a Arguments,
     common: &'a Common,
@@ -94,7 +94,7 @@ struct Job<'a> {
     sounds: Vec<SoundSpec>,
 }
 
-/// How the report of a rendered scene begins.
+/// The first fields of the report of a rendered scene.
 #[derive(Serialize)]
 struct ReportHead<'a> {
     scene: &'a str,
@@ -105,7 +105,7 @@ struct ReportHead<'a> {
 }
 
 impl Arguments {
-    /// What is listened to; the thesis hears a balance and nothing else.
+    /// The listening mode; the thesis has only the balance.
     fn listen(&self) -> Result<Listen, BadInput> {
         let thesis = (self.options.profile == Profile::Thesis).then_some("--profile thesis");
         let of_balance = thesis.or_else(|| self.balance_option());
@@ -122,7 +122,7 @@ impl Arguments {
         }
     }
 
-    /// Prints a note when an option, and not `--listen`, has chosen the balance.
+    /// Prints a note when an option other than `--listen` has chosen the balance.
     fn note_balance(&self, common: &Common, listen: Listen) {
         if self.listen.is_some()
             || listen == Listen::Full
@@ -132,12 +132,12 @@ impl Arguments {
         }
         if let Some(option) = self.balance_option() {
             common.note(&format!(
-                "note: {option} is of --listen balance alone, so left against right is all that is rendered"
+                "note: {option} belongs to --listen balance, so only left against right is rendered"
             ));
         }
     }
 
-    /// An option that was typed and that a balance alone has.
+    /// The first option typed that only the balance has.
     fn balance_option(&self) -> Option<&'static str> {
         let options = &self.options;
         let typed = [
@@ -154,7 +154,7 @@ impl Arguments {
     }
 }
 
-/// Rejects an option of the balance, which has no effect on sound in full, with the reason.
+/// Returns the error for an option of the balance that has no effect on sound in full, with the reason.
 pub(super) fn no_effect_in_full(option: &str) -> BadInput {
     let why = match option {
         "--law" => "where each arrival is panned with constant power",
@@ -168,7 +168,7 @@ pub(super) fn no_effect_in_full(option: &str) -> BadInput {
 }
 
 impl Job<'_> {
-    /// Checks what could go wrong later, before anything is traced.
+    /// Checks, before anything is traced, what could fail later.
     fn check(&self) -> anyhow::Result<()> {
         check_file(&self.arguments.output)?;
         check_on_the_way(&self.scene, self.timing)?;
@@ -200,7 +200,7 @@ impl Job<'_> {
     }
 }
 
-/// Rejects what becomes impossible while things move, before anything is traced.
+/// Rejects, before anything is traced, a scene that becomes impossible while things move.
 fn check_on_the_way(scene: &Scene, timing: Timing) -> Result<(), Error> {
     if scene.duration() == 0.0 {
         return Ok(());
@@ -215,7 +215,7 @@ fn check_on_the_way(scene: &Scene, timing: Timing) -> Result<(), Error> {
     Ok(())
 }
 
-/// What becomes odd while things move: each kind once, with when.
+/// Prints warnings about the scene while things move: each kind once, with its time.
 fn warn_on_the_way(scene: &Scene, timing: Timing, common: &Common) {
     let mut told: Vec<_> = scene
         .warnings()

@@ -1,4 +1,4 @@
-//! Which source plays what.
+//! The sounds of the sources.
 
 use super::super::exit::BadInput;
 use crate::audio::{SAMPLE_RATE, Sound, SoundSpec};
@@ -6,9 +6,8 @@ use crate::error::Error;
 use crate::scene::Scene;
 use std::str::FromStr;
 
-/// A sound for all sources, or `NAME=SOUND` for one, which is called by its number where it has no
-/// name. A file's name may hold a `=` too: which it is
-/// follows from the names of the scene's sources.
+/// A sound for all sources, or `NAME=SOUND` for one, which is given by its number where it has no
+/// name. A file's name may contain a `=` too: the names of the scene's sources decide.
 #[derive(Clone, Debug)]
 pub struct SourceSound {
     text: String,
@@ -35,7 +34,7 @@ impl FromStr for SourceSound {
     }
 }
 
-/// What each source of a scene plays: without a choice each speaks with another voice.
+/// Returns the sound of each source of a scene; by default each speaks with another voice.
 pub fn of_sources(scene: &Scene, typed: &[SourceSound]) -> Result<Vec<SoundSpec>, BadInput> {
     let names = scene.source_labels();
     let voice = |seed: usize| SoundSpec::Speech { seed: seed as u64 };
@@ -63,7 +62,7 @@ pub fn load(specs: &[SoundSpec]) -> Result<Vec<Sound>, Error> {
     specs.iter().map(load).collect()
 }
 
-/// The sounds as they are reported.
+/// The names of the sounds in the report.
 pub fn names(specs: &[SoundSpec]) -> String {
     let mut names: Vec<String> = specs.iter().map(SoundSpec::to_string).collect();
     names.dedup();
@@ -94,7 +93,7 @@ mod tests {
         Ok(names(&specs))
     }
 
-    /// Which source plays what: separate voices, one sound for all, and a source's own.
+    /// Protects the choice of sounds: separate voices, one sound for all, and a source's own.
     #[test]
     fn each_source_has_its_sound() {
         assert_eq!(sounds(&[]).unwrap(), "speech:0, speech:1");

@@ -1,8 +1,8 @@
-//! `--jobs`: a process of this program for each shard, so many at a time.
+//! `--jobs`: one process of this program per shard, at most the given number at a time.
 //!
-//! Processes, not threads: a driver that crashes takes one of them with it, each has its own OpenGL
-//! context with the driver's own threads, and what runs is what runs on a cluster. They share the
-//! cores: each gets as many threads as there are cores for it, unless the environment sets them.
+//! Processes, not threads: a crashing driver ends only one of them, each has its own OpenGL context
+//! with the driver's own threads, and the same program runs on a cluster. They share the cores:
+//! each gets an equal share of the threads, unless the environment sets them.
 
 use super::Arguments;
 use crate::cli::exit::BadInput;
@@ -16,32 +16,32 @@ use std::path::Path;
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::Duration;
 
-/// Time between two looks at the processes.
+/// Time between two checks of the processes.
 const BETWEEN_LOOKS: Duration = Duration::from_millis(100);
 
-/// The variables that set the number of threads: of llvmpipe, and of this program.
+/// The variables that set the number of threads of llvmpipe and of this program.
 const THREADS: [&str; 2] = ["LP_NUM_THREADS", "RAYON_NUM_THREADS"];
 
-/// Bytes of a process' message that are read.
+/// Maximum number of bytes read of a process' message.
 const LONGEST_MESSAGE: u64 = 1 << 16;
 
-/// A process that computes a shard; it is ended with this.
+/// A process that computes a shard; dropping this ends it.
 struct Job {
     shard: Shard,
     child: Child,
-    /// Bytes of its file that were counted, and lines in them.
+    /// Bytes and lines of its file read until now.
     seen: (u64, u64),
 }
 
 impl Drop for Job {
     fn drop(&mut self) {
-        // It may have ended; and there is nobody to tell.
+        // It may have ended already; an error cannot be reported here.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
 }
 
-/// Computes so many shards, each in a process of its own, and shows how many points are done.
+/// Computes all `of` shards, each in a process of its own, and shows the number of points done.
 pub fn run(
     study: &Study,
     of: u32,
@@ -127,11 +127,11 @@ fn start(
     })
 }
 
-/// Why a process ended, in its own words.
+/// The error of a process that failed, in its own words.
 fn failed(job: &mut Job, status: ExitStatus) -> anyhow::Error {
     let mut message = String::new();
     if let Some(stderr) = job.child.stderr.take() {
-        // What cannot be read is not told; that it failed is.
+        // If the message cannot be read, the failure is still reported.
         let _ = stderr.take(LONGEST_MESSAGE).read_to_string(&mut message);
     }
     let last = message.lines().rfind(|line| !line.trim().is_empty());

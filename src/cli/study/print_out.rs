@@ -1,4 +1,4 @@
-//! What `echomarch study` prints.
+//! The output of `echomarch study`.
 
 use crate::cli::options::Common;
 use crate::cli::print;
@@ -8,7 +8,7 @@ use serde_json::json;
 use std::path::Path;
 use std::time::Duration;
 
-/// What a study takes.
+/// Prints the estimated size and time of a study.
 pub fn estimate(
     common: &Common,
     study: &Study,
@@ -59,7 +59,7 @@ pub fn estimate(
     print::line(&lines.join("\n"))
 }
 
-/// A shard that is whole.
+/// Prints that a shard is complete.
 pub fn shard(common: &Common, study: &Study, shard: Shard, folder: &Path) -> anyhow::Result<()> {
     let file = shard.file(folder).display().to_string();
     let points = shard.points(study.points());
@@ -72,7 +72,7 @@ pub fn shard(common: &Common, study: &Study, shard: Shard, folder: &Path) -> any
     print::line(&format!("shard {shard}: {points} points in {file}"))
 }
 
-/// Tables and pictures.
+/// Prints the tables and pictures written.
 pub fn joined(common: &Common, study: &Study, joined: &Joined) -> anyhow::Result<()> {
     let files: Vec<String> = joined
         .files
@@ -96,10 +96,10 @@ pub fn joined(common: &Common, study: &Study, joined: &Joined) -> anyhow::Result
     ))
 }
 
-/// Columns whose empty cells are told one by one; study.json has all.
+/// Maximum number of columns whose empty cells are reported one by one; study.json lists all.
 const MOST_COLUMNS: usize = 12;
 
-/// Says which cells of the tables are empty, and why.
+/// Reports which cells of the tables are empty, and why.
 fn tell_empty(common: &Common, joined: &Joined) {
     let mut columns: Vec<(&str, Vec<&EmptyCells>)> = Vec::new();
     for cells in &joined.empty {

@@ -1,4 +1,4 @@
-//! How loud, how late and from where each source is heard.
+//! Level, delay and direction of each source as heard.
 
 use super::super::impulse::pairs::chosen;
 use super::super::print;
@@ -7,23 +7,23 @@ use crate::scene::Scene;
 use crate::trace::{Settings, Tracer};
 use serde::Serialize;
 
-/// What a listener hears of a source.
+/// A source as heard by a listener.
 #[derive(Serialize)]
 pub struct Heard {
     source: String,
     listener: String,
     heard: bool,
-    /// These are `null` where nothing arrives.
+    /// These are `null` if nothing arrives.
     g_db: Option<f64>,
     delay_s: Option<f64>,
-    /// Of the mean flow of all energy, not of what arrives first.
+    /// Direction of the mean flow of all energy, not of the first arrival.
     azimuth_deg: Option<f64>,
     elevation_deg: Option<f64>,
-    /// The length of that mean, 0 to 1.
+    /// Length of that mean, 0 to 1.
     one_sided: Option<f64>,
 }
 
-/// A mean direction of a smaller share of the energy is not reported: it is noise of the waves.
+/// A mean direction with a smaller share of the energy is not reported: it is noise of the waves.
 const LEAST_ONE_SIDED: f64 = 0.1;
 
 /// Traces every pair of a source and a listener, as `impulse` does.
@@ -51,7 +51,7 @@ pub fn heard(
     Ok(all)
 }
 
-/// One line a pair.
+/// Prints one line per pair.
 pub fn print(heard: &Heard) -> anyhow::Result<()> {
     let of = format!("  source {}, listener {}", heard.source, heard.listener);
     let numbers = (
