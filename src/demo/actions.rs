@@ -9,7 +9,7 @@ use crate::trace::Profile;
 use std::path::{Path, PathBuf};
 
 impl App {
-    /// Carries out the requests.
+    /// Performs the requests.
     pub fn act(&mut self, action: Action) {
         match action {
             Action::Profile(profile) => {
@@ -18,7 +18,7 @@ impl App {
                 self.say(format!("profile {profile}"));
             }
             Action::Waves(steps) => {
-                // Whoever chooses the number no longer wants it to follow the time.
+                // Setting the number by hand stops it from following the frame time.
                 self.choices.adapt_waves = false;
                 self.choices.change_waves(steps);
                 self.say(format!("{} waves", self.choices.settings.waves));
@@ -98,7 +98,7 @@ impl App {
         }
     }
 
-    /// Hears the balance in place of all that is heard, or back.
+    /// Switches between full listening and the balance.
     fn listen_otherwise(&mut self) {
         let chosen = &mut self.choices;
         chosen.chosen_listen = Some(match chosen.listen() {
@@ -107,16 +107,16 @@ impl App {
         });
         let now = (chosen.listen(), chosen.settings.profile());
         self.say(match now {
-            (_, Profile::Thesis) => "the thesis has a balance alone: 2 and 3 have more",
-            (Listen::Full, _) => "all is heard: loudness, echoes, reverberation",
-            (Listen::Balance, _) => "the balance alone is heard",
+            (_, Profile::Thesis) => "the thesis has only a balance: 2 and 3 have more",
+            (Listen::Full, _) => "full sound: loudness, echoes, reverberation",
+            (Listen::Balance, _) => "only the balance is heard",
         });
     }
 
     fn pick_up(&mut self) {
         self.world.pick_up_or_put_down();
         self.say(if self.world.carrying {
-            "the source comes along: F puts it down"
+            "carrying the source: F puts it down"
         } else {
             "the source stays here"
         });
@@ -160,11 +160,11 @@ impl App {
         let told = match self.speaker.record(path.as_deref()) {
             Ok(lost) => match (path, lost) {
                 (Some(path), _) if !self.sound.is_heard => format!(
-                    "recording to {} what is heard: nothing, without a sound device",
+                    "recording to {}: only silence, without a sound device",
                     path.display()
                 ),
                 (Some(path), _) => format!("recording to {}", path.display()),
-                (None, 0) => "the recording is whole".to_owned(),
+                (None, 0) => "the recording is complete".to_owned(),
                 (None, lost) => format!("the recording lacks {lost} frames: the disk was too slow"),
             },
             Err(reason) => {

@@ -1,33 +1,33 @@
-//! Holding the frame's time: how coarse the picture, and how many waves.
+//! Keeps the frame time: chooses the picture's resolution and the number of waves.
 //!
-//! Pure functions of what was measured. Going down is quick and going up is slow, and
-//! there is a gap between the two, so that nothing swings.
+//! Pure functions of the measurements. Going down is quick and going up is slow, with a gap between the two to prevent
+//! oscillation.
 
 use crate::stats::median;
 
-/// Sides of the grid of waves that the control chooses from. The first is the floor: of fewer
-/// than 4,096 waves a few dozen are heard, and the pan of another few dozen is another one.
+/// Sides of the grid of waves that the control chooses from. The first is the minimum: of fewer than 4,096 waves only a
+/// few dozen are heard, too few for a stable pan.
 const SIDES: [u32; 11] = [64, 96, 128, 192, 256, 384, 512, 768, 1024, 1448, 2048];
 
-/// Waves that the control, and the slider for them, go to.
+/// Maximum number of waves that the control and the slider choose.
 pub const MOST_WAVES: u32 = 1 << 20;
 
-/// Pixels drawn for each of the window's, along one side, that the control chooses from.
+/// Ratios of the picture's resolution to the window's, along one side, that the control chooses from.
 pub const SCALES: [f32; 8] = [0.2, 0.25, 0.33, 0.4, 0.5, 0.65, 0.8, 1.0];
 
-/// Frames that are looked at before anything is changed.
+/// Frames to measure before anything is changed.
 const FRAMES: usize = 6;
 
-/// Frames with spare time before more is requested.
+/// Frames with spare time before the cost is raised.
 const FRAMES_TO_SPARE: usize = 18;
 
-/// Above this share of the time that is to be held, less is done.
+/// Above this share of the target time the cost is lowered.
 const FULL: f64 = 0.92;
 
-/// What a change for more may fill the time to, as foreseen.
+/// Share of the target time that the predicted time may fill after the cost is raised.
 const ROOM: f64 = 0.80;
 
-/// What the control found out of one choice from a ladder of costs.
+/// The recent measurements for one choice from a ladder of costs.
 #[derive(Clone, Debug, Default)]
 pub struct Control {
     whole: Vec<f64>,
@@ -35,8 +35,7 @@ pub struct Control {
 }
 
 impl Control {
-    /// Takes in one frame: its whole time, and the part of it that the choice pays for, in
-    /// milliseconds.
+    /// Adds one frame: its whole time, and the part of it that depends on the choice, in milliseconds.
     pub fn add(&mut self, whole: f64, part: f64) {
         self.whole.push(whole);
         self.part.push(part);
@@ -46,8 +45,8 @@ impl Control {
         }
     }
 
-    /// The choice to go on with. `costs` are those of the ladder's steps in any unit,
-    /// growing; `now` is the step in use; `target` the milliseconds to hold.
+    /// Returns the step to use from now on. `costs` are those of the ladder's steps in any unit, growing; `now` is the
+    /// step in use; `target` the frame time to keep, in milliseconds.
     pub fn choose(&mut self, costs: &[f64], now: usize, target: f64) -> usize {
         let now = now.min(costs.len().saturating_sub(1));
         if self.whole.len() < FRAMES || costs.is_empty() {
@@ -74,7 +73,7 @@ impl Control {
         chosen
     }
 
-    /// Forgets what was measured: something else has changed.
+    /// Clears the measurements after something else has changed.
     pub fn forget(&mut self) {
         self.whole.clear();
         self.part.clear();
@@ -87,7 +86,7 @@ fn recent(times: &[f64]) -> f64 {
     median(times[first..].iter().copied())
 }
 
-/// The counts of waves to choose from, those allowed alone.
+/// Returns the selectable numbers of waves up to `most`.
 pub fn wave_ladder(most: u32) -> Vec<u32> {
     SIDES
         .iter()
@@ -96,8 +95,7 @@ pub fn wave_ladder(most: u32) -> Vec<u32> {
         .collect()
 }
 
-/// The step of a growing ladder that is next to a value from below; the first where all
-/// are above.
+/// Returns the largest step of a growing ladder that does not exceed a value; the first if all exceed it.
 pub fn step_of<T: PartialOrd>(ladder: &[T], value: T) -> usize {
     ladder
         .iter()
@@ -105,7 +103,7 @@ pub fn step_of<T: PartialOrd>(ladder: &[T], value: T) -> usize {
         .unwrap_or_default()
 }
 
-/// What a scale costs: its pixels.
+/// The costs of the scales: their numbers of pixels.
 pub fn scale_costs() -> Vec<f64> {
     SCALES
         .iter()
@@ -119,7 +117,8 @@ mod tests {
 
     const TARGET: f64 = 33.3;
 
-    /// Runs a machine that needs `fixed` milliseconds and `whole` at the ladder's end; the steps it went through.
+    /// Simulates a machine that needs `fixed` milliseconds plus `full` at the ladder's end; returns the steps it went
+    /// through.
     fn run(fixed: f64, full: f64, start: usize, frames: usize) -> Vec<usize> {
         let costs = scale_costs();
         let mut control = Control::default();
@@ -136,8 +135,8 @@ mod tests {
         steps
     }
 
-    /// Protects the frame time: whatever the machine, it ends below the target and where one step more would not
-    /// fit, and does not swing there.
+    /// Protects the frame time: on every machine the control ends below the target, where one step more would not fit,
+    /// and does not oscillate there.
     #[test]
     fn the_control_settles_at_the_most_that_fits() {
         let costs = scale_costs();
@@ -154,7 +153,7 @@ mod tests {
         }
     }
 
-    /// Protects a machine that can hold nothing: it stays at the minimum, and a quick one goes down at once.
+    /// Protects a machine that cannot reach the target: it stays at the minimum, and a quick one goes down at once.
     #[test]
     fn the_least_is_the_least() {
         assert_eq!(*run(100.0, 10.0, 4, 60).last().unwrap(), 0);

@@ -28,21 +28,20 @@ use winit::event_loop::{ActiveEventLoop, ControlFlow};
 use winit::keyboard::{KeyCode, PhysicalKey};
 use winit::window::WindowId;
 
-/// The least time between two frames by default: most screens show
-/// no more.
+/// The least time between two frames by default: most screens show no more frames.
 const LEAST_INTERVAL: Duration = Duration::from_micros(16_600);
 
-/// Radians that the gaze turns for a pixel of the mouse.
+/// Radians that the gaze turns per pixel of mouse movement.
 const MOUSE: f64 = 0.0025;
 
-/// The scale of the picture to begin with, on a software renderer.
+/// The initial scale of the picture on a software renderer.
 const FIRST_SCALE: f32 = 0.4;
 
-/// Everything that needs the window. The fields go in this order: the window last.
+/// Everything that needs the window. Fields are dropped in this order: the window last.
 pub(super) struct Stage {
     pub view: View,
     pub tracer: Tracer,
-    /// For the few waves whose paths are shown; another count than the frame's.
+    /// Traces the few waves whose paths are shown; their number differs from the frame's.
     pub path_tracer: Tracer,
     pub window: DemoWindow,
 }
@@ -54,34 +53,34 @@ pub(super) struct App {
     pub world: World,
     /// The scene before this one, until this one has been drawn.
     pub previous: Option<Before>,
-    /// The scene that was chosen last, until one can walk in it.
+    /// The scene that was chosen last, until it is ready.
     pub coming: Option<Coming>,
-    /// The scene's file, if it is one.
+    /// Follows the scene's file, if it is one.
     pub follower: Option<Follower>,
     /// Scene files that can be chosen.
     pub files: Files,
     pub pressed: PressedKeys,
     pub mouse_looks: bool,
     mouse: Mouse,
-    /// Where the pointer is, in pixels.
+    /// The pointer's position in pixels.
     pointer: Option<[f64; 2]>,
-    /// Where the mouse was pressed, until the panels have been laid out again.
+    /// The positions of mouse presses since the panels were laid out last.
     pub presses: Vec<[f64; 2]>,
     pub plan: Plan,
     pub paths: Paths,
     pub heard: Option<Frame>,
-    /// The settings of the frame of waves that was begun last.
+    /// The settings of the frame of waves that was started last.
     pub under_way: Settings,
-    /// Whether that frame is of a scene that has gone.
+    /// Whether that frame belongs to a scene that was replaced.
     pub begins_anew: bool,
-    /// Milliseconds that the last frame of waves took in all.
+    /// Milliseconds that the last frame of waves took in total.
     pub on_waves: f64,
-    /// Frames in a row whose waves took too long.
+    /// Number of consecutive frames whose waves took too long.
     pub late: u32,
     pub drawn: Drawn,
     /// GL_RENDERER, once the window is open.
     pub renderer: String,
-    /// The window's size in pixels, as it was drawn last.
+    /// The window's size in pixels when it was drawn last.
     pub window: [u32; 2],
     pub scale_step: usize,
     pub scale_control: Control,
@@ -89,9 +88,9 @@ pub(super) struct App {
     pub latency: Latency,
     pub recorder: Recorder,
     pub speaker: Speaker,
-    /// The thread that traces sound in full, once that was requested.
+    /// The thread for full listening, once requested.
     pub ears: Option<Ears>,
-    /// What the speaker plays in full, if it does.
+    /// The present source of the player, if it plays in full.
     pub in_full: Option<InFull>,
     pub ears_status: EarsStatus,
     pub sound: SoundStatus,
@@ -101,11 +100,11 @@ pub(super) struct App {
     pub stage: Option<Stage>,
     pub started: Instant,
     pub last: Instant,
-    /// When the last frame began: the window's events were looked at just before.
+    /// When the last frame began: the window's events were processed just before.
     pub looked: Instant,
     next: Instant,
     is_over: bool,
-    /// The connection to the display, if its end can be survived.
+    /// The connection to the display, if the program can survive its end.
     pub connection: Option<Connection>,
     outcome: Result<Report, DemoError>,
 }
@@ -177,7 +176,7 @@ impl App {
         Ok(report)
     }
 
-    /// Shows a line for a while.
+    /// Shows a message for a while.
     pub fn say(&mut self, text: impl Into<String>) {
         self.message = Some((text.into(), Instant::now()));
     }
@@ -187,7 +186,7 @@ impl App {
         self.options.check_gl || cfg!(debug_assertions)
     }
 
-    /// Frames after which GL reported an error; none where they are not queried.
+    /// Number of frames after which GL reported an error; none if errors are not queried.
     pub fn gl_errors(&self) -> Option<u64> {
         self.checks_gl().then_some(self.recorder.gl_errors)
     }
@@ -222,7 +221,7 @@ impl App {
         Ok(())
     }
 
-    /// Whether the requested time or number of frames is reached with the next frame.
+    /// Whether the next frame reaches the requested time or number of frames.
     pub fn is_last_frame(&self) -> bool {
         let frames = self.options.frames;
         let seconds = self.options.seconds;
@@ -237,9 +236,9 @@ impl App {
         self.is_over = true;
     }
 
-    /// A key goes up or down. `is_synthetic` says that it was down already when the window
-    /// got the keyboard: it was pressed for another one, and does nothing at once here; who
-    /// holds W walks.
+    /// Handles a key press or release. `is_synthetic` means that the key was already down when the
+    /// window got the keyboard: it was pressed for another window, so it triggers no action, but a
+    /// held W walks.
     fn key(&mut self, event: &KeyEvent, is_synthetic: bool) {
         let PhysicalKey::Code(key) = event.physical_key else {
             return;
@@ -264,7 +263,7 @@ impl App {
         }
     }
 
-    /// Lets the mouse look about, or gives it back.
+    /// Starts or ends looking around with the mouse.
     pub fn look_by_mouse(&mut self, wanted: bool) {
         if let Some(stage) = &self.stage
             && wanted != self.mouse_looks
@@ -273,7 +272,7 @@ impl App {
         }
     }
 
-    /// The pointer has moved.
+    /// Handles a movement of the pointer.
     fn point(&mut self, to: [f64; 2]) {
         self.pointer = Some(to);
         let Some(stage) = &self.stage else {
@@ -291,8 +290,8 @@ impl App {
         }
     }
 
-    /// The left button goes down: whatever lies there is clicked, or the mouse looks about.
-    /// Where the pointer came just now, panels know of it only in the next frame.
+    /// Handles a press of the left button: it clicks a panel, or starts looking around with the
+    /// mouse. Panels receive a new pointer position only in the next frame.
     fn press(&mut self) {
         if self.mouse_looks {
             self.look_by_mouse(false);
@@ -311,7 +310,7 @@ impl App {
         self.connection.as_ref().is_some_and(Connection::is_gone)
     }
 
-    /// The end: what was measured, while the window is still there.
+    /// Finishes the run: reports the measurements while the window still exists.
     pub fn close(&mut self) {
         let stage = self.stage.take();
         let is_gone = self.is_display_gone();
@@ -320,7 +319,7 @@ impl App {
             return;
         }
         if is_gone {
-            // What failed because nobody answers any more has no other reason.
+            // If the display server is gone, that is the cause of all errors.
             let report = Box::new(self.report());
             self.outcome = Err(DemoError::DisplayGone { report });
         } else if self.outcome.is_ok() {
@@ -343,7 +342,7 @@ impl App {
     }
 }
 
-/// Whether an event begins something. The end of something goes to the receiver of its beginning.
+/// Whether an event begins something. The event that ends it goes to the same receiver.
 fn begins_something(event: &WindowEvent) -> bool {
     match event {
         WindowEvent::KeyboardInput { event, .. } => event.state == ElementState::Pressed,
@@ -375,7 +374,7 @@ impl ApplicationHandler for App {
         };
         let is_tab = matches!(&event, WindowEvent::KeyboardInput { event, .. }
             if event.physical_key == PhysicalKey::Code(KeyCode::Tab));
-        // Tab would move egui's focus about, and every key with it.
+        // Tab would move egui's keyboard focus, which would then take all keys.
         let hides_from_panels = is_tab || self.mouse_looks && begins_something(&event);
         let is_theirs = !hides_from_panels && stage.window.on_event(&event).consumed;
         match event {
@@ -390,7 +389,7 @@ impl ApplicationHandler for App {
                 self.pressed.clear();
                 self.look_by_mouse(false);
             }
-            // A key that goes up always counts, whoever saw it go down.
+            // A key release always counts, whoever received the press.
             WindowEvent::KeyboardInput {
                 event,
                 is_synthetic,
@@ -430,7 +429,8 @@ impl ApplicationHandler for App {
     }
 
     fn exiting(&mut self, _: &ActiveEventLoop) {
-        // The connection to the display goes after this, and the window must go before.
+        // The connection to the display is dropped after this, and the window must be dropped
+        // before it.
         self.close();
     }
 }

@@ -1,10 +1,8 @@
-//! The connection to the X server, which may end at any time: the server is stopped, or the
-//! network to it goes.
+//! The connection to the X server, which may end at any time: the server is stopped, or the network fails.
 //!
-//! Xlib then ends the process by itself (`XIOError`), and winit panics where it expects an
-//! answer. Here Xlib is made to continue with the broken connection (`XSetIOErrorExitHandler`,
-//! from libX11 1.7 on; an older one still ends the process, with exit code 1), and a panic on
-//! a broken connection is the end of the event loop.
+//! Xlib then ends the process by itself (`XIOError`), and winit panics where it expects an answer. Here Xlib is made to
+//! continue with the broken connection (`XSetIOErrorExitHandler`, from libX11 1.7 on; an older one still ends the
+//! process, with exit code 1), and a panic on a broken connection ends the event loop.
 
 use libloading::Library;
 use std::any::Any;
@@ -16,7 +14,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use winit::event_loop::{EventLoop, OwnedDisplayHandle};
 use winit::raw_window_handle::{HasDisplayHandle, RawDisplayHandle};
 
-/// Whether Xlib has found a connection broken. Xlib has one handler a process.
+/// Whether Xlib has found a connection broken. Xlib has one handler per process.
 static IS_BROKEN: AtomicBool = AtomicBool::new(false);
 
 type XDisplay = *mut c_void;
@@ -28,8 +26,8 @@ type SetIoErrorExitHandler = unsafe extern "C" fn(XDisplay, IoErrorExitHandler, 
 type GetXcbConnection = unsafe extern "C" fn(XDisplay) -> *mut c_void;
 type ConnectionHasError = unsafe extern "C" fn(*mut c_void) -> c_int;
 
-/// A connection that outlives its server. The fields go in this order: what keeps the
-/// connection open last.
+/// A connection that outlives its server. Fields are dropped in this order: the handle that keeps the connection open
+/// last.
 #[derive(Clone)]
 pub struct Connection(Arc<Inner>);
 
@@ -46,7 +44,7 @@ unsafe impl Send for Inner {}
 // SAFETY: as above.
 unsafe impl Sync for Inner {}
 
-/// Takes the error down instead of printing it.
+/// Records the error instead of printing it.
 extern "C" fn take_down(_: XDisplay) -> c_int {
     IS_BROKEN.store(true, Ordering::Release);
     0
@@ -56,8 +54,8 @@ extern "C" fn take_down(_: XDisplay) -> c_int {
 extern "C" fn go_on(_: XDisplay, _: *mut c_void) {}
 
 impl Connection {
-    /// The event loop's connection; none where it is not of Xlib, or a library lacks what is
-    /// needed: then the process ends with the server.
+    /// Returns the event loop's connection; none if it is not an Xlib connection, or a library lacks a needed function:
+    /// then the process ends with the server.
     pub fn of(events: &EventLoop<()>) -> Option<Connection> {
         let open = events.owned_display_handle();
         let RawDisplayHandle::Xlib(handle) = open.display_handle().ok()?.as_raw() else {
@@ -99,8 +97,7 @@ impl Connection {
         has_error || IS_BROKEN.load(Ordering::Acquire)
     }
 
-    /// What `run` returns; none where it panicked because the server is gone. Any other panic
-    /// continues.
+    /// Returns the result of `run`; none if it panicked because the server is gone. Any other panic continues.
     pub fn outlive<T>(&self, run: impl FnOnce() -> T) -> Option<T> {
         let usual = Arc::new(take_hook());
         let (connection, at_panic) = (self.clone(), usual.clone());
@@ -110,7 +107,7 @@ impl Connection {
             }
         }));
         let ran = catch_unwind(AssertUnwindSafe(run));
-        // The one that was there before comes back.
+        // Restores the previous hook.
         drop(take_hook());
         if let Ok(usual) = Arc::try_unwrap(usual) {
             set_hook(usual);

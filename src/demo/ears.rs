@@ -1,9 +1,8 @@
-//! What is heard in full: a thread with its own renderer follows the scene, and passes what
-//! arrives at the listener to the sound.
+//! Full listening: a thread with its own renderer follows the scene, and passes what arrives at the listener to the
+//! player.
 //!
-//! Its pace is its own: pictures do not wait for it, and it does not wait for them. Echoes are those of
-//! its last look at the scene and glide to the next; the late part is made again four times a second at
-//! the most.
+//! It runs at its own pace: neither it nor the pictures wait for the other. Echoes are those of its last trace of the
+//! scene and glide to the next; the late part is computed again at most four times a second.
 
 #[cfg(feature = "audio")]
 use crate::audio::{SoundSpec, StereoSignal, StereoSource};
@@ -21,38 +20,38 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-/// On a software renderer it rests so long after each look, of the time that this took: the picture
-/// wants the cores too.
+/// On a software renderer the thread rests after each trace, for this multiple of the time it took: the picture needs
+/// the cores too.
 const REST: f64 = 1.0;
 
-/// How often it requests an update.
+/// Interval between checks for an update.
 const GLANCE: Duration = Duration::from_millis(4);
 
-/// What there is to be heard.
+/// The scene and settings to listen to.
 struct Wanted {
     scene: Scene,
     settings: Settings,
 }
 
-/// What both threads hold.
+/// State shared by both threads.
 #[derive(Default)]
 struct Shared {
     wanted: Mutex<Option<Wanted>>,
     status: Mutex<EarsStatus>,
     #[cfg(feature = "audio")]
     remote: Mutex<Option<PlayerRemote>>,
-    /// Whether a player waits for something to play.
+    /// Whether a player waits for its first response.
     is_waited_for: AtomicBool,
     is_over: AtomicBool,
 }
 
-/// The ears: dropping them ends their thread.
+/// The handle of the listening thread: dropping it ends the thread.
 pub struct Ears {
     shared: Arc<Shared>,
     thread: Option<JoinHandle<()>>,
 }
 
-/// Locks a value; each is whole whatever a thread that panicked did.
+/// Locks a value even if a thread panicked: each value is always complete.
 fn lock<T>(value: &Mutex<T>) -> MutexGuard<'_, T> {
     value.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -77,7 +76,7 @@ impl Ears {
         }
     }
 
-    /// What is to be heard from now on.
+    /// Sets the scene and settings to listen to from now on.
     pub fn hear(&self, scene: &Scene, settings: &Settings) {
         *lock(&self.shared.wanted) = Some(Wanted {
             scene: scene.clone(),
@@ -85,19 +84,19 @@ impl Ears {
         });
     }
 
-    /// Its status.
+    /// The status of the thread.
     pub fn status(&self) -> EarsStatus {
         lock(&self.shared.status).clone()
     }
 
-    /// The sources of a scene as two channels, each with its own sound: as `spec` where that is a
-    /// file or a sine, else each with another voice or noise.
+    /// Plays the sources of a scene as two channels, each with its own sound: `spec` if that is a file or a sine, else
+    /// each with another voice or noise.
     #[cfg(feature = "audio")]
     pub fn source(&self, scene: &Scene, spec: &SoundSpec) -> StereoSource {
         let shared = Arc::clone(&self.shared);
         let (scene, spec) = (scene.clone(), spec.clone());
         StereoSource::new(move |rate_hz| -> Box<dyn StereoSignal> {
-            // A device at a rate that no response is made for stays silent.
+            // A device with a sample rate that responses do not support stays silent.
             let Ok((player, remote)) = player(&scene, &spec, rate_hz) else {
                 return Box::new(Unheard);
             };
@@ -108,7 +107,7 @@ impl Ears {
     }
 }
 
-/// Silence.
+/// A silent source.
 #[cfg(feature = "audio")]
 struct Unheard;
 
@@ -121,13 +120,13 @@ impl Drop for Ears {
     fn drop(&mut self) {
         self.shared.is_over.store(true, Relaxed);
         if let Some(thread) = self.thread.take() {
-            // If it panicked there is nothing left to end.
+            // If the thread panicked, it has already ended.
             let _ = thread.join();
         }
     }
 }
 
-/// The thread's own.
+/// The state of the thread.
 struct Looking<'a> {
     shared: &'a Shared,
     hearing: Hearing,
@@ -152,7 +151,7 @@ impl<'a> Looking<'a> {
                 continue;
             };
             let began = Instant::now();
-            // What cannot be heard in full is told; the next scene may be.
+            // An error is reported; the next scene may be traceable.
             if let Err(error) = self.look(&wanted) {
                 lock(&self.shared.status).error = Some(error.to_string());
             }
@@ -169,7 +168,7 @@ impl<'a> Looking<'a> {
         self.hearing.is_new(scene, settings, is_waited_for)
     }
 
-    /// Traces what is heard of every source, and passes it to the player.
+    /// Traces every source, and passes the responses to the player.
     fn look(&mut self, wanted: &Wanted) -> Result<(), Error> {
         let is_waited_for = self.shared.is_waited_for.swap(false, Relaxed);
         let (scene, settings) = (&wanted.scene, &wanted.settings);
@@ -183,7 +182,7 @@ impl<'a> Looking<'a> {
     }
 }
 
-/// Passes what is heard of a source to the player, if there is one.
+/// Passes the response of a source to the player, if there is one.
 #[cfg(feature = "audio")]
 fn tell(shared: &Shared, found: &Found) -> Result<(), Error> {
     let Some(spec) = lock(&shared.remote).as_ref().map(PlayerRemote::spec) else {
@@ -194,7 +193,7 @@ fn tell(shared: &Shared, found: &Found) -> Result<(), Error> {
         true => Heard::new(response, axes, spec, NOISE_SEED)?,
         false => Heard::of_paths(&response.paths, axes, spec)?,
     };
-    // Another player may have come meanwhile: it asks for what it plays.
+    // The player may have been replaced meanwhile: it then requests its own responses.
     if let Some(remote) = lock(&shared.remote).as_mut()
         && remote.spec() == spec
         && found.source < remote.source_count()

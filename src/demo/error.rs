@@ -1,37 +1,37 @@
 //! Errors of the window.
 
-/// A window that cannot be shown, or has to be closed.
+/// A window that cannot be shown, or must be closed.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum DemoError {
     /// There is no display to show a window on.
     #[error("no display: {reason}; all commands but demo run without one")]
     NoDisplay {
-        /// What is missing.
+        /// The missing part.
         reason: String,
     },
-    /// The display is there, but shows no window.
+    /// The display exists, but cannot show a window.
     #[error("cannot open a window: {reason}")]
     NoWindow {
-        /// What it answered.
+        /// The display's error.
         reason: String,
     },
-    /// The display server has gone while the window was open.
+    /// The display server ended while the window was open.
     #[error("the display server has gone, and the window with it")]
     DisplayGone {
-        /// What was measured until then.
+        /// The measurements until then.
         report: Box<super::Report>,
     },
     /// A scene, settings or a renderer that do not work.
     #[error("{}", sentence(.0))]
     Failed(#[from] crate::Error),
-    /// A recording that could not be ended whole.
+    /// A recording that could not be completed.
     #[error("the recording is incomplete: {reason}")]
     Recording {
-        /// Why.
+        /// The reason.
         reason: String,
     },
-    /// What was to be written cannot be.
+    /// An output that cannot be written.
     #[error(transparent)]
     Write(#[from] crate::file_output::OutputError),
 }
@@ -42,7 +42,7 @@ impl From<crate::gpu::GpuError> for DemoError {
     }
 }
 
-/// An error in one line: of a driver's log only the first line is included.
+/// Formats an error in one line: only the first line of a driver's log is included.
 pub fn sentence(error: &impl std::fmt::Display) -> String {
     let text = error.to_string();
     let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty());

@@ -1,15 +1,15 @@
-//! Scene files that can be chosen: a list of those seen and those beside them.
+//! Scene files that can be chosen: those seen and those in the same folders.
 
 use crate::scene::BUILTIN_NAMES;
 use std::path::Path;
 
-/// Files that are listed at most.
+/// Maximum number of files listed.
 const LISTED: usize = 100;
-/// Entries of a folder that are looked at for scene files at most: a scene may lie in a
-/// folder of anything.
+/// Maximum number of entries of a folder that are searched for scene files: a scene may lie in a folder with many other
+/// files.
 const LOOKED_AT: usize = 4096;
 
-/// Scene files that can be chosen: those seen in this run, and those that lie beside them.
+/// Scene files that can be chosen: those seen in this run, and those in the same folders.
 #[derive(Debug, Default)]
 pub struct Files {
     seen: Vec<String>,
@@ -17,7 +17,7 @@ pub struct Files {
 }
 
 impl Files {
-    /// A scene was opened or saved: a built-in one is no file.
+    /// Adds a scene that was opened or saved; a built-in one is not a file.
     pub fn add(&mut self, name: &str) {
         if BUILTIN_NAMES.contains(&name) {
             return;
@@ -35,12 +35,12 @@ impl Files {
         }
     }
 
-    /// All of them: those seen first, in the order in which they were.
+    /// All files: those seen first, in the order in which they were seen.
     pub fn all(&self) -> &[String] {
         &self.all
     }
 
-    /// Those seen in this run.
+    /// The files seen in this run.
     pub fn seen(&self) -> &[String] {
         &self.seen
     }
@@ -65,7 +65,7 @@ fn scene_files(folder: &Path) -> Vec<String> {
     files
 }
 
-/// Whether a file's name ends so, in capitals or not.
+/// Whether a file's name has this ending, in upper or lower case.
 pub fn is_of(file: &Path, ending: &str) -> bool {
     file.extension()
         .is_some_and(|found| found.eq_ignore_ascii_case(ending))
@@ -75,8 +75,8 @@ pub fn is_of(file: &Path, ending: &str) -> bool {
 mod tests {
     use super::*;
 
-    /// Protects a scene given as a file from being lost once another was chosen: it stays in the list, first, and
-    /// the scene files beside it follow.
+    /// Protects a scene given as a file from being lost once another was chosen: it stays first in the list, and the
+    /// scene files beside it follow.
     #[test]
     fn files_seen_stay_in_the_list() {
         let folder = tempfile::tempdir().unwrap();

@@ -1,5 +1,5 @@
-//! Scenes in waiting: the file that is watched, the scene before the present one, and the next
-//! one until its users' fields were tried.
+//! Watches the scene's file, and keeps the previous scene and the next one until its users' fields
+//! were tried.
 
 use crate::error::Error;
 use crate::scene::{BUILTIN_NAMES, Scene};
@@ -7,7 +7,8 @@ use crate::trace::{Opening, Pass, Profile, Reloading, Settings, shader_text};
 use crate::walkthrough::World;
 use std::time::Instant;
 
-/// What a scene is drawn and heard by: the picture, and every profile that a key chooses.
+/// The programs that a scene needs: that of the picture, and one for every profile that a key
+/// chooses.
 pub const PROGRAMS: [fn(&Scene) -> String; 4] = [
     crate::walkthrough::view_text,
     |scene| march_text(scene, Profile::Hybrid),
@@ -23,12 +24,12 @@ fn march_text(scene: &Scene, profile: Profile) -> String {
 pub struct Follower {
     pub reloading: Reloading,
     pub looked: Instant,
-    /// Why the files as they are now cannot be taken.
+    /// The reason why the present files cannot be used.
     pub refused: Option<String>,
 }
 
 impl Follower {
-    /// Follows a scene that one walks in from now on.
+    /// Follows a scene that is walked in from now on.
     pub fn of(reloading: Reloading) -> Follower {
         Follower {
             reloading,
@@ -38,21 +39,20 @@ impl Follower {
     }
 }
 
-/// The scene before the one that has just come.
+/// The scene before the present one.
 pub struct Before {
-    /// As it stood.
+    /// Its state when it was left.
     pub world: World,
-    /// Its follower, where it was another scene; none where the same file has changed.
+    /// Its follower, if it was another scene; none if the same file has changed.
     pub other: Option<Option<Follower>>,
 }
 
-/// A scene that was chosen, until it is known whether its users' fields can be used. Dropping it
-/// ends their trial.
+/// A scene that was chosen, until its users' fields were tried. Dropping it ends the trial.
 pub struct Coming {
     pub world: World,
     /// The message shown once the scene is open.
     pub told: String,
-    /// None of a built-in scene.
+    /// None for a built-in scene.
     opening: Option<Opening>,
 }
 
@@ -88,7 +88,7 @@ impl Coming {
         }
     }
 
-    /// The scene, and what follows its file.
+    /// Returns the scene, and the follower of its file.
     pub fn arrive(self) -> (World, Option<Follower>) {
         let follower = self.opening.map(|opening| Follower::of(opening.follow()));
         (self.world, follower)

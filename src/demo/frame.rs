@@ -13,22 +13,22 @@ use crate::walkthrough::{Drawn, PATH_ITERATIONS};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// Frames from one set of paths to the next.
+/// Number of frames between two sets of paths.
 const PATHS_EVERY: u64 = 6;
-/// The share of a frame's time that waves are given which do not fit it.
+/// The share of a frame's time for waves that do not fit the frame.
 const SHARE_OF_WAVES: f64 = 0.4;
-/// The last frames, by which it is judged whether they do.
+/// The number of last frames that decide whether waves fit.
 const FRAMES_LOOKED_AT: usize = 10;
-/// Waves that take so many times the time of a frame are reported.
+/// Waves that take more than this multiple of the frame time are reported.
 const TOO_LONG: f64 = 2.0;
-/// Frames in a row that they have to: the first one compiles, and any may be delayed.
+/// Number of consecutive frames that must exceed it: the first one compiles, and any may be delayed.
 const TOO_OFTEN: u32 = 30;
 /// How long a message is shown.
 const MESSAGE: Duration = Duration::from_secs(4);
-/// Frames that are shown in the panels.
+/// Number of frames shown in the panels.
 const FRAMES_SHOWN: usize = 100;
 
-/// What a frame took beside its waves, in milliseconds.
+/// Time of a frame without its waves, in milliseconds.
 fn without_waves(times: &FrameTimes) -> f64 {
     times.work - times.waves - times.read_back
 }
@@ -38,7 +38,7 @@ fn milliseconds(from: Instant) -> f64 {
 }
 
 impl App {
-    /// Draws and traces one frame; the last one leaves a picture behind, if one is wanted.
+    /// Draws and traces one frame; the last one saves a screenshot, if requested.
     pub fn frame(&mut self, is_last: bool) -> Result<(), DemoError> {
         let Some(mut stage) = self.stage.take() else {
             return Ok(());
@@ -58,7 +58,7 @@ impl App {
         let size = stage.window.size();
         self.window = size;
         if size[0] == 0 || size[1] == 0 {
-            // Nothing can be seen; the ear goes on.
+            // The window is not visible; sound continues.
             let mut times = FrameTimes::default();
             self.waves(stage, &mut times)?;
             self.recorder.frame(times, self.seconds());
@@ -84,8 +84,8 @@ impl App {
         Ok(())
     }
 
-    /// A scene that was chosen is walked in once its users' fields were tried: until then the previous one
-    /// continues. It is checked first: nothing is known before of where its fields are solid.
+    /// Enters a chosen scene once its users' fields were tried; the previous scene continues until then. The new scene
+    /// is checked first: before that, the solid parts of its fields are unknown.
     fn try_new(&mut self, stage: &mut Stage) -> Result<(), DemoError> {
         if let Some(mut coming) = self.coming.take() {
             match coming.poll() {
@@ -106,7 +106,7 @@ impl App {
         }
     }
 
-    /// What is heard and seen of the scene.
+    /// Traces, draws and plays the scene.
     fn world_on(
         &mut self,
         stage: &mut Stage,
@@ -115,7 +115,7 @@ impl App {
     ) -> Result<(), DemoError> {
         self.waves(stage, times)?;
         let scale = match self.choices.picture_scale {
-            // Whoever fixes the size gets that size.
+            // A fixed size is used exactly.
             Some(fixed) => (fixed, false),
             None => (SCALES[self.scale_step], true),
         };
@@ -132,13 +132,13 @@ impl App {
             self.follow_paths(stage)?;
             times.paths = milliseconds(following);
         }
-        // What was begun in this frame may be there by now.
+        // A frame begun in this call may be finished already.
         self.collect(stage, false, times)?;
         self.previous = None;
         Ok(())
     }
 
-    /// A scene that cannot be drawn gives way to the one before it; without one it is the end.
+    /// Replaces a scene that cannot be drawn by the previous one; returns the error if there is none.
     fn fall_back(&mut self, error: DemoError) -> Result<(), DemoError> {
         let Some(before) = self.previous.take() else {
             return Err(error);
@@ -158,8 +158,8 @@ impl App {
         Ok(())
     }
 
-    /// Collects the waves of the last frame and begins those of this one; or continues
-    /// with waves that take longer than a frame may.
+    /// Collects the waves of the last frame and begins those of this one, or continues waves that take longer than one
+    /// frame.
     fn waves(&mut self, stage: &mut Stage, times: &mut FrameTimes) -> Result<(), DemoError> {
         let every = u64::from(self.choices.trace_every.max(1));
         let is_due = self.recorder.frames.is_multiple_of(every);
@@ -174,7 +174,7 @@ impl App {
             let settings = &self.choices.settings;
             stage.tracer.frame_begin(&self.world.now, settings)?;
             if self.begins_anew || self.under_way != *settings {
-                // Of these nothing is known yet.
+                // The time of these waves is not measured yet.
                 self.on_waves = 0.0;
             }
             self.under_way = settings.clone();
@@ -187,14 +187,14 @@ impl App {
             self.on_waves = self.on_waves.max(spent);
         }
         if stage.window.gl.context().is_software() {
-            // Elsewhere the card tells when the frame is collected.
+            // Elsewhere the card reports it when the frame is collected.
             times.waves += milliseconds(tracing);
         }
         Ok(())
     }
 
-    /// Milliseconds that the waves of one frame may take: all that a frame of them takes, if
-    /// the time holds that beside the rest; else a share of it.
+    /// Milliseconds that the waves of one frame may take: the time of a whole frame of waves, if it fits the frame time
+    /// beside the rest; else a share of the frame time.
     fn time_for_waves(&self) -> f64 {
         let target = self.options.frame_milliseconds;
         let share = SHARE_OF_WAVES * target;
@@ -205,13 +205,13 @@ impl App {
             .map(without_waves)
             .collect();
         if median(others) + self.on_waves <= target {
-            // Foreseen, not exactly known.
+            // A prediction, with a margin.
             return share.max(2.0 * self.on_waves);
         }
         share
     }
 
-    /// Takes what was heard, if it is there, to the speakers.
+    /// Passes the arrivals to the speakers, if a frame is finished.
     fn collect(
         &mut self,
         stage: &mut Stage,
@@ -223,7 +223,7 @@ impl App {
         } else {
             stage.tracer.frame_poll()?
         };
-        // What was begun for a scene that has gone is not heard.
+        // A frame of a replaced scene is discarded.
         let Some(frame) = frame.filter(|_| !self.begins_anew) else {
             return Ok(());
         };
@@ -300,7 +300,7 @@ impl App {
             .window
             .draw_panels(|ui| actions.extend(overlay::draw(ui, &hud, chosen, plan)));
         times.overlay = milliseconds(drawing);
-        // What still lies under no panel is the picture.
+        // Clicks outside all panels are on the picture.
         let on_picture = |at: &[f64; 2]| !stage.window.is_panel_at(*at);
         let looks = std::mem::take(&mut self.presses).iter().any(on_picture);
         if let Err(error) = self.choices.settings.validate() {
@@ -327,7 +327,7 @@ impl App {
             .sound(self.sound.gains_to_buffer, self.sound.buffer_to_device);
     }
 
-    /// Pictures of the window that are wanted now.
+    /// Saves the pictures of the window that were requested.
     fn pictures(&mut self, stage: &Stage, size: [u32; 2], is_last: bool) -> Result<(), DemoError> {
         if let Some(path) = self.picture_wanted.take() {
             keep_picture(stage, size, &path)?;
@@ -346,7 +346,7 @@ impl App {
         }
     }
 
-    /// Chooses the picture's scale and, if asked, the number of waves for the frames to come.
+    /// Chooses the picture's scale and, if requested, the number of waves for the next frames.
     fn adapt(&mut self, times: FrameTimes) {
         let target = self.options.frame_milliseconds;
         let every = self.choices.trace_every.max(1) as usize;
@@ -359,10 +359,10 @@ impl App {
         if self.late >= TOO_OFTEN && self.message.is_none() {
             self.late = 0;
             self.say(format!(
-                "the waves take {on_waves:.0} ms: T lets their number follow, [ halves it"
+                "the waves take {on_waves:.0} ms: T adapts their number to the frame time, [ halves it"
             ));
         }
-        // One change at a time: the other is measured anew after it.
+        // One change at a time: the other is measured again after it.
         if self.adapt_picture(work, times.picture) {
             self.wave_control.forget();
         } else if on_waves > 0.0 && self.adapt_waves(others, on_waves / every as f64) {
@@ -370,9 +370,9 @@ impl App {
         }
     }
 
-    /// Whether another scale of the picture was chosen.
+    /// Adapts the picture's scale; returns whether it changed.
     fn adapt_picture(&mut self, work: f64, on_picture: f64) -> bool {
-        // Panels and waves alone say nothing of the picture.
+        // A frame with only panels and waves gives no picture time.
         if !self.drawn.anew || self.choices.picture_scale.is_some() {
             return false;
         }
@@ -382,8 +382,8 @@ impl App {
         self.scale_step != before
     }
 
-    /// Whether another number of waves was chosen. A frame would take `on_waves` milliseconds
-    /// for them on average, were they traced in one piece, beside `others`.
+    /// Adapts the number of waves; returns whether it changed. `on_waves` is the average time of waves per frame in
+    /// milliseconds if traced in one piece, `others` that of the rest.
     fn adapt_waves(&mut self, others: f64, on_waves: f64) -> bool {
         if !self.choices.adapt_waves {
             return false;
@@ -392,7 +392,7 @@ impl App {
         let costs: Vec<f64> = ladder.iter().map(|&waves| f64::from(waves)).collect();
         let before = step_of(&ladder, self.choices.settings.waves);
         let target = self.options.frame_milliseconds;
-        // The rest is the picture's: it is drawn again when somebody moves.
+        // The remaining time is reserved for the picture, which is drawn again on every movement.
         let others = others.max((1.0 - SHARE_OF_WAVES) * target);
         self.wave_control.add(others + on_waves, on_waves);
         let chosen = self.wave_control.choose(&costs, before, target);
@@ -403,7 +403,7 @@ impl App {
 
 fn keep_picture(stage: &Stage, [width, height]: [u32; 2], path: &Path) -> Result<(), DemoError> {
     let mut pixels = stage.window.gl.read_rgba8(width, height)?;
-    // What is behind the window does not shine through.
+    // The picture is made opaque, so that nothing behind the window shows through.
     for pixel in pixels.chunks_exact_mut(4) {
         pixel[3] = 255;
     }

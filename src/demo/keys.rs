@@ -1,4 +1,4 @@
-//! Which key does what: the one list that the window follows and shows.
+//! The table of keys, which the window follows and shows.
 
 use crate::trace::Profile;
 use crate::walkthrough::MoveInput;
@@ -8,9 +8,9 @@ use winit::keyboard::KeyCode;
 /// A single request of a key, or of a button of the panels.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Action {
-    /// Another algorithm.
+    /// Change the algorithm.
     Profile(Profile),
-    /// Twice (1) or half (−1) as many waves.
+    /// Double (1) or halve (−1) the number of waves.
     Waves(i32),
     /// More or fewer iterations.
     Iterations(i32),
@@ -18,21 +18,21 @@ pub enum Action {
     PickUp,
     /// Hold the moving things, or let them go on.
     Pause,
-    /// Back to where the scene begins.
+    /// Back to the scene's initial state.
     StartOver,
-    /// So many scenes on in the list of built-in ones and files; back where negative.
+    /// Go this number of scenes on in the list of built-in ones and files; back if negative.
     NextScene(i32),
-    /// That scene.
+    /// Open this scene.
     Scene(String),
-    /// That named value of the scene, in the unit of its file.
+    /// Set this named value of the scene, in the unit of its file.
     Set(String, f32),
-    /// That sound.
+    /// Play this sound.
     Sound(String),
-    /// The balance in place of all that is heard, or back.
+    /// Switch between full listening and the balance.
     Listen,
-    /// That material for a surface, by its number from 0; none to reflect all.
+    /// Set the material of a surface, given by its number from 0; none reflects all.
     Material(usize, Option<String>),
-    /// Another panning law.
+    /// Change the panning law.
     Law,
     /// Sound off, or on.
     Mute,
@@ -48,15 +48,15 @@ pub enum Action {
     Help,
     /// Open or close the panels.
     Panels,
-    /// Let the waves follow the frame's time, or not.
+    /// Let the number of waves follow the frame time, or stop that.
     AdaptWaves,
-    /// Give the mouse back.
+    /// Free the mouse.
     FreeMouse,
     /// Close the window.
     Quit,
 }
 
-/// The keys as the help lists them: what is pressed, and what it does.
+/// The keys as the help lists them: the key, and its effect.
 pub const HELP: [(&str, &[(&str, &str)]); 3] = [
     (
         "Walk",
@@ -79,7 +79,7 @@ pub const HELP: [(&str, &[(&str, &str)]); 3] = [
             ("T", "number of waves follows frame time"),
             ("N  B", "next scene, the one before"),
             ("Drop a file", "that scene, or that sound"),
-            ("V", "hear all, or the balance alone"),
+            ("V", "full sound, or balance only"),
             ("L", "panning law of the balance"),
             ("M  −  +", "mute, softer, louder"),
         ],
@@ -101,7 +101,7 @@ pub const HELP: [(&str, &[(&str, &str)]); 3] = [
 pub const HINT: &str =
     "WASD walk    click look    F carry source    1 2 3 profile    F5 save    F1 help";
 
-/// What pressing a key requests.
+/// Returns the request of a pressed key.
 pub fn action(key: KeyCode, control: bool) -> Option<Action> {
     if control {
         return match key {
@@ -145,25 +145,25 @@ pub fn action(key: KeyCode, control: bool) -> Option<Action> {
 pub struct PressedKeys(HashSet<KeyCode>);
 
 impl PressedKeys {
-    /// A key goes down. With a control key it is a command and holds nothing, whichever of
-    /// the two goes up first.
+    /// Handles a key press. With a control key it is a command and is not held, whichever of the
+    /// two is released first.
     pub fn press(&mut self, key: KeyCode) {
         if !self.control() {
             self.0.insert(key);
         }
     }
 
-    /// Whether a key is down and holds.
+    /// Whether a key is held down.
     pub fn is_down(&self, key: KeyCode) -> bool {
         self.0.contains(&key)
     }
 
-    /// A key goes up.
+    /// Handles a key release.
     pub fn release(&mut self, key: KeyCode) {
         self.0.remove(&key);
     }
 
-    /// Releases all keys: no event reports it while another window has the keyboard.
+    /// Releases all keys: releases are not reported while another window has the keyboard.
     pub fn clear(&mut self) {
         self.0.clear();
     }
@@ -178,7 +178,7 @@ impl PressedKeys {
         self.either([KeyCode::ControlLeft, KeyCode::ControlRight])
     }
 
-    /// What the walker wants.
+    /// The movement requested by the held keys.
     pub fn input(&self) -> MoveInput {
         if self.control() {
             return MoveInput::default();
@@ -223,7 +223,7 @@ mod tests {
         assert!(pressed.input().is_rest() && !pressed.control());
     }
 
-    /// Protects the keys 1, 2 and 3 from the help's order, which names them.
+    /// Protects the keys 1, 2 and 3: the help names them in the order of the profiles.
     #[test]
     fn the_help_names_the_profiles_in_the_order_of_their_keys() {
         let keys = [KeyCode::Digit1, KeyCode::Digit2, KeyCode::Digit3];

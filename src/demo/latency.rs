@@ -1,12 +1,12 @@
-//! From a key to the ear: how long each part of the way takes.
+//! Latency from a key to the ear: the time of each part.
 
 use serde::Serialize;
 use std::time::{Duration, Instant};
 
-/// The share of the newest value in what is shown.
+/// The weight of the newest value in the value shown.
 const FRESH: f64 = 0.15;
 
-/// A value that glides after what is measured.
+/// A smoothed measurement.
 #[derive(Clone, Copy, Debug, Default)]
 struct Gliding(Option<f64>);
 
@@ -17,17 +17,17 @@ impl Gliding {
     }
 }
 
-/// The parts that were measured, in milliseconds; none that never were.
+/// The measured parts, in milliseconds; none for a part never measured.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Parts {
-    /// From a key or a movement of the mouse to the beginning of the frame that traces it, at
-    /// the most: it may have come at any time since the events were looked at before.
+    /// Maximum time from a key or mouse movement to the beginning of the frame that traces it: the
+    /// input may have come at any time since the events were processed before.
     pub input_to_trace: Option<f64>,
-    /// From there to what was heard, read back.
+    /// From there until the frame was read back.
     pub trace_to_read_back: Option<f64>,
-    /// From there until the sound's thread has taken the gains for its next buffer.
+    /// From there until the sound thread has taken the gains for its next buffer.
     pub gains_to_buffer: Option<f64>,
-    /// From there to the ear: what the sound device still holds, as it reports.
+    /// From there to the ear: the delay that the sound device reports.
     pub buffer_to_device: Option<f64>,
 }
 
@@ -41,7 +41,7 @@ impl Parts {
             .is_some()
     }
 
-    /// All parts that are known.
+    /// The sum of all known parts.
     pub fn total(&self) -> f64 {
         [
             self.input_to_trace,
@@ -55,10 +55,10 @@ impl Parts {
     }
 }
 
-/// Takes the times.
+/// Measures the latency.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Latency {
-    /// The first input that no trace has seen yet.
+    /// The first input that was not traced yet.
     input: Option<Instant>,
     begun: Option<Instant>,
     input_to_trace: Gliding,
@@ -68,12 +68,12 @@ pub struct Latency {
 }
 
 impl Latency {
-    /// Something was pressed or moved that changes what is heard, not before `at`.
+    /// Records an input at time `at` or later that changes what is heard.
     pub fn input(&mut self, at: Instant) {
         self.input.get_or_insert(at);
     }
 
-    /// A frame begins, which sees all input until now.
+    /// Records the begin of a frame, which includes all input until now.
     pub fn trace_begins(&mut self, at: Instant) {
         if let Some(input) = self.input.take() {
             self.input_to_trace.add(at.duration_since(input));
@@ -81,7 +81,7 @@ impl Latency {
         self.begun = Some(at);
     }
 
-    /// What was heard in the frame is there, and goes to the sound.
+    /// Records that the frame was read back and passed to the sound.
     pub fn read_back(&mut self, at: Instant) {
         if let Some(begun) = self.begun.take() {
             self.trace_to_read_back.add(at.duration_since(begun));
@@ -94,7 +94,7 @@ impl Latency {
         self.buffer_to_device = buffer_to_device;
     }
 
-    /// What is known so far.
+    /// The parts known until now.
     pub fn parts(&self) -> Parts {
         Parts {
             input_to_trace: self.input_to_trace.0,
@@ -109,7 +109,7 @@ impl Latency {
 mod tests {
     use super::*;
 
-    /// Protects the chain: the first of several inputs counts, each once, and parts add up.
+    /// Protects the chain: the first of several inputs counts, each only once, and parts add up.
     #[test]
     fn parts_follow_one_another() {
         let start = Instant::now();
@@ -120,7 +120,7 @@ mod tests {
         latency.input(after(9));
         latency.trace_begins(after(10));
         latency.read_back(after(25));
-        // A frame without input says nothing of the first part.
+        // A frame without input does not measure the first part.
         latency.trace_begins(after(40));
         latency.read_back(after(55));
         latency.sound(Some(5.0), None);

@@ -1,4 +1,4 @@
-//! From the ears to the speakers: what is played in full, and when it has to be made again.
+//! Passes full listening to the speakers: the player, and when it must be replaced.
 
 use super::app::App;
 use super::ears::Ears;
@@ -7,7 +7,7 @@ use crate::auralisation::Listen;
 use crate::gpu::ContextOptions;
 
 impl App {
-    /// Lets the speaker play what is listened to.
+    /// Switches the speaker to the chosen listening mode.
     pub fn listen(&mut self) {
         if self.choices.listen() == Listen::Balance {
             if self.in_full.take().is_some() {
@@ -22,7 +22,7 @@ impl App {
         if let Some(reason) = self.ears_status.error.take() {
             self.choices.chosen_listen = Some(Listen::Balance);
             self.ears = None;
-            self.tell(format!("the balance alone is heard: {reason}"));
+            self.tell(format!("only the balance is heard: {reason}"));
             return;
         }
         let scene = &self.world.now;

@@ -1,33 +1,31 @@
-//! The window: one walks through a scene and hears it.
+//! The window: an interactive walk through a scene with its sound.
 //!
-//! The picture is sphere traced with the very distance function that the waves march
-//! through, its camera is the listener. Waves are traced beside the pictures, a part at a time
-//! where they take long, and read back without waiting
-//! ([`Tracer::frame_begin`](crate::Tracer::frame_begin)); what was heard goes
-//! to the sound's thread. Panels show the plan, the levels, where the time
-//! goes, and hold the controls.
+//! The picture is sphere traced with the distance function that the waves march through, and its camera is the
+//! listener. Waves are traced beside the pictures, in parts if they take long, and read back without waiting
+//! ([`Tracer::frame_begin`](crate::Tracer::frame_begin)); the result goes to the sound thread. Panels show the plan,
+//! the levels and the frame times, and hold the controls.
 //!
 //! | file | what it does |
 //! | --- | --- |
 //! | `app` | events in, frames out |
-//! | `act` | what keys and buttons ask for |
+//! | `actions` | the actions of keys and buttons |
 //! | `frame` | one frame, part by part |
-//! | `window`, `display`, `mouse` | the window, its context, what draws the panels; the X server; the pointer |
+//! | `window`, `display`, `mouse` | the window, its context, the renderer of the panels; the X server; the pointer |
 //! | `overlay/` | the panels |
-//! | `state`, `keys` | what was chosen, which key does what |
-//! | `adapt` | how coarse the picture and how many waves, by the frame's time |
-//! | `latency`, `report`, `summary` | what is measured and reported |
-//! | `scenes`, `files` | another scene, the files to choose from |
-//! | `save` | scene files and `trace` calls |
-//! | `reload`, `follower` | a scene file that changes while one walks in it |
+//! | `state`, `keys` | the choices, the table of keys |
+//! | `adapt` | adapts the picture's resolution and the number of waves to the frame time |
+//! | `latency`, `report`, `summary` | measurements and reports |
+//! | `scenes`, `files` | the choice of the scene, the selectable files |
+//! | `save` | writes scene files and `trace` calls |
+//! | `reload`, `follower` | reloads a scene file when it changes |
 //! | `sound` | the speakers |
-//! | `ears`, `listening` | what is heard in full, on a thread of its own; and how it gets to the speakers |
+//! | `ears`, `listening` | full listening on a thread of its own; its connection to the speakers |
 //!
-//! Walking, the picture, the plan and its paths are those of a page in a browser too: see
+//! Walking, the picture, the plan and its paths are shared with the page in a browser: see
 //! [`walkthrough`](crate::walkthrough).
 //!
-//! Threads: everything that is seen is drawn and traced on the thread that calls [`run`], which must be
-//! the process' first. What is heard in full is traced on a thread and a context of its own.
+//! Threads: the picture is drawn and the waves are traced on the thread that calls [`run`], which must be the process'
+//! first. Full listening is traced on a thread and a context of its own.
 
 mod actions;
 mod adapt;
@@ -60,7 +58,7 @@ pub use options::{DemoOptions, OPENING_SCENE};
 pub use report::{EndPose, FrameTimes, InFullReport, Memory, PanAt, Report, Reread};
 pub use sound::SoundStatus;
 
-/// Opens the window and stays until it is closed.
+/// Opens the window and returns when it is closed.
 ///
 /// # Errors
 /// [`DemoError`]: a scene that cannot be traced, no display, no OpenGL.

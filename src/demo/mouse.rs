@@ -1,41 +1,40 @@
-//! The mouse while it looks about: places of the pointer in, turns of the gaze out.
+//! Mouse look: converts pointer positions to turns of the gaze.
 //!
 //! The pointer is kept in the window, out of sight, and put back into the middle before it
 //! meets the edge. The device's own movements are not used: X11 reports those twice to
 //! a window that grabs the pointer (winit's issue 2846), and some devices report positions instead.
 
-/// The pointer is put back once it is so far from the middle, as a share of the way to the
-/// edge.
+/// The pointer is put back when it is farther from the middle than this share of the distance to the edge.
 const FAR: f64 = 0.5;
 
-/// Follows the pointer.
+/// Tracks the pointer.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Mouse {
-    /// The pointer's last place, in pixels.
+    /// The pointer's last position, in pixels.
     at: Option<[f64; 2]>,
-    /// Where it was put, until an event reports it near there.
+    /// The position that it was put to, until an event reports it near there.
     put: Option<[f64; 2]>,
 }
 
-/// What a movement means.
+/// The effect of a movement.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Moved {
     /// Pixels to the right and down.
     pub by: [f64; 2],
-    /// Where the pointer is to be put now.
+    /// The position to put the pointer to now.
     pub put: Option<[f64; 2]>,
 }
 
 impl Mouse {
-    /// An event reports the pointer at `to`, in a window of that size in pixels; `looks` states
-    /// whether it is kept.
+    /// Handles an event that reports the pointer at `to`, in a window of the given size in pixels; `looks` states
+    /// whether the mouse is captured.
     pub fn moved(&mut self, to: [f64; 2], [width, height]: [u32; 2], looks: bool) -> Moved {
         let before = self.at.replace(to);
         let middle = [f64::from(width / 2), f64::from(height / 2)];
         let is_far = [0, 1]
             .iter()
             .any(|&axis| (to[axis] - middle[axis]).abs() > FAR * middle[axis]);
-        // Far off still, it is not yet told of having been put back.
+        // A pointer reported far from the middle has not been put back yet.
         let from = self.put.take_if(|_| !is_far || !looks).or(before);
         let Some(from) = from.filter(|_| looks) else {
             return Moved::default();
@@ -55,7 +54,7 @@ mod tests {
 
     const SIZE: [u32; 2] = [960, 540];
 
-    /// A pointer that a hand moves by steps, and that goes where it is put.
+    /// Simulates a pointer that a hand moves by steps and that can be put back; returns the sum of turns.
     fn turned(steps: &[[f64; 2]]) -> [f64; 2] {
         let mut mouse = Mouse::default();
         let mut at = [480.0, 270.0];
@@ -74,7 +73,7 @@ mod tests {
         sum
     }
 
-    /// Protects looking about for long: every pixel of the hand counts, once, and the pointer never meets the edge.
+    /// Protects long turns: every pixel of the hand's movement counts once, and the pointer never meets the edge.
     #[test]
     fn the_hand_may_go_on_in_one_direction() {
         assert_eq!(turned(&[[30.0, -8.0]; 100]), [3000.0, -800.0]);
@@ -82,7 +81,7 @@ mod tests {
         assert_eq!(turned(&[[5.0, 0.0], [0.0, 0.0], [-5.0, 1.0]]), [0.0, 1.0]);
     }
 
-    /// Protects the gaze from a leap where the pointer comes in, and from one that moves freely.
+    /// Protects the gaze from a leap when the pointer enters, and from a pointer that is not captured.
     #[test]
     fn a_free_pointer_turns_nothing() {
         let mut mouse = Mouse::default();
@@ -91,7 +90,7 @@ mod tests {
         assert_eq!(mouse.moved([501.0, 298.0], SIZE, true).by, [1.0, -2.0]);
     }
 
-    /// Protects against a pointer that cannot be put anywhere, and from putting it twice: it goes on as it is.
+    /// Protects against a pointer that cannot be put back, and from putting it twice: it keeps turning the gaze.
     #[test]
     fn a_pointer_that_stays_away_still_turns() {
         let mut mouse = Mouse::default();
@@ -100,7 +99,7 @@ mod tests {
             let moved = mouse.moved([x, 270.0], SIZE, true);
             assert_eq!((moved.by, moved.put), ([5.0, 0.0], put));
         }
-        // Told at last, after a movement of its own.
+        // Put back at last, after a movement of its own.
         assert_eq!(mouse.moved([483.0, 269.0], SIZE, true).by, [3.0, -1.0]);
     }
 }

@@ -9,12 +9,12 @@ use crate::scene::BUILTIN_NAMES;
 use crate::trace::{Opening, Reload, Tracer};
 use std::time::{Duration, Instant};
 
-/// From one look at the files to the next.
+/// Interval between two checks of the files.
 const BETWEEN_LOOKS: Duration = Duration::from_millis(100);
 
 impl App {
-    /// Checks the scene that the window opens with, and follows it if it is a file. The trial of
-    /// its fields is waited for: there is no other scene to show.
+    /// Checks the scene that the window opens with, and follows it if it is a file. This waits for
+    /// the trial of its fields, as there is no other scene to show.
     pub fn follow_first(&mut self, tracer: &mut Tracer) -> Result<(), Error> {
         let (name, settings) = (&self.world.name, &self.choices.settings);
         if !BUILTIN_NAMES.contains(&name.as_str()) {
@@ -32,16 +32,16 @@ impl App {
         Some(&coming.world.name)
     }
 
-    /// The message in the window during that.
+    /// The message in the window during the trial.
     pub fn trying(&self) -> Option<String> {
         let (name, before) = (self.tried_scene()?, &self.world.name);
         Some(format!(
-            "{name} is being tried, {before} goes on until then"
+            "{name} is being tried, {before} continues until then"
         ))
     }
 
-    /// Takes what has changed in the files; what cannot be traced leaves the last good
-    /// scene, and reports the reason.
+    /// Takes over changes of the files; after an error the last good scene stays, and the reason is
+    /// reported.
     pub fn reread(&mut self, stage: &mut Stage) {
         let Some(follower) = self.follower.as_mut() else {
             return;
@@ -55,7 +55,7 @@ impl App {
             Reload::Unchanged => (),
             Reload::Taken => {
                 follower.refused = None;
-                // What the waves can be traced in, the picture may still refuse.
+                // The picture may still fail where the waves can be traced.
                 self.previous = Some(Before {
                     world: self.world.clone(),
                     other: None,
@@ -69,7 +69,7 @@ impl App {
         }
     }
 
-    /// The files as they are now cannot be taken.
+    /// Records why the present files cannot be used, and reports it.
     pub fn refuse(&mut self, why: String) {
         if let Some(follower) = &mut self.follower {
             follower.refused = Some(why.clone());

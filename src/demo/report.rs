@@ -1,4 +1,4 @@
-//! The report of a run of the window, in numbers: for `--json`, for tests, for people.
+//! The report of a run of the window in numbers: for `--json`, for tests, for people.
 
 use super::latency::Parts;
 use super::sound::SoundStatus;
@@ -9,16 +9,16 @@ use crate::walkthrough::EarsStatus;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// Pans that are kept at most; then every second one goes.
+/// Maximum number of stored pans; beyond it every second one is dropped.
 const PANS_AT_MOST: usize = 4096;
 
-/// Changes of the scene's files that are kept at most, the last ones.
+/// Maximum number of stored changes of the scene's files: the last ones.
 const REREAD_AT_MOST: usize = 100;
 
-/// Frame times that the medians are taken of, the last ones.
+/// Maximum number of frame times for the medians: the last ones.
 const TIMES_AT_MOST: usize = 36_000;
 
-/// Minutes whose memory is kept: a day.
+/// Maximum number of minutes with a memory record: a day.
 const MINUTES_AT_MOST: usize = 24 * 60;
 
 /// Milliseconds of one frame by part.
@@ -28,78 +28,78 @@ pub struct FrameTimes {
     pub picture: f64,
     /// Initialise, march and pan of the waves.
     pub waves: f64,
-    /// Copying and summing what was heard.
+    /// Copying and summing the panning.
     pub read_back: f64,
     /// The paths in the plan.
     pub paths: f64,
     /// Panels.
     pub overlay: f64,
-    /// Bringing it to the screen.
+    /// Presenting the frame on the screen.
     pub swap: f64,
-    /// All of it, without waiting for the next frame.
+    /// The whole frame, without waiting for the next one.
     pub work: f64,
     /// From the last frame to this one.
     pub whole: f64,
 }
 
-/// What was heard, and when.
+/// A pan and its time.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PanAt {
     /// Seconds since the start.
     pub seconds: f64,
     /// −1 left, 1 right.
     pub pan: f64,
-    /// The algorithm that heard it.
+    /// The algorithm that computed it.
     pub profile: String,
 }
 
-/// One frame, for a program that drives the window.
+/// A record of one frame, for a program that drives the window.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct FrameLine<'a> {
     /// Frames drawn, this one included.
     pub frame: u64,
-    /// When it began: seconds by the clock that all programs share, since 1970.
+    /// When it began, in seconds since 1970 by the system clock.
     pub began: f64,
     /// Seconds since the start.
     pub seconds: f64,
     /// Frames of waves heard.
     pub traced: u64,
-    /// What was heard last.
+    /// The last pan heard.
     pub heard: Option<&'a PanAt>,
     /// Waves in a frame.
     pub waves: u32,
-    /// Whether their number follows the frame's time.
+    /// Whether the number of waves follows the frame time.
     pub adapts_waves: bool,
     /// The name or file that the scene was loaded by.
     pub scene: &'a str,
-    /// The same of one that was chosen, while its users' fields are tried.
+    /// The same for a scene that was chosen, while its users' fields are tried.
     pub trying: Option<&'a str>,
-    /// Its named values that were set, in the unit of its file.
+    /// The scene's named values that were set, in the unit of its file.
     pub values: &'a [(String, f32)],
     /// Whether the mouse looks about.
     pub mouse_looks: bool,
     /// Paths of heard waves in the plan.
     pub paths_heard: usize,
-    /// The listener's place in metres.
+    /// The listener's position in metres.
     pub listener: [f32; 3],
-    /// Whether sound is to be heard.
+    /// Whether sound is audible.
     pub sound: bool,
-    /// What is heard of each source in full; none where the balance is.
+    /// The level of each source in full listening; none with the balance.
     pub sources: Option<&'a [HeardSource]>,
 }
 
-/// The scene's files have changed.
+/// A change of the scene's files.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Reread {
     /// Seconds since the start.
     pub seconds: f64,
-    /// Frames drawn until then.
+    /// Frames drawn before it.
     pub frames: u64,
-    /// Why the last good scene stays, in one sentence; none where the new one was taken.
+    /// The reason why the last good scene stays, in one sentence; none if the new one is in use.
     pub error: Option<String>,
 }
 
-/// Resident memory in MiB; none where the system does not report it.
+/// Resident memory in MiB; none if the system does not report it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Memory {
     /// After two seconds.
@@ -110,7 +110,7 @@ pub struct Memory {
     pub at_end: Option<f64>,
 }
 
-/// Where someone stood at the end.
+/// A position and gaze at the end.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct EndPose {
     /// World position in metres.
@@ -121,7 +121,7 @@ pub struct EndPose {
     pub pitch: f32,
 }
 
-/// What a run of the window did.
+/// The results of a run of the window.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Report {
     /// The scene at the end.
@@ -130,7 +130,7 @@ pub struct Report {
     pub profile: String,
     /// Waves in a frame at the end.
     pub waves: u32,
-    /// Whether the number of waves followed the frame's time at the end.
+    /// Whether the number of waves followed the frame time at the end.
     pub adapts_waves: bool,
     /// Iterations at the end.
     pub iterations: u32,
@@ -144,7 +144,7 @@ pub struct Report {
     pub traced: u64,
     /// Frames a second, by the median of the times between them.
     pub fps_median: f64,
-    /// Of the times between two frames, that which 19 of 20 stay below, in milliseconds.
+    /// The 95th percentile of the times between two frames, in milliseconds.
     pub frame_ms_95: f64,
     /// The median of the times between frames, and of each part.
     pub frame_ms_median: FrameTimes,
@@ -152,15 +152,15 @@ pub struct Report {
     pub window: [u32; 2],
     /// The picture's size in pixels at the end.
     pub picture: [u32; 2],
-    /// Frames after which GL reported an error; none where they were not queried.
+    /// Number of frames after which GL reported an error; none if errors were not queried.
     pub gl_errors: Option<u64>,
     /// Resident memory in MiB.
     pub memory_mib: Memory,
     /// The sound.
     pub sound: SoundStatus,
-    /// What was listened to at the end: full, or balance.
+    /// The listening mode at the end: full, or balance.
     pub listen: String,
-    /// What was heard in full; none where the balance was.
+    /// The report of full listening; none with the balance.
     pub in_full: Option<InFullReport>,
     /// From a key to the ear, in milliseconds.
     pub latency_ms: Parts,
@@ -174,7 +174,7 @@ pub struct Report {
     pub help: bool,
     /// Whether the mouse looked about at the end.
     pub mouse_looks: bool,
-    /// Named values that were set otherwise than in the scene's file, in the unit of the file.
+    /// Named values set differently from the scene's file, in the unit of the file.
     pub values: BTreeMap<String, f32>,
     /// Paths of waves that reached the listener in the plan at the end.
     pub paths_heard: usize,
@@ -182,28 +182,28 @@ pub struct Report {
     pub saved: Vec<String>,
     /// The `trace` call that equals the last frame.
     pub trace_call: String,
-    /// Whether that call's scene has source and listener where they are.
+    /// Whether that call's scene has source and listener at their present positions.
     pub trace_call_is_exact: bool,
     /// The changes of the scene's files, the last hundred.
     pub reread: Vec<Reread>,
-    /// What was heard.
+    /// The pans heard.
     pub pans: Vec<PanAt>,
 }
 
-/// What was heard in full.
+/// The report of full listening.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct InFullReport {
-    /// Of each source, at the end.
+    /// The level of each source at the end.
     pub sources: Vec<HeardSource>,
     /// How often all sources were traced.
     pub looks: u64,
-    /// Milliseconds that the last time took: to trace, and to make the late parts.
+    /// Milliseconds of the last trace, with the computation of the late parts.
     pub trace_ms: f64,
     pub late_ms: f64,
 }
 
 impl InFullReport {
-    /// As it stands.
+    /// Converts the present status.
     pub(super) fn of(status: &EarsStatus) -> InFullReport {
         InFullReport {
             sources: status.sources.clone(),
@@ -214,7 +214,7 @@ impl InFullReport {
     }
 }
 
-/// Takes it all down while the window is open.
+/// Collects the measurements while the window is open.
 #[derive(Debug, Default)]
 pub struct Recorder {
     /// Frames drawn.
@@ -231,7 +231,7 @@ pub struct Recorder {
 }
 
 impl Recorder {
-    /// A frame was drawn, so many seconds after the start.
+    /// Records a frame drawn `seconds` after the start.
     pub fn frame(&mut self, times: FrameTimes, seconds: f64) {
         self.frames += 1;
         if self.times.len() == TIMES_AT_MOST {
@@ -248,7 +248,7 @@ impl Recorder {
         }
     }
 
-    /// A frame of waves was heard.
+    /// Records a frame of waves.
     pub fn heard(&mut self, frame: &Frame, profile: Profile, seconds: f64) {
         self.traced += 1;
         let stride = self.stride.max(1);
@@ -270,7 +270,7 @@ impl Recorder {
         }
     }
 
-    /// The scene's files have changed.
+    /// Records a change of the scene's files.
     pub fn reread(&mut self, reread: Reread) {
         if self.reread.len() == REREAD_AT_MOST {
             self.reread.remove(0);
@@ -278,19 +278,19 @@ impl Recorder {
         self.reread.push(reread);
     }
 
-    /// What was heard last.
+    /// The last pan heard.
     pub fn last_heard(&self) -> Option<&PanAt> {
         self.pans.last()
     }
 
-    /// The last frames, at most so many.
+    /// The last frames, at most `frames`.
     pub fn last(&self, frames: usize) -> &[FrameTimes] {
         &self.times[self.times.len().saturating_sub(frames)..]
     }
 
-    /// Puts what was taken down into a report.
+    /// Writes the measurements into a report.
     pub fn fill(self, report: &mut Report) {
-        // What the first second compiles and warms up is no frame time.
+        // The first second, with compiling and warming up, is not representative.
         let warm = self.times.len().min(30).min(self.times.len() / 4);
         let times = &self.times[warm..];
         let whole = || times.iter().map(|t| t.whole);
@@ -335,7 +335,7 @@ mod tests {
     use super::*;
     use crate::trace::{Milliseconds, Panning};
 
-    /// Protects long runs: the pans kept are bounded, in order, and span the run.
+    /// Protects long runs: the stored pans are bounded, in order, and span the run.
     #[test]
     fn a_long_run_keeps_a_bounded_history() {
         let mut recorder = Recorder::default();

@@ -1,7 +1,7 @@
-//! What was set up by hand as a scene file, and as a command line.
+//! Saves what was set up by hand as a scene file and as a command line.
 //!
-//! The file names the scene that was opened as its base, and contains the differences: where source
-//! and listener are now, and named values.
+//! The file names the scene that was opened as its base, and contains the differences: the present positions of source
+//! and listener, and named values.
 
 use crate::file_output::{OutputError, write_inside, write_whole};
 use crate::scene::{BasedScene, Listener, Path as KeyPath, Scene, SceneError, Source};
@@ -10,21 +10,21 @@ use crate::walkthrough::World;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-/// Names of files that are tried for one stem.
+/// Maximum number of names tried for one stem.
 const NAMES_AT_MOST: u32 = 9999;
 
-/// What degrees in the file may change of an angle, in radians: a rounding of `f32` at ten turns.
+/// Maximum change of an angle through its rounding in degrees in the file, in radians: a rounding of `f32` at ten
+/// turns.
 const ROUNDING: f32 = 1e-5;
 
 /// A scene that could not be saved.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SaveError {
-    /// The file that was opened is not the scene that is heard any more, or what was to be
-    /// written is not.
+    /// The opened file no longer gives the scene that is heard, or the text to be written does not give it.
     #[error("cannot save the scene: its text does not give the same scene when it is read")]
     Differs,
-    /// What was opened or is to be written is no scene.
+    /// The opened file or the text to be written is not a scene.
     #[error("cannot save the scene: {0}")]
     NotAScene(#[from] SceneError),
     /// All names are taken.
@@ -35,15 +35,14 @@ pub enum SaveError {
     Write(#[from] OutputError),
 }
 
-/// Saves a scene as it stands, to the `chosen` file, or else beside the file that it was opened by under
-/// the next free name `NAME-1.ron`. What was moved by hand has no path any more; what moves by
-/// itself keeps its own.
+/// Saves a scene in its present state, to the `chosen` file, or else beside the opened file under the next free name
+/// `NAME-1.ron`. Things that were moved by hand lose their path; things that move by themselves keep theirs.
 ///
-/// What is to be written is read before, from the folder that it will lie in: source and
-/// listener must be where they are heard, and the base must still be the scene that was opened.
+/// The text is read back before it is written, from the folder that it will lie in: source and listener must be where
+/// they are heard, and the base must still be the scene that was opened.
 ///
 /// # Errors
-/// [`SaveError`]; then nothing is left behind.
+/// [`SaveError`]; then no file is left behind.
 pub fn save(
     world: &World,
     settings: &Settings,
@@ -82,13 +81,13 @@ pub fn save(
     Ok(path)
 }
 
-/// The scene that was opened, read again, with its values and with what was moved in its place.
+/// Returns the opened scene, read again, with its values and with the moved source and listener.
 fn expected(world: &World) -> Result<Scene, SaveError> {
     let mut scene = Scene::load(&world.name)?;
     for (name, value) in &world.values {
         scene.set_value(name, *value)?;
     }
-    // Where they lie is told by the surfaces' own files.
+    // The base's surfaces must be unchanged; files that they name are read again.
     if scene.surfaces != world.base.surfaces {
         return Err(SaveError::Differs);
     }
@@ -109,7 +108,7 @@ fn expected(world: &World) -> Result<Scene, SaveError> {
     Ok(scene)
 }
 
-/// Whether a scene has all that another has beside its surfaces, but for the rounding of degrees.
+/// Whether two scenes agree in everything except their surfaces, up to the rounding of degrees.
 fn stands_as(read: &Scene, expected: &Scene) -> bool {
     let listeners = || read.listeners().zip(expected.listeners());
     read.name == expected.name
@@ -120,7 +119,7 @@ fn stands_as(read: &Scene, expected: &Scene) -> bool {
         && listeners().all(|(read, expected)| is_heard_as(read, expected))
 }
 
-/// Whether two listeners are alike but for the rounding of degrees.
+/// Whether two listeners agree up to the rounding of degrees.
 fn is_heard_as(read: &Listener, expected: &Listener) -> bool {
     let near = |a: f32, b: f32| (a - b).abs() <= ROUNDING * a.abs().max(1.0);
     let turned = Listener {
@@ -131,7 +130,7 @@ fn is_heard_as(read: &Listener, expected: &Listener) -> bool {
     turned == *read && near(read.yaw, expected.yaw) && near(read.pitch, expected.pitch)
 }
 
-/// The folder that a file lies in; the one worked in for a name alone.
+/// The folder of a file; the current folder for a bare name.
 fn folder_of(file: &Path) -> &Path {
     file.parent().unwrap_or(Path::new(""))
 }
@@ -140,11 +139,11 @@ fn folder_of(file: &Path) -> &Path {
 pub fn free_file(folder: &Path, stem: &str, ending: &str) -> Option<PathBuf> {
     (1..NAMES_AT_MOST)
         .map(|number| folder.join(format!("{stem}-{number}.{ending}")))
-        // A link that leads nowhere takes a name as well.
+        // A dangling link occupies a name as well.
         .find(|path| std::fs::symlink_metadata(path).is_err())
 }
 
-/// A scene's name as a part of a file's.
+/// Converts a scene's name to a part of a file name.
 fn stem(scene: &str) -> String {
     scene
         .chars()
@@ -158,8 +157,8 @@ fn stem(scene: &str) -> String {
         .collect()
 }
 
-/// The `trace` call that traces what the window traced, so many seconds on the scene's paths
-/// if it has any, and with these named values.
+/// Returns the `trace` call for what the window traced, with the time on the scene's paths if it has any, and with
+/// these named values.
 pub fn trace_call(
     scene: &str,
     seconds: Option<f64>,
@@ -177,7 +176,7 @@ pub fn trace_call(
     call + &trace_options(settings)
 }
 
-/// The options that trace by these settings, each after a space.
+/// Returns the options for these settings, each after a space.
 fn trace_options(settings: &Settings) -> String {
     let usual = Settings::new(settings.profile());
     let mut call = format!(
@@ -212,7 +211,7 @@ fn trace_options(settings: &Settings) -> String {
     call
 }
 
-/// A word as a shell takes it.
+/// Quotes a word for a shell.
 fn quoted(word: &str) -> String {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "._-/+=".contains(c);
     if !word.is_empty() && word.chars().all(is_plain) {
@@ -245,7 +244,7 @@ mod tests {
         path.to_str().unwrap().to_owned()
     }
 
-    /// A ball whose text lies beside the scene, with two named values.
+    /// A ball whose field lies in a file beside the scene, with two named values.
     const NAMED: &str = r#"Scene(
         surfaces: [
             Surface(shape: Field(file: "ball.glsl", lipschitz: 1, size: (3, 3, 3))),
@@ -263,8 +262,8 @@ mod tests {
         write(&folder.join("mine.ron"), NAMED)
     }
 
-    /// Protects every built-in scene: saved with new places it is the same scene in these places, without paths;
-    /// and where nothing was moved, what moves by itself keeps its path.
+    /// Protects every built-in scene: saved with new positions it is the same scene at these positions, without paths;
+    /// and where nothing was moved by hand, moving things keep their paths.
     #[test]
     fn places_are_replaced_and_all_else_stays() {
         let folder = tempfile::tempdir().unwrap();
@@ -287,7 +286,7 @@ mod tests {
         }
     }
 
-    /// Protects the file from growing with the scene, and says what a reader finds in it.
+    /// Protects the file from growing with the scene, and shows its content.
     #[test]
     fn the_file_says_what_differs() {
         let folder = tempfile::tempdir().unwrap();
@@ -300,8 +299,8 @@ mod tests {
         assert_eq!(std::fs::read_to_string(&path).unwrap(), expected);
     }
 
-    /// Protects values that were set from being lost in the file, in its unit; and files that were saved from making
-    /// a chain: saved again, the first is the base, and what was changed before stays.
+    /// Protects set values from being lost in the file, in its unit, and saved files from making a chain: saved again,
+    /// the first is the base, and earlier changes stay.
     #[test]
     fn values_and_earlier_changes_stay() {
         let folder = tempfile::tempdir().unwrap();
@@ -335,7 +334,7 @@ mod tests {
         assert_eq!(Scene::from_file(&third.unwrap()).unwrap(), read);
     }
 
-    /// A hall with all that a scene may say of sound.
+    /// A hall with every acoustic property that a scene may have.
     const HEARD: &str = r#"Scene(
         surfaces: [Surface(shape: Room(size: (20, 9, 20)), material: "brick", walls: (floor: "mat"))],
         materials: {"mat": Material(absorption: 0.3)},
@@ -343,8 +342,8 @@ mod tests {
         sources: [Source(name: "flute", level_db: -3, position: (0, 0, -5)), Source(name: "horn")],
         listeners: [Listener(name: "a", radius: 1, position: (0, 0, 5)), Listener(radius: 0.5, yaw: 33)])"#;
 
-    /// Protects all that is not moved by hand: further sources and listeners, names, levels, materials and air, as
-    /// the base says them and as a file between says them.
+    /// Protects everything that is not moved by hand: further sources and listeners, names, levels, materials and air,
+    /// from the base and from a file in between.
     #[test]
     fn sound_is_saved_as_it_is_heard() {
         let folder = tempfile::tempdir().unwrap();
@@ -376,7 +375,7 @@ mod tests {
         }
     }
 
-    /// Protects the file from being another scene than the one heard.
+    /// Protects the file from containing another scene than the one heard.
     #[test]
     fn a_file_that_would_differ_is_not_written() {
         let folder = tempfile::tempdir().unwrap();
@@ -391,7 +390,7 @@ mod tests {
         assert!(matches!(refused, Err(SaveError::NotAScene(_))) && !path.exists());
     }
 
-    /// Protects scenes that name files: they are found beside the base, wherever the new file lies.
+    /// Protects scenes that name files: the files are found beside the base, wherever the new file lies.
     #[test]
     fn a_scene_that_names_files_is_saved_anywhere() {
         let folder = tempfile::tempdir().unwrap();
@@ -405,7 +404,7 @@ mod tests {
         let read = Scene::from_file(&path).unwrap();
         assert_eq!(read.surfaces.len(), 3);
         assert_eq!(read.user_fields().count(), 1);
-        // A file whose name is a built-in scene's stays a file.
+        // A file named like a built-in scene stays a file.
         let odd = folder.path().join("corner");
         std::fs::copy(&origin, &odd).unwrap();
         let saved = save(
@@ -417,7 +416,7 @@ mod tests {
         assert!(text.contains("base: \"./corner\""), "{text}");
     }
 
-    /// Protects the line from what a shell would take apart, and from options that go without saying.
+    /// Protects the command line from characters that a shell would interpret, and from redundant options.
     #[test]
     fn the_call_says_what_is_not_usual() {
         let usual = trace_call("corner", None, &[], &Settings::default());

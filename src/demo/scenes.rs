@@ -1,4 +1,4 @@
-//! Which scene is walked in: the built-in ones, files, and their named values.
+//! The choice of the scene: the built-in ones, files, and their named values.
 
 use super::app::App;
 use super::error::sentence;
@@ -9,7 +9,8 @@ use crate::scene::BUILTIN_NAMES;
 use std::path::Path;
 
 impl App {
-    /// Another of the built-in scenes and the files seen in this run, so many steps on.
+    /// Changes to another of the built-in scenes and the files seen in this run, `steps` on in the
+    /// list.
     pub fn next_scene(&mut self, steps: i32) {
         let built_in = BUILTIN_NAMES.iter().map(|name| (*name).to_owned());
         let all: Vec<String> = built_in.chain(self.files.seen().iter().cloned()).collect();
@@ -17,7 +18,7 @@ impl App {
         let from = &from.unwrap_or(&self.world).name;
         let place = all.iter().position(|name| name == from);
         let place = place.map_or(0, |place| place as i32 + steps);
-        // Some dozens of names.
+        // The list has some dozens of names.
         let next = place.rem_euclid(all.len() as i32) as usize;
         self.change_scene(&all[next]);
     }
@@ -36,8 +37,8 @@ impl App {
         }
     }
 
-    /// Opens another scene, as soon as its users' fields were tried. If it does not compile, the
-    /// previous one comes back.
+    /// Opens another scene once its users' fields were tried. If it does not compile, the previous
+    /// one comes back.
     pub fn change_scene(&mut self, name: &str) {
         let mut coming = match Coming::begin(name, &self.choices.settings) {
             Ok(coming) => coming,
@@ -66,14 +67,14 @@ impl App {
         }
     }
 
-    /// From now on one walks in the scene that was chosen.
+    /// Enters the scene that was chosen.
     pub fn arrive(&mut self, coming: Coming) {
         let told = coming.told.clone();
         let (mut world, follower) = coming.arrive();
         world.paused = self.world.paused;
         let world = std::mem::replace(&mut self.world, world);
         let follower = std::mem::replace(&mut self.follower, follower);
-        // Of what has not been drawn yet nobody knows whether it can be.
+        // A scene that was not drawn yet may still fail, so the scene before it is kept.
         self.previous = Some(match self.previous.take() {
             None => Before {
                 world,
@@ -88,7 +89,7 @@ impl App {
         self.tell(told);
     }
 
-    /// What was known of the scene before does not count any more.
+    /// Clears the state that belongs to the previous scene.
     pub fn is_another_world(&mut self) {
         self.paths.forget();
         self.heard = None;
@@ -97,14 +98,14 @@ impl App {
         self.wave_control.forget();
     }
 
-    /// Sets a named value; what the scene does not take leaves it as it was.
+    /// Sets a named value; a value that the scene rejects changes nothing.
     pub fn set(&mut self, name: &str, value: f32) {
         if let Err(error) = self.world.set(name, value) {
             self.say(sentence(&error));
         }
     }
 
-    /// A line that is shown in the window for a while, and on the terminal.
+    /// Shows a message in the window for a while, and prints it on the terminal.
     pub fn tell(&mut self, text: String) {
         (self.options.announce)(&text);
         self.say(text);

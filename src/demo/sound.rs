@@ -1,7 +1,7 @@
-//! The sound of the window: gains in, what the device does out.
+//! The sound of the window: takes gains, reports the device's status.
 //!
-//! With the feature `audio` it plays through [`crate::audio::live`]; without, all is silent
-//! and a message reports that.
+//! With the feature `audio` it plays through [`crate::audio::live`]; without it the window is
+//! silent and a message reports that.
 
 use super::DemoOptions;
 use super::ears::Ears;
@@ -13,35 +13,35 @@ use crate::trace::Panning;
 use serde::Serialize;
 use std::path::Path;
 
-/// The sounds that can be chosen in the window, beside the one it was started with.
+/// The sounds that can be chosen in the window, besides the one it was started with.
 pub const SOUNDS: [&str; 5] = ["speech", "noise", "sine:220", "sine:440", "sine:880"];
 
-/// How the sound fares.
+/// The status of the sound.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct SoundStatus {
     /// One line for people.
     pub text: String,
-    /// Whether anything is to be heard.
+    /// Whether sound is audible.
     pub is_heard: bool,
     /// Samples a second.
     pub sample_rate: Option<u32>,
-    /// Samples that the device takes at a time.
+    /// Buffer size of the device in samples.
     pub buffer: Option<u32>,
     /// Late buffers: as reported by the device, or later than two buffers.
     pub underruns: u64,
     /// Times that the device was opened again.
     pub restarts: u64,
-    /// Milliseconds that the gains waited for the sound's thread to take them.
+    /// Milliseconds that the gains waited for the sound thread to take them.
     pub gains_to_buffer: Option<f64>,
     /// Milliseconds from there to the ear, as reported by the device.
     pub buffer_to_device: Option<f64>,
-    /// Whether what is heard is recorded.
+    /// Whether a recording is in progress.
     pub is_recording: bool,
-    /// Frames that the recording, or else the last one, lost.
+    /// Frames lost by the present or last recording.
     pub dropped_frames: u64,
 }
 
-/// Where the gains go.
+/// The sound output.
 pub struct Speaker {
     law: PanningLaw,
     volume: f32,
@@ -67,7 +67,7 @@ impl Speaker {
         speaker
     }
 
-    /// What arrived at the ears; takes no lock.
+    /// Sets the panning from the last frame; takes no lock.
     pub fn set_panning(&mut self, panning: Panning) {
         self.panning = panning;
         #[cfg(feature = "audio")]
@@ -76,7 +76,7 @@ impl Speaker {
         }
     }
 
-    /// From pan to gains.
+    /// Sets the law from pan to gains.
     pub fn set_law(&mut self, law: PanningLaw) {
         self.law = law;
         #[cfg(feature = "audio")]
@@ -85,7 +85,7 @@ impl Speaker {
         }
     }
 
-    /// Loudness, 0 to 1.
+    /// Sets the loudness, 0 to 1.
     pub fn set_volume(&mut self, volume: f32) {
         self.volume = volume;
         #[cfg(feature = "audio")]
@@ -94,21 +94,21 @@ impl Speaker {
         }
     }
 
-    /// Another sound.
+    /// Changes the sound.
     ///
     /// # Errors
-    /// What is wrong with it, as a sentence.
+    /// The error as a sentence.
     pub fn set_sound(&mut self, sound: &str) -> Result<(), String> {
         #[cfg(feature = "audio")]
         if let Some(live) = &self.live {
             live.set_sound(sound.parse().map_err(to_sentence)?);
         }
-        // Without sound it is a name and nothing else.
+        // Without audio only the name is kept.
         let _ = sound;
         Ok(())
     }
 
-    /// Plays the sources of a scene as the ears hear them, in place of one sound and its pan.
+    /// Plays the sources of a scene in full, in place of one sound and its pan.
     pub fn play_in_full(&mut self, ears: &Ears, scene: &Scene, sound: &str) {
         #[cfg(feature = "audio")]
         if let Some(live) = &self.live
@@ -116,11 +116,11 @@ impl Speaker {
         {
             live.set_stereo(Some(ears.source(scene, &spec)));
         }
-        // Without sound there is nothing to play.
+        // Without audio nothing is played.
         let _ = (ears, scene, sound);
     }
 
-    /// Plays one sound and its pan.
+    /// Plays one sound with its pan.
     pub fn play_balance(&mut self) {
         #[cfg(feature = "audio")]
         if let Some(live) = &self.live {
@@ -128,7 +128,7 @@ impl Speaker {
         }
     }
 
-    /// Level of either channel, 0 to 1: as it is played, or as the gains would have it.
+    /// The level of each channel, 0 to 1: as played, or as computed from the gains.
     pub fn levels(&self) -> [f32; 2] {
         #[cfg(feature = "audio")]
         if let Some(live) = &self.live
@@ -140,7 +140,7 @@ impl Speaker {
         [gains.left, gains.right].map(|gain| gain * self.volume)
     }
 
-    /// How it fares.
+    /// The status of the sound.
     pub fn status(&self) -> SoundStatus {
         #[cfg(feature = "audio")]
         if let Some(live) = &self.live {
@@ -152,10 +152,10 @@ impl Speaker {
         }
     }
 
-    /// Begins a recording, or ends the one in progress; the frames that it lost.
+    /// Begins a recording, or ends the one in progress; returns the number of frames that it lost.
     ///
     /// # Errors
-    /// Why it cannot be, as a sentence.
+    /// The reason as a sentence.
     pub fn record(&mut self, path: Option<&Path>) -> Result<u64, String> {
         #[cfg(feature = "audio")]
         if let Some(live) = &self.live {
@@ -175,16 +175,16 @@ impl Speaker {
     }
 }
 
-/// The law to begin with.
+/// The initial law.
 fn law_of(options: &DemoOptions) -> PanningLaw {
     let usual = PanningLaw::for_profile(options.settings.profile());
     options.law.unwrap_or(usual)
 }
 
-/// Why nothing is heard where nothing plays.
+/// The message without audio.
 #[cfg(not(feature = "audio"))]
 const SILENT: &str = "silent: built without sound";
-/// Why nothing is heard where nothing plays.
+/// The message without a player.
 #[cfg(feature = "audio")]
 const SILENT: &str = "silent: the sound is unknown";
 
@@ -195,7 +195,7 @@ fn start(options: &DemoOptions) -> Option<Live> {
         buffer_frames: options.buffer,
         law: law_of(options),
     };
-    // What was typed has been checked before.
+    // Typed sounds were checked before.
     options
         .sound
         .parse()
@@ -264,8 +264,8 @@ mod tests {
         }
     }
 
-    /// The panel's message: an old loss of the device is no longer shown, a sound that could not be
-    /// loaded is reported although the device plays.
+    /// Protects the panel's message: an old loss of the device is no longer shown, a sound that
+    /// could not be loaded is reported although the device plays.
     #[test]
     fn what_went_wrong_is_shown_while_a_device_is_open() {
         let well = of_live(&playing());

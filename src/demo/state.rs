@@ -1,4 +1,4 @@
-//! The choices: all that keys and panels change, but the scene.
+//! The choices: everything that keys and panels change, except the scene.
 
 use super::DemoOptions;
 use crate::audio::PanningLaw;
@@ -6,7 +6,7 @@ use crate::auralisation::Listen;
 use crate::trace::{MAX_ITERATIONS, MAX_WAVES, Profile, Settings};
 use std::collections::HashMap;
 
-/// What the speaker plays in full: of something else it needs another player.
+/// Properties of the player in full listening; when they change another player is needed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InFull {
     pub sound: String,
@@ -14,28 +14,28 @@ pub struct InFull {
     pub has_bands: bool,
 }
 
-/// What was chosen.
+/// The present choices.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Choices {
     /// How waves are traced.
     pub settings: Settings,
-    /// How they were traced last by the other algorithms.
+    /// The last settings of the other algorithms.
     others: HashMap<Profile, Settings>,
-    /// A frame of waves for every so many pictures.
+    /// Number of pictures per frame of waves.
     pub trace_every: u32,
-    /// Whether the number of waves follows the frame's time.
+    /// Whether the number of waves follows the frame time.
     pub adapt_waves: bool,
-    /// Pixels drawn for each of the window's along a side; none to follow the frame's time.
+    /// Ratio of the picture's resolution to the window's along a side; none to follow the frame time.
     pub picture_scale: Option<f32>,
     /// The sound's name.
     pub sound: String,
     /// Loudness, 0 to 1.
     pub volume: f32,
-    /// Whether the loudness counts as 0.
+    /// Whether the sound is muted.
     pub muted: bool,
-    /// What is listened to, if it was chosen.
+    /// The listening mode, if one was chosen.
     pub chosen_listen: Option<Listen>,
-    /// From pan to gains, if it was chosen.
+    /// The law from pan to gains, if one was chosen.
     pub chosen_law: Option<PanningLaw>,
     /// Whether the help is open.
     pub help: bool,
@@ -46,7 +46,7 @@ pub struct Choices {
 }
 
 impl Choices {
-    /// Those that the window is started with.
+    /// The initial choices.
     pub fn of(options: &DemoOptions) -> Choices {
         Choices {
             settings: options.settings.clone(),
@@ -65,8 +65,8 @@ impl Choices {
         }
     }
 
-    /// Changes to another algorithm: with its own constants as they were when it was left,
-    /// and with the waves, iterations and directions of now.
+    /// Changes to another algorithm: with its own constants as they were when it was left, and with the present waves,
+    /// iterations and directions.
     pub fn set_profile(&mut self, profile: Profile) {
         if profile == self.settings.profile() {
             return;
@@ -85,8 +85,7 @@ impl Choices {
         self.others.insert(old.profile(), old);
     }
 
-    /// Doubles or halves the number of waves, `steps` times; from now on it no
-    /// longer follows the frame's time.
+    /// Doubles or halves the number of waves, `steps` times; it then no longer follows the frame time.
     pub fn change_waves(&mut self, steps: i32) {
         self.adapt_waves = false;
         let waves = f64::from(self.settings.waves) * 2f64.powi(steps);
@@ -99,14 +98,13 @@ impl Choices {
         self.settings.iterations = iterations.clamp(1, MAX_ITERATIONS);
     }
 
-    /// From pan to gains: as chosen, or else as the algorithm is heard by.
+    /// The law from pan to gains: the chosen one, or else the algorithm's default.
     pub fn law(&self) -> PanningLaw {
         let usual = PanningLaw::for_profile(self.settings.profile());
         self.chosen_law.unwrap_or(usual)
     }
 
-    /// What is listened to: as chosen, or else as the algorithm is listened to by, which for the thesis
-    /// is all that there is.
+    /// The listening mode: the chosen one, or else the algorithm's default; the thesis has only the balance.
     pub fn listen(&self) -> Listen {
         let profile = self.settings.profile();
         let usual = Listen::for_profile(profile);
@@ -116,7 +114,7 @@ impl Choices {
         }
     }
 
-    /// The loudness that is heard.
+    /// The effective loudness.
     pub fn loudness(&self) -> f32 {
         if self.muted { 0.0 } else { self.volume }
     }
@@ -127,7 +125,7 @@ mod tests {
     use super::*;
     use crate::trace::{Algorithm, ThesisOptions};
 
-    /// Protects a change of algorithm: its own constants, the same waves.
+    /// Protects a change of algorithm: it brings its own constants and keeps the waves.
     #[test]
     fn a_profile_brings_its_constants_and_keeps_the_waves() {
         let mut choices = Choices::of(&DemoOptions::default());

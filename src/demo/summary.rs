@@ -1,4 +1,4 @@
-//! The records of a frame, and of the run at its end.
+//! The record of each frame, and the report at the end of a run.
 
 use super::app::App;
 use super::report::{EndPose, FrameLine, InFullReport, Report};
@@ -36,7 +36,7 @@ impl App {
         }
     }
 
-    /// What was measured.
+    /// Returns the report of the run.
     pub fn report(&mut self) -> Report {
         let listener = &self.world.now.listener;
         let mut report = Report {
@@ -76,7 +76,7 @@ impl App {
         report
     }
 
-    /// The `trace` call nearest to what is heard, and whether its scene is that one.
+    /// Returns the `trace` call nearest to the present state, and whether its scene is exact.
     pub fn call(&self) -> (String, bool) {
         let (world, settings) = (&self.world, &self.choices.settings);
         let time = world.moves().then(|| world.looped());
@@ -100,8 +100,8 @@ impl App {
     }
 }
 
-/// Whether sources and listeners stand alike, but for the rounding of degrees, in the same air among
-/// surfaces that are alike wherever their files lie: a saved scene may name them from another folder.
+/// Whether two scenes agree in air, sources and listeners, up to the rounding of degrees, and have equal surfaces
+/// wherever their files lie: a saved scene may name them from another folder.
 fn stands_as(a: &Scene, b: &Scene) -> bool {
     let places = |scene: &Scene| {
         scene
@@ -129,8 +129,8 @@ mod tests {
     use super::*;
     use std::fs;
 
-    /// Protects the `trace` call of a scene that was saved into another folder: the surfaces' files
-    /// are then named otherwise, and are the same.
+    /// Protects the `trace` call of a scene that was saved into another folder: the surfaces' files then have other
+    /// names but are the same.
     #[test]
     fn a_scene_in_another_folder_stands_as_its_base() {
         let folder = tempfile::tempdir().unwrap();

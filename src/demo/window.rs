@@ -1,4 +1,4 @@
-//! The window itself, and the one context that waves, picture and panels share.
+//! The window, and the context that waves, picture and panels share.
 
 use super::{DemoError, DemoOptions};
 use crate::gpu::{WindowContext, WindowDisplay};
@@ -10,14 +10,14 @@ use winit::event::WindowEvent;
 use winit::event_loop::{ActiveEventLoop, EventLoop};
 use winit::window::{CursorGrabMode, Window, WindowAttributes};
 
-/// What draws the panels.
+/// The renderer of the panels.
 struct Panels {
     context: egui::Context,
     state: State,
     painter: Painter,
 }
 
-/// A window with its context. The fields go in this order: the window last.
+/// A window with its context. Fields are dropped in this order: the window last.
 pub struct DemoWindow {
     panels: Panels,
     /// The context and the surface.
@@ -34,7 +34,7 @@ pub fn event_loop() -> Result<EventLoop<()>, DemoError> {
     new_event_loop().map_err(|reason| DemoError::NoDisplay { reason })
 }
 
-/// X11 where there is a display of it, or else Wayland.
+/// X11 if there is an X11 display, else Wayland.
 #[cfg(all(unix, not(target_os = "macos")))]
 fn new_event_loop() -> Result<EventLoop<()>, String> {
     use winit::platform::wayland::EventLoopBuilderExtWayland;
@@ -55,16 +55,16 @@ fn new_event_loop() -> Result<EventLoop<()>, String> {
     };
     builder
         .build()
-        .map_err(|_| format!("{place}, where nothing answers"))
+        .map_err(|_| format!("{place}, which does not answer"))
 }
 
-/// The system's own windows.
+/// The event loop of the system's own windows.
 #[cfg(not(all(unix, not(target_os = "macos"))))]
 fn new_event_loop() -> Result<EventLoop<()>, String> {
     EventLoop::new().map_err(|error| error.to_string())
 }
 
-/// The window with what EGL needs of it.
+/// Sets the visual that EGL needs.
 #[cfg(all(unix, not(target_os = "macos")))]
 fn with_visual(attributes: WindowAttributes, display: &WindowDisplay) -> WindowAttributes {
     use winit::platform::x11::WindowAttributesExtX11;
@@ -74,7 +74,7 @@ fn with_visual(attributes: WindowAttributes, display: &WindowDisplay) -> WindowA
     }
 }
 
-/// The window as it is: nothing is needed of it.
+/// Returns the attributes unchanged: EGL needs no visual here.
 #[cfg(not(all(unix, not(target_os = "macos"))))]
 fn with_visual(attributes: WindowAttributes, _: &WindowDisplay) -> WindowAttributes {
     attributes
@@ -103,30 +103,30 @@ impl DemoWindow {
         Ok(DemoWindow { panels, gl, window })
     }
 
-    /// Width and height in pixels; 0 where nothing can be seen.
+    /// Width and height in pixels; 0 if the window is not visible.
     pub fn size(&self) -> [u32; 2] {
         self.window.inner_size().into()
     }
 
-    /// Keeps the mouse in the window and out of sight, or gives it back; whether it is kept.
+    /// Captures the mouse in the window, hidden, or frees it; returns whether it is captured.
     pub fn capture_mouse(&self, wanted: bool) -> bool {
         let confine = || self.window.set_cursor_grab(CursorGrabMode::Confined);
         let grabbed = wanted && confine().is_ok();
         if !grabbed {
-            // There is nothing to be done where it cannot even be freed.
+            // An error while freeing it cannot be handled.
             let _ = self.window.set_cursor_grab(CursorGrabMode::None);
         }
         self.window.set_cursor_visible(!grabbed);
         grabbed
     }
 
-    /// Puts the pointer to a place in the window, in pixels.
+    /// Moves the pointer to a position in the window, in pixels.
     pub fn put_pointer(&self, [x, y]: [f64; 2]) {
-        // Where it cannot be put it stays, and stops at the window's edge.
+        // If this fails the pointer stays, and stops at the window's edge.
         let _ = self.window.set_cursor_position(PhysicalPosition::new(x, y));
     }
 
-    /// Whether a panel lies at a place of the window, in pixels, as they were laid out last.
+    /// Whether a panel lies at a position of the window, in pixels, by the last layout.
     pub fn is_panel_at(&self, [x, y]: [f64; 2]) -> bool {
         let context = &self.panels.context;
         let scale = f64::from(context.pixels_per_point());
@@ -147,13 +147,13 @@ impl DemoWindow {
 
     /// Lays out the panels and draws them over what is in the window.
     pub fn draw_panels(&mut self, layout: impl FnMut(&mut egui::Ui)) {
-        // The waves' passes draw elsewhere, and the painter takes what it finds.
+        // The waves' passes draw into other targets, and the painter uses the bound one.
         self.gl.aim();
         let size = self.size();
         self.panels.draw(&self.window, size, layout);
     }
 
-    /// Frees what the panels hold of GL, before the context goes.
+    /// Frees the panels' GL resources before the context is dropped.
     pub fn close(&mut self) {
         self.gl.context().gl();
         self.panels.painter.destroy();

@@ -215,7 +215,7 @@ fn a_balance_that_an_option_chose_is_told() {
         "--waves",
         "1024",
     ];
-    let told = "note: --iterations is of --listen balance alone";
+    let told = "note: --iterations belongs to --listen balance";
     let errors = |more: &[&str]| stderr(&succeed(&[&short, more].concat())).to_owned();
     assert!(errors(&["--iterations", "4"]).contains(told));
     assert!(!errors(&["--iterations", "4", "--listen", "balance"]).contains(told));

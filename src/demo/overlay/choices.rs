@@ -1,4 +1,4 @@
-//! The controls: scene, algorithm, waves, sound, and what adapts.
+//! The controls: scene, algorithm, waves, sound, and adaptation.
 
 use super::super::adapt::{MOST_WAVES, SCALES};
 use super::super::keys::Action;
@@ -28,7 +28,7 @@ pub fn draw(ui: &mut Ui, hud: &HudState, chosen: &mut Choices, actions: &mut Vec
     frame(ui, hud, chosen);
 }
 
-/// A slider that leaves a value beyond its ends alone until it is drawn.
+/// A slider that leaves a value outside its range unchanged until it is moved.
 fn slider<'a, T: egui::emath::Numeric>(
     value: &'a mut T,
     range: std::ops::RangeInclusive<T>,
@@ -135,7 +135,7 @@ fn waves(ui: &mut Ui, chosen: &mut Choices, actions: &mut Vec<Action>) {
     let most = MOST_WAVES.max(settings.waves);
     let number = slider(&mut settings.waves, 64..=most).logarithmic(true);
     if style::slider(ui, "waves", number).changed() {
-        // Whoever chooses the number no longer wants it to follow the time.
+        // Setting the number by hand stops it from following the frame time.
         chosen.adapt_waves = false;
     }
     let text = "number follows the frame time";
@@ -147,7 +147,7 @@ fn waves(ui: &mut Ui, chosen: &mut Choices, actions: &mut Vec<Action>) {
         Algorithm::Thesis(thesis) => {
             let slider = slider(&mut thesis.min_distance, 0.001..=1.0);
             let slider = slider.custom_formatter(|metres, _| format!("{metres:.3} m"));
-            let why = "a march ends this near to a surface: the thesis' only measure of accuracy";
+            let why = "a march ends at this distance from a surface: the thesis' only measure of accuracy";
             style::slider(ui, "min. dist.", slider.logarithmic(true)).on_hover_text(why);
         }
         Algorithm::March(_) => no_option(ui, "Newton's steps: no minimum distance"),
@@ -155,7 +155,7 @@ fn waves(ui: &mut Ui, chosen: &mut Choices, actions: &mut Vec<Action>) {
     }
 }
 
-/// A line in the place of an option that this algorithm does not have.
+/// Shows a line in place of an option that this algorithm does not have.
 fn no_option(ui: &mut Ui, text: &str) {
     ui.horizontal(|ui| {
         ui.set_min_height(style::ROW);
@@ -200,7 +200,7 @@ fn sound(ui: &mut Ui, hud: &HudState, chosen: &mut Choices, actions: &mut Vec<Ac
     style::note(ui, &hud.sound.text, colour, 2);
 }
 
-/// Full or balance; and the law of a balance.
+/// Chooses full listening or the balance, and the balance's law.
 fn listening(ui: &mut Ui, chosen: &mut Choices, actions: &mut Vec<Action>) {
     let now = chosen.listen();
     ui.horizontal(|ui| {

@@ -1,4 +1,4 @@
-//! What is heard in full: each source's level, and the energy against time.
+//! Full listening: each source's level, and the energy against time.
 
 use super::{HudState, style};
 use crate::response::HeardSource;
@@ -8,10 +8,10 @@ use egui::{Pos2, Rect, Sense, Shape, Stroke, Ui, Vec2};
 /// Height of the curve in points.
 const CURVE: f32 = 44.0;
 
-/// Sources that have a line of their own: of more, the first.
+/// Maximum number of sources with a line of their own: the first ones.
 const MOST_SOURCES: usize = 6;
 
-/// Draws it, if all is heard.
+/// Draws it, if full listening is on.
 pub fn draw(ui: &mut Ui, hud: &HudState) {
     let Some(ears) = hud.ears else {
         return;
@@ -31,7 +31,7 @@ pub fn draw(ui: &mut Ui, hud: &HudState) {
     ui.separator();
 }
 
-/// Before the first look nothing is known.
+/// Formats a source's level; before the first trace it is unknown.
 fn level(heard: Option<&HeardSource>) -> String {
     let Some(heard) = heard else {
         return "–".to_owned();

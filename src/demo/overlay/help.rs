@@ -1,4 +1,4 @@
-//! The keys, all of them, in the middle of the window.
+//! The list of all keys, in the middle of the window.
 
 use super::super::keys::{Action, HELP};
 use super::{ABOVE, MARGIN, style};
@@ -6,12 +6,12 @@ use egui::{Grid, RichText, Ui, Vec2};
 
 /// Width of the list, in points.
 pub const WIDTH: f32 = 310.0;
-/// Points of the sheet's height that are not for the keys.
+/// Height of the sheet that is not used by keys, in points.
 const HEADING: f32 = 60.0;
 
-/// Shows the keys in a window of that size, in points; a button closes them.
+/// Shows the keys in a window of the given size, in points; a button closes them.
 pub fn draw(ui: &Ui, window: Vec2, actions: &mut Vec<Action>) {
-    // The line below, and a message above it.
+    // The hint line below, and a message above it.
     let below = MARGIN + 2.0 * ABOVE;
     style::sheet(ui, "help", -0.5 * below, |ui| {
         ui.set_width(WIDTH.min(window.x - 2.0 * (style::INNER + MARGIN)));
@@ -24,7 +24,7 @@ pub fn draw(ui: &Ui, window: Vec2, actions: &mut Vec<Action>) {
             });
         });
         ui.label(
-            RichText::new("Sound reaches you by waves that walls mirror.").color(style::FAINT),
+            RichText::new("Sound reaches you by waves that walls reflect.").color(style::FAINT),
         );
         super::scrolled(ui, window.y - below - HEADING - 2.0 * MARGIN, keys);
     });

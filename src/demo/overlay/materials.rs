@@ -1,14 +1,15 @@
-//! What each surface is made of, to be chosen.
+//! The choice of each surface's material.
 
 use super::super::keys::Action;
 use super::{HudState, style};
 use crate::scene::BUILTIN_MATERIALS;
 use egui::{ComboBox, Ui};
 
-/// Surfaces that can be chosen from: of more, the first. A longer list is no menu.
+/// Maximum number of surfaces that can be chosen from: the first ones. A longer list is impractical
+/// as a menu.
 const MOST_SURFACES: usize = 64;
 
-/// A menu of the surfaces, and one of what the chosen one is made of.
+/// A menu of the surfaces, and one of the chosen one's material.
 pub fn draw(ui: &mut Ui, hud: &HudState, actions: &mut Vec<Action>) {
     style::heading(ui, "MATERIAL");
     let surfaces = &hud.world.base.surfaces;

@@ -29,34 +29,34 @@ use egui::{Align2, RichText, Ui, Vec2};
 const MARGIN: f32 = 8.0;
 /// Width that both side panels need, in points.
 const ROOM_FOR_BOTH: f32 = style::LEFT + style::RIGHT + 8.0 * MARGIN;
-/// Width that the lines in the middle need beside both, in points.
+/// Width that the lines in the middle need beside both panels, in points.
 const ROOM_FOR_LINE: f32 = ROOM_FOR_BOTH + 400.0;
-/// Width of what a panel on the left takes of the window, edges included, in points. Lines in
-/// the middle keep as far from the right.
+/// Width of the window that a panel on the left takes, edges included, in points. Lines in the
+/// middle keep the same distance from the right.
 const SIDE: f32 = style::LEFT + 2.0 * style::INNER + 2.0 * MARGIN;
 /// Width of the list of keys, edges included, in points.
 const ROOM_FOR_HELP: f32 = help::WIDTH + 2.0 * style::INNER + 2.0 * MARGIN;
-/// Height of a line of text on its own ground, with the space above it, in points.
+/// Height of a line of text on its own background, with the space above it, in points.
 const ABOVE: f32 = 25.0;
 /// Height of one more line of the same text, in points.
 const ROW: f32 = 15.0;
 /// Height that a window needs to show the times below the choices, in points.
 const ROOM_FOR_TIMES: f32 = 330.0;
 
-/// Where there is room for what.
+/// The room in a window of a given size.
 #[derive(Clone, Copy)]
 struct Room {
     /// The window's size in points.
     size: Vec2,
-    /// Whether the lines of text are below the panels, if there is no space between them.
+    /// Whether the lines of text are below the panels, as there is no space between them.
     is_narrow: bool,
-    /// Width of a line's text at most.
+    /// Maximum width of a line's text.
     line: f32,
-    /// Rows of a message at most.
+    /// Maximum number of rows of a message.
     rows: usize,
-    /// Height below panels that is left to the lines.
+    /// Height reserved for the lines below the panels.
     below: f32,
-    /// Whether the help leaves the panels no room.
+    /// Whether the help leaves no room for the panels.
     is_help_alone: bool,
 }
 
@@ -91,37 +91,37 @@ impl Room {
     }
 }
 
-/// What the panels only show.
+/// State that the panels show but do not change.
 pub struct HudState<'a> {
-    /// The scene as it stands.
+    /// The scene in its present state.
     pub world: &'a World,
     /// Scene files that can be chosen.
     pub files: &'a [String],
-    /// What was heard last.
+    /// The last frame of waves.
     pub heard: Option<&'a Frame>,
     /// The paths of some waves, by iteration.
     pub paths: &'a [Vec<Wave>],
     /// The last frames' times.
     pub times: &'a [FrameTimes],
-    /// Milliseconds that a frame may take.
+    /// Target frame time in milliseconds.
     pub target: f64,
-    /// What was drawn of the picture.
+    /// The picture as drawn last.
     pub drawn: Drawn,
     /// The window's size in pixels.
     pub window: [u32; 2],
-    /// From a key to the ear.
+    /// Latency from a key to the ear.
     pub latency: Parts,
-    /// The sound.
+    /// The sound's status.
     pub sound: &'a SoundStatus,
     /// Level of the left and the right channel, 0 to 1.
     pub levels: [f32; 2],
-    /// What is heard in full, if it is.
+    /// The status of full listening, if it is on.
     pub ears: Option<&'a EarsStatus>,
-    /// Frames after which GL reported an error; none where they are not queried.
+    /// Number of frames after which GL reported an error; none if errors are not queried.
     pub gl_errors: Option<u64>,
-    /// The last thing that was done or went wrong.
+    /// The last action or error.
     pub message: Option<&'a str>,
-    /// Why the scene's file as it is now is not what is seen.
+    /// The reason why the present state of the scene's file is not shown.
     pub refusal: Option<&'a str>,
     /// Whether the mouse looks about.
     pub mouse_looks: bool,
@@ -129,7 +129,7 @@ pub struct HudState<'a> {
     pub renderer: &'a str,
 }
 
-/// Lays out everything; returns the requests.
+/// Lays out all panels; returns the requests.
 pub fn draw(ui: &mut Ui, hud: &HudState, chosen: &mut Choices, plan: &mut Plan) -> Vec<Action> {
     let mut actions = Vec::new();
     let room = Room::of(ui, hud, chosen);
@@ -177,11 +177,11 @@ fn right(ui: &Ui, hud: &HudState, room: Room, chosen: &mut Choices, actions: &mu
     });
 }
 
-/// As high as `most` points, and scrolled where that is too little.
+/// Adds content at most `most` points high, scrolled if it is higher.
 fn scrolled(ui: &mut Ui, most: f32, add: impl FnOnce(&mut Ui)) {
     let most = most.max(60.0);
     egui::ScrollArea::vertical()
-        // Else it would keep the height of the first frame's content.
+        // Otherwise it would keep the height of the first frame's content.
         .min_scrolled_height(most)
         .max_height(most)
         .show(ui, add);
@@ -194,8 +194,8 @@ fn lower(ui: &Ui, hud: &HudState, room: Room, chosen: &Choices) {
     });
 }
 
-/// The line that is always there, the last message above it, and why the scene's file as it
-/// is now is not what is seen; it is shown until the file is fixed.
+/// Draws the hint line, the last message above it, and the reason why the scene's file is not in
+/// use, which is shown until the file is fixed.
 fn lines(ui: &Ui, hud: &HudState, room: Room) {
     let text = if hud.mouse_looks {
         "the mouse looks about: Esc or a click frees it    WASD walk    F1 help"
@@ -222,8 +222,8 @@ fn lines(ui: &Ui, hud: &HudState, room: Room) {
     }
 }
 
-/// A line of text in the middle, that far from the lower edge, of that width and so many rows
-/// at most.
+/// Draws a line of text in the middle, at the given distance from the lower edge, with at most the
+/// given width and rows.
 fn line(ui: &Ui, name: &str, up: f32, most: (f32, usize), text: RichText) {
     let offset = Vec2::new(0.0, -up);
     style::line(ui, name, Align2::CENTER_BOTTOM, offset, most, text);

@@ -1,5 +1,4 @@
-//! The scene from above: walls by the distance function, the source, the listener, and the
-//! paths of some waves.
+//! The scene from above: walls by the distance function, the source, the listener, and the paths of some waves.
 
 use super::{HudState, style};
 use crate::picture::Bounds;
@@ -15,7 +14,7 @@ use glam::Vec3;
 /// Height of the plan's box, in points: the same for every scene.
 const HEIGHT: f32 = 210.0;
 
-/// The plan, kept while what it shows stands still.
+/// The plan, cached while its scene is unchanged.
 #[derive(Default)]
 pub struct Plan {
     texture: Option<TextureHandle>,
@@ -23,7 +22,7 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Draws the plan as large as its box allows, which is as wide as there is room.
+    /// Draws the plan as large as its box allows; the box is as wide as the available room.
     pub fn draw(&mut self, ui: &mut Ui, hud: &HudState, paths: bool) {
         let scene = &hud.world.now;
         let bounds = self.refresh(ui.ctx(), &hud.world.name, scene);
@@ -53,7 +52,7 @@ impl Plan {
         painter.text(corner, egui::Align2::LEFT_BOTTOM, text, font, style::TEXT);
     }
 
-    /// Cuts the scene again if it has changed; the part of the world that is shown.
+    /// Cuts the scene again if it has changed; returns the part of the world that is shown.
     fn refresh(&mut self, context: &Context, name: &str, scene: &Scene) -> Bounds {
         if self.cut.refresh(name, scene) {
             let image = self.cut.image();
@@ -68,10 +67,10 @@ impl Plan {
     }
 }
 
-/// How strong the marks of listeners are that do not hear.
+/// Opacity of the marks of listeners that are not the one heard.
 const FURTHER: f32 = 0.4;
 
-/// The sources, the listener that hears, and paler the others; names where there are several of a kind.
+/// Draws the sources, the hearing listener, and the others paler; with names where there are several of a kind.
 fn marks(painter: &egui::Painter, scene: &Scene, scale: f32, place: impl Fn(Vec3) -> Pos2) {
     for listener in &scene.further_listeners {
         let at = place(listener.position);
@@ -146,7 +145,7 @@ fn path_shapes(
     let mut shapes = Vec::new();
     for (fate, colour, width) in styles {
         let is_drawn_so = |of: &Fate| match of {
-            // What is not finite has ended too.
+            // Waves that are not finite have ended too.
             Fate::NotFinite => fate == Fate::Dead,
             of => *of == fate,
         };

@@ -14,7 +14,7 @@ pub const RIGHT: f32 = 200.0;
 pub const TIMES: f32 = 126.0;
 /// Space within a panel's edge, in points.
 pub const INNER: f32 = 7.0;
-/// Space before and after a line of text on its own ground, in points.
+/// Space before and after a line of text on its own background, in points.
 pub const LINE_INNER: f32 = 8.0;
 /// Width of the label before a slider, in points.
 pub const LABEL: f32 = 58.0;
@@ -43,9 +43,9 @@ pub const REACHED: Color32 = Color32::from_rgb(255, 128, 44);
 pub const TRAVELLING: Color32 = Color32::from_rgb(150, 160, 170);
 /// Waves that are dead.
 pub const DEAD: Color32 = Color32::from_rgb(40, 190, 145);
-/// What must not be.
+/// Errors.
 pub const BAD: Color32 = Color32::from_rgb(255, 96, 84);
-/// Behind a panel.
+/// Background of a panel.
 const BACK: Color32 = Color32::from_rgba_premultiplied(16, 20, 24, 214);
 
 /// Sets fonts and colours, once.
@@ -77,13 +77,13 @@ pub fn set_style(context: &Context) {
         style.spacing.slider_width = 96.0;
         style.spacing.button_padding = Vec2::new(5.0, 1.0);
         style.interaction.selectable_labels = false;
-        // What is cut off shows that it can be scrolled before the pointer is there.
+        // Cut-off content shows that it can be scrolled before the pointer is there.
         style.spacing.scroll.dormant_handle_opacity = 0.7;
         style.spacing.scroll.floating_allocated_width = 4.0;
     });
 }
 
-/// A frame as all panels have it.
+/// The frame of all panels.
 pub fn frame() -> Frame {
     Frame::new()
         .fill(BACK)
@@ -91,7 +91,7 @@ pub fn frame() -> Frame {
         .inner_margin(Margin::same(INNER as i8))
 }
 
-/// A panel at a place of the window.
+/// A panel at a position of the window.
 pub fn panel(ui: &Ui, name: &str, at: Align2, offset: Vec2, add: impl FnOnce(&mut Ui)) {
     let area = Area::new(Id::unique(name)).anchor(at, offset);
     at_once(ui, name, area, |ui| {
@@ -99,8 +99,7 @@ pub fn panel(ui: &Ui, name: &str, at: Align2, offset: Vec2, add: impl FnOnce(&mu
     });
 }
 
-/// A panel in the middle, which nothing shines through,
-/// but for so many points below it.
+/// An opaque panel in the middle, shifted down by `down` points.
 pub fn sheet(ui: &Ui, name: &str, down: f32, add: impl FnOnce(&mut Ui)) {
     let offset = Vec2::new(0.0, down);
     let area = Area::new(Id::unique(name)).anchor(Align2::CENTER_CENTER, offset);
@@ -109,8 +108,8 @@ pub fn sheet(ui: &Ui, name: &str, down: f32, add: impl FnOnce(&mut Ui)) {
     });
 }
 
-/// Text at a place of the window, on a ground of its own, of that width in points and so many
-/// rows at most; no mouse meets it.
+/// Text at a position of the window, on its own background, with at most the given width in points
+/// and rows; the mouse ignores it.
 pub fn line(ui: &Ui, name: &str, at: Align2, offset: Vec2, most: (f32, usize), text: RichText) {
     let area = Area::new(Id::unique(name)).anchor(at, offset);
     at_once(ui, name, area.interactable(false), |ui| {
@@ -118,9 +117,9 @@ pub fn line(ui: &Ui, name: &str, at: Align2, offset: Vec2, most: (f32, usize), t
     });
 }
 
-/// Shows an area whole in the very frame that it is first wanted in, so that a picture of
-/// the window has all that is open in it. egui alone would measure it in the first frame,
-/// unseen, and let it fade in.
+/// Shows an area complete in the first frame that requests it, so that a picture of the window
+/// includes everything open in it. egui alone would measure it in the first frame, unseen, and let
+/// it fade in.
 fn at_once(ui: &Ui, name: &str, area: Area, add: impl FnOnce(&mut Ui)) {
     let context = ui.ctx();
     let id = Id::unique(name);
@@ -138,7 +137,7 @@ fn label(ui: &mut Ui, (width, rows): (f32, usize), text: RichText) {
         .corner_radius(CornerRadius::same(5))
         .inner_margin(Margin::symmetric(LINE_INNER as i8, 3))
         .show(ui, |ui| {
-            // A long sentence goes on below; the area itself knows no width yet.
+            // A long sentence wraps; the area itself has no width yet.
             let text = egui::WidgetText::from(text);
             let job = text.into_layout_job(ui.style(), TextStyle::Body.into(), egui::Align::Center);
             let mut job = (*job).clone();
@@ -153,7 +152,7 @@ fn label(ui: &mut Ui, (width, rows): (f32, usize), text: RichText) {
         });
 }
 
-/// A row with its name before it, the same width for all.
+/// A row with its name before it, in a column of the same width for all.
 pub fn named<T>(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui) -> T) -> T {
     ui.horizontal(|ui| {
         let size = Vec2::new(LABEL, ROW);
@@ -170,7 +169,7 @@ pub fn named<T>(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui) -> T) -> T {
     .inner
 }
 
-/// A slider in a row of its own, whose parts stay where they are whatever the number.
+/// A slider in a row of its own, whose parts keep their places whatever the number.
 pub fn slider(ui: &mut Ui, name: &str, slider: Slider) -> Response {
     named(ui, name, |ui| {
         ui.spacing_mut().slider_width = SLIDER;
@@ -197,7 +196,7 @@ pub fn note(ui: &mut Ui, text: &str, colour: Color32, rows: usize) {
     ui.painter_at(rect).galley(rect.min, galley, colour);
 }
 
-/// A name from a file in one line, whatever is in it.
+/// Formats a name from a file in one line, whatever its content.
 pub fn plain(name: &str) -> String {
     crate::text::in_a_line(name).into_owned()
 }

@@ -6,12 +6,12 @@ use crate::response::HeardSource;
 use crate::trace::{Counts, Milliseconds, Panning};
 use egui::{Context, Id, RawInput, Rect};
 
-/// Everything that has a place of its own.
+/// All areas with a place of their own.
 const AREAS: [&str; 7] = [
     "left", "right", "lower", "hint", "message", "refusal", "help",
 ];
 
-/// What differs from frame to frame while the panels are open.
+/// The state that differs from frame to frame while the panels are open.
 #[derive(Clone, Copy)]
 struct Moment {
     waves: u32,
@@ -40,7 +40,7 @@ const BUSY: Moment = Moment {
     seconds: 12.3,
 };
 
-/// Where all areas are after some frames of that moment in a window of that size.
+/// The places of all areas after some frames of that moment in a window of that size.
 fn laid_out(
     size: [u32; 2],
     scene: &str,
@@ -121,7 +121,7 @@ fn laid_out(
         let mut output = context.run_ui(input, |ui| {
             draw(ui, &hud, &mut chosen, &mut plan);
         });
-        // Nobody draws it.
+        // No painter takes the textures.
         output.textures_delta.clear();
     }
     let shown = |name: &&str| {
@@ -144,7 +144,7 @@ const SIZES: [[u32; 2]; 6] = [
     [1600, 900],
 ];
 
-/// The panels keep their places and sizes, whatever the numbers.
+/// Protects the panels from moving: they keep their places and sizes, whatever the numbers.
 #[test]
 fn panels_stand_still_while_one_reads() {
     for size in SIZES {
@@ -154,7 +154,7 @@ fn panels_stand_still_while_one_reads() {
             assert!(quiet.len() >= 2, "{size:?}: {quiet:?}");
             assert_eq!(quiet, busy, "{scene} {size:?}");
         }
-        // Nor does a message move them, or a plan of another shape.
+        // Messages and plans of another shape do not move them either.
         let panels = |all: Vec<(&'static str, Rect)>| {
             let is_panel = |(name, _): &(&str, Rect)| ["left", "lower"].contains(name);
             all.into_iter().filter(is_panel).collect::<Vec<_>>()
@@ -171,8 +171,7 @@ fn panels_stand_still_while_one_reads() {
     }
 }
 
-/// Protects small windows: nothing lies over anything else, nor beyond the window's edge, however long what is
-/// told.
+/// Protects small windows: areas do not overlap or extend beyond the window's edge, however long the messages are.
 #[test]
 fn nothing_lies_over_anything_else() {
     let long = "a sentence that goes on and on, with file and line, ".repeat(8);

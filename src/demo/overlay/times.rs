@@ -1,11 +1,11 @@
-//! The frames' times by part, against the time that a frame may take.
+//! The frames' times by part, against the target frame time.
 
 use super::super::report::{FrameTimes, medians};
 use super::super::state::Choices;
 use super::{HudState, style};
 use egui::{Color32, Pos2, Rect, RichText, Sense, Ui, Vec2};
 
-/// A part of a frame's time: its name, its colour and where it is found.
+/// A part of a frame's time: its name, its colour and the function that returns it.
 type Part = (&'static str, Color32, fn(&FrameTimes) -> f64);
 
 const PARTS: [Part; 6] = [
@@ -22,10 +22,10 @@ const PARTS: [Part; 6] = [
 /// Frames shown; one bar each.
 pub const FRAMES: usize = 100;
 
-/// Milliseconds at the top, as a share of the time that a frame may take.
+/// Time at the top of the diagram, as a share of the target frame time.
 const TOP: f64 = 1.5;
 
-/// Draws what adapts, one bar a frame, and the legend with medians.
+/// Draws the adapted values, one bar per frame, and the legend with medians.
 pub fn draw(ui: &mut Ui, hud: &HudState, chosen: &Choices) {
     let shown = &hud.times[hud.times.len().saturating_sub(FRAMES)..];
     let middle = medians(shown);
@@ -54,7 +54,7 @@ pub fn draw(ui: &mut Ui, hud: &HudState, chosen: &Choices) {
     legend(ui, &middle);
 }
 
-/// A number that may follow the frame's time, and whether it does.
+/// Shows a number and whether it follows the frame time.
 fn adapted(ui: &mut Ui, name: &str, number: &str, follows: bool) {
     let (word, colour) = match follows {
         true => ("follows", style::BRIGHT),
@@ -67,7 +67,7 @@ fn adapted(ui: &mut Ui, name: &str, number: &str, follows: bool) {
     });
 }
 
-/// The parts' colours and medians, each in a place of its own.
+/// The parts' colours and medians, each in a fixed place.
 fn legend(ui: &mut Ui, middle: &FrameTimes) {
     const COLUMNS: usize = 3;
     const ROW: f32 = 13.0;
