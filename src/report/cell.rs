@@ -1,4 +1,4 @@
-//! One cell of a table, as a person reads it and as a program reads it.
+//! One cell of a table, in the forms for people and for programs.
 
 use crate::text::csv_cell;
 use serde::{Serialize, Serializer};
@@ -14,9 +14,9 @@ pub(crate) enum Cell {
     Number(f64),
     /// Yes or no.
     Flag(bool),
-    /// Words.
+    /// Text.
     Text(String),
-    /// A number with the interval about it. `rough` marks an interval of too few values.
+    /// A number with its interval. `rough` marks an interval computed from too few values.
     Interval {
         value: f64,
         ends: Option<[f64; 2]>,
@@ -24,23 +24,23 @@ pub(crate) enum Cell {
     },
 }
 
-/// How people read the numbers of a column. Programs always get every digit.
+/// The notation of a column's numbers for people. Programs always get every digit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Notation {
-    /// As many digits as it takes to read the same number back.
+    /// As many digits as are needed to read the same number back.
     Plain,
-    /// So many digits after the point.
+    /// A fixed number of decimals.
     Fixed(usize),
     /// The same with a sign.
     Signed(usize),
-    /// A share from 0 to 1 in percent, with so many digits after the point.
+    /// A share from 0 to 1 in percent, with a fixed number of decimals.
     Percent(usize),
-    /// So many significant digits, see [`significant`].
+    /// A fixed number of significant digits, see [`significant`].
     Significant(usize),
 }
 
 impl Notation {
-    /// A number for people.
+    /// Formats a number for people.
     pub fn of(self, value: f64) -> String {
         match self {
             Notation::Plain => value.to_string(),
@@ -52,8 +52,8 @@ impl Notation {
     }
 }
 
-/// A number with so many significant digits: plain from 0.01 to 1000, beyond that with a power
-/// of ten.
+/// Formats a number with the given number of significant digits: plain from 0.01 to 1000, beyond
+/// that with a power of ten.
 pub(crate) fn significant(value: f64, digits: usize) -> String {
     if value == 0.0 {
         return "0".to_owned();
@@ -71,12 +71,13 @@ pub(crate) fn significant(value: f64, digits: usize) -> String {
 const NOTHING: &str = "—";
 
 impl Cell {
-    /// Words.
+    /// A cell of text.
     pub fn text(text: impl Into<String>) -> Cell {
         Cell::Text(text.into())
     }
 
-    /// Without what [`crate::text::in_a_line`] hides; not escaped for any format.
+    /// The cell for people, without the characters that [`crate::text::in_a_line`] hides; not
+    /// escaped for any format.
     pub fn for_people(&self, notation: Notation) -> String {
         match self {
             Cell::None => NOTHING.to_owned(),
@@ -100,7 +101,7 @@ impl Cell {
         }
     }
 
-    /// As written in a CSV file; empty for no value. Numbers are written as in JSON.
+    /// The cell in a CSV file; empty without a value. Numbers are written as in JSON.
     pub fn for_csv(&self) -> String {
         match self {
             Cell::None => String::new(),
@@ -195,8 +196,8 @@ impl<T: Into<Cell>> From<Option<T>> for Cell {
 mod tests {
     use super::*;
 
-    /// Protects numbers that people compare: as many digits whatever the size, and no notation
-    /// but these two.
+    /// Protects numbers that people compare: they have the same number of digits whatever their
+    /// size, and only these two notations.
     #[test]
     fn significant_digits_are_counted() {
         let cases = [
@@ -213,7 +214,7 @@ mod tests {
         assert_eq!(significant(4.4e-8, 1), "4e-8");
     }
 
-    /// Protects intervals, and that a missing value is distinguished from a zero everywhere.
+    /// Protects intervals, and the distinction between a missing value and a zero in every format.
     #[test]
     fn cells_are_written_for_people_and_programs() {
         let of = |ends, rough| Cell::Interval {

@@ -5,7 +5,8 @@ use super::{Block, Document, wrapped};
 use crate::text::markdown as escaped;
 
 impl Document {
-    /// The document as Markdown. No text in it makes a tag, a link or a column.
+    /// The document as Markdown. Its text is escaped, so that it cannot make a tag, a link or a
+    /// column.
     pub fn markdown(&self) -> String {
         let blocks: Vec<String> = self.blocks.iter().map(block).collect();
         blocks.join("\n\n") + "\n"

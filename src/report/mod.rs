@@ -1,10 +1,10 @@
-//! Reports: what was found, stated once.
+//! Reports: results, with each column described once.
 //!
-//! A [`Table`] has columns and rows. Each column is stated once, beside the type of the rows: its
-//! name for programs, its heading for people, unit, notation, and how its cell is read off a row.
-//! CSV, JSON, Markdown and text for a terminal are written from that. A [`Document`] holds the
-//! text around tables. CSV and JSON get every digit of a number; text and Markdown get the
-//! significant ones, with the unit in the heading.
+//! A [`Table`] has columns and rows. Each column is described once, beside the type of the rows:
+//! its name for programs, its heading for people, its unit, its notation, and the function that
+//! returns a row's cell. CSV, JSON, Markdown and text for a terminal are written from that. A
+//! [`Document`] holds the text around tables. CSV and JSON get every digit of a number; text and
+//! Markdown get the significant ones, with the unit in the heading.
 
 mod cell;
 mod markdown;
@@ -18,23 +18,24 @@ pub(crate) use table::{Column, Row};
 
 use serde::Serialize;
 
-/// Columns of a terminal that every line fits.
+/// Maximum number of characters in a line for a terminal.
 const WIDTH: usize = 100;
 
-/// What an experiment found: its data by [`Serialize`], and what is made of them.
+/// The results of an experiment: its data by [`Serialize`], and the texts and tables made from
+/// them.
 pub trait Report: Serialize {
-    /// What its files are called, without their endings.
+    /// The name of its files, without their endings.
     const NAME: &'static str;
     /// Whether it can be plotted.
     const HAS_PLOT: bool = false;
 
-    /// All of it for people.
+    /// The whole report for people.
     fn document(&self) -> Document;
 
     /// All rows, for CSV.
     fn table(&self) -> Table;
 
-    /// The picture; an empty one where there is none.
+    /// The plot as SVG; empty if there is no plot.
     ///
     /// # Errors
     /// When the drawing fails; the text contains the reason.
@@ -43,10 +44,10 @@ pub trait Report: Serialize {
     }
 }
 
-/// Why a plot could not be drawn.
+/// The reason why a plot could not be drawn.
 pub type PlotError = Box<dyn std::error::Error + Send + Sync>;
 
-/// Headings, text and tables in order. Text is plain: each format writes it as it has to.
+/// Headings, text and tables in order. Text is plain: each format escapes it.
 #[derive(Clone, Debug, Default)]
 pub struct Document {
     blocks: Vec<Block>,
@@ -54,7 +55,7 @@ pub struct Document {
 
 #[derive(Clone, Debug)]
 enum Block {
-    /// Of a level, from 1.
+    /// A heading of a level, from 1.
     Heading(usize, String),
     Paragraph(String),
     List(Vec<String>),
@@ -79,14 +80,15 @@ impl Document {
         }
     }
 
-    /// Adds a table of such rows.
+    /// Adds a table of the given rows.
     pub(crate) fn table<R: Row>(&mut self, rows: impl IntoIterator<Item = R>) {
         self.blocks.push(Block::Table(Table::of(rows)));
     }
 }
 
-/// A text broken into lines of [`WIDTH`] at its spaces, the first of which begins with `mark` and
-/// the others with as many spaces. A word that is longer has a line of its own, or several.
+/// Breaks a text into lines of [`WIDTH`] characters at its spaces. The first line begins with
+/// `mark`, the others with the same number of spaces. A longer word has a line of its own, or
+/// several.
 fn wrapped(text: &str, mark: &str) -> String {
     let indent = mark.chars().count();
     let mut lines = Vec::new();
@@ -111,7 +113,7 @@ fn wrapped(text: &str, mark: &str) -> String {
     lines.join("\n")
 }
 
-/// A word in pieces of at most so many characters.
+/// Splits a word into pieces of at most `most` characters.
 fn pieces(word: &str, most: usize) -> Vec<String> {
     let letters: Vec<char> = word.chars().collect();
     let pieces = letters.chunks(most);
@@ -146,7 +148,7 @@ mod tests {
         }
     }
 
-    /// Protects every rendering: each shows what is meant for it, and one value is the same in
+    /// Protects every format: each shows the columns intended for it, and a value is the same in
     /// all of them.
     #[test]
     fn a_table_is_written_in_every_format() {
@@ -165,7 +167,7 @@ mod tests {
         assert_eq!(table.markdown(), expected);
     }
 
-    /// Protects documents: blocks are apart, text is plain in, and escaped where it has to be.
+    /// Protects documents: blocks are separated, and text is escaped where necessary.
     #[test]
     fn a_document_is_escaped_and_broken_into_lines() {
         let mut document = Document::default();

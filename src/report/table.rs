@@ -1,11 +1,11 @@
-//! Tables: columns stated once, rows of typed cells.
+//! Tables: columns described once, rows of typed cells.
 
 use super::cell::{Cell, Notation};
 use serde::ser::{SerializeMap, SerializeSeq};
 use serde::{Serialize, Serializer};
 use std::io::{self, Write};
 
-/// What can be a row of a table.
+/// A type whose values are rows of a table.
 pub(crate) trait Row: Sized {
     /// The columns, in order.
     fn columns() -> Vec<Column<Self>>;
@@ -14,19 +14,19 @@ pub(crate) trait Row: Sized {
 /// The description of a column, independent of its rows.
 #[derive(Clone, Debug)]
 pub(crate) struct Head {
-    /// In CSV and JSON; `None` for a column that only people are shown.
+    /// The name in CSV and JSON; `None` for a column shown only to people.
     pub name: Option<String>,
-    /// On a terminal and in Markdown; `None` for a column that only programs get.
+    /// The heading on a terminal and in Markdown; `None` for a column only for programs.
     pub heading: Option<String>,
-    /// Of the numbers; behind the heading.
+    /// The unit of the numbers, shown behind the heading.
     pub unit: &'static str,
-    /// Whether its cells are words: to the left, and broken into lines where they are long.
+    /// Whether its cells are text: aligned to the left, with long text wrapped.
     pub is_text: bool,
     /// Whether it identifies a row, and is repeated where a table continues below.
     pub is_key: bool,
-    /// Whether its cells have two more for programs, the ends of an interval.
+    /// Whether programs get two more cells, the ends of an interval.
     pub is_interval: bool,
-    /// Of its numbers.
+    /// The notation of its numbers.
     pub notation: Notation,
 }
 
@@ -63,7 +63,7 @@ impl<R> Column<R> {
         }
     }
 
-    /// A column for all: its name for programs, its heading for people.
+    /// Creates a column for people and programs: its name for programs, its heading for people.
     pub fn new<C: Into<Cell>>(
         name: &str,
         heading: &str,
@@ -76,61 +76,61 @@ impl<R> Column<R> {
         )
     }
 
-    /// A column that only programs get.
+    /// Creates a column only for programs.
     pub fn for_programs<C: Into<Cell>>(name: &str, cell: impl Fn(&R) -> C + 'static) -> Column<R> {
         Column::with(Some(name), None, Box::new(move |row| cell(row).into()))
     }
 
-    /// A column that only people are shown.
+    /// Creates a column only for people.
     pub fn for_people<C: Into<Cell>>(heading: &str, cell: impl Fn(&R) -> C + 'static) -> Column<R> {
         Column::with(None, Some(heading), Box::new(move |row| cell(row).into()))
     }
 
-    /// The column identifies a row.
+    /// Marks a column that identifies a row.
     pub fn key(mut self) -> Column<R> {
         self.head.is_key = true;
         self
     }
 
-    /// The column's cells are words.
+    /// Marks a column of text.
     pub fn text(mut self) -> Column<R> {
         self.head.is_text = true;
         self
     }
 
-    /// The column's cells are words that identify a row.
+    /// Marks a column of text that identifies a row.
     pub fn label(self) -> Column<R> {
         self.key().text()
     }
 
-    /// The unit of the numbers.
+    /// Sets the unit of the numbers.
     pub fn unit(mut self, unit: &'static str) -> Column<R> {
         self.head.unit = unit;
         self
     }
 
-    /// The column's cells are [`Cell::Interval`] or none.
+    /// Marks a column whose cells are [`Cell::Interval`] or empty.
     pub fn interval(mut self) -> Column<R> {
         self.head.is_interval = true;
         self
     }
 
-    /// So many digits after the point.
+    /// Sets a fixed number of decimals.
     pub fn fixed(self, digits: usize) -> Column<R> {
         self.notation(Notation::Fixed(digits))
     }
 
-    /// So many digits after the point, and a sign.
+    /// Sets a fixed number of decimals, with a sign.
     pub fn signed(self, digits: usize) -> Column<R> {
         self.notation(Notation::Signed(digits))
     }
 
-    /// A share from 0 to 1, in percent with so many digits after the point.
+    /// Sets shares from 0 to 1 in percent, with a fixed number of decimals.
     pub fn percent(self, digits: usize) -> Column<R> {
         self.notation(Notation::Percent(digits)).unit("%")
     }
 
-    /// So many significant digits.
+    /// Sets the number of significant digits.
     pub fn significant(self, digits: usize) -> Column<R> {
         self.notation(Notation::Significant(digits))
     }
@@ -150,7 +150,7 @@ pub struct Table {
 }
 
 impl Table {
-    /// A table of such rows.
+    /// Creates a table of the given rows.
     pub(crate) fn of<R: Row>(rows: impl IntoIterator<Item = R>) -> Table {
         let (heads, cells): (Vec<Head>, Vec<_>) = R::columns()
             .into_iter()
@@ -195,11 +195,11 @@ impl Table {
     }
 
     /// Writes the table as CSV: the first line has the columns' names, a cell without a value is
-    /// empty, numbers have as many digits as it takes to read them back, and no text begins as a
-    /// spreadsheet's formula.
+    /// empty, numbers have enough digits to read them back exactly, and text cannot begin a
+    /// spreadsheet formula.
     ///
     /// # Errors
-    /// Those of `out`.
+    /// Errors of `out`.
     pub fn write_csv(&self, out: &mut dyn Write) -> io::Result<()> {
         let mut writer = csv::Writer::from_writer(out);
         writer.write_record(self.names())?;
@@ -210,7 +210,7 @@ impl Table {
         writer.flush()
     }
 
-    /// The columns that people are shown, by index.
+    /// The indices of the columns shown to people.
     pub(super) fn shown(&self) -> impl Iterator<Item = usize> {
         let heads = self.heads.iter().enumerate();
         heads.filter_map(|(index, head)| head.heading.as_ref().map(|_| index))
@@ -234,7 +234,7 @@ impl Serialize for Table {
     }
 }
 
-/// A row as an object.
+/// A row as a JSON object.
 struct Object<'a>(&'a [String], &'a [Cell]);
 
 impl Serialize for Object<'_> {

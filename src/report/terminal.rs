@@ -7,10 +7,10 @@ use comfy_table::{CellAlignment, ColumnConstraint, ContentArrangement, Width, pr
 /// The space between two columns of a table, and at either end of a line, in characters.
 const BETWEEN: usize = 3;
 
-/// Characters that a column of words is given at least, if it has as many.
+/// Minimum width of a column of text in characters, if its text is that long.
 const LEAST_WORDS: usize = 18;
 
-/// Characters up to which a word is not broken.
+/// Maximum length of an unbroken word in characters.
 const LONGEST_WORD: usize = 40;
 
 impl Document {
@@ -34,15 +34,15 @@ fn block(block: &Block) -> String {
 }
 
 impl Table {
-    /// The table for a terminal. Where its columns do not fit side by side the rest of them
-    /// follows below, each part beginning with the columns that identify a row.
+    /// The table for a terminal. Columns that do not fit side by side follow below; each part
+    /// begins with the columns that identify a row.
     pub fn terminal(&self) -> String {
         let parts = self.parts();
         let parts: Vec<String> = parts.iter().map(|columns| self.part(columns)).collect();
         parts.join("\n\n")
     }
 
-    /// The least width of a column, in characters.
+    /// The minimum width of a column, in characters.
     fn width(&self, column: usize) -> usize {
         let cells = self
             .rows
@@ -95,7 +95,7 @@ impl Table {
         for (column, &at) in table.column_iter_mut().zip(columns) {
             let (alignment, constraint) = match self.heads[at].is_text {
                 true => {
-                    // With what stands about a cell.
+                    // Includes the space around a cell.
                     let least = self.width(at) + BETWEEN - 1;
                     let least = Width::Fixed(least as u16);
                     (CellAlignment::Left, ColumnConstraint::LowerBoundary(least))
@@ -151,8 +151,8 @@ mod tests {
         text.lines().all(|line| line.chars().count() <= WIDTH)
     }
 
-    /// Protects terminals from wide tables, and readers from lost columns: each part
-    /// fits, begins with the columns that identify a row, and all cells are there.
+    /// Protects terminals from wide tables, and readers from lost columns: each part fits, begins
+    /// with the columns that identify a row, and all cells are present.
     #[test]
     fn a_wide_table_goes_on_below() {
         let text = Table::of([Wide("one"), Wide("two")]).terminal();

@@ -1,13 +1,13 @@
-//! The axes of a study: what its numbers, places and seeds are, one by one.
+//! The axes of a study: its numbers, positions and seeds, computed one by one.
 //!
-//! No axis but the settings is written out: a place on it is computed when it is requested, so
-//! that a study of 10⁹ points takes no more memory than one of ten.
+//! Only the settings are stored as a list: a value on any other axis is computed when it is
+//! requested, so that a study of 10⁹ points takes no more memory than one of ten.
 
 use super::file::{Numbers, Places, Seeds};
 use glam::{DVec3, Vec3};
 
 impl Numbers {
-    /// How many there are.
+    /// Number of values.
     pub fn len(&self) -> u64 {
         match self {
             Numbers::List(list) => list.len() as u64,
@@ -15,7 +15,7 @@ impl Numbers {
         }
     }
 
-    /// The number at a place, from 0.
+    /// The number at an index, from 0.
     pub fn get(&self, index: u64) -> f64 {
         match self {
             Numbers::List(list) => list[index as usize],
@@ -29,7 +29,7 @@ impl Numbers {
     }
 }
 
-/// The share of the way at a place of so many; both ends are met exactly.
+/// The share of the range at an index of `count` values; both ends are exact.
 fn share(index: u64, count: u64) -> f64 {
     index as f64 / count.saturating_sub(1).max(1) as f64
 }
@@ -43,7 +43,7 @@ fn between(from: f64, to: f64, index: u64, count: u64) -> f64 {
 }
 
 impl Places {
-    /// How many there are; none for more than a `u64` counts.
+    /// Number of positions; none if it exceeds `u64`.
     pub fn len(&self) -> Option<u64> {
         match self {
             Places::AsInScene => Some(1),
@@ -55,7 +55,7 @@ impl Places {
         }
     }
 
-    /// The position at a place, from 0, in metres; none for where the scene has it.
+    /// The position at an index, from 0, in metres; none for the scene's own.
     pub fn get(&self, index: u64) -> Option<Vec3> {
         match self {
             Places::AsInScene => None,
@@ -74,7 +74,7 @@ impl Places {
     }
 }
 
-/// The point at a share of the length of a line through points.
+/// The point at a share of the length of a polyline.
 fn on_path(through: &[[f32; 3]], share: f64) -> Vec3 {
     let points: Vec<DVec3> = through
         .iter()
@@ -94,7 +94,7 @@ fn on_path(through: &[[f32; 3]], share: f64) -> Vec3 {
 }
 
 impl Seeds {
-    /// How many there are.
+    /// Number of seeds.
     pub fn len(&self) -> u64 {
         match self {
             Seeds::List(list) => list.len() as u64,
@@ -102,11 +102,11 @@ impl Seeds {
         }
     }
 
-    /// The seed at a place, from 0.
+    /// The seed at an index, from 0.
     pub fn get(&self, index: u64) -> u32 {
         match self {
             Seeds::List(list) => list[index as usize],
-            // Checked when the study is read: the last one is a u32.
+            // Checked when the study is read: the last seed fits u32.
             Seeds::Range { from, .. } => from.wrapping_add(index as u32),
         }
     }

@@ -1,4 +1,4 @@
-//! From the content of a study file to a study: scenes are loaded, and points counted.
+//! Builds a study from the content of its file: loads scenes, and counts points.
 
 use super::check::{Checker, MOST_POINTS};
 use super::columns::ResponseColumns;
@@ -11,7 +11,7 @@ use crate::text::in_a_line;
 use crate::trace::{Settings, TraceError};
 use std::path::Path;
 
-/// A study file's study.
+/// Reads a study from its file.
 pub(super) fn from_file(path: &Path) -> Result<Study, StudyError> {
     let mut file = StudyFile::read(path)?;
     let origin = path.display().to_string();
@@ -24,7 +24,7 @@ pub(super) fn from_file(path: &Path) -> Result<Study, StudyError> {
     study(&file, &Checker { origin: &origin }, folder)
 }
 
-/// The study of a file, whose scenes are in `folder`.
+/// Builds the study of a file; its scenes are in `folder`.
 pub(super) fn study(
     file: &StudyFile,
     checker: &Checker,
@@ -48,13 +48,13 @@ pub(super) fn study(
     check_settings(&study, checker)?;
     count(&mut study, checker)?;
     study.hash = hash::of(file, &study, folder).map_err(|(path, source)| {
-        // It was read a moment ago.
+        // The file was readable a moment ago.
         StudyError::Unreadable { path, source }
     })?;
     Ok(study)
 }
 
-/// Loads every scene, and tries every number of its named values.
+/// Loads every scene, and tries the numbers of its named values.
 fn scenes(
     file: &StudyFile,
     checker: &Checker,
@@ -90,11 +90,12 @@ fn load(said: &SceneFile, folder: &Path) -> Result<Scene, SceneError> {
     Scene::load_in(&said.of, folder)?.heard_by(0, 0)
 }
 
-/// Numbers of an axis that are tried before work begins; of longer ones the ends, and some between.
+/// Maximum number of values of an axis that are tried before work begins; of longer axes the ends
+/// are tried, and some values between.
 const MOST_TRIED: u64 = 16;
 
-/// Sets each named value to numbers of its axis, the others as in the file: values that the scene
-/// rejects are reported before the first point.
+/// Sets each named value to the numbers of its axis, with the others as in the file: values that
+/// the scene rejects are reported before the first point.
 fn try_values(scene: &Scene, said: &SceneFile) -> Result<(), SceneError> {
     for (name, numbers) in &said.values {
         let tried = numbers.len().min(MOST_TRIED);
@@ -170,7 +171,7 @@ fn kept(said: &Keep) -> Kept {
     }
 }
 
-/// Every case must be possible, and have responses where these are kept.
+/// Checks that every case can be traced, and supports responses if these are kept.
 fn check_settings(study: &Study, checker: &Checker) -> Result<(), StudyError> {
     for case in &study.settings {
         if let Err(error) = case.settings.validate() {

@@ -1,4 +1,4 @@
-//! Checks of the content of a study file: each field by its place and range, before any work.
+//! Checks the content of a study file: each field by its place and range, before any work.
 
 use super::StudyError;
 use super::file::{
@@ -11,33 +11,33 @@ use crate::text::check_name;
 use crate::trace::{MAX_ITERATIONS, MAX_WAVES};
 use std::fmt::Display;
 
-/// Points of a study at most: 10⁹ take years of a core, and numbers of points stay exact in
-/// every table.
+/// Maximum number of points of a study: 10⁹ take years on one core, and numbers of points stay
+/// exact in every table.
 pub(super) const MOST_POINTS: u64 = 1_000_000_000_000;
 
-/// Numbers along one axis at most.
+/// Maximum number of values on one axis.
 const MOST_ON_AXIS: u64 = 1_000_000_000;
 
-/// The farthest that a source or a listener is placed, in metres: scene files allow no more.
+/// Maximum coordinate of a source or a listener, in metres: the limit of scene files.
 const FARTHEST_M: f32 = 1e6;
 
 /// The latest time on a path, in seconds: a day.
 const LATEST_S: f64 = 86_400.0;
 
-/// The shortest response in seconds: a bin of time.
+/// The shortest response in seconds: a time bin.
 const SHORTEST_S: f64 = 1e-3;
 
-/// The longest bin of an echogram in milliseconds, as of [`BINS_S`](crate::acoustics::BINS_S).
+/// The longest bin of an echogram in milliseconds, as in [`BINS_S`](crate::acoustics::BINS_S).
 const LONGEST_BIN_MS: u32 = 100;
 
-/// Reports what is wrong in which field of which file.
+/// Reports invalid fields with the name of the file.
 pub(super) struct Checker<'a> {
-    /// What errors call the file.
+    /// The name of the file in error messages.
     pub origin: &'a str,
 }
 
 impl Checker<'_> {
-    /// Every field of a study that can be checked without its scenes.
+    /// Checks every field of a study that can be checked without its scenes.
     pub fn check(&self, file: &StudyFile) -> Result<(), StudyError> {
         if let Err(why) = check_name(&file.name) {
             return self.bad("name", format!("a name that can be shown ({why})"), "it");
@@ -63,7 +63,7 @@ impl Checker<'_> {
         self.keep(&file.keep, &file.settings)
     }
 
-    /// Rejects a field.
+    /// Returns the error for an invalid field.
     pub fn bad<T>(
         &self,
         place: &str,
@@ -91,7 +91,7 @@ impl Checker<'_> {
         }
     }
 
-    /// How many there are of something.
+    /// Checks the number of values in a list.
     fn count(&self, place: &str, count: u64) -> Result<(), StudyError> {
         let must = format!("1 to {MOST_ON_AXIS} of them");
         self.must((1..=MOST_ON_AXIS).contains(&count), place, &must, count)
@@ -135,7 +135,7 @@ impl Checker<'_> {
         }
     }
 
-    /// A range of one number has one end, and one of several two.
+    /// Checks a range: its ends are equal for a count of 1, and differ for a larger count.
     fn ends(&self, place: &str, are_equal: bool, count: u64) -> Result<(), StudyError> {
         let is_right = are_equal == (count == 1);
         let must = "1 where from and to are equal, else 2 or more";

@@ -1,4 +1,4 @@
-//! The columns of a study: what a point is, and what was found.
+//! The columns of a study: those that identify a point, and those of its results.
 
 use super::file::{FigureName, ResponseFile};
 use super::{Kept, Study};
@@ -7,17 +7,17 @@ use crate::bands::BANDS_HZ;
 use crate::report::Cell;
 use crate::response::{Gap, Response};
 
-/// No time that is found is longer, in seconds: a record has 60 s at most, and a time of decay is three
-/// times the part of it that it is evaluated from.
+/// Maximum of all times in the results, in seconds: a record has at most 60 s, and a decay time is three times the part
+/// that it is evaluated from.
 const LONGEST_S: f64 = 3600.0;
 
-/// No level that is found is larger, in decibels: the ratio of two numbers of 64 bits has 6,320 dB at most.
+/// Maximum of all levels in the results, in decibels: the ratio of two 64-bit numbers has at most 6,320 dB.
 const LOUDEST_DB: f64 = 6400.0;
 
 /// The largest error as a multiple of its figure's range: Student's t widens an error by up to 6.4.
 const ERROR_TO_RANGE: f64 = 10.0;
 
-/// A share or a time may be beyond its limits by this rounding.
+/// A share or a time may exceed its limits by this rounding error.
 const ROUNDING: f64 = 1e-9;
 
 /// A column of the joined tables.
@@ -25,16 +25,16 @@ const ROUNDING: f64 = 1e-9;
 pub(super) struct Column {
     pub name: String,
     pub kind: Kind,
-    /// Which numbers it may hold; of text each number in it.
+    /// Its permitted numbers; for text, those of each number in it.
     pub range: Range,
 }
 
-/// The numbers of a column, from the least to the greatest; what is read from a shard is held to it.
+/// The permitted numbers of a column, from the minimum to the maximum; cells read from a shard are checked against it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Range {
     pub least: f64,
     pub most: f64,
-    /// Whether there may be no value.
+    /// Whether cells may be empty.
     pub may_be_empty: bool,
 }
 
@@ -57,7 +57,7 @@ impl Range {
         }
     }
 
-    /// The range of the errors of a figure with this one.
+    /// The range of the errors of a figure with this range.
     fn of_errors(self) -> Range {
         let most = ERROR_TO_RANGE * (self.most - self.least);
         Range::new(0.0, most).or_empty()
@@ -71,7 +71,7 @@ pub(super) enum Kind {
     Whole,
     /// Numbers of 64 bits.
     Real,
-    /// Text; of what is found, numbers with a space between them.
+    /// Text; in results, numbers separated by spaces.
     Text,
 }
 
@@ -90,14 +90,14 @@ impl Column {
     }
 }
 
-/// Which columns a response gives.
+/// The columns of a response.
 #[derive(Clone, Debug)]
 pub(super) struct ResponseColumns {
     figures: Vec<FigureName>,
-    /// Places in [`BANDS_HZ`].
+    /// Indices into [`BANDS_HZ`].
     bands: Vec<usize>,
     errors: bool,
-    /// Bins of the traced echogram, each 1 ms long, in one that is kept.
+    /// Number of bins of the traced echogram, each 1 ms long, in one bin of the table.
     echogram_bins: Option<usize>,
 }
 
@@ -183,12 +183,12 @@ impl ResponseColumns {
     }
 }
 
-/// The column that says why figures of a band are empty in a row: [`Gap::code`], 0 where none is.
+/// The column with the reason why figures of a band are empty in a row: [`Gap::code`], 0 if they are not.
 fn gap_column(band_hz: f64) -> String {
     format!("gap_{band_hz}")
 }
 
-/// The column with the reason why cells of this one are empty, if it is one of a figure.
+/// The column with the reason why cells of the given column are empty, if it is one of a figure.
 pub(super) fn gap_column_of(column: &str) -> Option<String> {
     let name = column.strip_suffix("_error").unwrap_or(column);
     let (figure, band) = name.rsplit_once('_')?;
@@ -196,7 +196,7 @@ pub(super) fn gap_column_of(column: &str) -> Option<String> {
     is_figure.then(|| gap_column(band.parse().unwrap_or_default()))
 }
 
-/// The energy densities of all that arrives in 1/m², in bins of so many bins of the echogram.
+/// The energy densities of all arrivals in 1/m², each over `bins` bins of the echogram.
 fn energies(response: &Response, bins: usize) -> Vec<crate::bands::Bands> {
     let echogram = &response.echogram;
     let mut energies = vec![crate::bands::Bands::default(); echogram.bins().div_ceil(bins)];
@@ -275,7 +275,7 @@ impl Kept {
         let marches = Range::new(0.0, marches as f64);
         let pan = Range::new(-1.0, 1.0);
         if self.pan {
-            // A wave gives 1 to both together.
+            // A wave adds 1 to both together.
             let ranges = [("left", waves), ("right", waves), ("pan", pan)];
             columns.extend(ranges.map(|(name, range)| Column::within(name, Kind::Real, range)));
         }
@@ -302,7 +302,7 @@ impl Kept {
 }
 
 impl Study {
-    /// Names of named values, each once, in alphabetic order.
+    /// The names of named values, each once, in alphabetic order.
     pub(super) fn value_names(&self) -> Vec<&str> {
         let names = self.variants.iter().flat_map(|axis| axis.values.keys());
         let names: std::collections::BTreeSet<&str> = names.map(String::as_str).collect();
@@ -341,7 +341,7 @@ impl Study {
         columns
     }
 
-    /// The columns of what was found.
+    /// The columns of the results.
     pub(super) fn found_columns(&self) -> Vec<Column> {
         let settings = || self.settings.iter().map(|case| &case.settings);
         let waves = settings().map(|settings| u64::from(settings.waves));

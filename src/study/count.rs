@@ -1,4 +1,4 @@
-//! What a study will take: points, time by a short sample, bytes.
+//! Estimates the cost of a study: points, time from a short sample, bytes.
 
 use super::work::row;
 use super::{Study, StudyError, Worker, lines};
@@ -6,13 +6,13 @@ use crate::rng::GOLDEN_GAMMA;
 use serde::Serialize;
 use std::time::{Duration, Instant};
 
-/// Points of a sample at most.
+/// Maximum number of points of a sample.
 const MOST_SAMPLED: u64 = 64;
 
-/// Points of a sample at least, however long they take: an error needs two.
+/// Minimum number of points of a sample, whatever their time: an error needs two.
 const LEAST_SAMPLED: u64 = 3;
 
-/// How long a sample takes, warm-up included.
+/// Maximum time of a sample, warm-up included.
 const LONGEST: Duration = Duration::from_secs(20);
 
 /// The cost of a study, estimated from a sample of its points.
@@ -21,17 +21,17 @@ const LONGEST: Duration = Duration::from_secs(20);
 pub struct Estimate {
     /// Points of the study.
     pub points: u64,
-    /// Points that were computed for this, spread over the study.
+    /// Number of points computed for the estimate, spread over the study.
     pub sampled: u64,
-    /// Seconds of a point by the wall clock: the mean of the sample.
+    /// Wall-clock seconds per point: the mean of the sample.
     pub seconds_a_point: f64,
-    /// Its standard error, which holds how unlike the points are.
+    /// Its standard error, which includes the differences between points.
     pub seconds_a_point_error: f64,
-    /// Seconds of processor time of a point, all cores together; none where the system does not report it.
+    /// Processor time per point in seconds, summed over the cores; none if the system does not report it.
     pub core_seconds_a_point: Option<f64>,
-    /// Bytes of a point in a shard.
+    /// Bytes per point in a shard.
     pub shard_bytes_a_point: f64,
-    /// Bytes of a point in the joined CSV.
+    /// Bytes per point in the joined CSV.
     pub csv_bytes_a_point: f64,
 }
 
@@ -41,18 +41,18 @@ impl Estimate {
         self.seconds_a_point * self.points as f64
     }
 
-    /// Points that a core computes in an hour; none where the system reports no processor time.
+    /// Points that a core computes in an hour; none if the system reports no processor time.
     pub fn points_a_core_hour(&self) -> Option<f64> {
         let seconds = self.core_seconds_a_point.filter(|seconds| *seconds > 0.0)?;
         Some(3600.0 / seconds)
     }
 }
 
-/// Computes a sample of the points twice each, the second time with a clock: compiling a scene's
-/// shaders is paid once, whatever the number of points. What is found is not kept.
+/// Computes a sample of the points twice each, and times the second computation: a scene's shaders are compiled only
+/// once, whatever the number of points. The results are discarded.
 ///
 /// # Errors
-/// [`StudyError::Point`] for what cannot be computed.
+/// [`StudyError::Point`] for a point that cannot be computed.
 pub fn estimate(worker: &mut Worker) -> Result<Estimate, StudyError> {
     let study = worker.study;
     let began = Instant::now();
@@ -95,8 +95,8 @@ pub fn estimate(worker: &mut Worker) -> Result<Estimate, StudyError> {
     })
 }
 
-/// The point of a number in the sample: all points where there are few, else spread evenly. Multiples of 2⁶⁴ divided by
-/// the golden ratio, taken as shares of 2⁶⁴, lie evenly however many there are (D. E. Knuth, *The Art of Computer
+/// The index of a sample point: all points if there are few, else spread evenly. The multiples of 2⁶⁴ divided by the
+/// golden ratio, taken as shares of 2⁶⁴, are spread evenly for every number of them (D. E. Knuth, *The Art of Computer
 /// Programming* 3, section 6.4).
 fn sampled(study: &Study, number: u64) -> u64 {
     if study.points <= MOST_SAMPLED {
@@ -106,7 +106,7 @@ fn sampled(study: &Study, number: u64) -> u64 {
     ((share * u128::from(study.points)) >> 64) as u64
 }
 
-/// Processor time of this process so far, all threads together.
+/// Processor time used by this process, all threads together.
 #[cfg(target_os = "linux")]
 fn processor_seconds() -> Option<f64> {
     let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);

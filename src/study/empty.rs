@@ -1,35 +1,35 @@
-//! Which cells of the tables are empty, and why.
+//! Counts the empty cells of the tables by reason.
 
 use super::columns::{Column, gap_column_of};
 use crate::response::Gap;
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 
-/// Cells of a column that are empty for one reason.
+/// The number of cells of a column that are empty for one reason.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct EmptyCells {
     /// The column.
     pub column: String,
-    /// Why, in words: `nothing arrives`, `record too short`, `no late sound`, `too noisy`, or `not defined`.
+    /// The reason: `nothing arrives`, `record too short`, `no late sound`, `too noisy`, or `not defined`.
     pub why: &'static str,
-    /// How many.
+    /// Their number.
     pub cells: u64,
 }
 
-/// What is said of an empty cell whose reason no column holds.
+/// The reason reported for an empty cell if no column states one.
 const NOT_DEFINED: &str = "not defined";
 
 /// Counts empty cells, row by row.
 pub(super) struct EmptyCount {
     columns: Vec<Column>,
-    /// For each column the place of the one with its reason.
+    /// For each column the index of the column with its reason.
     gaps: Vec<Option<usize>>,
     counts: BTreeMap<(usize, Option<Gap>), u64>,
 }
 
 impl EmptyCount {
-    /// None yet, in rows of these columns.
+    /// An empty count for rows of these columns.
     pub fn new(columns: Vec<Column>) -> EmptyCount {
         let place = |column: &Column| {
             let gap = gap_column_of(&column.name)?;
@@ -42,7 +42,7 @@ impl EmptyCount {
         }
     }
 
-    /// Counts those of a row.
+    /// Counts the empty cells of a row.
     pub fn add(&mut self, cells: &[impl AsRef<str>]) {
         for (at, cell) in cells.iter().enumerate() {
             if cell.as_ref().is_empty() {
@@ -51,14 +51,14 @@ impl EmptyCount {
         }
     }
 
-    /// Why the cell of this column is empty in a row.
+    /// The reason why the cell of this column is empty in a row.
     pub fn reason(&self, at: usize, cells: &[impl AsRef<str>]) -> Option<Gap> {
         let gap = (*self.gaps.get(at)?)?;
         let code = cells.get(gap)?.as_ref().parse().ok()?;
         Gap::of_code(code)
     }
 
-    /// All that were counted, in the order of the columns.
+    /// All counts, in the order of the columns.
     pub fn cells(&self) -> Vec<EmptyCells> {
         let counts = self.counts.iter();
         let cells = counts.map(|((at, gap), cells)| EmptyCells {
@@ -70,7 +70,7 @@ impl EmptyCount {
     }
 }
 
-/// As JSON: the reasons with their counts, by column.
+/// The counts as JSON: the reasons with their numbers of cells, by column.
 pub(super) fn json(cells: &[EmptyCells]) -> Value {
     let mut columns = Map::new();
     for EmptyCells { column, why, cells } in cells {

@@ -1,4 +1,4 @@
-//! What can be wrong with a study, its shards, and joining them.
+//! Errors of a study, its shards, and joining them.
 
 use super::shard::{NoShard, Shard};
 use crate::file_input::{InputError, MalformedText};
@@ -6,7 +6,7 @@ use crate::file_output::OutputError;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// A study that cannot be run or joined, and why.
+/// The reason why a study cannot be run or joined.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum StudyError {
@@ -15,32 +15,32 @@ pub enum StudyError {
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The reason.
         source: InputError,
     },
     /// The text is not a study.
     #[error(transparent)]
     Malformed(MalformedText),
-    /// A field of the study file that makes no sense.
+    /// An invalid field of the study file.
     #[error("{origin}: {place} must be {must}, not {value}")]
     BadField {
-        /// File path, or what stands for it.
+        /// The file path, or the name that stands for it.
         origin: String,
-        /// Which field, as `scenes[1].values."width"`, counted from 1.
+        /// The field, such as `scenes[1].values."width"`, counted from 1.
         place: String,
-        /// What it has to be, with its unit.
+        /// The valid values, with their unit.
         must: String,
-        /// What it is.
+        /// The given value.
         value: String,
     },
     /// A scene of the study that cannot be used.
     #[error("{origin}: {place}: {source}")]
     Scene {
-        /// File path, or what stands for it.
+        /// The file path, or the name that stands for it.
         origin: String,
-        /// Which field of the study.
+        /// The field of the study.
         place: String,
-        /// What is wrong with the scene.
+        /// The scene's error.
         source: Box<crate::scene::SceneError>,
     },
     /// A point that cannot be computed.
@@ -48,50 +48,50 @@ pub enum StudyError {
     Point {
         /// Its number, counted from 0.
         index: u64,
-        /// Where in the study it is.
+        /// Its scene, settings and other axes.
         what: String,
-        /// Why.
+        /// The reason.
         source: Box<crate::Error>,
     },
-    /// Text that names no shard.
+    /// Text that does not name a shard.
     #[error(transparent)]
     NoShard(#[from] NoShard),
-    /// A shard's file that cannot be gone on with, or taken.
+    /// The file of a shard that cannot be continued or joined.
     #[error("{}: {why}", path.display())]
     BadShard {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The reason.
         why: String,
     },
     /// Another process works on the shard.
     #[error("shard {shard} is being worked on by another process: {} is locked", path.display())]
     Busy {
-        /// Which.
+        /// The shard.
         shard: Shard,
         /// Its working file.
         path: PathBuf,
     },
-    /// Shards that are no whole study.
+    /// Shards that do not make up the whole study.
     #[error("the shards in {} are not joined: {}", folder.display(), problems.join("; "))]
     NotWhole {
-        /// Where they lie.
+        /// Their folder.
         folder: PathBuf,
-        /// Every shard that is missing or wrong, and how.
+        /// The reason for every shard that is missing or wrong.
         problems: Vec<String>,
     },
-    /// A renderer other than the one that was demanded.
+    /// A renderer other than the required one.
     #[error("the renderer is {renderer:?}, and {wanted:?} is demanded")]
     OtherRenderer {
         /// The renderer that was found.
         renderer: String,
-        /// What its name must hold.
+        /// The text that its name must contain.
         wanted: String,
     },
-    /// A map of what is no map.
+    /// A map that cannot be drawn.
     #[error("no map can be drawn: {why}")]
     NoMap {
-        /// Why.
+        /// The reason.
         why: String,
     },
     /// A file that cannot be written.
@@ -106,7 +106,7 @@ impl StudyError {
         OutputError { path, source }.into()
     }
 
-    /// Whether what was given is to blame (the program then exits with 2, else with 1).
+    /// Whether the input is to blame (the program then exits with 2, else with 1).
     pub fn is_bad_input(&self) -> bool {
         match self {
             StudyError::Point { source, .. } => source.is_bad_input(),

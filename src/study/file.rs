@@ -16,10 +16,10 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-/// Bytes of a study file at most: a list of 20,000 places is 1 MiB.
+/// Maximum size of a study file in bytes: a list of 20,000 positions is 1 MiB.
 const LARGEST_FILE: u64 = 4 << 20;
 
-/// How deep the text may be nested: a study is five deep.
+/// Maximum nesting depth of the text: a study is five deep.
 const DEEPEST: usize = 32;
 
 /// The content of a study file.
@@ -36,7 +36,7 @@ pub(super) struct StudyFile {
     pub sources: Places,
     #[serde(default)]
     pub listeners: Places,
-    /// Radius of every listener in metres; that of the scene without it.
+    /// Radius of every listener in metres; without it that of the scene.
     #[serde(default)]
     pub listener_radius: Option<f32>,
     #[serde(default)]
@@ -51,7 +51,7 @@ pub(super) struct StudyFile {
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(rename = "Scene", deny_unknown_fields)]
 pub(super) struct SceneFile {
-    /// A built-in scene, or a file beside the study's.
+    /// A built-in scene, or a file in the study's folder.
     pub of: String,
     #[serde(default)]
     pub values: BTreeMap<String, Numbers>,
@@ -62,13 +62,13 @@ pub(super) struct SceneFile {
 #[serde(rename = "form of numbers", deny_unknown_fields)]
 pub(super) enum Numbers {
     List(Vec<f64>),
-    /// So many numbers at even distances, both ends among them.
+    /// `count` numbers at equal differences, including both ends.
     Range {
         from: f64,
         to: f64,
         count: u64,
     },
-    /// So many numbers at even ratios, both ends among them.
+    /// `count` numbers at equal ratios, including both ends.
     Geometric {
         from: f64,
         to: f64,
@@ -80,7 +80,7 @@ pub(super) enum Numbers {
 #[derive(Clone, Debug, Default, Deserialize, PartialEq, Serialize)]
 #[serde(rename = "form of places", deny_unknown_fields)]
 pub(super) enum Places {
-    /// Where the scene has it: its first one.
+    /// The scene's own position, of its first source or listener.
     #[default]
     AsInScene,
     List(Vec<[f32; 3]>),
@@ -90,7 +90,7 @@ pub(super) enum Places {
         to: [f32; 3],
         counts: [u64; 3],
     },
-    /// So many places at even distances along a line through points, both ends among them.
+    /// `count` positions at equal distances along a polyline, including both ends.
     Path {
         through: Vec<[f32; 3]>,
         count: u64,
@@ -115,7 +115,7 @@ impl Default for Seeds {
     }
 }
 
-/// How waves are traced.
+/// The settings of the waves.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(rename = "form of settings", deny_unknown_fields)]
 pub(super) enum SettingsFile {
@@ -169,7 +169,7 @@ pub(super) enum DirectionsFile {
     Fibonacci,
 }
 
-/// What is kept of each point.
+/// The results that are kept of each point.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Keep {
@@ -177,7 +177,7 @@ pub(super) struct Keep {
     pub pan: bool,
     #[serde(default = "yes")]
     pub counts: bool,
-    /// The panning of the same waves followed exactly, on the CPU.
+    /// The panning of the same waves, followed exactly on the CPU.
     #[serde(default)]
     pub exact: bool,
     #[serde(default)]
@@ -195,7 +195,7 @@ impl Default for Keep {
     }
 }
 
-/// What is kept of impulse responses.
+/// The results that are kept of impulse responses.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(rename = "Response", deny_unknown_fields)]
 pub(super) struct ResponseFile {
@@ -205,13 +205,13 @@ pub(super) struct ResponseFile {
     pub bands_hz: Vec<u32>,
     #[serde(default)]
     pub errors: bool,
-    /// How long the waves are followed; until all bands have fallen by 60 dB without it.
+    /// How long waves are followed; without it, until all bands have fallen by 60 dB.
     #[serde(default)]
     pub seconds: Option<f64>,
-    /// Reflections of exact paths at most.
+    /// Maximum number of reflections of exact paths.
     #[serde(default)]
     pub order: Option<u32>,
-    /// Length of an echogram's bins in milliseconds; without it none is kept.
+    /// Length of an echogram's bins in milliseconds; without it no echogram is kept.
     #[serde(default)]
     pub echogram_ms: Option<u32>,
 }
@@ -339,7 +339,7 @@ impl StudyFile {
         StudyFile::from_ron(&text, &path.display().to_string())
     }
 
-    /// Reads a study from RON text; `origin` is what errors call it.
+    /// Reads a study from RON text; `origin` names it in errors.
     pub fn from_ron(text: &str, origin: &str) -> Result<StudyFile, StudyError> {
         let options = ron::Options::default()
             .with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME)
@@ -357,7 +357,7 @@ impl StudyFile {
     }
 }
 
-/// A name of a scene as a file's path, unless it is built in.
+/// The path of a scene file; none if the scene is built in.
 pub(super) fn scene_file(of: &str, folder: &Path) -> Option<PathBuf> {
     (!BUILTIN_NAMES.contains(&of)).then(|| folder.join(of))
 }

@@ -1,4 +1,4 @@
-//! Putting shards together.
+//! Joins shards.
 
 use super::lines::Header;
 use super::read_shard::{Rows, verify};
@@ -11,29 +11,29 @@ use crate::scene::Scene;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-/// Shards that are named in one message.
+/// Maximum number of shards named in one message.
 const MOST_NAMED: usize = 12;
 
-/// What was joined.
+/// The result of joining.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Joined {
-    /// Rows of the tables.
+    /// Number of rows of the tables.
     pub points: u64,
-    /// Shards that they came from.
+    /// Number of shards joined.
     pub shards: u32,
     /// The renderer of all of them.
     pub renderer: String,
-    /// The files that were written.
+    /// The files written.
     pub files: Vec<PathBuf>,
     /// Cells of the tables that are empty, by column and reason.
     pub empty: Vec<EmptyCells>,
 }
 
-/// Joins the shards in a folder: the tables are written there in the order of the study, as
-/// `study.csv`, with the feature `parquet` as `study.parquet`, and what they are of as `study.json`.
-/// The output bytes do not depend on the number of shards or on who computed them. `progress`
-/// receives steps done and steps in all: each point is checked, then written.
+/// Joins the shards in a folder: writes the tables there in the order of the study, as `study.csv`, with the feature
+/// `parquet` as `study.parquet`, and their description as `study.json`. The output bytes do not depend on the number of
+/// shards or on who computed them. `progress` receives the steps done and the total: each point is checked, then
+/// written.
 ///
 /// # Errors
 /// [`StudyError::NotWhole`] names every shard that is missing, doubled, damaged, or of another study,
@@ -63,10 +63,10 @@ pub fn join(
     })
 }
 
-/// A file of a whole shard, and its first line, or why it is rejected.
+/// The file of a whole shard, and its first line, or the reason why it is rejected.
 type Found = (PathBuf, Result<Header, String>);
 
-/// Every file that is called a shard, in order of their names.
+/// Returns every file named as a shard, in the order of their names.
 fn found(
     study: &Study,
     folder: &Path,
@@ -89,7 +89,7 @@ fn found(
     Ok(read.collect())
 }
 
-/// The shards in order, if they are a whole study, and their renderer.
+/// Returns the shards in order, if they make up the study, and their renderer.
 fn chosen(
     study: &Study,
     folder: &Path,
@@ -99,7 +99,7 @@ fn chosen(
     let headers = || found.iter().filter_map(|(_, header)| header.as_ref().ok());
     let of = most_common(headers().filter(ours).map(|header| header.of));
     let renderer = most_common(headers().filter(ours).map(|header| header.renderer.clone()));
-    // Where none is of this study, they are counted as the others are.
+    // If there is none of this study, the number of the others counts.
     let of = of.or_else(|| most_common(headers().map(|header| header.of)));
     let (of, renderer) = (of.unwrap_or(1), renderer.unwrap_or_default());
     let mut problems = Vec::new();
@@ -150,7 +150,7 @@ fn chosen(
     })
 }
 
-/// What helps where a study was cut into shards in several ways.
+/// Returns advice for a folder with shards of different numbers.
 fn several_counts(of: impl Iterator<Item = u32>) -> Option<String> {
     let counts: BTreeSet<u32> = of.collect();
     let counts: Vec<String> = counts.iter().map(u32::to_string).collect();
@@ -162,9 +162,9 @@ fn several_counts(of: impl Iterator<Item = u32>) -> Option<String> {
     })
 }
 
-/// Why a shard that is sound is not taken.
+/// Returns the reason why an undamaged shard is rejected.
 fn refusal(study: &Study, of: u32, renderer: &str, header: &Header) -> Option<String> {
-    // Its own numbers were read from its first line, which is sound.
+    // Its numbers were read from its first line, which is valid.
     let shard = Shard::new(header.shard, header.of).ok()?;
     let expected = Header::new(study, shard, renderer);
     header.differs(&expected).or_else(|| {
@@ -173,7 +173,7 @@ fn refusal(study: &Study, of: u32, renderer: &str, header: &Header) -> Option<St
     })
 }
 
-/// The value that most have; of several the least.
+/// Returns the most common value; of several the smallest.
 fn most_common<T: Ord>(values: impl Iterator<Item = T>) -> Option<T> {
     let mut counts: BTreeMap<T, usize> = BTreeMap::new();
     for value in values {
@@ -184,7 +184,7 @@ fn most_common<T: Ord>(values: impl Iterator<Item = T>) -> Option<T> {
     first.map(|(value, _)| value)
 }
 
-/// The numbers of missing shards, neighbours as ranges.
+/// Lists the numbers of missing shards, with neighbours as ranges.
 fn missing_text(missing: &[u32], of: u32) -> String {
     let mut ranges: Vec<(u32, u32)> = Vec::new();
     for &number in missing {

@@ -1,8 +1,8 @@
-//! The lines of a shard's file, each with a checksum, and the content of its first and its last.
+//! The lines of a shard's file, each with a checksum, and the content of the first and the last one.
 //!
-//! A line is a text without tabs, a tab, and the first 8 hexadecimal digits of the text's SHA-256:
-//! a line that was cut off, or changed, is known by itself. The last line of a whole shard is `end`
-//! and the SHA-256 of all bytes before it.
+//! A line is a text without tabs, a tab, and the first 8 hexadecimal digits of the text's SHA-256: a line that was cut
+//! off or changed is detected by itself. The last line of a whole shard is `end` and the SHA-256 of all bytes before
+//! it.
 
 use super::hash::hex;
 use super::{Shard, Study, VERSION};
@@ -10,21 +10,21 @@ use crate::text::in_a_line;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-/// Bytes of a line's checksum: one damage of 4·10⁹ passes for none, and none passes the last line.
+/// Bytes of a line's checksum: 1 in 4·10⁹ damaged lines is missed, but the last line detects it.
 const CHECKED_BYTES: usize = 4;
 
-/// What the first line of a shard begins with.
+/// The beginning of the first line of a shard.
 const FORMAT: &str = "echomarch shard 1";
 
-/// Characters of a renderer's name and version at most, and bytes of a first line that holds it: a driver's
-/// names are some dozens long, and stand in messages and tables.
+/// Maximum length of a renderer's name and version in characters, and of a first line that contains it in bytes: a
+/// driver's names have some dozens of characters, and appear in messages and tables.
 const LONGEST_RENDERER: usize = 500;
 const LONGEST_HEADER: usize = 4096;
 
-/// What the last line of a whole shard begins with.
+/// The beginning of the last line of a whole shard.
 const END: &str = "end ";
 
-/// Bytes of a line at most: an echogram of 60 s in bins of 1 ms, in all bands.
+/// Maximum length of a line in bytes: an echogram of 60 s in bins of 1 ms, in all bands.
 pub(super) const LONGEST_LINE: usize = 16 << 20;
 
 /// The content of a shard's first line, as JSON.
@@ -34,17 +34,17 @@ pub(super) struct Header {
     format: String,
     /// The study's hash.
     pub study: String,
-    /// The program's.
+    /// The program's version.
     pub version: String,
     pub renderer: String,
     pub shard: u32,
     pub of: u32,
-    /// Points of this shard.
+    /// Number of points of this shard.
     pub points: u64,
 }
 
 impl Header {
-    /// The header of a shard of a study on a renderer.
+    /// The header of a shard of a study computed on a renderer.
     pub fn new(study: &Study, shard: Shard, renderer: &str) -> Header {
         let renderer = in_a_line(renderer);
         Header {
@@ -58,7 +58,7 @@ impl Header {
         }
     }
 
-    /// The header of a line's text, if it is spelled as the program spells it.
+    /// Parses a line's text, if it has exactly the form that the program writes.
     pub fn parse(text: &str) -> Option<Header> {
         if text.len() > LONGEST_HEADER {
             return None;
@@ -78,13 +78,13 @@ impl Header {
             .map(String::as_str)
     }
 
-    /// The text of its line.
+    /// The text of the header's line.
     pub fn text(&self) -> String {
-        // A type of plain text and numbers always has a form.
+        // A type of plain text and numbers can always be serialised.
         serde_json::to_string(self).unwrap_or_default()
     }
 
-    /// What in `self` is not as in `expected`, where anything is.
+    /// Describes the first difference between `self` and `expected`, if any.
     pub fn differs(&self, expected: &Header) -> Option<String> {
         let differs = |what: &str, found: &str, wanted: &str| {
             (found != wanted).then(|| format!("it is of {what} {found:?}, not {wanted:?}"))
@@ -102,12 +102,12 @@ impl Header {
     }
 }
 
-/// A line of a text without tabs and ends of lines.
+/// The line of a text without tabs and line ends.
 pub(super) fn line(text: &str) -> String {
     format!("{text}\t{}\n", checksum(text))
 }
 
-/// The text of a line without its end, if its checksum is right.
+/// The text of a line without its line end, if its checksum is right.
 pub(super) fn text_of(line: &[u8]) -> Option<&str> {
     let line = std::str::from_utf8(line).ok()?;
     let (text, found) = line.rsplit_once('\t')?;
@@ -118,7 +118,7 @@ fn checksum(text: &str) -> String {
     hex(&Sha256::digest(text.as_bytes())[..CHECKED_BYTES])
 }
 
-/// The text of the last line, behind bytes of this hash.
+/// The text of the last line, after bytes with this hash.
 pub(super) fn end_text(before: Sha256) -> String {
     format!("{END}{}", hex(&before.finalize()))
 }

@@ -1,4 +1,4 @@
-//! Maps: pictures of a column of a joined study whose listeners are a lattice on a plane.
+//! Maps: pictures of a column of a joined study whose listeners form a lattice on a plane.
 
 use super::columns::{Column, Kind};
 use super::empty::EmptyCount;
@@ -20,19 +20,19 @@ use std::path::{Path, PathBuf};
 /// Maximum number of maps drawn of one column; more can be drawn from the table.
 const MOST_MAPS: u64 = 100;
 
-/// Places of a map at most: more than there are pixels show nothing more.
+/// Maximum number of positions of a map: more than the number of pixels would not be visible.
 const MOST_PLACES: u64 = 4_000_000;
 
 /// Width of a map's plan in pixels.
 const WIDTH: u32 = 800;
 
-/// Draws maps of a column of the joined table in `folder`, one for every scene, time, settings and
-/// source: `map-COLUMN.png`, or `map-COLUMN-1.png` and so on where there are several. A place has the
-/// mean over its seeds. Returns the files that were written.
+/// Draws maps of a column of the joined table in `folder`, one for every scene, time, settings and source:
+/// `map-COLUMN.png`, or `map-COLUMN-1.png` and so on if there are several. A position shows the mean over its seeds.
+/// Returns the files written.
 ///
 /// # Errors
-/// [`StudyError::NoMap`] for a study whose listeners are no lattice along x and z, and for a column
-/// that has no numbers; [`StudyError::Output`]; what the renderer rejects.
+/// [`StudyError::NoMap`] for a study whose listeners are not a lattice along x and z, and for a column without numbers;
+/// [`StudyError::Output`]; errors of the renderer.
 pub fn draw_map(
     worker: &mut Worker,
     folder: &Path,
@@ -92,14 +92,14 @@ fn files(study: &Study, lattice: &Lattice, folder: &Path, column: &Column) -> Ve
 
 /// The numbers of a map.
 struct Numbers {
-    /// At each place; none where there is none.
+    /// The number at each position; none if it is empty.
     values: Vec<Option<f64>>,
-    /// Places without a number, by reason.
+    /// Number of empty positions, by reason.
     gaps: BTreeMap<Gap, u64>,
 }
 
 impl Numbers {
-    /// The end of the title: how many places have no number, and the reasons.
+    /// The end of the title: the number of empty positions, and the reasons.
     fn empty(&self) -> String {
         let empty = self.values.iter().filter(|value| value.is_none()).count();
         if empty == 0 {
@@ -166,7 +166,7 @@ impl Lattice {
             why: why.to_owned(),
         };
         let Places::Grid { from, to, counts } = &study.listeners else {
-            return Err(refused("the listeners of the study are no Grid"));
+            return Err(refused("the listeners of the study are not a Grid"));
         };
         let [x, y, z] = *counts;
         if x < 2 || z < 2 || y != 1 {
@@ -192,7 +192,7 @@ impl Lattice {
 /// Checks that maps of these columns can be drawn, before long work.
 ///
 /// # Errors
-/// [`StudyError`]: as from [`draw_map`], as far as the study itself shows.
+/// [`StudyError`]: as from [`draw_map`], as far as the study itself determines it.
 pub fn check_maps(study: &Study, columns: &[String]) -> Result<(), StudyError> {
     if columns.is_empty() {
         return Ok(());
@@ -203,7 +203,7 @@ pub fn check_maps(study: &Study, columns: &[String]) -> Result<(), StudyError> {
         .try_for_each(|column| numbers_column(study, column).map(drop))
 }
 
-/// Proves that the files of these maps can be written in the folder, which is there.
+/// Checks that the files of these maps can be written in the folder, which must exist.
 #[cfg(feature = "cli")]
 pub(crate) fn check_map_files(
     study: &Study,
@@ -219,7 +219,7 @@ pub(crate) fn check_map_files(
     Ok(())
 }
 
-/// The place of a column of numbers among all columns of the joined table.
+/// The index of a column of numbers among all columns of the joined table.
 fn numbers_column(study: &Study, name: &str) -> Result<(usize, Column), StudyError> {
     let points = study.point_columns().len();
     let found = study.found_columns();
@@ -238,7 +238,7 @@ fn numbers_column(study: &Study, name: &str) -> Result<(usize, Column), StudyErr
     }
 }
 
-/// What a column is called above its map: `G at 1000 Hz`, `pan`.
+/// The title of a column's map: `G at 1000 Hz`, `pan`.
 fn title(column: &str) -> String {
     let words: Vec<&str> = column.split('_').collect();
     let band = words.last().filter(|last| last.parse::<u32>().is_ok());
@@ -254,7 +254,7 @@ fn has_sides(column: &str) -> bool {
     column.split('_').any(|word| word == "pan")
 }
 
-/// Viridis: dark blue for the least, yellow for the greatest.
+/// Viridis: dark blue for the smallest, yellow for the largest.
 fn viridis(share: f64) -> [u8; 3] {
     let colour = ViridisRGB::get_color(share);
     [colour.0, colour.1, colour.2]
@@ -285,7 +285,7 @@ fn unit(column: &str) -> &'static str {
 mod tests {
     use super::*;
 
-    /// Protects the reader of a map: what it shows, and which side a colour means.
+    /// Protects the reader of a map: its title, and which side a colour means.
     #[test]
     fn maps_are_titled_and_sides_coloured() {
         for (column, told) in [

@@ -1,21 +1,19 @@
 //! Studies: sweeps and maps of any size, in shards that are computed anywhere and joined.
 //!
-//! A [`Study`] is a file (RON) that describes scenes with their named values, times, places of source
-//! and listener, settings and seeds, and what to keep. Its *points* are all combinations of these,
-//! numbered from 0 in a fixed order: the seed changes first, then the listener, the source, the
-//! settings, the time, the named values, the scene. All callers compute a point with one
-//! function ([`Worker`]).
+//! A [`Study`] is a file (RON) that describes scenes with their named values, times, positions of source and listener,
+//! settings and seeds, and which results to keep. Its *points* are all combinations of these, numbered from 0 in a
+//! fixed order: the seed changes first, then the listener, the source, the settings, the time, the named values, the
+//! scene. All callers compute a point with one function ([`Worker`]).
 //!
 //! # Shards
-//! Points are distributed in blocks of [`BLOCK`] in round-robin order, so that expensive points are
-//! balanced. A [`Shard`] is one file of one line a point. While it is computed it has another name,
-//! grows by a point at a time, and is gone on with after any interruption; when it is whole it gets
-//! its name. [`join`](join()) puts shards together, and takes none that is damaged, or of another
-//! study, version or renderer.
+//! Points are distributed in blocks of [`BLOCK`] in round-robin order, so that expensive points are balanced. A
+//! [`Shard`] is one file with one line per point. While it is computed it has another name, grows by a point at a time,
+//! and continues after any interruption; it gets its final name when it is complete. [`join`](join()) puts shards
+//! together, and rejects shards that are damaged, or of another study, version or renderer.
 //!
 //! # Determinism
-//! On one renderer a point depends on the study alone. Nothing of clock, machine or order is in a
-//! row, so that the joined tables are the same bytes however the study was cut and run.
+//! On one renderer a point depends only on the study. Rows contain no time, machine or order of computation, so the
+//! joined tables are the same bytes however the study was cut and run.
 
 mod axes;
 mod build;
@@ -65,8 +63,8 @@ use file::{Numbers, Places, Seeds};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Points that a shard takes at a time: few, so that cheap and expensive parts of a study are
-/// balanced; more than one, so that a shard's neighbours in the study have a scene in common.
+/// Number of neighbouring points assigned to a shard at a time: few, so that cheap and expensive parts of a study are
+/// balanced; more than one, so that a shard's neighbouring points have a scene in common.
 pub const BLOCK: u64 = 16;
 
 /// A study that was read and checked.
@@ -82,7 +80,7 @@ pub struct Study {
     listener_radius: Option<f32>,
     seeds: Seeds,
     keep: Kept,
-    /// Points of one variant of a scene.
+    /// Number of points of one variant of a scene.
     each: u64,
     points: u64,
 }
@@ -92,19 +90,19 @@ pub struct Study {
 struct SceneAxis {
     scene: Scene,
     values: BTreeMap<String, Numbers>,
-    /// Variants of the scenes before it, and with its own.
+    /// Number of variants of the scenes before it.
     first: u64,
     end: u64,
 }
 
-/// Settings, with a name where they are a case of `accuracy`.
+/// Settings, with a name if they are a case of `accuracy`.
 #[derive(Clone, Debug)]
 struct Case {
     label: Option<String>,
     settings: Settings,
 }
 
-/// What is kept of a point.
+/// The results that are kept of a point.
 #[derive(Clone, Debug)]
 struct Kept {
     pan: bool,
@@ -135,25 +133,25 @@ impl Study {
         build::from_file(path)
     }
 
-    /// What the study is called: its name, or that of its file.
+    /// The study's name, or that of its file.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// How many points it has.
+    /// Number of points.
     pub fn points(&self) -> u64 {
         self.points
     }
 
-    /// SHA-256 in hexadecimal digits of all that decides its results, but for program and renderer:
-    /// the content of the study, and the texts of its scenes and their files. Layout, comments and places
-    /// of files are not in it.
+    /// SHA-256 in hexadecimal digits of everything that determines the results, except program and renderer: the
+    /// content of the study, and the texts of its scenes and their files. Layout, comments and folders of files are not
+    /// included.
     pub fn hash(&self) -> &str {
         &self.hash
     }
 }
 
-/// What must be equal in all shards that are joined: the name and the version of the renderer.
+/// The renderer's name and version, which must be equal in all joined shards.
 pub(crate) fn renderer_of(tracer: &Tracer) -> String {
     let context = tracer.context();
     format!("{}; {}", context.renderer(), context.version())

@@ -1,4 +1,4 @@
-//! What other processes have done of a study, as far as its files in a folder show.
+//! The progress of other processes on a study, as far as its files in a folder show it.
 
 use super::Study;
 use super::lines::{Header, text_of};
@@ -8,14 +8,14 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
-/// Bytes of a first line at most.
+/// Maximum length of a first line in bytes.
 const LONGEST_HEADER: u64 = 1 << 16;
 
-/// Bytes of a working file that are read for one look at it, at most.
+/// Maximum number of bytes read of a working file at a time.
 const READ_AT_A_TIME: u64 = 16 << 20;
 
-/// The number of shards that the files of a study in a folder were begun with; none without such
-/// files, or where they do not agree.
+/// The number of shards that the files of a study in a folder were begun with; none without such files, or if they do
+/// not agree.
 pub(crate) fn begun(study: &Study, folder: &Path) -> Option<u32> {
     let files = std::fs::read_dir(folder_of(folder)).ok()?;
     let mut found = None;
@@ -45,8 +45,8 @@ fn header_of(path: &Path) -> Option<Header> {
     Header::parse(text_of(line.strip_suffix(b"\n")?)?)
 }
 
-/// Counts the rows of a shard that another process computes, from where it left off: `seen` holds the
-/// bytes that were looked at, and the lines in them.
+/// Counts the rows of a shard that another process computes, continuing the last count: `seen` holds the bytes read
+/// until now, and the lines in them.
 pub(crate) fn rows_in(shard: Shard, folder: &Path, points: u64, seen: &mut (u64, u64)) -> u64 {
     let work = shard.work_file(folder);
     let Ok(mut file) = plain_file::open(&work, File::options().read(true)) else {
@@ -54,7 +54,7 @@ pub(crate) fn rows_in(shard: Shard, folder: &Path, points: u64, seen: &mut (u64,
         return if is_whole { points } else { 0 };
     };
     let mut bytes = Vec::new();
-    // Further bytes are counted at the next look.
+    // Further bytes are counted next time.
     let read = file
         .seek(SeekFrom::Start(seen.0))
         .and_then(|_| file.take(READ_AT_A_TIME).read_to_end(&mut bytes));

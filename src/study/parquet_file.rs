@@ -1,4 +1,4 @@
-//! A joined study as a Parquet file: plain columns that may be empty, in groups of rows.
+//! A joined study as a Parquet file: plain nullable columns, in groups of rows.
 
 use super::StudyError;
 use super::columns::{Column, Kind};
@@ -15,13 +15,13 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Rows that are kept in memory and written together.
+/// Number of rows kept in memory and written together.
 const ROWS_IN_GROUP: usize = 1 << 16;
 
 /// The creator named in the file, without the machine or the time.
 const CREATED_BY: &str = concat!("echomarch ", env!("CARGO_PKG_VERSION"));
 
-/// A file that is written row by row, and named when it is whole.
+/// A file that is written row by row, and gets its name when it is complete.
 pub(super) struct ParquetFile {
     path: PathBuf,
     part: PartFile,
@@ -30,8 +30,8 @@ pub(super) struct ParquetFile {
     rows: usize,
 }
 
-/// The values of a column that are not yet written: those that are there, and whether each row has
-/// one (1) or none (0).
+/// The values of a column that are not yet written: the existing ones, and whether each row has a
+/// value (1) or not (0).
 enum Values {
     Whole(Vec<i64>, Vec<i16>),
     Real(Vec<f64>, Vec<i16>),
@@ -39,7 +39,7 @@ enum Values {
 }
 
 impl ParquetFile {
-    /// Begins a file of these columns.
+    /// Begins a file with these columns.
     pub fn create(
         path: &Path,
         columns: &[Column],
@@ -68,11 +68,11 @@ impl ParquetFile {
         })
     }
 
-    /// Adds a row of cells as they stand in CSV.
+    /// Adds a row of cells in the form of CSV.
     pub fn row(&mut self, cells: Vec<String>) -> Result<(), StudyError> {
         for (column, cell) in self.columns.iter_mut().zip(cells) {
             if !column.push(cell) {
-                let text = "a cell is no number, and its column is of numbers";
+                let text = "a cell in a column of numbers is not a number";
                 return Err(StudyError::output(&self.path, io::Error::other(text)));
             }
         }
@@ -133,7 +133,7 @@ impl Values {
         }
     }
 
-    /// Adds a cell; false where it is none of this column.
+    /// Adds a cell; returns false if it does not fit this column.
     fn push(&mut self, cell: String) -> bool {
         fn add<T>(values: &mut Vec<T>, there: &mut Vec<i16>, value: Option<Option<T>>) -> bool {
             let Some(value) = value else {
@@ -161,7 +161,7 @@ impl Values {
         }
     }
 
-    /// Writes the values, and forgets them.
+    /// Writes the values, and clears them.
     fn write(&mut self, column: &mut SerializedColumnWriter) -> Result<(), ParquetError> {
         match self {
             Values::Whole(values, there) => write::<Int64Type>(column, values, there),
@@ -212,7 +212,7 @@ mod tests {
     use parquet::record::Field;
     use std::fs::File;
 
-    /// Protects the Parquet file: the numbers of the CSV, and nothing where there is none.
+    /// Protects the Parquet file: it has the numbers of the CSV, and null for empty cells.
     #[test]
     fn the_table_is_read_back() {
         let study = read(SMALL).unwrap();
@@ -238,7 +238,7 @@ mod tests {
         assert_eq!(cell("listener_z_m"), Field::Double(5.0));
         assert_eq!(cell("left"), Field::Double(37.0 / 3.0));
         assert_eq!(cell("pan"), Field::Double(-0.25));
-        // A figure that is not there.
+        // A figure that is empty.
         let keep = "keep: Keep(pan: false, counts: false, response: Response(figures: [t30, g], bands_hz: [1000]))";
         let study = read(&SMALL.replace("keep: Keep(counts: false)", keep)).unwrap();
         let folder = shards_of(&study, 3, |point| format!("{point},,0.5,4"));

@@ -1,16 +1,16 @@
-//! Points: from a number to what is computed.
+//! Points: from an index to the scene, positions and settings.
 
 use super::{SceneAxis, Study};
 use crate::report::Cell;
 use crate::scene::{Scene, SceneError};
 use glam::Vec3;
 
-/// A point of a study: places on its axes.
+/// A point of a study: indices on its axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Point {
-    /// Its number, from 0.
+    /// Its index, from 0.
     pub index: u64,
-    /// Which scene with which named values, among all scenes.
+    /// The index of the scene variant (a scene with values) among all scenes.
     pub variant: u64,
     pub time: u64,
     pub case: usize,
@@ -20,7 +20,7 @@ pub(super) struct Point {
 }
 
 impl Study {
-    /// The point of a number below [`Study::points`].
+    /// The point with an index below [`Study::points`].
     pub(super) fn point(&self, index: u64) -> Point {
         let mut rest = index % self.each;
         let mut next = |length: u64| {
@@ -45,23 +45,23 @@ impl Study {
         }
     }
 
-    /// The scene that a variant is of.
+    /// The scene of a variant.
     pub(super) fn axis_of(&self, variant: u64) -> &SceneAxis {
         let at = self.variants.partition_point(|axis| axis.end <= variant);
         &self.variants[at]
     }
 
-    /// Where the source is put; none for where the scene has it.
+    /// The position of the source; none for the scene's own.
     pub(super) fn source_of(&self, point: &Point) -> Option<Vec3> {
         self.sources.get(point.source)
     }
 
-    /// Where the listener is put; none for where the scene has it.
+    /// The position of the listener; none for the scene's own.
     pub(super) fn listener_of(&self, point: &Point) -> Option<Vec3> {
         self.listeners.get(point.listener)
     }
 
-    /// The cells of [`Study::point_columns`], in the scene as it stands at the point.
+    /// The cells of [`Study::point_columns`], with the scene in its state at the point.
     pub(super) fn point_cells(&self, point: &Point, posed: &Scene) -> Vec<Cell> {
         let axis = self.axis_of(point.variant);
         let case = &self.settings[point.case];
@@ -90,7 +90,7 @@ impl Study {
         cells
     }
 
-    /// The scene of a variant at a time, without the places that the study sets.
+    /// The scene of a variant at a time, without the positions that the study sets.
     pub(super) fn posed(&self, variant: u64, time: u64) -> Result<Scene, SceneError> {
         let axis = self.axis_of(variant);
         let mut scene = axis.scene.clone();
@@ -115,7 +115,7 @@ impl Study {
         }
     }
 
-    /// What a message calls a point.
+    /// The description of a point in messages.
     pub(super) fn label(&self, point: &Point) -> String {
         let axis = self.axis_of(point.variant);
         let mut label = format!("scene {}", axis.scene.name);

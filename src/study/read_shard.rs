@@ -1,4 +1,4 @@
-//! Reading shards that are whole: first all of it is checked, then its rows are taken in order.
+//! Reads whole shards: first the whole file is checked, then its rows are read in order.
 
 use super::lines::{Header, LONGEST_LINE, end_text, is_end, text_of};
 use super::row_form::RowForm;
@@ -9,14 +9,15 @@ use std::collections::VecDeque;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 
-/// Bytes of a shard at most.
+/// Maximum size of a shard in bytes.
 const LARGEST_FILE: u64 = 1 << 44;
 
-/// Rows that are taken from a shard at a time: some blocks, so that 10,000 shards fit into memory.
+/// Number of rows read from a shard at a time: some blocks, so that 10,000 shards fit into memory.
 const ROWS_AT_A_TIME: u64 = 4 * BLOCK;
 
-/// Checks every line of a whole shard, and every cell of one that is of this study; returns the
-/// content of its first line, or why it is rejected. `progress` receives the number of points.
+/// Checks every line of a whole shard, and every cell if it belongs to this study; returns the
+/// content of its first line, or the reason why it is rejected. `progress` receives the number of
+/// points.
 pub(super) fn verify(
     path: &Path,
     study: &Study,
@@ -30,9 +31,9 @@ pub(super) fn verify(
     };
     let mut hash = Sha256::new();
     let first = lines.next()?.ok_or("it is empty")?;
-    let header = Header::parse(first).ok_or("it is no shard of a study")?;
+    let header = Header::parse(first).ok_or("it is not a shard of a study")?;
     let shard = Shard::new(header.shard, header.of).map_err(|error| error.to_string())?;
-    // The rows of another study or version have a form of their own; the shard is not taken.
+    // The rows of another study or version have another form; such a shard is not joined.
     let is_ours = header.study == study.hash && header.version == VERSION;
     let form = is_ours.then(|| RowForm::of(study));
     hash.update(&lines.bytes);
@@ -52,18 +53,18 @@ pub(super) fn verify(
     }
     let end = lines.next()?.ok_or("it is cut off before its last line")?;
     if end != end_text(hash) {
-        return Err("it was changed: its last line is of other bytes".to_owned());
+        return Err("it was changed: its last line does not match the rest".to_owned());
     }
     match lines.next()? {
         None => Ok(header),
-        Some(_) => Err("something stands behind its last line".to_owned()),
+        Some(_) => Err("there is data after its last line".to_owned()),
     }
 }
 
 /// The lines of a shard, with their checksums checked.
 struct Lines<R> {
     reader: R,
-    /// From 1.
+    /// The line's number, from 1.
     number: u64,
     /// The line, with its end.
     bytes: Vec<u8>,
@@ -90,18 +91,18 @@ impl<R: BufRead> Lines<R> {
     }
 }
 
-/// The rows of a shard in order. The file is open only while some are read, for a process may have
-/// fewer files open than there are shards.
+/// The rows of a shard in order. The file is open only while it is read, because a process may be
+/// limited to fewer open files than there are shards.
 pub(super) struct Rows {
     path: PathBuf,
-    /// Where the next line begins.
+    /// Offset of the next line.
     offset: u64,
-    /// Rows that were read and not yet taken.
+    /// Rows that were read but not yet returned.
     ready: VecDeque<String>,
 }
 
 impl Rows {
-    /// The rows of a shard that was verified.
+    /// The rows of a verified shard.
     pub fn of(path: PathBuf) -> Rows {
         Rows {
             path,
@@ -110,10 +111,10 @@ impl Rows {
         }
     }
 
-    /// The next row, which is of this point.
+    /// Returns the next row, which must be of this point.
     ///
     /// # Errors
-    /// When the file is not any more as it was verified.
+    /// When the file has changed since it was verified.
     pub fn next(&mut self, form: &RowForm, point: u64) -> io::Result<String> {
         if self.ready.is_empty() {
             self.read()?;
@@ -123,7 +124,7 @@ impl Rows {
             .ok_or_else(|| io::Error::other("it was changed while it was read"))
     }
 
-    /// The file that they are of.
+    /// The path of the file.
     pub fn path(&self) -> &Path {
         &self.path
     }

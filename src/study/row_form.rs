@@ -1,17 +1,17 @@
-//! The form of a shard's rows: what a study's columns can hold, spelled as the program spells it.
+//! The form of a shard's rows: the possible cells of a study's columns, spelled as the program writes them.
 //!
-//! A checksum shows damage, and anybody can compute one. So each cell is read as what its column
-//! holds, and a row is taken only if its cells, written again, are the same text: no number that is
-//! not finite or beyond its column's range, no other spelling, no text in a column of numbers.
+//! A checksum detects damage, but anyone can compute one. So each cell is parsed by its column's type, and a row is
+//! accepted only if its cells, written again, give the same text: no number that is not finite or outside its column's
+//! range, no other spelling, no text in a column of numbers.
 
 use super::Study;
 use super::columns::{Column, Kind, Range};
 use crate::report::Cell;
 
-/// Characters of a number at most: that with the most in its shortest form is `-2.2250738585072014e-308`.
+/// Maximum length of a number in characters: the longest shortest form is `-2.2250738585072014e-308`.
 const LONGEST_NUMBER: usize = 24;
 
-/// Characters of a rejected cell that are shown.
+/// Maximum number of characters shown of a rejected cell.
 const SHOWN: usize = 40;
 
 /// The columns of a row in a study's shards.
@@ -27,7 +27,7 @@ impl RowForm {
         }
     }
 
-    /// Rejects a text that is not a row of this point: what is wrong with it.
+    /// Rejects a text that is not a row of this point, with the reason.
     pub fn check(&self, text: &str, point: u64) -> Result<(), String> {
         let mut cells = text.split(',');
         if cells.next() != Some(point.to_string().as_str()) {
@@ -47,8 +47,7 @@ impl RowForm {
         Ok(())
     }
 
-    /// Whether a text is the beginning of a row of this point: whole cells, and what a number may begin
-    /// with.
+    /// Whether a text is the beginning of a row of this point: whole cells, and possibly the beginning of a number.
     pub fn is_begun(&self, text: &str, point: u64) -> bool {
         let index = point.to_string();
         let Some((first, rest)) = text.split_once(',') else {
@@ -70,7 +69,7 @@ impl RowForm {
 }
 
 impl Column {
-    /// Whether a cell of a shard may be one of this column.
+    /// Whether a text is a valid cell of this column.
     fn takes(&self, cell: &str) -> bool {
         if cell.is_empty() {
             return self.range.may_be_empty;
@@ -82,7 +81,7 @@ impl Column {
         }
     }
 
-    /// Whether a cell that is not whole may become one of this column: its last number may be cut off.
+    /// Whether an incomplete text is the beginning of a valid cell of this column: its last number may be cut off.
     fn takes_beginning(&self, cell: &str) -> bool {
         let (before, last) = match self.kind {
             Kind::Text => cell
@@ -98,7 +97,7 @@ impl Column {
 
     /// A description of its cells for a message.
     fn what(&self) -> String {
-        // Without what rounding is allowed.
+        // Without the tolerance for rounding.
         let [least, most] = [self.range.least, self.range.most].map(|end| end.round() + 0.0);
         let number = match self.kind {
             Kind::Whole => "a whole number",
@@ -131,19 +130,19 @@ fn is_real(text: &str, range: Range) -> bool {
     range.holds(number) && Cell::from(number).for_csv() == text
 }
 
-/// The text, if it is short enough for a number.
+/// The text, unless it is too long for a number.
 fn bounded(text: &str) -> Option<&str> {
     (text.len() <= LONGEST_NUMBER).then_some(text)
 }
 
 impl Range {
-    /// Whether a number is in it: none that is not finite is.
+    /// Whether it contains a number; false if the number is not finite.
     fn holds(self, number: f64) -> bool {
         (self.least..=self.most).contains(&number)
     }
 }
 
-/// A cell for a message: its beginning where it is long.
+/// A cell for a message: long ones are shortened.
 fn shown(cell: &str) -> String {
     let begin: String = cell.chars().take(SHOWN).collect();
     match begin.len() < cell.len() {
@@ -193,7 +192,7 @@ mod tests {
         cells.join(",")
     }
 
-    /// Protects tables from numbers that cannot be, and from text in their place: each is named by its column.
+    /// Protects tables from impossible numbers, and from text in their place: each is reported with its column.
     #[test]
     fn a_row_holds_what_its_columns_can_hold() {
         let form = form();
@@ -270,8 +269,7 @@ mod tests {
         assert!(form.check(&with(18, "0.5,0.5"), 7).is_err());
     }
 
-    /// Protects what was computed before an interruption, which may cut a row anywhere; and whatever else
-    /// stands at the end of a file.
+    /// Protects results from an interruption, which may cut a row anywhere, and from other data at the end of a file.
     #[test]
     fn a_row_may_be_cut_anywhere() {
         let (form, row) = (form(), GOOD.join(","));

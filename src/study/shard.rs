@@ -1,43 +1,43 @@
-//! Shards: which points are whose, and where their files lie.
+//! Shards: their points, and the paths of their files.
 
 use super::BLOCK;
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-/// Shards that a study is cut into at most: more files than that burden a cluster's disks.
+/// Maximum number of shards of a study: more files would burden a cluster's disks.
 pub const MOST_SHARDS: u32 = 10_000;
 
 /// The folder of the shards, within that of the study's results.
 const FOLDER: &str = "shards";
 
-/// How the file of a whole shard ends, and that of one that is worked on.
+/// The endings of the file of a whole shard, and of one in progress.
 const WHOLE: &str = "shard";
 pub(super) const WORK: &str = "work";
 
-/// A part of a study: one of so many.
+/// A part of a study: shard `number` of `of`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Shard {
     number: u32,
     of: u32,
 }
 
-/// Text or numbers that name no shard.
+/// Text or numbers that do not name a shard.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("a shard must be K/N with K from 1 to N and N at most {most}, not {said:?}")]
 #[non_exhaustive]
 pub struct NoShard {
     /// The given text.
     pub said: String,
-    /// The most shards that a study is cut into.
+    /// The maximum number of shards of a study.
     pub most: u32,
 }
 
 impl Shard {
-    /// All of the study.
+    /// The whole study as one shard.
     pub const WHOLE: Shard = Shard { number: 1, of: 1 };
 
-    /// The shard of a number, from 1, of so many.
+    /// The shard `number`, from 1, of `of` shards.
     ///
     /// # Errors
     /// [`NoShard`] unless 1 ≤ `number` ≤ `of` ≤ [`MOST_SHARDS`].
@@ -56,17 +56,17 @@ impl Shard {
         self.number
     }
 
-    /// How many shards there are.
+    /// The number of shards.
     pub fn of(self) -> u32 {
         self.of
     }
 
-    /// All shards of so many, in order.
+    /// All of `of` shards, in order.
     pub fn all(of: u32) -> impl Iterator<Item = Shard> {
         (1..=of).map(move |number| Shard { number, of })
     }
 
-    /// How many of a study's points are in this shard.
+    /// The number of a study's points in this shard.
     pub fn points(self, all: u64) -> u64 {
         let (number, of) = (u64::from(self.number), u64::from(self.of));
         let (whole, rest) = (all / BLOCK, all % BLOCK);
@@ -75,7 +75,7 @@ impl Shard {
         blocks * BLOCK + if has_rest { rest } else { 0 }
     }
 
-    /// The number in the study of a point of this shard.
+    /// The index in the study of a point of this shard.
     pub(super) fn point(self, place: u64) -> u64 {
         let block = place / BLOCK * u64::from(self.of) + u64::from(self.number - 1);
         block * BLOCK + place % BLOCK
@@ -86,7 +86,7 @@ impl Shard {
         self.named(folder, WHOLE)
     }
 
-    /// The file of the shard while it is worked on.
+    /// The file of the shard while it is computed.
     pub(super) fn work_file(self, folder: &Path) -> PathBuf {
         self.named(folder, WORK)
     }
@@ -120,12 +120,12 @@ impl FromStr for Shard {
     }
 }
 
-/// Where the shards of a study lie.
+/// The folder of a study's shards.
 pub(super) fn folder_of(folder: &Path) -> PathBuf {
     folder.join(FOLDER)
 }
 
-/// Whether a file is called as a whole shard is, whatever its number.
+/// Whether a file is named as a whole shard, whatever its number.
 pub(super) fn is_whole(path: &Path) -> bool {
     path.extension().is_some_and(|ending| ending == WHOLE)
 }

@@ -1,4 +1,4 @@
-//! The tables of a joined study: CSV, Parquet, and a note on what they are of.
+//! The tables of a joined study: CSV, Parquet, and their description.
 
 use super::empty::{self, EmptyCells, EmptyCount};
 use super::{Study, StudyError, VERSION};
@@ -9,10 +9,10 @@ use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// The note on what the tables are of.
+/// The file that describes the tables.
 const NOTE: &str = "study.json";
 
-/// Tables that are written row by row, and named when they are whole.
+/// Tables that are written row by row, and get their names when they are complete.
 pub(super) struct Tables<'a> {
     study: &'a Study,
     folder: &'a Path,
@@ -22,7 +22,7 @@ pub(super) struct Tables<'a> {
     csv_path: PathBuf,
     #[cfg(feature = "parquet")]
     parquet: super::parquet_file::ParquetFile,
-    /// Columns that a row must have.
+    /// Number of columns of a row.
     columns: usize,
     empty: EmptyCount,
 }
@@ -34,7 +34,7 @@ impl<'a> Tables<'a> {
         folder: &'a Path,
         renderer: &'a str,
     ) -> Result<Tables<'a>, StudyError> {
-        // Written last, and all files are or none.
+        // This file is written last: either all files are written, or none.
         check_inside(&folder.join(NOTE))?;
         let csv_path = folder.join("study.csv");
         let failed = |source| StudyError::output(&csv_path, source);
@@ -63,7 +63,7 @@ impl<'a> Tables<'a> {
         })
     }
 
-    /// Adds a row: what a point is, and what was found there, as it stands in its shard.
+    /// Adds a row: the cells that identify a point, and its results in the form of its shard.
     pub fn row(&mut self, point: &[Cell], found: &str) -> Result<(), StudyError> {
         let cells = point.iter().map(Cell::for_csv);
         let found = found.split(',').map(str::to_owned);
@@ -81,7 +81,7 @@ impl<'a> Tables<'a> {
         Ok(())
     }
 
-    /// Gives the files their names; which they are, and what is empty in them.
+    /// Gives the files their names; returns them, and the counts of empty cells.
     pub fn finish(self) -> Result<(Vec<PathBuf>, Vec<EmptyCells>), StudyError> {
         let empty = self.empty.cells();
         let Tables { csv, csv_path, .. } = self;
@@ -116,7 +116,7 @@ impl<'a> Tables<'a> {
     }
 }
 
-/// What the tables are of: the same whatever the shards.
+/// The description of the tables: independent of the shards.
 fn about(study: &Study, renderer: &str) -> Vec<(&'static str, String)> {
     vec![
         ("name", study.name.clone()),

@@ -1,4 +1,4 @@
-//! Studies as they are read and joined, without a renderer: shards are made up.
+//! Tests of reading and joining studies without a renderer: the shards are made up.
 
 use super::build::study as build;
 use super::check::Checker;
@@ -21,7 +21,7 @@ pub(super) const SMALL: &str = r#"Study(
 
 const RENDERER: &str = "made up; 1.0";
 
-/// The study of a text whose scenes lie in `folder`.
+/// The study of a text; its scenes lie in `folder`.
 fn read_in(text: &str, folder: &Path) -> Result<Study, StudyError> {
     let file = StudyFile::from_ron(text, "study")?;
     build(&file, &Checker { origin: "study" }, folder)
@@ -35,12 +35,12 @@ fn refusal(text: &str) -> String {
     read(text).expect_err(text).to_string()
 }
 
-/// A row whose numbers follow from its point.
+/// A row whose numbers are computed from its point.
 fn row(index: u64) -> String {
     format!("{index},{:?},0.5,-0.25", index as f64 / 3.0)
 }
 
-/// The text of a whole shard of such rows.
+/// The text of a whole shard with such rows.
 fn made_up(header: &Header, row: fn(u64) -> String) -> String {
     let shard = Shard::new(header.shard, header.of).unwrap();
     let mut text = line(&header.text());
@@ -52,7 +52,7 @@ fn made_up(header: &Header, row: fn(u64) -> String) -> String {
     text + &line(&end)
 }
 
-/// Writes all shards of so many into a new folder.
+/// Writes all of `of` shards into a new folder.
 pub(super) fn shards(study: &Study, of: u32) -> tempfile::TempDir {
     shards_of(study, of, row)
 }
@@ -75,8 +75,7 @@ fn joined(study: &Study, folder: &Path) -> Result<Vec<Vec<u8>>, String> {
     Ok(joined.files.iter().map(read).collect())
 }
 
-/// Protects the order of the points, which stands in every table: the seed changes first, the scene
-/// last.
+/// Protects the order of the points in every table: the seed changes first, the scene last.
 #[test]
 fn points_are_in_the_order_of_the_axes() {
     let study = read(SMALL).unwrap();
@@ -153,7 +152,7 @@ const WRONG: &[(&str, &str)] = &[
     ),
 ];
 
-/// Invalid fields of a study are reported with their place and range.
+/// Protects the checks of a study: invalid fields are reported with their place and range.
 #[test]
 fn every_field_is_checked() {
     let with = |more: &str| format!("Study(scenes: [Scene(of: \"corner\")], {more})");
@@ -175,8 +174,7 @@ fn every_field_is_checked() {
     );
 }
 
-/// Errors of a study in a wrong form contain no word of Rust, but the correct
-/// form.
+/// Protects the errors of a malformed study: they contain no Rust terms, but the correct form.
 #[test]
 fn a_study_is_refused_in_its_own_words() {
     let with = |more: &str| format!("Study(scenes: [Scene(of: \"corner\")], {more})");
@@ -217,7 +215,7 @@ fn a_study_is_refused_in_its_own_words() {
     }
 }
 
-/// Protects counts: a study takes the forms of the command line, and they are the same study.
+/// Protects counts: a study accepts the forms of the command line, and they give the same study.
 #[test]
 fn counts_are_written_as_on_the_command_line() {
     let hash = |waves: &str| {
@@ -230,8 +228,8 @@ fn counts_are_written_as_on_the_command_line() {
     assert_ne!(hash("10000"), hash("1e5"));
 }
 
-/// Protects from joining what does not belong together: the hash changes with all that decides the
-/// results, and with nothing else.
+/// Protects from joining shards that do not belong together: the hash changes with everything that
+/// determines the results, and with nothing else.
 #[test]
 fn the_hash_is_of_what_decides_the_results() {
     let hash = |text: &str| read(text).unwrap().hash().to_owned();
@@ -250,7 +248,7 @@ fn the_hash_is_of_what_decides_the_results() {
     ] {
         assert_ne!(hash(&SMALL.replace(from, to)), small, "{to}");
     }
-    // A scene's own text, wherever it lies, and its base's.
+    // A scene's own text, wherever it lies, and that of its base.
     let text = SMALL.replace("corner", "mine.ron");
     let mine = |base: &str| {
         let folder = tempfile::tempdir().unwrap();
@@ -272,7 +270,8 @@ fn the_hash_is_of_what_decides_the_results() {
     assert_ne!(mine("a"), mine("b"));
 }
 
-/// Protects the tables: the same bytes from any number of shards, whatever order their files have.
+/// Protects the tables: any number of shards gives the same bytes, whatever the order of their
+/// files.
 #[test]
 fn any_number_of_shards_joins_to_the_same_bytes() {
     let study = read(SMALL).unwrap();
@@ -298,7 +297,7 @@ fn any_number_of_shards_joins_to_the_same_bytes() {
 /// A change of a folder of shards, and its error.
 type Change<'a> = (&'a dyn Fn(&Path), &'a [&'a str]);
 
-/// What is said of four shards after a change.
+/// The error of joining four shards after a change.
 fn refused(study: &Study, change: &dyn Fn(&Path)) -> String {
     let folder = shards(study, 4);
     change(folder.path());
@@ -307,8 +306,8 @@ fn refused(study: &Study, change: &dyn Fn(&Path)) -> String {
     said
 }
 
-/// Protects from results that are not whole: every shard that is missing, doubled, or of something
-/// else is named.
+/// Protects from incomplete results: every shard that is missing, doubled, or of something else is
+/// named.
 #[test]
 fn shards_that_do_not_belong_are_named() {
     let study = read(SMALL).unwrap();
@@ -375,8 +374,7 @@ fn shards_that_do_not_belong_are_named() {
     }
 }
 
-/// Protects results from damage of any kind: no byte of a shard can be changed, and nothing can be
-/// cut off, without that being seen.
+/// Protects results from damage of any kind: every changed or missing byte of a shard is detected.
 #[test]
 fn no_byte_of_a_shard_can_change() {
     let study = read(SMALL).unwrap();

@@ -1,11 +1,10 @@
-//! Computing a shard: the working file, which is gone on with after any interruption.
+//! Computes a shard: its working file is continued after any interruption.
 //!
-//! What is kept is one point: its line is written at once, and the disk is waited for once a second.
-//! A process that is killed loses the point that it computes; a machine that fails, a second of
-//! them. The first line identifies the shard. A last line without its end was being written; it is
-//! dropped. Whatever else is wrong is rejected, and the file stays as it is (`work_place.rs`: which
-//! files are opened). When all points are there the last line is added, and the file, which lies beside its
-//! place, is renamed.
+//! Results are kept point by point: the line of each is written at once, and synchronised with the disk once a second.
+//! A killed process loses the point that it computes; a failing machine loses the points of a second. The first line
+//! identifies the shard. An incomplete last line was being written; it is dropped. Any other defect is an error, and
+//! the file is left unchanged (`work_place.rs`: which files are opened). When all points are complete the last line is
+//! added, and the file, which lies beside its final place, is renamed.
 
 use super::lines::{Header, LONGEST_LINE, end_text, is_end, line, text_of};
 use super::read_shard::verify;
@@ -21,15 +20,14 @@ use std::io::{self, BufRead, BufReader, ErrorKind, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// Time between two waits for the disk.
+/// Time between two synchronisations with the disk.
 const BETWEEN_SYNCS: Duration = Duration::from_secs(1);
 
-/// Computes what is missing of a shard, into the folder of the study's results. A shard that is there
-/// already is checked, and nothing is computed. `progress` receives how many of the shard's points are
-/// done, first of all how many were before.
+/// Computes the missing points of a shard, into the folder of the study's results. A complete shard is only checked.
+/// `progress` receives the number of the shard's points that are done, first the number done earlier.
 ///
 /// # Errors
-/// [`StudyError::Point`] for what cannot be computed; [`StudyError::BadShard`] for a file of another
+/// [`StudyError::Point`] for a point that cannot be computed; [`StudyError::BadShard`] for a file of another
 /// study, version or renderer, or one that is damaged; [`StudyError::Busy`];
 /// [`StudyError::Output`].
 pub fn compute(
@@ -44,7 +42,7 @@ pub fn compute(
     let whole = shard.file(folder);
     if !is_there(&whole) {
         let work = WorkFile::open(worker.study, shard, folder, &header)?;
-        // Whoever had the lock before may have finished.
+        // The previous owner of the lock may have completed the shard.
         if !is_there(&whole) {
             return fill(worker, shard, work, &whole, progress);
         }
@@ -71,7 +69,7 @@ fn fill(
     work.finish(whole)
 }
 
-/// The text of a point's line: its number, and what was found, as in CSV.
+/// The text of a point's line: its index and its results, as in CSV.
 pub(super) fn row(index: u64, found: &[Cell]) -> String {
     let mut text = index.to_string();
     for cell in found {
@@ -81,7 +79,7 @@ pub(super) fn row(index: u64, found: &[Cell]) -> String {
     text
 }
 
-/// A shard that is there must be this one.
+/// Checks that an existing shard is the expected one.
 fn check_whole(path: &Path, study: &Study, expected: &Header) -> Result<(), StudyError> {
     let refused = |why: String| StudyError::BadShard {
         path: path.to_owned(),
@@ -93,20 +91,20 @@ fn check_whole(path: &Path, study: &Study, expected: &Header) -> Result<(), Stud
         .map_or(Ok(()), |why| Err(refused(why)))
 }
 
-/// The file of a shard that is worked on, at its end.
+/// The file of a shard in progress, positioned at its end.
 struct WorkFile {
     file: File,
     path: PathBuf,
     shard: Shard,
     form: RowForm,
-    /// Of all bytes so far.
+    /// Hash of all bytes written until now.
     hash: Sha256,
     rows: u64,
     synced: Instant,
 }
 
 impl WorkFile {
-    /// Opens the working file of a shard, or makes it, and reads what is done.
+    /// Opens or creates the working file of a shard, and reads the rows that are done.
     fn open(
         study: &Study,
         shard: Shard,
@@ -132,7 +130,7 @@ impl WorkFile {
         Ok(work)
     }
 
-    /// Cuts the file to its first `kept` bytes, and goes to its end.
+    /// Cuts the file to its first `kept` bytes, and seeks to its end.
     fn cut(&mut self, kept: u64) -> io::Result<()> {
         if self.file.metadata()?.len() > kept {
             self.file.set_len(kept)?;
@@ -140,7 +138,7 @@ impl WorkFile {
         self.file.seek(SeekFrom::Start(kept)).map(drop)
     }
 
-    /// Reads all whole lines; returns how many bytes they are. The file is only read.
+    /// Reads all whole lines; returns their length in bytes. The file is only read.
     fn read_back(&mut self, header: &Header) -> Result<u64, StudyError> {
         let file = self.file.try_clone();
         let mut reader = BufReader::new(file.map_err(|source| self.failed(source))?);
@@ -156,7 +154,7 @@ impl WorkFile {
             let Some(whole) = bytes.strip_suffix(b"\n") else {
                 return match (self.is_begun(&bytes, lines, header), lines) {
                     (true, _) => Ok(kept),
-                    (false, 1) => Err(self.refused("it is no shard of a study")),
+                    (false, 1) => Err(self.refused("it is not a shard of a study")),
                     (false, _) => Err(self.refused(&format!("line {lines} is damaged"))),
                 };
             };
@@ -165,7 +163,7 @@ impl WorkFile {
             };
             if lines == 1 {
                 let found = Header::parse(text);
-                let found = found.ok_or_else(|| self.refused("it is no shard of a study"))?;
+                let found = found.ok_or_else(|| self.refused("it is not a shard of a study"))?;
                 let differs = found.differs(header);
                 differs.map_or(Ok(()), |why| Err(self.refused(&why)))?;
             } else if self.rows == header.points {
@@ -181,21 +179,21 @@ impl WorkFile {
         }
     }
 
-    /// Checks the last line of a shard that was not renamed, and that nothing stands behind it. It is
-    /// written again, with the file's new name.
+    /// Checks the last line of a shard that was not renamed, and that no data follows it. The line is written again
+    /// when the file gets its final name.
     fn read_end(&self, text: &str, mut reader: impl Read) -> Result<(), StudyError> {
         if !is_end(text) || text != end_text(self.hash.clone()) {
-            return Err(self.refused("its last line is of other bytes"));
+            return Err(self.refused("its last line does not match the rest"));
         }
         let behind = reader.read(&mut [0]);
         match behind.map_err(|source| self.failed(source))? {
             0 => Ok(()),
-            _ => Err(self.refused("something stands behind its last line")),
+            _ => Err(self.refused("there is data after its last line")),
         }
     }
 
-    /// Whether the bytes behind all whole lines are what was being written when the process ended. A
-    /// machine that fails may leave zeros in the place of bytes that did not come to the disk.
+    /// Whether the bytes after all whole lines were being written when the process ended. After a failure of the
+    /// machine, zeros may stand in place of bytes that were not on the disk yet.
     fn is_begun(&self, bytes: &[u8], lines: u64, header: &Header) -> bool {
         let zeros = bytes.iter().rev().take_while(|byte| **byte == 0).count();
         let Ok(text) = std::str::from_utf8(&bytes[..bytes.len() - zeros]) else {
@@ -205,7 +203,8 @@ impl WorkFile {
             return false;
         }
         match lines {
-            // A file without a whole first line is taken over only from this user; an empty one has nothing to lose.
+            // A file without a whole first line is continued only if it belongs to this user; an empty one has no data
+            // to lose.
             1 => {
                 let is_ours = text.is_empty() || is_of_this_user(&self.file);
                 line(&header.text()).starts_with(text) && is_ours
@@ -252,12 +251,12 @@ impl WorkFile {
         Ok(())
     }
 
-    /// Adds the last line, and gives the file its name.
+    /// Adds the last line, and gives the file its final name.
     fn finish(mut self, whole: &Path) -> Result<(), StudyError> {
         let end = line(&end_text(self.hash.clone()));
         self.write(&end)?;
         if is_there(whole) {
-            let text = "something of this name came up while the shard was computed";
+            let text = "a file with this name appeared while the shard was computed";
             let source = io::Error::new(ErrorKind::InvalidInput, text);
             return Err(StudyError::output(whole, source));
         }
@@ -266,7 +265,7 @@ impl WorkFile {
             .sync_all()
             .and_then(|()| std::fs::rename(&self.path, whole));
         renamed.map_err(|source| StudyError::output(whole, source))?;
-        // The name as well; where a folder cannot be opened there is nothing to wait for.
+        // The name is synchronised as well, where the folder can be opened.
         if let Some(folder) = whole.parent().and_then(|folder| File::open(folder).ok()) {
             folder
                 .sync_all()
@@ -285,8 +284,8 @@ mod tests {
     use super::*;
     use crate::study::tests::read;
 
-    /// Protects what was computed from an interruption at any byte of the file: it is gone on with, to
-    /// the same bytes. Whatever else is wrong is rejected, and the file stays as it is.
+    /// Protects results from an interruption at any byte of the file: it is continued, and ends with the same bytes.
+    /// Any other defect is an error, and the file is left unchanged.
     #[test]
     fn a_shard_is_gone_on_with_after_any_byte() {
         let study = read(
@@ -332,7 +331,7 @@ mod tests {
                 .to_string()
                 .contains("renderer \"made up\", not \"another\"")
         );
-        // Who works on a shard keeps others away.
+        // A working process locks out others.
         let working = WorkFile::open(&study, shard, folder, &header).unwrap();
         let refused = WorkFile::open(&study, shard, folder, &header)
             .err()

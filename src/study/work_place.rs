@@ -1,8 +1,8 @@
-//! Which files are worked on: such as this program made, under the very name that it gave them.
+//! Chooses which files are worked on: only those made by this program, under the exact names that it gave them.
 //!
-//! A folder of results may hold anything: links that lead to other files, other names of files (hard
-//! links), pipes, files of other programs. None of them is written to. A file that is there is opened without
-//! following links, and locked; what was opened is looked at, and its first line read, before a byte is written.
+//! A folder of results may contain anything: symbolic links, other names of files (hard links), pipes, files of other
+//! programs. The program never writes to them. An existing file is opened without following links, and locked; then it
+//! is inspected, and its first line read, before a byte is written.
 
 use super::{Shard, StudyError};
 use crate::plain_file;
@@ -10,11 +10,11 @@ use std::fs::{File, TryLockError};
 use std::io::{self, ErrorKind};
 use std::path::Path;
 
-/// Tries to open a file that another process makes and removes again and again.
+/// Maximum number of attempts to open a file that another process makes and removes again and again.
 const MOST_TRIES: u32 = 10;
 
-/// Opens a working file, or makes it; no other process may have it open. A file system without locks
-/// gives no such protection.
+/// Opens or creates a working file; no other process may have it open. A file system without locks gives no such
+/// protection.
 pub(super) fn locked(shard: Shard, path: &Path) -> Result<File, StudyError> {
     let failed = |source| StudyError::output(path, source);
     let file = opened(path).map_err(failed)?;
@@ -28,7 +28,7 @@ pub(super) fn locked(shard: Shard, path: &Path) -> Result<File, StudyError> {
         Err(TryLockError::Error(error)) if error.kind() == ErrorKind::Unsupported => (),
         Err(TryLockError::Error(source)) => return Err(failed(source)),
     }
-    // It may have been finished and renamed between the opening and the lock.
+    // It may have been completed and renamed between the opening and the lock.
     let copy = file.try_clone().and_then(same_file::Handle::from_file);
     let copy = copy.map_err(failed)?;
     match same_file::Handle::from_path(path) {
@@ -47,7 +47,7 @@ pub(super) fn locked(shard: Shard, path: &Path) -> Result<File, StudyError> {
     Ok(file)
 }
 
-/// Opens the file of this very name, or makes one that was not there.
+/// Opens the file with exactly this name, or creates it.
 fn opened(path: &Path) -> io::Result<File> {
     let options = || {
         let mut options = File::options();
@@ -68,7 +68,7 @@ fn opened(path: &Path) -> io::Result<File> {
     Err(refused)
 }
 
-/// Whether anything has this name, a link that leads nowhere as well.
+/// Whether the name exists, including as a dangling link.
 pub(super) fn is_there(path: &Path) -> bool {
     std::fs::symlink_metadata(path).is_ok()
 }
@@ -81,8 +81,8 @@ pub(super) fn is_of_this_user(file: &File) -> bool {
     file.metadata().is_ok_and(|about| about.uid() == user)
 }
 
-/// Whether the user who runs this program owns a file: not known here, so that what the system lets
-/// the program open is taken.
+/// Whether the user who runs this program owns a file: unknown on this system, so every file that can be opened is
+/// accepted.
 #[cfg(not(target_os = "linux"))]
 pub(super) fn is_of_this_user(_: &File) -> bool {
     true

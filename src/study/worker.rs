@@ -1,4 +1,4 @@
-//! The one way in which a point is computed.
+//! The computation of a point.
 
 use super::points::Point;
 use super::{Study, StudyError, renderer_of};
@@ -14,7 +14,7 @@ pub struct Worker<'a> {
     pub(super) study: &'a Study,
     tracer: Tracer,
     renderer: String,
-    /// The scene of a variant at a time, until a point needs another one.
+    /// The scene of a variant at a time, kept until a point needs another one.
     posed: Option<((u64, u64), Scene)>,
 }
 
@@ -34,12 +34,12 @@ impl<'a> Worker<'a> {
         &self.renderer
     }
 
-    /// The tracer, for whatever else is to be drawn.
+    /// The tracer, for other drawings.
     pub fn tracer(&mut self) -> &mut Tracer {
         &mut self.tracer
     }
 
-    /// The cells of what is found at a point.
+    /// Computes the result cells of a point.
     pub(super) fn found(&mut self, point: &Point) -> Result<Vec<Cell>, StudyError> {
         self.compute(point).map_err(|source| StudyError::Point {
             index: point.index,
@@ -56,7 +56,7 @@ impl<'a> Worker<'a> {
             _ => study.posed(point.variant, point.time)?,
         };
         let (_, scene) = self.posed.insert((key, scene));
-        // Wherever the last point had them: an axis sets these in all points or in none.
+        // Replaces the positions of the last point: an axis sets them in all points or in none.
         if let Some(position) = study.source_of(point) {
             scene.source.position = position;
         }

@@ -1,4 +1,4 @@
-//! What is heard in full, for a player that shares no memory with the tracing thread.
+//! Full listening for a player that shares no memory with the tracing thread.
 
 use super::hearing::{EarsStatus, Hearing};
 use super::mix::HeardMessage;
@@ -8,14 +8,14 @@ use crate::response::HeardSource;
 use crate::scene::Scene;
 use crate::trace::Settings;
 
-/// Follows a scene with its own renderer, and reports what arrives at the listener.
+/// Follows a scene with its own renderer, and reports the arrivals at the listener.
 pub struct Ears {
     hearing: Hearing,
     status: EarsStatus,
 }
 
 impl Ears {
-    /// Nothing was heard yet.
+    /// Creates ears that have heard nothing yet.
     ///
     /// # Errors
     /// [`Error::Gpu`] when the renderer fails.
@@ -26,8 +26,8 @@ impl Ears {
         })
     }
 
-    /// What is heard of each source, for a [`Mix`](super::Mix) of so many samples a second; nothing where nothing
-    /// has changed since the last time. `is_new_mix` means that the mix has received nothing yet.
+    /// Returns the response of each source for a [`Mix`](super::Mix) at `rate_hz` samples a second; an empty list if it
+    /// has not changed since the last call. `is_new_mix` means that the mix has received nothing yet.
     ///
     /// # Errors
     /// As [`Response::trace`](crate::response::Response::trace).
@@ -50,12 +50,12 @@ impl Ears {
         Ok(messages)
     }
 
-    /// What was heard of each source at the last look.
+    /// The level of each source at the last trace.
     pub fn sources(&self) -> &[HeardSource] {
         &self.status.sources
     }
 
-    /// Milliseconds that the last look took to trace, and to make its late part.
+    /// Milliseconds of the last trace, and of making its late part.
     pub fn milliseconds(&self) -> [f64; 2] {
         [self.status.trace_ms, self.status.late_ms]
     }
@@ -68,7 +68,8 @@ mod tests {
     use crate::audio::SoundSpec;
     use crate::gpu::ContextOptions;
 
-    /// Protects ears from being changed over: a source at the left is louder at the left, through numbers alone.
+    /// Protects ears from exchanged channels: a source at the left is louder at the left, after transfer as plain
+    /// numbers.
     #[test]
     fn a_source_at_the_left_is_heard_at_the_left() {
         const RATE_HZ: u32 = 48_000;

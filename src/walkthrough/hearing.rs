@@ -1,7 +1,7 @@
-//! What is heard in full while one walks: looks at the scene, one after another.
+//! Full listening during a walk: traces the scene again and again.
 //!
-//! Echoes are those of the last look and glide to the next; the late part is made again four times a second at the
-//! most.
+//! Echoes are those of the last trace and glide to the next; the late part is computed again at most four times a
+//! second.
 
 use crate::acoustics::ListenerAxes;
 use crate::bands;
@@ -13,90 +13,91 @@ use crate::scene::Scene;
 use crate::trace::{Profile, Settings, Tracer};
 use std::time::Duration;
 
-/// Waves of a response at most: echoes are exact, and a late part that lasts a quarter of a second
-/// needs no more.
+/// Maximum number of waves of a response: echoes are exact, and a late part that lasts a quarter of a second needs no
+/// more.
 const MOST_WAVES: u32 = 16_384;
 
-/// Waves that late arrivals come from at least. With fewer, the energy of 10 ms is that of a few arrivals, and the
-/// late part is rough.
+/// Minimum number of waves for late arrivals. With fewer, the energy of 10 ms is that of a few arrivals, and the late
+/// part is rough.
 const LEAST_LATE_WAVES: u32 = 1024;
 
-/// Seconds that a look should take: with a longer one, echoes lag behind the listener.
+/// Target duration of a trace in seconds: with a longer one, echoes lag behind the listener.
 const LOOK_S: f64 = 0.25;
 
-/// Reflections of exact paths.
+/// Maximum number of reflections of exact paths.
 const ORDER: u32 = 3;
 
-/// Seconds of a response at most: a kernel of two seconds takes 4 % of a core to convolve with.
+/// Maximum length of a response in seconds: convolution with a kernel of two seconds takes 4 % of a core.
 pub(super) const LONGEST_S: f64 = 2.0;
 
 /// Seconds between two late parts.
 const LATE_EVERY_S: f64 = 0.25;
 
-/// How often the length of the responses is estimated again, in seconds.
+/// Seconds between two estimates of the length of the responses.
 const LENGTH_EVERY_S: f64 = 4.0;
 
-/// Seconds in which echoes glide from one look to the next: what one of them took, within these.
+/// Limits of the time in which echoes glide from one trace to the next, in seconds; it is the duration of the trace,
+/// within these.
 const SHORTEST_GLIDE_S: f64 = 0.02;
 const LONGEST_GLIDE_S: f64 = 0.5;
 
 /// The lower end of the curve of energy, in decibels.
 pub const QUIETEST_DB: f64 = -80.0;
 
-/// Points of the curve of energy against time.
+/// Number of points of the curve of energy against time.
 const CURVE_POINTS: usize = 120;
 
-/// What was heard at a look.
+/// The results of a trace.
 #[derive(Clone, Debug, Default)]
 #[cfg_attr(not(feature = "demo"), expect(dead_code))]
 pub struct EarsStatus {
-    /// What is heard of each source; none before the first look.
+    /// The level of each source; none before the first trace.
     pub sources: Vec<HeardSource>,
     /// Energy against time of all sources, in decibels against its largest, in equal parts of
     /// `curve_s` seconds.
     pub curve: Vec<f32>,
     pub curve_s: f64,
-    /// Milliseconds that the last look took to trace, and to make its late part.
+    /// Milliseconds of the last trace, and of making its late part.
     pub trace_ms: f64,
     pub late_ms: f64,
-    /// Looks so far.
+    /// Number of traces.
     pub looks: u64,
-    /// Why nothing is heard in full.
+    /// The reason why full listening failed.
     pub error: Option<String>,
 }
 
-/// Looks at a scene, with a renderer of its own.
+/// Traces a scene for full listening, with a renderer of its own.
 pub struct Hearing {
     tracer: Tracer,
-    /// The last scene that was heard.
+    /// The last scene traced.
     scene: Option<Scene>,
-    /// Responses are so long, and when that was found.
+    /// Length of the responses, and when it was estimated.
     length: Option<(f64, Instant)>,
-    /// Waves that late arrivals come from: as many as a look has time for.
+    /// Number of waves for late arrivals: as many as a trace has time for.
     late_waves: u32,
-    /// Those of the late part that is heard.
+    /// Number of waves of the present late part.
     late_waves_heard: u32,
     last_look: Instant,
     last_late: Option<Instant>,
 }
 
-/// What an update has found of one source, to be passed to the player.
+/// The result of an update for one source, to be passed to the player.
 #[derive(Clone, Copy, Debug)]
 pub struct Found<'a> {
     /// The source, from 0.
     pub source: usize,
-    /// What is heard of it.
+    /// Its response.
     pub response: &'a Response,
     /// The listener's axes.
     pub axes: &'a ListenerAxes,
     /// Whether its late part is due.
     pub is_late_due: bool,
-    /// Seconds in which its echoes glide there.
+    /// Seconds in which its echoes glide to the new ones.
     pub glide_s: f64,
 }
 
 impl Hearing {
-    /// Nothing was heard yet.
+    /// Creates a hearing without a trace yet.
     ///
     /// # Errors
     /// [`Error::Gpu`] when the renderer fails.
@@ -112,9 +113,8 @@ impl Hearing {
         })
     }
 
-    /// Whether something is heard differently than at the last update, or a new player waits for it. A
-    /// late part that was not due then is made once things have come to rest, and so is one that there was too little
-    /// time for.
+    /// Whether sound has changed since the last update, or a new player waits for it. A late part that was not due then
+    /// is computed once everything has come to rest; so is one that was traced with too few waves for lack of time.
     pub fn is_new(&self, scene: &Scene, settings: &Settings, is_waited_for: bool) -> bool {
         let is_another = self.scene.as_ref() != Some(scene);
         let is_rough = self.late_waves >= 2 * self.late_waves_heard;
@@ -128,10 +128,10 @@ impl Hearing {
         self.last_late.is_none_or(since)
     }
 
-    /// Traces what is heard of every source, and passes it to `tell`.
+    /// Traces every source, and passes each result to the closure.
     ///
     /// # Errors
-    /// As [`Response::trace`], and those of `tell`.
+    /// As [`Response::trace`], and those of the closure.
     pub fn look(
         &mut self,
         scene: &Scene,
@@ -186,7 +186,7 @@ impl Hearing {
         Ok(status)
     }
 
-    /// Length of the responses, as estimated some seconds ago.
+    /// Length of the responses, estimated again every few seconds.
     fn length_s(&mut self, scene: &Scene, settings: &Settings) -> Result<f64, Error> {
         let is_another = self
             .scene
@@ -212,7 +212,7 @@ impl Hearing {
     }
 }
 
-/// How many waves the next late part comes from, after a look with so many took so long.
+/// Number of waves for the next late part, after a trace with `before` waves that `took` this time.
 fn late_waves(before: u32, took: Duration) -> u32 {
     let fit = f64::from(before) * LOOK_S / took.as_secs_f64();
     (fit as u32).clamp(LEAST_LATE_WAVES, MOST_WAVES)
@@ -225,7 +225,7 @@ fn response_settings(chosen: &Settings) -> ResponseSettings {
     settings.with_order(ORDER)
 }
 
-/// Adds the energies of a response to their parts of the time.
+/// Adds the energies of a response to the intervals of the curve.
 fn add_to_curve(curve: &mut [f64], response: &Response, seconds: f64) {
     let mut add = |at_s: f64, energy: f64| {
         let part = (at_s / seconds * CURVE_POINTS as f64) as usize;
@@ -243,7 +243,7 @@ fn add_to_curve(curve: &mut [f64], response: &Response, seconds: f64) {
     }
 }
 
-/// Against the largest; −80 dB and less are −80 dB.
+/// Decibels relative to the largest value, limited to −80 dB and above.
 fn in_decibels(curve: &[f64]) -> Vec<f32> {
     let largest = curve.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
     let decibels = |energy: &f64| (10.0 * (energy / largest).log10()).max(QUIETEST_DB) as f32;
@@ -254,7 +254,7 @@ fn in_decibels(curve: &[f64]) -> Vec<f32> {
 mod tests {
     use super::*;
 
-    /// Protects the user from waiting seconds for echoes, and the late part from being rougher than it must be.
+    /// Protects the user from waiting seconds for echoes, and the late part from needless roughness.
     #[test]
     fn late_waves_follow_the_time_of_looks() {
         let after = |before, seconds| late_waves(before, Duration::from_secs_f64(seconds));

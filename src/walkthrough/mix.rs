@@ -1,4 +1,4 @@
-//! What is heard while one walks, as samples.
+//! The sound of a walk as samples.
 
 use super::hearing::{Found, LONGEST_S};
 use crate::acoustics::AcousticsError;
@@ -8,26 +8,25 @@ use crate::error::Error;
 use crate::scene::Scene;
 use crate::trace::Profile;
 
-/// Chooses the noise of the late parts.
+/// Seed of the noise of the late parts.
 pub(crate) const NOISE_SEED: u64 = 1;
 
-/// How much louder all is played than its sound would be 1 m off: a source 4 m off is as loud as its
-/// sound. What is too loud then is limited.
+/// Gain of the whole output: a source 4 m away is as loud as its sound file. Louder parts are limited.
 const GAIN_DB: f32 = 12.0;
 
-/// Seconds in which the sound fades to silence before something else is played, and back from it; and in which the
-/// volume glides from 0 to 1. Both fades take as long as the window's cross-fade of 20 ms.
+/// Duration of a fade in seconds: the sound fades out, and the next one fades in. The volume glides from 0 to 1 in the
+/// same time. Both fades take as long as the window's cross-fade of 20 ms.
 const FADE_S: f32 = 0.01;
 
-/// A player of the sources of a scene, each with its own sound: as `spec` where that is a file or a sine, else each
-/// with another voice or noise.
+/// A player of the sources of a scene, each with its own sound: `spec` if that is a file or a sine, else each with
+/// another voice or noise.
 pub(crate) fn player(
     scene: &Scene,
     spec: &SoundSpec,
     rate_hz: u32,
 ) -> Result<(Player, PlayerRemote), AcousticsError> {
     let load = |source: usize| {
-        // A file that cannot be had at this rate is silent: that it cannot is told of the one sound.
+        // A file that cannot be loaded at this rate is silent; the error is reported for the balance's sound.
         let sound = Sound::load(&own_voice(spec, source as u64), rate_hz);
         sound.unwrap_or_else(|_| Sound::new(Silence))
     };
@@ -35,12 +34,12 @@ pub(crate) fn player(
     Player::new(sounds, played(scene, rate_hz), 10_f32.powf(GAIN_DB / 20.0))
 }
 
-/// What the player of a scene is made for.
+/// The specification of a scene's player.
 fn played(scene: &Scene, rate_hz: u32) -> Spec {
     Spec::of(scene, rate_hz).with_longest(LONGEST_S)
 }
 
-/// No sound.
+/// A silent sound.
 struct Silence;
 
 impl Signal for Silence {
@@ -51,7 +50,7 @@ impl Signal for Silence {
     fn seek(&mut self, _: u64) {}
 }
 
-/// The sound of a source by its number, so that no two speak with one voice.
+/// The sound of a source by its number, so that each source has another voice.
 fn own_voice(spec: &SoundSpec, number: u64) -> SoundSpec {
     match spec {
         SoundSpec::Noise { seed } => SoundSpec::Noise {
@@ -64,24 +63,24 @@ fn own_voice(spec: &SoundSpec, number: u64) -> SoundSpec {
     }
 }
 
-/// What is heard of a source as plain numbers, for transfer from the tracing thread to the player.
+/// A source's response as plain numbers, for transfer from the tracing thread to the player.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeardMessage {
     /// The source, from 0.
     pub source: usize,
     /// Its echoes, as [`Mix::hear`] reads them.
     pub echoes: Vec<f64>,
-    /// The samples of its late part, one channel after the other; none where it stays as it is.
+    /// The samples of its late part, one channel after the other; none if it is unchanged.
     pub late: Option<Vec<f32>>,
-    /// Seconds in which the echoes glide there.
+    /// Seconds in which the echoes glide to the new ones.
     pub glide_s: f64,
 }
 
 impl HeardMessage {
-    /// What was found at a look, for a player of so many samples a second.
+    /// Converts the result of a trace for a player at `rate_hz` samples a second.
     ///
     /// # Errors
-    /// [`Error::Acoustics`] for a response of no length.
+    /// [`Error::Acoustics`] for a response of length 0.
     pub(crate) fn new(scene: &Scene, found: &Found, rate_hz: u32) -> Result<HeardMessage, Error> {
         let spec = played(scene, rate_hz);
         let seed = found.is_late_due.then_some(NOISE_SEED);
@@ -95,10 +94,10 @@ impl HeardMessage {
     }
 }
 
-/// Mixes what is heard into slices: in full as [`Ears`](super::Ears) hear it, or the balance of one sound.
+/// Mixes sound into slices: in full from the messages of [`Ears`](super::Ears), or the balance of one sound.
 ///
-/// What comes in place of something else (a scene, a sound, what is listened to, a panning law) fades in after that has
-/// faded out: nothing clicks.
+/// After a change (of the scene, the sound, the listening mode or the panning law) the old sound fades out before the
+/// new one fades in, so that nothing clicks.
 #[derive(Debug)]
 pub struct Mix {
     rate_hz: u32,
@@ -106,13 +105,13 @@ pub struct Mix {
     listen: Listen,
     mixer: Mixer,
     pan: f32,
-    /// What is played once all is silent.
+    /// The state to change to once all is silent.
     wanted: Wanted,
-    /// Samples of the fade: 0 in silence, `fade_length` where all is heard.
+    /// Samples of the fade: 0 in silence, `fade_length` at full level.
     fade: usize,
     fade_length: usize,
     volume: f32,
-    /// What the volume glides to.
+    /// The volume to glide to.
     wanted_volume: f32,
     mono: Vec<f32>,
 }
@@ -120,16 +119,16 @@ pub struct Mix {
 /// The sounds of a scene.
 #[derive(Debug)]
 struct Voices {
-    /// The one sound of the balance.
+    /// The sound of the balance.
     sound: Sound,
     player: Player,
     remote: PlayerRemote,
 }
 
-/// What is to be played.
+/// The requested state.
 #[derive(Debug)]
 struct Wanted {
-    /// Of another scene or another sound.
+    /// The voices of another scene or another sound.
     voices: Option<Voices>,
     listen: Listen,
     law: PanningLaw,
@@ -148,7 +147,7 @@ impl Voices {
 }
 
 impl Mix {
-    /// The sounds of a scene's sources at so many samples a second; all is silent until something is heard.
+    /// Creates a mix for a scene's sources at `rate_hz` samples a second; it is silent until it receives a response.
     ///
     /// # Errors
     /// As [`Sound::load`]; [`AcousticsError::BadRate`](crate::acoustics::AcousticsError::BadRate).
@@ -174,8 +173,8 @@ impl Mix {
         })
     }
 
-    /// Another scene or another sound, which is silent until something is heard of it: what is passed to
-    /// [`hear`](Mix::hear) from now on is of this one.
+    /// Changes to another scene or sound, which is silent until its first response: messages passed to
+    /// [`hear`](Mix::hear) from now on belong to it.
     ///
     /// # Errors
     /// As [`Sound::load`]; then the previous one continues.
@@ -184,12 +183,12 @@ impl Mix {
         Ok(())
     }
 
-    /// What is listened to from now on.
+    /// Sets the listening mode.
     pub fn set_listen(&mut self, listen: Listen) {
         self.wanted.listen = listen;
     }
 
-    /// Loudness, 0 to 1; no number counts as 0.
+    /// Sets the loudness, 0 to 1; NaN counts as 0.
     pub fn set_volume(&mut self, volume: f32) {
         self.wanted_volume = if volume.is_nan() {
             0.0
@@ -198,16 +197,16 @@ impl Mix {
         };
     }
 
-    /// The balance, −1 to 1, as waves of that profile give it.
+    /// Sets the balance, −1 to 1, as computed by waves of that profile.
     pub fn set_pan(&mut self, profile: Profile, pan: f32) {
         self.wanted.law = PanningLaw::for_profile(profile);
         self.pan = pan;
     }
 
-    /// Glides to what is heard of a source. False, and nothing changes, if too much is in progress.
+    /// Glides to a source's response. Returns false, and changes nothing, if too many glides are in progress.
     ///
     /// # Errors
-    /// [`Error::Acoustics`] for a source that is not there, and a glide of no time. Then nothing changes.
+    /// [`Error::Acoustics`] for a source that does not exist, and a glide of length 0. Then nothing changes.
     pub fn hear(&mut self, message: HeardMessage) -> Result<bool, Error> {
         let parts = HeardParts {
             echoes: message.echoes,
@@ -238,7 +237,7 @@ impl Mix {
         }
     }
 
-    /// Whether what is played is not what is wanted. A law is not heard but in the balance.
+    /// Whether the requested state differs from the present one. The law matters only in the balance.
     fn is_to_change(&self) -> bool {
         let is_heard = self.listen == Listen::Balance;
         self.wanted.voices.is_some()
@@ -246,7 +245,7 @@ impl Mix {
             || is_heard && self.mixer.law() != self.wanted.law
     }
 
-    /// Plays from now on what is wanted.
+    /// Changes to the requested state.
     fn change_over(&mut self) {
         if let Some(voices) = self.wanted.voices.take() {
             self.voices = voices;
@@ -255,7 +254,7 @@ impl Mix {
         self.mixer = Mixer::new(self.wanted.law);
     }
 
-    /// Overwrites a block with the next samples, as loud as they come.
+    /// Overwrites a block with the next samples at full level.
     fn play(&mut self, stereo: &mut [f32]) {
         match self.listen {
             Listen::Full => {
@@ -292,7 +291,7 @@ mod tests {
 
     const RATE_HZ: u32 = 48_000;
 
-    /// The largest difference from one sample to the next in so many blocks; `last` is the sample before them.
+    /// Returns the largest difference between successive samples in `blocks` blocks; `last` is the sample before them.
     fn largest_step(mix: &mut Mix, blocks: usize, last: &mut [f32; 2]) -> f32 {
         let mut largest: f32 = 0.0;
         let mut stereo = [0.0; 1024];
@@ -306,11 +305,12 @@ mod tests {
         largest
     }
 
-    /// Protects ears from clicks: a change of scene, sound, law or of what is listened to makes no larger step from
-    /// one sample to the next than the tone itself and its fade make.
+    /// Protects ears from clicks: a change of scene, sound, law or listening mode makes no larger step between samples
+    /// than the tone itself and its fade.
     #[test]
     fn no_change_clicks() {
-        /// By how much a fade of 480 samples adds to the step of a tone of 220 Hz, which is 1/35 of its amplitude.
+        /// Factor by which a fade of 480 samples increases the step of a tone of 220 Hz, which is 1/35 of its
+        /// amplitude.
         const FADING: f32 = 1.1;
         /// Enough blocks of 512 frames for a change and both of its fades.
         const BLOCKS: usize = 6;
@@ -339,7 +339,7 @@ mod tests {
         check(&mut mix, "balance");
     }
 
-    /// What is reported of a new scene while the old one fades is the new one's.
+    /// Protects a new scene: messages that arrive while the old one fades belong to the new one.
     #[test]
     fn what_is_heard_while_a_scene_fades_is_of_the_next() {
         let scene = Scene::builtin("corner").unwrap();

@@ -1,16 +1,16 @@
-//! Walking through a scene: what the window and a page in a browser share.
+//! Walking through a scene: the part shared by the window and the page in a browser.
 //!
 //! | file | what it does |
 //! | --- | --- |
 //! | `visit` | one walk through a scene, for the page: time passes, waves are traced, the picture and the plan are drawn |
 //! | `world`, `walk` | the scene in its current state, the listener's position in it |
 //! | `values` | its named values |
-//! | `view` | what the listener sees |
-//! | `plan`, `paths` | the scene from above, and the waves that are shown in it |
-//! | `hearing` | what is heard in full |
-//! | `ears`, `mix` | for the page: the same as numbers, and mixed into slices |
+//! | `view` | the listener's view |
+//! | `plan`, `paths` | the scene from above, and the waves shown in it |
+//! | `hearing` | full listening |
+//! | `ears`, `mix` | for the page: full listening as plain numbers, and mixed into slices |
 //!
-//! Nothing here knows a window, a clock of its own, or a thread: a [`MoveInput`] and seconds go in.
+//! No code here uses a window, a clock of its own, or a thread: its inputs are a [`MoveInput`] and seconds.
 
 mod ears;
 mod hearing;

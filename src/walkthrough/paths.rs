@@ -1,4 +1,4 @@
-//! The waves whose paths the plan shows: those that are heard first, and some others.
+//! The waves whose paths the plan shows: first those that are heard, then some others.
 
 use crate::error::Error;
 use crate::platform::Instant;
@@ -6,44 +6,44 @@ use crate::scene::Scene;
 use crate::trace::{HeardSearch, MostKept, Profile, Settings, Tracer, Wave};
 use std::time::Duration;
 
-/// Paths that are shown at most: more cover each other.
+/// Maximum number of paths shown: more would cover each other.
 const SHOWN: MostKept = MostKept {
     heard: 16,
     others: 48,
 };
-/// Iterations that the paths are followed for at most.
+/// Maximum number of iterations of the paths.
 pub(crate) const PATH_ITERATIONS: u32 = 16;
-/// Waves that are traced at a time to find heard ones: about a millisecond of them.
+/// Number of waves traced at a time in the search for heard ones: they take about a millisecond.
 const AT_A_TIME: u32 = 2048;
-/// The same in the profile `thesis`, whose waves take some dozen times as long.
+/// The same in the profile `thesis`, whose waves take dozens of times longer.
 const THESIS_AT_A_TIME: u32 = 256;
-/// Times that waves are traced for one scene at most.
+/// Maximum number of searches in one scene.
 const SEARCHES: u32 = 32;
-/// After so long a search continues in another frame.
+/// Time after which a search is continued in another frame.
 const AT_MOST: Duration = Duration::from_millis(2);
 
-/// The paths shown, kept while what they depend on stands still.
+/// The paths shown, cached while scene and settings are unchanged.
 #[derive(Default)]
 pub struct Paths {
     states: Vec<Vec<Wave>>,
-    /// What they were traced in, and how.
+    /// The scene and settings that they were traced with.
     of: Option<(Scene, Settings)>,
     search: HeardSearch,
 }
 
 impl Paths {
-    /// As [`Tracer::paths`] gives them.
+    /// The states in the form of [`Tracer::paths`].
     pub fn states(&self) -> &[Vec<Wave>] {
         &self.states
     }
 
-    /// Whether none were followed yet.
+    /// Whether there are no paths yet.
     #[cfg(feature = "demo")]
     pub fn are_none(&self) -> bool {
         self.states.is_empty()
     }
 
-    /// How many reached the listener.
+    /// Number of paths that reached the listener.
     #[cfg(feature = "demo")]
     pub fn heard(&self) -> usize {
         let ends = self.states.last().map_or(&[][..], Vec::as_slice);
@@ -53,13 +53,13 @@ impl Paths {
         heard.count()
     }
 
-    /// Another scene has come.
+    /// Removes the paths of the previous scene.
     pub fn forget(&mut self) {
         *self = Paths::default();
     }
 
-    /// Looks for waves that are heard in the scene, and follows them and some others: the first
-    /// ones of all that are traced, however much time there is.
+    /// Searches for waves that are heard in the scene, and follows them and some others. The first
+    /// search is always completed, whatever its duration.
     ///
     /// # Errors
     /// As [`Tracer::frame`].
@@ -70,7 +70,7 @@ impl Paths {
         settings: &Settings,
     ) -> Result<(), Error> {
         let settings = Settings {
-            // However many are heard, these are others.
+            // The number of waves of a search, independent of the settings.
             waves: match settings.profile() {
                 Profile::Thesis => THESIS_AT_A_TIME,
                 _ => AT_A_TIME,
@@ -105,7 +105,7 @@ impl Paths {
     }
 }
 
-/// Whether waves go the same ways in two scenes: a gaze changes none.
+/// Whether waves take the same paths in two scenes: the gaze does not matter.
 fn sounds_alike(a: &Scene, b: &Scene) -> bool {
     a.source.position == b.source.position
         && a.listener.position == b.listener.position

@@ -1,4 +1,4 @@
-//! The scene from above: the walls, by the distance function, and the ways of waves.
+//! The scene from above: the walls, by the distance function, and the paths of waves.
 
 use crate::picture::Bounds;
 use crate::scene::{Scene, Surface};
@@ -15,16 +15,16 @@ pub(crate) const STUB: f32 = 0.12;
 
 /// Air, in red, green and blue.
 const AIR: [f32; 3] = [30.0, 36.0, 42.0];
-/// What the three colours of a surface's hue are turned by, in radians.
+/// Angles added to the hue for the three colours of a surface, in radians.
 const TURNS: [f32; 3] = [0.0, -2.09, 2.09];
 /// Brightness and colourfulness of solids, and of their edges.
 const SOLID: (f32, f32) = (92.0, 18.0);
 const EDGE: (f32, f32) = (196.0, 30.0);
-/// The hue of the first surface, and from each to the next (the golden angle), in radians.
+/// The hue of the first surface, and the difference between successive ones (the golden angle), in radians.
 const FIRST_HUE: f32 = 1.25;
 const NEXT_HUE: f32 = 2.399_963_2;
 
-/// The plan, kept while what it shows stands still.
+/// The plan, cached while its scene is unchanged.
 #[derive(Default)]
 pub struct Cut {
     of: Option<CutOf>,
@@ -34,14 +34,14 @@ pub struct Cut {
 /// The plan's picture.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PlanImage {
-    /// In pixels.
+    /// Width in pixels.
     pub width: usize,
     pub height: usize,
-    /// Red, green and blue of each pixel, the row of the least world z first.
+    /// Red, green and blue of each pixel, the row of the smallest world z first.
     pub rgb: Vec<u8>,
 }
 
-/// What the picture of the plan depends on.
+/// The inputs of the plan's picture.
 #[derive(Clone, PartialEq)]
 struct CutOf {
     scene: String,
@@ -56,7 +56,7 @@ impl Cut {
         &self.image
     }
 
-    /// The part of the world that it shows.
+    /// The part of the world that the plan shows.
     pub fn bounds(&self) -> Bounds {
         let nothing = Bounds {
             min: Vec2::ZERO,
@@ -65,12 +65,12 @@ impl Cut {
         self.of.as_ref().map_or(nothing, |of| of.bounds)
     }
 
-    /// Cuts the scene of that name again if it has changed, and returns whether it has.
+    /// Cuts the scene with the given name again if it has changed; returns whether it has.
     pub fn refresh(&mut self, name: &str, scene: &Scene) -> bool {
         let old = self.of.as_ref().filter(|cut| cut.scene == name);
         let height = scene.listener.position.y;
         let level = (height / LEVEL).round() as i32;
-        // What is shown only grows, so that the plan stands still while one walks.
+        // The part shown only grows, so that the plan does not move during a walk.
         let bounds = match old {
             Some(cut) if holds(cut.bounds, scene) => cut.bounds,
             Some(cut) => around(cut.bounds, Bounds::of(scene, height)),
@@ -93,7 +93,7 @@ impl Cut {
     }
 }
 
-/// Whether all sources and listeners lie in what is shown.
+/// Whether all sources and listeners lie within the bounds.
 fn holds(bounds: Bounds, scene: &Scene) -> bool {
     let sources = scene.sources().map(|source| source.position);
     let listeners = scene.listeners().map(|listener| listener.position);
@@ -126,7 +126,7 @@ fn sample(scene: &Scene, bounds: Bounds, level: f32) -> PlanImage {
     PlanImage { width, height, rgb }
 }
 
-/// Air dark, solids in their surface's hue, with a bright edge; `pixels` is the distance.
+/// The colour of a pixel: air dark, solids in their surface's hue with a bright edge; `pixels` is the distance.
 fn shade(pixels: f32, object: u32) -> [u8; 3] {
     let hue = FIRST_HUE + NEXT_HUE * (object as f32 - 1.0);
     let inside = (0.5 - pixels).clamp(0.0, 1.0);
@@ -138,8 +138,8 @@ fn shade(pixels: f32, object: u32) -> [u8; 3] {
     })
 }
 
-/// What became of one wave of `states`, as [`Tracer::paths`](crate::Tracer::paths) gives them, and the places where it
-/// was until then; a dead one, or one that is not finite, continues for `stub` metres.
+/// Returns the fate of one wave of `states`, in the form of [`Tracer::paths`](crate::Tracer::paths), and its positions
+/// until then; a dead wave, or one that is not finite, continues for `stub` metres.
 pub fn way(states: &[Vec<Wave>], wave: usize, source: Vec3, stub: f32) -> (Fate, Vec<Vec3>) {
     let mut points = vec![source];
     let mut heading = states[0][wave].start_direction;
@@ -166,7 +166,7 @@ pub fn way(states: &[Vec<Wave>], wave: usize, source: Vec3, stub: f32) -> (Fate,
 mod tests {
     use super::*;
 
-    /// Protects the plan from showing walls elsewhere than they are heard.
+    /// Protects the plan: it shows walls where they are heard.
     #[test]
     fn the_cut_shows_air_and_solid_where_they_are() {
         let scene = Scene::builtin("corner").unwrap();
@@ -187,7 +187,7 @@ mod tests {
         assert_ne!(at(-18.0, 0.0), air);
     }
 
-    /// Protects moving things from standing still in the plan, and a walk from cutting it again at each step.
+    /// Protects the plan: moving things move in it, and it is not cut again at each step of a walk.
     #[test]
     fn the_plan_is_cut_anew_when_a_surface_moves() {
         let mut scene = Scene::builtin("corner").unwrap();

@@ -1,17 +1,16 @@
-//! Sliders for the named values of a scene: where they begin, and how far they go.
+//! Sliders for the named values of a scene: their initial positions and ranges.
 
 use crate::picture::Bounds;
 use crate::scene::{NamedValue, Quantity, Scene};
 use std::ops::RangeInclusive;
 
-/// A length is taken so many times longer and shorter: what is not known is how large things
-/// may become before they meet.
+/// Factor by which a length may grow or shrink: the size at which surfaces meet is unknown.
 const LENGTHS: f32 = 4.0;
 /// A half turn, in degrees.
 const HALF_TURN: f32 = 180.0;
-/// The least that a rate may be turned to either side, in degrees a metre.
+/// The smallest range of a rate to either side, in degrees a metre.
 const LEAST_RATE: f32 = 45.0;
-/// The least that a number without a unit may change to either side.
+/// The smallest range of a number without a unit to either side.
 const LEAST_PLAIN: f32 = 1.0;
 
 /// A slider for a named value, in the unit of the scene's file.
@@ -19,17 +18,17 @@ const LEAST_PLAIN: f32 = 1.0;
 pub struct ValueSlider {
     /// The value's name.
     pub name: String,
-    /// Where the file has it.
+    /// The value in the file.
     pub start: f32,
-    /// How far the slider goes.
+    /// The slider's range.
     pub range: RangeInclusive<f32>,
-    /// Whether equal ways of the slider are equal factors.
+    /// Whether the slider is logarithmic.
     pub is_logarithmic: bool,
-    /// What stands behind the number.
+    /// The unit shown behind the number.
     pub unit: &'static str,
 }
 
-/// A slider for each named value of a scene as it was read.
+/// Returns a slider for each named value of a scene as it was read.
 pub fn value_sliders(scene: &Scene) -> Vec<ValueSlider> {
     let values = scene.named_values();
     if values.is_empty() {
@@ -50,8 +49,7 @@ pub fn value_sliders(scene: &Scene) -> Vec<ValueSlider> {
     values.into_iter().map(slider).collect()
 }
 
-/// How far a value may go that starts at `start`; `reach` is half of what the scene's plan
-/// shows, in metres.
+/// The range of a value that starts at `start`; `reach` is half of the extent of the scene's plan, in metres.
 fn range(quantity: Quantity, start: f32, reach: f32) -> RangeInclusive<f32> {
     let about = |way: f32| start - way..=start + way;
     match quantity {
@@ -90,7 +88,7 @@ mod tests {
         ],
         source: Source(position: (0, 1, -5)), listener: Listener(position: (0, 1, 5), radius: 1))"#;
 
-    /// Protects sliders from leaving what the scene takes: shares stay shares, lengths stay above 0, angles are
+    /// Protects sliders from values that the scene rejects: shares stay shares, lengths stay above 0, angles are
     /// degrees as in the file, and every end can be set.
     #[test]
     fn sliders_go_as_far_as_the_scene_takes() {

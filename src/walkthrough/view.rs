@@ -1,8 +1,7 @@
-//! The picture: what the listener sees, frame by frame.
+//! The picture: the listener's view, frame by frame.
 //!
-//! Drawn at a share of the window's size and stretched over it. Where nothing moved, the
-//! picture drawn last is shown again; where nothing has moved for a while it is drawn once
-//! more at full size, some rows a frame.
+//! It is drawn at a share of the window's size and stretched over it. While nothing moves, the last picture is shown
+//! again; after some frames without movement it is drawn once more at full size, some rows per frame.
 
 use crate::error::Error;
 use crate::gpu::{Context, GpuTimer, Picture, Program, ProgramCache, full_screen_pass_rows};
@@ -18,35 +17,35 @@ use std::rc::Rc;
 /// Vertical field of view in radians.
 const FIELD_OF_VIEW: f32 = 70.0 / 180.0 * std::f32::consts::PI;
 
-/// The source's ball is not drawn nearer than so many of its radii.
+/// Minimum distance at which the source's ball is drawn, in multiples of its radius.
 const NEAREST: f32 = 2.0;
 
-/// Frames of stillness before the picture is refined.
+/// Number of frames without movement before the picture is refined.
 const STILL: u32 = 8;
 
 /// Milliseconds of a frame that refining may take.
 const REFINING: f64 = 12.0;
 
-/// Rows that are refined in a frame at least.
+/// Minimum number of rows refined in a frame.
 const LEAST_ROWS: u32 = 4;
 
-/// Rows that are refined in a frame where their time cannot be taken: of a picture as wide as a window about as many
-/// pixels as a coarse picture has.
+/// Rows refined in a frame if their time cannot be measured: at a window's width this is about the number of pixels of
+/// a coarse picture.
 const UNTIMED_ROWS: u32 = 8;
 
-/// Seconds that a picture may be foreseen to take, of which nothing is measured yet.
+/// Maximum predicted time in seconds of a picture when no time was measured yet.
 const FIRST_PICTURE: f64 = 1.0;
 
-/// Seconds that refining may be foreseen to take a frame.
+/// Maximum predicted time of refining in a frame, in seconds.
 const REFINED: f64 = 0.1;
 
-/// Evaluations for a pixel, as a rule: the steps of its ray, and of the shadow where it ends.
+/// Typical number of evaluations per pixel: the steps of its ray, and of the shadow at its end.
 const EVALUATIONS_PER_PIXEL: f64 = 30.0;
 
-/// Programs that are kept at most: those of the scenes seen last.
+/// Maximum number of cached programs: those of the scenes seen last.
 const PROGRAMS_KEPT: NonZeroUsize = NonZeroUsize::new(4).unwrap();
 
-/// What the picture shows: the same again is not drawn again.
+/// The inputs of the picture: it is drawn again only when they change.
 struct Shown {
     scene: Scene,
     /// Pixels of the coarse picture, and of the window.
@@ -54,7 +53,7 @@ struct Shown {
     full: [u32; 2],
 }
 
-/// Draws the picture and keeps what can be used again.
+/// Draws the picture, and caches what can be used again.
 pub struct View {
     context: Context,
     programs: ProgramCache<kernel::Structure>,
@@ -64,13 +63,13 @@ pub struct View {
     fine: Option<Picture>,
     shown: Option<Shown>,
     still: u32,
-    /// Rows of the fine picture that are drawn.
+    /// Number of rows of the fine picture that are drawn.
     refined: u32,
-    /// Rows of it that a millisecond draws.
+    /// Number of its rows drawn per millisecond.
     rows_per_ms: f64,
-    /// What the timer's marks stand around, until its time is taken.
+    /// The drawing between the timer's marks, until its time is read.
     marked: Option<Marked>,
-    /// Milliseconds of the picture drawn last, as far as they are known.
+    /// Milliseconds of the last picture, as far as they are known.
     took: f64,
 }
 
@@ -79,24 +78,23 @@ pub struct View {
 enum Marked {
     /// The whole coarse picture.
     Coarse,
-    /// So many rows of the fine one.
+    /// The given number of rows of the fine picture.
     Rows(u32),
 }
 
-/// What was drawn in a frame.
+/// The result of drawing a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Drawn {
     /// Pixels drawn, across and down.
     pub size: [u32; 2],
-    /// Whether the picture was drawn again rather than shown again.
+    /// Whether the picture was drawn again, rather than only shown again.
     pub anew: bool,
-    /// Milliseconds that drawing took: on a graphics card, where nothing waits for it, those
-    /// of the picture before.
+    /// Milliseconds that drawing took; on a graphics card, which is not waited for, those of the previous picture.
     pub milliseconds: f64,
 }
 
 impl View {
-    /// A view that has drawn nothing yet.
+    /// Creates a view that has drawn nothing yet.
     ///
     /// # Errors
     /// [`Error::Gpu`] when the renderer fails.
@@ -117,7 +115,7 @@ impl View {
         })
     }
 
-    /// Compiles the program that draws the scene, and draws nothing.
+    /// Compiles the program that draws the scene, without drawing.
     ///
     /// # Errors
     /// As [`draw`](View::draw).
@@ -125,8 +123,8 @@ impl View {
         self.program(scene).map(drop)
     }
 
-    /// Draws the scene as its listener sees it, at `scale` of the window's size, and puts
-    /// it into the window; `refines` allows a finer picture where nothing moves.
+    /// Draws the scene as its listener sees it, at `scale` of the window's size, into the window; `refines` allows a
+    /// finer picture while nothing moves.
     ///
     /// # Errors
     /// [`Error::Trace`] for a scene that does not fit, [`Error::Gpu`] when the renderer fails.
@@ -136,8 +134,7 @@ impl View {
         [width, height]: [u32; 2],
         (scale, refines): (f32, bool),
     ) -> Result<Drawn, Error> {
-        // On a graphics card the last drawing is a picture old: only a card that is behind is
-        // waited for here.
+        // On a graphics card the last drawing is one picture old, so this waits only for a card that lags behind.
         self.take_time();
         let scale = scale.min(foreseen_scale(scene, [width, height]));
         let side = |pixels: u32| ((pixels as f32 * scale).round() as u32).clamp(1, pixels.max(1));
@@ -201,7 +198,7 @@ impl View {
         aim(&program, scene, full);
         let rows = match platform::CAN_WAIT_FOR_GL {
             true => ((REFINING * self.rows_per_ms) as u32).max(LEAST_ROWS),
-            // How long they take is not known.
+            // The time of a row is unknown.
             false => UNTIMED_ROWS,
         };
         let band = self.refined..self.refined + rows;
@@ -212,7 +209,7 @@ impl View {
         Ok(())
     }
 
-    /// What was drawn since the first mark ends here.
+    /// Ends the timing of the drawing since the first mark.
     fn mark_end(&mut self, what: Marked) -> Result<(), Error> {
         self.timer.mark()?;
         self.marked = Some(what);
@@ -222,7 +219,7 @@ impl View {
         Ok(())
     }
 
-    /// Takes the time of the drawing that was marked last.
+    /// Reads the time of the drawing that was marked last.
     fn take_time(&mut self) {
         let Some(what) = self.marked.take() else {
             return;
@@ -234,7 +231,7 @@ impl View {
         }
     }
 
-    /// The program of the scene's structure, with the numbers of its surfaces set.
+    /// The program for the scene's structure, with the data of its surfaces set.
     fn program(&mut self, scene: &Scene) -> Result<Rc<Program>, Error> {
         let context = &self.context;
         let compile = || {
@@ -264,13 +261,13 @@ impl View {
         Ok(program)
     }
 
-    /// Draws again whatever comes: the window's size or the scene has changed.
+    /// Makes the next frame draw again, as the window's size or the scene has changed.
     pub fn forget(&mut self) {
         self.shown = None;
     }
 }
 
-/// The fragment shader of the picture, `#version` apart.
+/// Returns the fragment shader of the picture, without `#version`.
 pub fn shader_text(scene: &Scene) -> String {
     let mut roots = vec![kernel::source!("view/colour.glsl")];
     roots.extend(kernel::first_person(kernel::source!(
@@ -279,8 +276,7 @@ pub fn shader_text(scene: &Scene) -> String {
     kernel::join(&kernel::link(roots, kernel::distance_parts(scene)))
 }
 
-/// Pixels that are foreseen to be drawn in so many seconds: only of users' fields is it known
-/// how slow they are.
+/// Predicted number of pixels drawn in `seconds` seconds: only users' fields have a measured speed.
 fn pixels_foreseen(scene: &Scene, seconds: f64) -> f64 {
     match scene.evaluation_seconds() {
         Some(evaluation) => seconds / (evaluation * EVALUATIONS_PER_PIXEL),
@@ -296,7 +292,7 @@ fn foreseen_scale(scene: &Scene, [width, height]: [u32; 2]) -> f32 {
         .min(1.0) as f32
 }
 
-/// Whether two scenes look the same: their names do not matter, and paths are not seen.
+/// Whether two scenes look the same: names and motion paths do not matter.
 fn is_seen_alike(a: &Scene, b: &Scene) -> bool {
     let pose = |scene: &Scene| {
         let listener = &scene.listener;
@@ -311,7 +307,7 @@ fn is_seen_alike(a: &Scene, b: &Scene) -> bool {
     pose(a) == pose(b) && a.surfaces == b.surfaces
 }
 
-/// The picture of that size, made if there is none.
+/// The picture of the given size, created if it does not exist.
 fn sized<'a>(
     context: &Context,
     picture: &'a mut Option<Picture>,
@@ -327,7 +323,7 @@ fn sized<'a>(
     }
 }
 
-/// Sets eye, gaze, source and size.
+/// Sets eye, gaze, source and size in the program.
 fn aim(program: &Program, scene: &Scene, [width, height]: [u32; 2]) {
     let listener = &scene.listener;
     program.set_vec4("uListener", listener.position.extend(listener.radius));
@@ -335,7 +331,7 @@ fn aim(program: &Program, scene: &Scene, [width, height]: [u32; 2]) {
     program.set_vec3("uUp", listener.up());
     program.set_vec3("uForward", listener.forward());
     let radius = SOURCE_SHARE * listener.radius;
-    // From within, or nearly, it would be all that is seen.
+    // From within the ball, or close to it, it would fill the picture.
     let is_near = scene.source.position.distance(listener.position) < NEAREST * radius;
     let ball = scene
         .source

@@ -10,8 +10,8 @@ use crate::scene::Scene;
 use crate::trace::{Fate, Frame, Settings, Tracer};
 use glam::Vec3;
 
-/// A walk through a scene on one context: time passes, waves are traced, the picture and the plan are drawn. Who
-/// shows it calls [`pass`](Visit::pass), [`trace`](Visit::trace) and [`draw`](Visit::draw) once a picture.
+/// A walk through a scene on one context: advances time, traces waves, draws the picture and the plan. The caller calls
+/// [`pass`](Visit::pass), [`trace`](Visit::trace) and [`draw`](Visit::draw) once per picture.
 ///
 /// ```
 /// use echomarch::gpu::{Context, ContextOptions};
@@ -35,7 +35,7 @@ pub struct Visit {
     view: View,
     paths: Paths,
     cut: Cut,
-    /// What the frame in progress is traced in and with, or the last one; none where a frame is wanted anyway.
+    /// Scene and settings of the frame in progress, or of the last one; none if a frame is needed in any case.
     traced: Option<(Scene, Settings)>,
     heard: Option<Frame>,
 }
@@ -45,23 +45,23 @@ pub struct Visit {
 pub struct Plan<'a> {
     /// Width and height in pixels.
     pub size: [usize; 2],
-    /// Red, green and blue of each pixel, the row of the least world z first.
+    /// Red, green and blue of each pixel, the row of the smallest world z first.
     pub rgb: &'a [u8],
-    /// The part of the world that it shows.
+    /// The part of the world that the plan shows.
     pub bounds: Bounds,
 }
 
-/// The way of one wave.
+/// The path of one wave.
 #[derive(Clone, Debug)]
 pub struct Way {
-    /// What became of it.
+    /// Its fate.
     pub fate: Fate,
-    /// From the source on, where it was mirrored, and where it ended; world metres.
+    /// From the source, over its reflections, to its end; world metres.
     pub points: Vec<Vec3>,
 }
 
 impl Visit {
-    /// A walk that begins at the scene's listener.
+    /// Begins a walk at the scene's listener.
     ///
     /// # Errors
     /// [`Error::Gpu`] when the renderer fails; as [`set_scene`](Visit::set_scene).
@@ -84,8 +84,8 @@ impl Visit {
         })
     }
 
-    /// Another scene, or another text of the present one: of the same name, the walker, the source that was moved,
-    /// the time and values that were set stay.
+    /// Changes to another scene, or another text of the present one: if the name is the same, the walker, a source that
+    /// was moved, the time and values that were set stay.
     ///
     /// # Errors
     /// As [`Tracer::check`], and those of the picture's program; then all stays as it was.
@@ -110,13 +110,13 @@ impl Visit {
         Ok(())
     }
 
-    /// Checks that waves can be traced in a scene, and that it can be seen.
+    /// Checks that waves can be traced in a scene, and that its picture can be drawn.
     fn check_scene(&mut self, scene: &Scene) -> Result<(), Error> {
         self.tracer.check(scene, &self.settings)?;
         self.view.check(scene)
     }
 
-    /// What was seen and heard is of another scene.
+    /// Clears the state of the previous scene.
     fn forget(&mut self) {
         self.view.forget();
         self.paths.forget();
@@ -124,7 +124,7 @@ impl Visit {
         self.heard = None;
     }
 
-    /// How waves are traced from now on.
+    /// Sets how waves are traced from now on.
     ///
     /// # Errors
     /// As [`Tracer::check`] of the present scene; then all stays as it was.
@@ -144,12 +144,12 @@ impl Visit {
         &self.world.now
     }
 
-    /// What was heard last; none before the first frame of a scene.
+    /// The last frame of waves; none before the first frame of a scene.
     pub fn frame(&self) -> Option<&Frame> {
         self.heard.as_ref()
     }
 
-    /// Lets so many seconds pass: paths go on, the walker walks.
+    /// Advances time by `seconds`: moving things move, the walker walks.
     pub fn pass(&mut self, input: &MoveInput, seconds: f64) {
         self.world.pass(input, seconds);
     }
@@ -159,23 +159,23 @@ impl Visit {
         self.world.look(right, up);
     }
 
-    /// Puts the listener there, its gaze in radians.
+    /// Sets the listener's position, and its gaze in radians.
     pub fn stand(&mut self, walker: Walker) {
         self.world.stand(walker);
     }
 
-    /// Where the listener walked to; none before that has begun.
+    /// The position the listener walked to; none before the first step.
     pub fn walker(&self) -> Option<Walker> {
         self.world.walker
     }
 
-    /// Puts the source there, in world metres.
+    /// Sets the source's position, in world metres.
     pub fn put_source(&mut self, position: Vec3) {
         self.world.source = Some(position);
         self.world.now.source.position = position;
     }
 
-    /// Where the source was put, in world metres: as it is carried, too; none where it is still on its path.
+    /// The position the source was put or carried to, in world metres; none while it is on its own path.
     pub fn placed_source(&self) -> Option<Vec3> {
         self.world.source
     }
@@ -200,7 +200,7 @@ impl Visit {
         self.world.start_over();
     }
 
-    /// The named values of the scene: name, value, least and greatest value, unit.
+    /// The named values of the scene: name, value, minimum, maximum, unit.
     pub fn values(&self) -> impl Iterator<Item = (&str, f32, [f32; 2], &'static str)> {
         self.world.sliders.iter().map(|slider| {
             let ends = [*slider.range.start(), *slider.range.end()];
@@ -217,9 +217,9 @@ impl Visit {
         Ok(self.world.set(name, value)?)
     }
 
-    /// Traces waves for about so many milliseconds: continues the current frame, or begins one where what is heard
-    /// has changed since the last one began. The frame, if one has come: none comes where nothing changes, since it
-    /// would be the last one again.
+    /// Traces waves for about `milliseconds`: continues the current frame, or begins one if its scene or settings have
+    /// changed since the last. Returns the frame once it is finished; none while everything is unchanged, since the
+    /// frame would be the same.
     ///
     /// # Errors
     /// As [`Tracer::frame`]; then a frame is begun again at the next call.
@@ -232,7 +232,7 @@ impl Visit {
     }
 
     fn trace_on(&mut self, milliseconds: f64) -> Result<Option<Frame>, Error> {
-        // A frame that was begun for another scene is not heard.
+        // A frame begun for a previous scene is discarded.
         let came = self.tracer.frame_poll()?.filter(|_| self.traced.is_some());
         if let Some(frame) = &came {
             self.heard = Some(frame.clone());
@@ -247,7 +247,7 @@ impl Visit {
         Ok(came)
     }
 
-    /// Whether a frame is to be begun: one in progress is heard first, but for other settings.
+    /// Whether a frame must be begun: one in progress is finished first, unless its settings have changed.
     fn is_frame_due(&self) -> bool {
         let Some((scene, settings)) = &self.traced else {
             return true;
@@ -256,9 +256,9 @@ impl Visit {
         *settings != self.settings || !is_under_way && *scene != self.world.now
     }
 
-    /// Draws what the listener sees over the window or canvas of the context, of that size in pixels, at a share of
-    /// its size (0 to 1). Whether it was drawn again: where nothing has moved the last picture is shown again, and
-    /// by and by refined.
+    /// Draws the listener's view over the window or canvas of the context, of the given size in pixels, at a share of
+    /// its size (0 to 1). Returns whether it was drawn again: while nothing moves the last picture is shown again, and
+    /// gradually refined.
     ///
     /// # Errors
     /// [`Error::Trace`] for a scene that does not fit, [`Error::Gpu`] when the renderer fails.
@@ -267,7 +267,7 @@ impl Visit {
         Ok(drawn.anew)
     }
 
-    /// The plan, and whether it has changed since it was last requested.
+    /// The plan, and whether it has changed since the last call.
     pub fn plan(&mut self) -> (Plan<'_>, bool) {
         let is_new = self.cut.refresh(&self.world.name, &self.world.now);
         let bounds = self.cut.bounds();
@@ -276,8 +276,7 @@ impl Visit {
         (Plan { size, rgb, bounds }, is_new)
     }
 
-    /// Follows waves that are heard, and some others, for the plan; continues the search for them where nothing
-    /// has moved.
+    /// Follows waves that are heard, and some others, for the plan; continues the search for them while nothing moves.
     ///
     /// # Errors
     /// As [`Tracer::frame`].
@@ -311,7 +310,7 @@ mod tests {
         visit
     }
 
-    /// The next frame; none where none has come after many calls, for which a driver has time.
+    /// The next frame; none if the driver finishes none in many calls.
     fn next_frame(visit: &mut Visit) -> Option<Frame> {
         const CALLS: usize = 1000;
         let mut came = |_| {
@@ -324,7 +323,7 @@ mod tests {
         (0..CALLS).find_map(&mut came)
     }
 
-    /// Protects a machine's work: no frame is traced that would be the last one again, and each that would not is.
+    /// Protects the machine from useless work: a frame is traced if and only if it would differ from the last one.
     #[test]
     fn only_what_has_changed_is_traced() {
         let mut visit = visit("corner");
@@ -355,7 +354,7 @@ mod tests {
         assert!(next_frame(&mut visit).is_some());
     }
 
-    /// Protects another scene from counts of the one before, and a link from what was done before it was followed.
+    /// Protects a new scene from the counts of the previous one, and a link from actions before it was followed.
     #[test]
     fn a_scene_that_is_opened_begins_anew() {
         let mut visit = visit("corner");

@@ -1,33 +1,33 @@
-//! Walking through a scene: no step ends in a wall, and a step against one slides along it.
+//! Walking through a scene: a step never ends in a wall, and a step against one slides along it.
 //!
-//! Knows no window and no keys: a [`MoveInput`] and a time go in, a new pose comes out.
+//! Independent of windows and keys: it takes a [`MoveInput`] and a time, and computes a new pose.
 
 use crate::scene::{Listener, Scene};
 use glam::Vec3;
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
 
-/// How near a walker's eye comes to a surface, in metres.
+/// Minimum distance between a walker's eye and a surface, in metres.
 pub const BODY: f32 = 0.35;
 
 /// Metres a second.
 const WALKING: f32 = 3.5;
-/// Metres a second with haste.
+/// Metres a second while running.
 const RUNNING: f32 = 9.0;
-/// Radians a second by the arrow keys.
+/// Radians a second with the arrow keys.
 const TURNING: f32 = 1.6;
-/// The steepest gaze, in radians: straight up would lose the way ahead.
+/// Maximum elevation of the gaze, in radians: straight up has no forward direction.
 const STEEPEST: f32 = FRAC_PI_2 - 0.05;
 /// Step of the gradient by differences, in metres.
 const DIFFERENCE: f32 = 0.005;
-/// Metres that a step may come nearer than [`BODY`], and by which a correction goes beyond
-/// what is needed: rounding, and distances that grow slower than the way.
+/// Tolerance of a step towards [`BODY`], and margin of a correction, in metres. It covers rounding, and distances that
+/// grow slower than the movement.
 const MARGIN: f32 = 1e-3;
-/// Corrections of one step at most: a corner of three walls takes three.
+/// Maximum number of corrections of one step: a corner of three walls takes three.
 const CORRECTIONS: usize = 6;
-/// The longest time that one frame walks, in seconds: a frame that stuck does not leap.
+/// Maximum walking time of one frame, in seconds, so that a delayed frame does not leap.
 const LONGEST: f32 = 0.1;
 
-/// What the walker wants, each −1 … 1.
+/// The requested movement, each component −1 … 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MoveInput {
     /// Along the gaze, level.
@@ -40,12 +40,12 @@ pub struct MoveInput {
     pub turn: f32,
     /// Raise the gaze.
     pub tilt: f32,
-    /// Whether in haste.
+    /// Whether to run.
     pub run: bool,
 }
 
 impl MoveInput {
-    /// The same with 0 for what is not finite.
+    /// The same with 0 for components that are not finite.
     fn finite(&self) -> MoveInput {
         MoveInput {
             forward: or_zero(self.forward),
@@ -57,7 +57,7 @@ impl MoveInput {
         }
     }
 
-    /// Whether nothing is wanted.
+    /// Whether no movement is requested.
     pub fn is_rest(&self) -> bool {
         let MoveInput {
             forward,
@@ -73,7 +73,7 @@ impl MoveInput {
     }
 }
 
-/// A number that is not finite is none: it would stay in the pose for ever.
+/// Replaces a number that is not finite by 0: it would stay in the pose for ever.
 fn or_zero(number: f32) -> f32 {
     if number.is_finite() { number } else { 0.0 }
 }
@@ -90,7 +90,7 @@ pub struct Walker {
 }
 
 impl Walker {
-    /// In a listener's place.
+    /// A walker in the listener's place.
     pub fn of(listener: &Listener) -> Walker {
         Walker {
             position: listener.position,
@@ -99,21 +99,21 @@ impl Walker {
         }
     }
 
-    /// Puts the listener in the walker's place.
+    /// Moves the listener to the walker's place.
     pub fn place(&self, listener: &mut Listener) {
         listener.position = self.position;
         listener.yaw = self.yaw;
         listener.pitch = self.pitch;
     }
 
-    /// Turns by radians to the right and upwards; what is not finite counts as 0.
+    /// Turns by radians to the right and upwards; a number that is not finite counts as 0.
     pub fn look(&mut self, right: f32, up: f32) {
         let (right, up) = (or_zero(right), or_zero(up));
         self.yaw = (self.yaw + right + PI).rem_euclid(TAU) - PI;
         self.pitch = (self.pitch + up).clamp(-STEEPEST, STEEPEST);
     }
 
-    /// Does what is wished for `seconds`, in the air of `scene`. Wishes and seconds that are not finite count as 0.
+    /// Performs the movement for `seconds`, within the air of `scene`. Numbers that are not finite count as 0.
     pub fn walk(&mut self, scene: &Scene, input: &MoveInput, seconds: f32) {
         let seconds = or_zero(seconds).clamp(0.0, LONGEST);
         let input = input.finite();
@@ -129,9 +129,9 @@ impl Walker {
         self.step(scene, way.clamp_length_max(1.0) * speed * seconds);
     }
 
-    /// Moves by `way` metres, as far as the surfaces allow.
+    /// Moves by up to `way` metres, as far as the surfaces allow.
     fn step(&mut self, scene: &Scene, way: Vec3) {
-        // No part is longer than the body, so that none leaps through a wall.
+        // No part is longer than half the body distance, so that none passes through a wall.
         let parts = (way.length() / (0.5 * BODY)).ceil().max(1.0);
         for _ in 0..parts as usize {
             let wanted = self.position + way / parts;
@@ -140,11 +140,11 @@ impl Walker {
     }
 }
 
-/// The point next to `wanted` that keeps clear of the surfaces; `from` where there is none.
+/// Returns the point nearest to `wanted` that keeps clear of the surfaces; `from` if there is none.
 fn slide(scene: &Scene, from: Vec3, wanted: Vec3) -> Vec3 {
     let clearance = |point| scene.surface_distance(point).distance;
-    // Whoever stands too near already may go wherever that does not get worse: not by a hair,
-    // or many steps would creep through.
+    // A walker standing too near already may move wherever the distance does not decrease: not even slightly, or many
+    // small steps would pass through the wall.
     let least = clearance(from).min(BODY - MARGIN);
     let mut point = wanted;
     for _ in 0..=CORRECTIONS {
@@ -157,7 +157,7 @@ fn slide(scene: &Scene, from: Vec3, wanted: Vec3) -> Vec3 {
     from
 }
 
-/// The unit vector away from the nearest surface; 0 where there is none.
+/// The unit vector away from the nearest surface; 0 without a surface.
 fn outwards(scene: &Scene, point: Vec3) -> Vec3 {
     let along = |axis: Vec3| {
         let step = axis * DIFFERENCE;
@@ -167,8 +167,7 @@ fn outwards(scene: &Scene, point: Vec3) -> Vec3 {
     Vec3::new(along(Vec3::X), along(Vec3::Y), along(Vec3::Z)).normalize_or_zero()
 }
 
-/// Where something is held that the walker carries: ahead, beyond the listener's sphere if
-/// the walls allow.
+/// The position of an object that the walker carries: ahead, beyond the listener's sphere if the walls allow.
 pub fn carried(scene: &Scene) -> Vec3 {
     let listener = &scene.listener;
     let gaze = listener.forward();
@@ -218,8 +217,8 @@ mod tests {
         assert!((left.position - Vec3::new(6.5, 0.0, 8.0)).length() < 1e-3);
     }
 
-    /// Protects walls: the block of the corner scene begins at z = 0, x = 0; however long and fast one walks at
-    /// it, the eye stays out, and slides along it where it is met at a slant.
+    /// Protects walls: the block of the corner scene begins at z = 0, x = 0; however long and fast one walks against
+    /// it, the eye stays outside, and slides along the wall when it meets it at an angle.
     #[test]
     fn walls_stop_a_walker_who_slides_along() {
         let at_the_wall = MoveInput {
@@ -240,7 +239,7 @@ mod tests {
     fn no_walk_ends_in_a_solid() {
         for name in crate::scene::BUILTIN_NAMES {
             let scene = Scene::builtin(name).unwrap();
-            // Nobody has sampled a user's field here.
+            // Users' fields are not sampled here.
             if scene.user_fields().next().is_some() {
                 continue;
             }
@@ -299,7 +298,7 @@ mod tests {
         assert!(walker.pitch > -FRAC_PI_2 && walker.yaw < 0.0);
     }
 
-    /// Protects what is carried from being pushed into a wall.
+    /// Protects a carried source from being pushed into a wall.
     #[test]
     fn what_is_carried_stays_in_the_air() {
         let mut scene = Scene::builtin("corner").unwrap();
@@ -308,7 +307,7 @@ mod tests {
         assert!(scene.surface_distance(carried(&scene)).distance > 0.0);
     }
 
-    /// Protects a walk from wishes that are no numbers: the walker stands where it stood.
+    /// Protects a walk from inputs that are not finite: the walker does not move.
     #[test]
     fn what_is_no_number_moves_nobody() {
         let scene = Scene::builtin("corner").unwrap();

@@ -5,26 +5,26 @@ use super::walk::{MoveInput, Walker, carried};
 use crate::scene::{Scene, SceneError};
 use glam::Vec3;
 
-/// A scene that one walks in.
+/// A scene during a walk.
 #[derive(Clone, Debug)]
 pub struct World {
     /// The name or file that it was loaded by.
     pub name: String,
-    /// As it was loaded, with the values below.
+    /// The loaded scene, with the values below.
     pub base: Scene,
-    /// Its named values, as its file has them.
+    /// Sliders of its named values, as its file has them.
     pub sliders: Vec<ValueSlider>,
-    /// Those that were set otherwise, in the unit of the file.
+    /// The values that were set differently, in the unit of the file.
     pub values: Vec<(String, f32)>,
-    /// As it stands now.
+    /// The scene in its present state.
     pub now: Scene,
     /// Seconds on its paths.
     pub seconds: f64,
-    /// Whether these stand still.
+    /// Whether the paths are paused.
     pub paused: bool,
-    /// Where the listener walked to, once that has begun.
+    /// The position the listener walked to; none before the first step.
     pub walker: Option<Walker>,
-    /// Where the source was put, once it was picked up.
+    /// The position the source was put to; none before it was picked up.
     pub source: Option<Vec3>,
     /// Whether the source is carried.
     pub carrying: bool,
@@ -33,18 +33,18 @@ pub struct World {
 /// The state of a walk, apart from the scene itself.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct WalkState {
-    /// Named values that are set otherwise than in its text, in the unit of that.
+    /// Named values set differently from its text, in the unit of that.
     pub values: Vec<(String, f32)>,
     /// Seconds on its paths.
     pub seconds: f64,
-    /// Where the listener walked to, once that has begun.
+    /// The position the listener walked to; none before the first step.
     pub walker: Option<Walker>,
-    /// Where the first source was put, once it was picked up, in world metres.
+    /// The position the first source was put to, in world metres; none before it was picked up.
     pub source: Option<Vec3>,
 }
 
 impl WalkState {
-    /// The scene that was read from a text, as it stands.
+    /// Returns the scene in this state; `base` is the scene as read from its text.
     ///
     /// # Errors
     /// As [`Scene::set_value`].
@@ -57,7 +57,7 @@ impl WalkState {
     }
 }
 
-/// The scene at a time, with the listener and the first source where they were put.
+/// The scene at a time, with the listener and the first source at the positions they were moved to.
 fn placed(base: &Scene, seconds: f64, walker: Option<Walker>, source: Option<Vec3>) -> Scene {
     let mut scene = match base.duration() > 0.0 {
         true => base.at(seconds),
@@ -82,7 +82,7 @@ impl World {
         Ok(World::named(name, Scene::load(name)?))
     }
 
-    /// A scene that was loaded by that name.
+    /// Creates a world from a scene loaded by the given name.
     #[cfg(feature = "demo")]
     pub fn named(name: &str, base: Scene) -> World {
         World {
@@ -91,7 +91,7 @@ impl World {
         }
     }
 
-    /// A scene that is in no file.
+    /// Creates a world from a scene without a file.
     pub fn of(base: Scene) -> World {
         World {
             name: base.name.clone(),
@@ -107,14 +107,14 @@ impl World {
         }
     }
 
-    /// Another scene under the same name: time, walker, a source that was moved and values
-    /// that were set stay; a value that the new scene does not take is the new file's.
+    /// Changes to another scene with the same name: time, walker, a source that was moved and
+    /// values that were set stay; a value that the new scene rejects is replaced by the file's.
     pub fn change(&mut self, base: Scene) {
         self.sliders = value_sliders(&base);
         self.now = base.clone();
         self.base = base;
         for (name, value) in std::mem::take(&mut self.values) {
-            // It is told by the slider, which stands where the file has it.
+            // If this fails, the slider shows the file's value.
             let _ = self.set(&name, value);
         }
     }
@@ -136,7 +136,7 @@ impl World {
         Ok(())
     }
 
-    /// Gives a surface (from 0) a material, and its walls with it.
+    /// Sets the material of a surface (from 0), and of its walls.
     #[cfg(feature = "demo")]
     pub fn set_material(&mut self, surface: usize, name: Option<String>) {
         if let Some(surface) = self.base.surfaces.get_mut(surface) {
@@ -145,28 +145,28 @@ impl World {
         }
     }
 
-    /// A named value as it stands, in the unit of its file.
+    /// The present value of a slider, in the unit of its file.
     pub fn value_of(&self, slider: &ValueSlider) -> f32 {
         let set = self.values.iter().find(|(name, _)| *name == slider.name);
         set.map_or(slider.start, |(_, value)| *value)
     }
 
-    /// This scene with its named values where those of the same names stand in `other`.
+    /// Returns this scene with its named values set to the values of the same names in `other`.
     #[cfg(feature = "demo")]
     pub fn like(mut self, other: &World) -> World {
         for slider in &other.sliders {
             let (name, value) = (&slider.name, other.value_of(slider));
             if self.sliders.iter().any(|known| known.name == *name) {
-                // A value that this scene does not take makes it another one, as it is.
+                // A value that this scene rejects stays as its file has it.
                 let _ = self.set(name, value);
             }
         }
         self
     }
 
-    /// Lets time pass: paths go on, the walker walks, what is carried comes along.
+    /// Advances time: moving things move, the walker walks, a carried source comes along.
     pub fn pass(&mut self, input: &MoveInput, seconds: f64) {
-        // A clock that is wrong stands still.
+        // A time that is not finite counts as 0.
         let seconds = if seconds.is_finite() {
             seconds.max(0.0)
         } else {
@@ -194,7 +194,7 @@ impl World {
         self.base.duration() > 0.0
     }
 
-    /// Seconds on the paths: they begin again a second after their end.
+    /// Seconds on the paths, which begin again one second after their end.
     pub fn looped(&self) -> f64 {
         self.seconds % (self.base.duration() + 1.0)
     }
@@ -206,7 +206,7 @@ impl World {
         self.stand(walker);
     }
 
-    /// Puts the listener there.
+    /// Moves the listener to the walker's place.
     pub fn stand(&mut self, walker: Walker) {
         walker.place(&mut self.now.listener);
         self.walker = Some(walker);
@@ -230,7 +230,7 @@ impl World {
 mod tests {
     use super::*;
 
-    /// Protects moving scenes: paths go on until paused, and what was moved by hand stays.
+    /// Protects moving scenes: paths continue until paused, and sources moved by hand stay.
     #[test]
     fn a_moving_source_moves_until_it_is_picked_up() {
         let mut world = World::of(Scene::builtin("open-field").unwrap());

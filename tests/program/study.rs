@@ -267,7 +267,7 @@ fn forged_shards_are_refused() {
         ("\"of\":1", "\"of\":4000000000"),
     ] {
         std::fs::write(&shard, with_sums(whole.replacen(from, to, 1).as_bytes())).unwrap();
-        refuse(&join, "00001-of-00001.shard: it is no shard of a study");
+        refuse(&join, "00001-of-00001.shard: it is not a shard of a study");
     }
     std::fs::write(&shard, with_sums(whole.as_bytes())).unwrap();
     succeed(&join);
