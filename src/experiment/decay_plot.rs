@@ -1,5 +1,5 @@
-//! The energy and its decay against time, as one picture: the energy of each bin, the exact paths,
-//! the decay curve of each band, and the direct sound.
+//! The energy and its decay against time in one picture: the energy of each bin, the exact paths, the decay curve of
+//! each band, and the direct sound.
 
 use super::plot::{Panel, Sheet, Stroke, builder, draw_legend, draw_line};
 #[cfg(doc)]
@@ -17,10 +17,10 @@ const SHEET: Sheet = Sheet {
     row_height: 380,
 };
 
-/// Pixels of the plots; the legend has the rest.
+/// Width of the plots in pixels; the legend takes the rest.
 const PLOTS_WIDTH: u32 = 900;
 
-/// How far below the loudest the plots reach, in decibels.
+/// Range of the plots below the maximum, in decibels.
 const DEPTH_DB: f64 = 80.0;
 
 const ENERGY: RGBColor = RGBColor(150, 150, 150);
@@ -40,12 +40,12 @@ const BAND_COLOURS: [RGBColor; BAND_COUNT] = [
 
 type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
-/// What is heard, as curves of decibels against seconds.
+/// The curves, in decibels against seconds.
 struct Curves {
-    /// The mean of the bands' energies, for each bin that has any.
+    /// The mean of the bands' energies, for each bin that is not empty.
     energy: Vec<(f64, f64)>,
     paths: Vec<(f64, f64)>,
-    /// What is still to come, 0 dB for all, with what comes after the record as figures take it
+    /// The remaining energy, relative to the total, with the energy after the record as the figures estimate it
     /// ([`Figures::cut_off`]).
     decay: [Vec<(f64, f64)>; BAND_COUNT],
 }
@@ -110,7 +110,7 @@ fn plot_decay(
     draw_legend(&legend, &entries)
 }
 
-/// Bands in a row whose curves are the same: one line for them, or the last would hide the others.
+/// Groups adjacent bands with equal curves: they get one line, as the last would hide the others.
 fn equal_bands(decay: &[Vec<(f64, f64)>; BAND_COUNT]) -> Vec<Range<usize>> {
     let mut groups: Vec<Range<usize>> = Vec::new();
     for band in 0..BAND_COUNT {
@@ -162,7 +162,7 @@ fn empty<'a, 'b>(
     Ok(chart)
 }
 
-/// A line up from the bottom for each point.
+/// Draws a vertical line from the bottom to each point.
 fn draw_stems(
     chart: &mut Chart,
     points: &[(f64, f64)],
@@ -208,7 +208,7 @@ impl Curves {
     }
 }
 
-/// The mean of the bands in decibels, where there is any.
+/// The mean of the bands in decibels, without empty pieces.
 fn in_db(pieces: impl Iterator<Item = (f64, Bands)>) -> Vec<(f64, f64)> {
     let mean = pieces.map(|(x, bands)| (x, bands::mean(&bands)));
     let heard = mean.filter(|(_, energy)| *energy > 0.0);
@@ -217,7 +217,8 @@ fn in_db(pieces: impl Iterator<Item = (f64, Bands)>) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// The energy that is still to come at each piece, against all, in decibels; this share of it comes after the pieces.
+/// The energy remaining at each piece relative to the total, in decibels; the share `cut_off` of the total follows
+/// after the pieces.
 fn decay(pieces: &[(f64, Bands)], band: usize, cut_off: f64) -> Vec<(f64, f64)> {
     let told: f64 = pieces.iter().map(|(_, bands)| bands[band]).sum();
     let all = told / (1.0 - cut_off);
@@ -237,7 +238,7 @@ fn decay(pieces: &[(f64, Bands)], band: usize, cut_off: f64) -> Vec<(f64, f64)> 
 mod tests {
     use super::*;
 
-    /// Protects the decay curve: all of it at the start, and in each step what is left.
+    /// Protects the decay curve: it begins with the total, and falls to the remaining energy in each step.
     #[test]
     fn the_decay_falls_from_all_to_the_last() {
         let pieces = [

@@ -1,8 +1,8 @@
 //! The performance experiment: figures 11.1 to 11.4 of the thesis (section 4.2).
 //!
-//! For each table and each count of waves one frame to warm up, then `runs` frames on
-//! the same textures, one profile after the other in turns; times are medians. All runs
-//! have one seed, so their counts are the same.
+//! For each table and each number of waves, one warm-up frame is followed by `runs` frames on the
+//! same textures, with the profiles in turns; times are medians. All runs use the same seed, so
+//! their counts are the same.
 
 mod plot;
 mod report;
@@ -13,33 +13,32 @@ use crate::scene::Scene;
 use crate::trace::{Counts, Frame, Milliseconds, Settings, Tracer};
 use serde::Serialize;
 
-/// Milliseconds of a frame at 30 frames per second: the thesis' line between what can
-/// be had in real time and what cannot.
+/// Milliseconds of a frame at 30 frames per second: the thesis' limit of real time.
 pub const FRAME_BUDGET_MS: f64 = 1000.0 / 30.0;
 
-/// What to run.
+/// The options of a run.
 #[derive(Clone, Debug)]
 pub struct FiguresOptions {
-    /// The profiles, side by side; waves and iterations are the tables' own.
+    /// The profiles, side by side; waves and iterations come from the tables.
     pub profiles: Vec<Settings>,
-    /// Rows of more waves are left out.
+    /// Rows with more waves are left out.
     pub max_waves: u32,
-    /// Timed frames of each row.
+    /// Number of timed frames per row.
     pub runs: u32,
 }
 
-/// All four tables as measured here.
+/// All four tables as measured.
 #[derive(Clone, Debug, Serialize)]
 pub struct FiguresReport {
     /// The renderer's name.
     pub renderer: String,
-    /// How the times of passes were taken.
+    /// The kind of clock that timed the passes.
     pub clock: String,
-    /// Timed frames of each row.
+    /// Number of timed frames per row.
     pub runs: u32,
     /// Seed of the directions.
     pub seed: u32,
-    /// In the order of the thesis.
+    /// The tables, in the order of the thesis.
     pub tables: Vec<FigureTable>,
 }
 
@@ -52,7 +51,7 @@ pub struct FigureTable {
     pub scene: &'static str,
     /// Iterations of every wave.
     pub iterations: u32,
-    /// By count of waves, then by profile.
+    /// The rows, by number of waves, then by profile.
     pub rows: Vec<FigureRow>,
 }
 
@@ -65,7 +64,7 @@ pub struct FigureRow {
     pub waves: u32,
     /// Medians over the runs.
     pub milliseconds: Milliseconds,
-    /// How the waves fared.
+    /// The counts of waves by fate.
     pub counts: Counts,
     /// Share of all (wave, iteration) pairs whose march ended at distance 0.
     pub zero_length_share: f64,
@@ -76,8 +75,8 @@ pub struct FigureRow {
 }
 
 impl FigureRow {
-    /// Difference of the listener hits from the thesis' in standard errors: the root of
-    /// both counts' sum, as both are counts of rare independent events.
+    /// Difference of the listener hits from the thesis' in standard errors: the root of the sum of
+    /// both counts, as both are counts of rare independent events.
     pub fn standard_errors(&self) -> f64 {
         let ours = self.counts.listener_hits as f64;
         let thesis = self.thesis.listener_hits as f64;
@@ -88,10 +87,10 @@ impl FigureRow {
     }
 }
 
-/// Runs the experiment. `progress` is called with rows done and rows in all.
+/// Runs the experiment. `progress` receives the rows done and the total.
 ///
 /// # Errors
-/// Those of [`Tracer::frame`].
+/// Errors of [`Tracer::frame`].
 pub fn run(
     tracer: &mut Tracer,
     options: &FiguresOptions,

@@ -1,8 +1,8 @@
 //! The thesis' experiments, repeated and compared with its own figures.
 //!
-//! An experiment takes a [`Tracer`](crate::Tracer), does its work in an order that is
-//! fair to what it compares, and returns plain data. The files beside it turn that data
-//! into a [`Report`](crate::report::Report) and SVG.
+//! An experiment takes a [`Tracer`](crate::Tracer), works in an order that is fair to the cases it
+//! compares, and returns plain data. The other files of an experiment convert that data to a
+//! [`Report`](crate::report::Report) and SVG.
 
 pub mod accuracy;
 pub mod cost;

@@ -1,6 +1,6 @@
-//! What the experiments' plots share: a sheet of rows, the profiles' colours, charts with two
+//! Common parts of the experiments' plots: a sheet of rows, the profiles' colours, charts with two
 //! logarithmic axes (whole decades, one notation of numbers, a line for zero), lines that stay
-//! distinguishable where they lie on one another, and a legend beside them.
+//! distinguishable where they overlap, and a legend beside them.
 
 use crate::report::PlotError;
 use plotters::coord::Shift;
@@ -51,11 +51,11 @@ impl Sheet {
     }
 }
 
-/// A wave count, or time, and a value.
+/// A number of waves, or a time, and a value.
 pub(super) type Point = (f64, f64);
 
-/// A logarithmic axis from one power of ten to another. A logarithm has no zero: where one occurs
-/// it has a line of its own, a decade below all the rest.
+/// A logarithmic axis from one power of ten to another. As a logarithm has no zero, zero has a line
+/// of its own, a decade below the smallest value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct LogAxis {
     low: f64,
@@ -83,7 +83,7 @@ impl LogAxis {
         }
     }
 
-    /// Where zero stands, whether or not it occurs.
+    /// The position of zero, whether or not it occurs.
     fn zero(self) -> f64 {
         self.low / 10.0
     }
@@ -92,7 +92,8 @@ impl LogAxis {
         if self.has_zero { self.zero() } else { self.low }
     }
 
-    /// A hair longer at either end than from number to number, or rounding takes the last ones.
+    /// Slightly longer at either end than the range of numbers, as rounding would drop the last
+    /// ones.
     fn range(self) -> std::ops::Range<f64> {
         const HAIR: f64 = 1.001;
         self.start() / HAIR..self.high * HAIR
@@ -103,12 +104,12 @@ impl LogAxis {
         self.high
     }
 
-    /// Where a value stands.
+    /// The position of a value.
     pub fn place(self, value: f64) -> f64 {
         if value > 0.0 { value } else { self.zero() }
     }
 
-    /// A number of the axis: a power of ten, or 0; nothing for what is neither.
+    /// The label of an axis position: a power of ten, or 0; empty for others.
     fn tick(self, value: f64) -> String {
         if self.has_zero && value < 0.5 * self.low {
             return "0".to_owned();
@@ -120,13 +121,13 @@ impl LogAxis {
         power_of_ten(power.round() as i32)
     }
 
-    /// How many numbers it has at most.
+    /// The maximum number of labels.
     fn ticks(self) -> usize {
         (self.high / self.start()).log10().round() as usize + 2
     }
 }
 
-/// 10 to a power, as it is printed.
+/// A power of 10 as text.
 fn power_of_ten(power: i32) -> String {
     const RAISED: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
     let sign = if power < 0 { "⁻" } else { "" };
@@ -137,11 +138,11 @@ fn power_of_ten(power: i32) -> String {
     format!("10{sign}{}", digits.collect::<String>())
 }
 
-/// How a line or a dot is drawn.
+/// The style of a line or dot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Stroke {
     pub colour: RGBColor,
-    /// In pixels; 0 for a dot and no line.
+    /// Width in pixels; 0 for a dot without a line.
     pub width: u32,
     /// Pixels of a dash and of the gap after it; none for a line without gaps.
     pub dash: Option<(i32, i32)>,
@@ -162,7 +163,7 @@ pub(super) fn builder<'a, 'b>(
     builder
 }
 
-/// An empty chart with its axes; where zero occurs a grey band lies between it and the rest.
+/// An empty chart with its axes; if zero occurs, a grey band separates it from the rest.
 pub(super) fn chart<'a, 'b>(
     panel: &'a Panel<'b>,
     caption: &str,
@@ -189,7 +190,7 @@ pub(super) fn chart<'a, 'b>(
     Ok(chart)
 }
 
-/// Draws a line through points that stand on the axes.
+/// Draws a line through points given in axis coordinates.
 pub(super) fn draw_line<'b, X, Y>(
     chart: &mut ChartContext<'_, SVGBackend<'b>, Cartesian2d<X, Y>>,
     points: Vec<Point>,
@@ -207,7 +208,7 @@ where
     Ok(())
 }
 
-/// What the strokes mean, one below the other.
+/// Draws the legend, one entry below the other.
 pub(super) fn draw_legend(panel: &Panel, entries: &[(String, Stroke)]) -> Result<(), PlotError> {
     const TOP: i32 = 60;
     const LINE: i32 = 24;

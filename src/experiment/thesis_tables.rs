@@ -1,6 +1,6 @@
 //! The tables of the thesis, figures 11.1 to 11.4, as printed there.
 
-/// Counts of waves in the rows of every table.
+/// Numbers of waves in the rows of every table.
 pub const WAVE_COUNTS: [u32; 8] = [64, 256, 1024, 4096, 16_384, 65_536, 262_144, 1_048_576];
 
 /// One of the four tables.
@@ -16,7 +16,7 @@ pub struct ThesisTable {
     pub rows: [ThesisRow; 8],
 }
 
-/// What the thesis measured for one count of waves.
+/// The thesis' measurements for one number of waves.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct ThesisRow {
     /// Milliseconds a frame on the mobile machine (GeForce GT 330M).
@@ -35,8 +35,8 @@ const fn row(mobile_ms: f64, desktop_ms: f64, listener_hits: u64) -> ThesisRow {
     }
 }
 
-/// The four tables in the order of the thesis. It calls its mobile times at
-/// 1,048,576 waves a fault of that machine, to be ignored.
+/// The four tables in the order of the thesis. The thesis calls its mobile times at 1,048,576 waves
+/// a fault of that machine, to be ignored.
 pub const THESIS_TABLES: [ThesisTable; 4] = [
     ThesisTable {
         figure: "11.1",

@@ -1,18 +1,18 @@
 //! Separates chaos from error.
 //!
 //! # Theory
-//! Two rays side by side part in proportion to what they fly, but a convex mirror makes
-//! them part exponentially: a flight of length l between mirrors of radius r multiplies
-//! their separation by about 1 + 2 l / (r cos θ) (Sinai 1970, dispersing billiards). No
-//! arithmetic of finite precision follows such a wave for long: past its *horizon* an
+//! Two rays that start close together separate in proportion to the length of their flight, but a
+//! convex mirror makes them separate exponentially: a flight of length l between mirrors of radius
+//! r multiplies their separation by about 1 + 2 l / (r cos θ) (Sinai 1970, dispersing billiards).
+//! No arithmetic of finite precision can follow such a wave for long: past its *horizon* an
 //! end-point error depends on the precision, not on the algorithm.
 //!
 //! # Method
-//! Exact waves in pairs, started a billionth of a radian apart, are followed as long as
-//! both meet the same surfaces. The growth is the geometric mean, over all waves and all
-//! their flights from one curved surface to the next, of what the separation is
-//! multiplied by; flat mirrors on the way count into the flight. The horizon is after how
-//! many of those one rounding error of a position in `f32` is a centimetre.
+//! Pairs of exact waves, started a billionth of a radian apart, are followed as long as both meet
+//! the same surfaces. The growth is the geometric mean, over all waves and all their flights from
+//! one curved surface to the next, of the factor by which the separation grows; flat mirrors on the
+//! way count as part of the flight. The horizon is the number of such flights after which one
+//! rounding error of a position in `f32` has grown to a centimetre.
 
 use super::report::{Chaos, ChaosStep};
 use crate::reference::{ExactScene, PathVertex};
@@ -23,13 +23,13 @@ use std::f64::consts::TAU;
 /// Angle between the waves of a pair, in radians.
 const APART: f64 = 1e-9;
 
-/// What `f32` rounds off a position in a room, in metres.
+/// The rounding error of a position in `f32` in a room, in metres.
 const ROUNDING: f64 = 1e-6;
 
-/// What an end-point error has to be below to be none, in metres.
+/// The smallest end-point error that counts as an error, in metres.
 const NOTICED: f64 = 0.01;
 
-/// Curved surfaces met that get a line of their own.
+/// Number of curved surfaces met with a line of their own.
 const STEPS: usize = 8;
 
 /// Sums of logarithms at the n-th curved surface.
@@ -70,7 +70,7 @@ pub fn measure(scene: &Scene, exact: &ExactScene, directions: &[Vec3], iteration
     }
 }
 
-/// How many curved surfaces it takes an error to be noticed that grows like this at each.
+/// Number of curved surfaces after which an error with this growth is noticeable.
 fn horizon(growth: f64) -> Option<f64> {
     (growth > 1.0).then(|| (NOTICED / ROUNDING).ln() / growth.ln())
 }
@@ -101,7 +101,7 @@ fn is_curved(scene: &Scene, object: u32) -> bool {
     })
 }
 
-/// A unit vector across `direction`, another one for each index.
+/// A unit vector perpendicular to `direction`, a different one for each index.
 fn across(direction: DVec3, index: usize) -> DVec3 {
     let (u, v) = direction.any_orthonormal_pair();
     let (sin, cos) = (TAU * (index as f64 * 0.618_033_988_749_895).fract()).sin_cos();
@@ -131,7 +131,7 @@ mod tests {
     use super::*;
     use crate::experiment::accuracy::directions::lattice;
 
-    /// Protects the line between chaos and error: flat walls have none, pillars have.
+    /// Protects the distinction between chaos and error: flat walls have no chaos, pillars have.
     #[test]
     fn errors_grow_at_pillars_alone() {
         let of = |name: &str| {

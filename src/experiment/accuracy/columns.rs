@@ -110,7 +110,7 @@ fn waves<'a>() -> Vec<LineColumn<'a>> {
     ]
 }
 
-/// By order of reflection: how many more waves are heard than exactly.
+/// The difference of the waves heard from the exact number, by order of reflection.
 fn hits_less_exact(waves: &WaveErrors) -> String {
     let pairs = waves.hits.iter().zip(&waves.exact_hits);
     let off = pairs.map(|(&hits, &exact)| match hits as i128 - exact as i128 {

@@ -1,4 +1,4 @@
-//! Directions for the limit of many waves, and how fast an error falls towards it.
+//! Directions for the limit of many waves, and the rate at which an error falls towards it.
 
 use super::report::{Slope, SlopePoint};
 use crate::sphere_directions;
@@ -6,11 +6,10 @@ use crate::trace::Directions;
 use glam::{DQuat, DVec3, Vec3};
 use std::f64::consts::PI;
 
-/// A spherical Fibonacci lattice of so many unit vectors, in `f64` until the end.
+/// A spherical Fibonacci lattice of `count` unit vectors, in `f64` until the end.
 ///
-/// `turned`: by half a turn about (1, 1, 1), which takes its poles to other places and so
-/// makes it another lattice: the lattice itself is symmetric about axes through its
-/// equator.
+/// `turned`: by half a turn about (1, 1, 1), which moves its poles and so gives a different
+/// lattice: the lattice itself is symmetric about axes through its equator.
 pub fn lattice(count: u64, turned: bool) -> Vec<Vec3> {
     let turn = match turned {
         true => DQuat::from_axis_angle(DVec3::ONE.normalize(), PI),
@@ -20,13 +19,13 @@ pub fn lattice(count: u64, turned: bool) -> Vec<Vec3> {
     all.map(|direction| (turn * direction).as_vec3()).collect()
 }
 
-/// Waves that have to be heard for a point to count: with fewer, frames that hear nothing
-/// and answer 0 decide on the error.
+/// Minimum number of heard waves for a point to count: with fewer, frames that hear nothing and
+/// answer 0 determine the error.
 const LEAST_HEARD: f64 = 10.0;
 
-/// The exponent that the errors fall with, and its standard error: the least-squares line
-/// through their logarithms. Points that are not `fitted` are left out; nothing for fewer
-/// than two, and no error for fewer than three.
+/// Returns the exponent of the fall of the errors, and its standard error, from the least-squares
+/// line through their logarithms. Points that are not `fitted` are left out; the exponent is `None`
+/// for fewer than two points, the error for fewer than three.
 pub fn slope(points: &[SlopePoint]) -> (Option<f64>, Option<f64>) {
     let shown = points.iter().filter(|point| point.fitted);
     let logs: Vec<(f64, f64)> = shown
@@ -49,8 +48,8 @@ pub fn slope(points: &[SlopePoint]) -> (Option<f64>, Option<f64>) {
     (Some(slope), error)
 }
 
-/// Points (waves, error) with the line through those at which enough is heard, when so
-/// great a share of all waves is.
+/// Returns the points (waves, error) with the line through those with enough heard waves; `heard`
+/// is the share of all waves that are heard.
 pub fn fitted(directions: Directions, errors: &[(u32, f64)], heard: f64) -> Slope {
     let point = |&(waves, rms): &(u32, f64)| {
         let heard = heard * f64::from(waves);
@@ -94,8 +93,8 @@ mod tests {
         }
     }
 
-    /// Protects the exponents' uncertainty: logarithms 0, 1, 0 in steps of ln 10 have a level
-    /// line with squares of 2/3 about it, over 1 degree of freedom and 2 (ln 10)² along.
+    /// Protects the exponents' uncertainty: logarithms 0, 1, 0 in steps of ln 10 have a level line
+    /// with squares of 2/3 about it, over 1 degree of freedom and 2 (ln 10)² along.
     #[test]
     fn the_standard_error_is_that_of_least_squares() {
         let points = [(1, 0.0), (10, 1.0), (100, 0.0)];
@@ -108,7 +107,7 @@ mod tests {
         assert!((fit.standard_error.unwrap() - error).abs() < 1e-12);
     }
 
-    /// Protects the exponents from numbers of waves of which next to none are heard.
+    /// Protects the exponents from numbers of waves with hardly any wave heard.
     #[test]
     fn points_that_hear_too_little_are_left_out() {
         let fit = fit(
@@ -120,8 +119,8 @@ mod tests {
         assert!((fit.slope.unwrap() + 0.5).abs() < 1e-12);
     }
 
-    /// Protects the limit from a lattice that is not even: its mean is 0, and so is that of
-    /// each axis' square but for a third.
+    /// Protects the limit from an uneven lattice: its mean is 0, and the mean square of each axis
+    /// is a third.
     #[test]
     fn lattices_cover_the_sphere_evenly() {
         for turned in [false, true] {

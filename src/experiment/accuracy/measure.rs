@@ -1,4 +1,4 @@
-//! Each wave against its exact twin, and what it costs.
+//! Compares each wave with its exact twin, and counts evaluations.
 
 use super::report::{Chaos, Quantiles, WaveErrors};
 use super::truth::Truth;
@@ -9,11 +9,11 @@ use glam::Vec3;
 
 /// Compares the waves of `settings` with the exact waves of the same start directions.
 ///
-/// Ends are those of a frame as it is; surfaces met are read back after each iteration of
+/// Ends are those of an unchanged frame; the surfaces met are read back after each iteration of
 /// another frame.
 ///
 /// # Errors
-/// Those of [`Tracer::frame`].
+/// Errors of [`Tracer::frame`].
 pub fn wave_errors(
     tracer: &mut Tracer,
     truth: &mut Truth,
@@ -30,7 +30,7 @@ pub fn wave_errors(
 /// Evaluations of the distance for each wave and iteration, in an untimed frame.
 ///
 /// # Errors
-/// Those of [`Tracer::frame`].
+/// Errors of [`Tracer::frame`].
 pub fn evaluations_per_segment(
     tracer: &mut Tracer,
     truth: &Truth,
@@ -43,7 +43,7 @@ pub fn evaluations_per_segment(
     Ok(frame.counts.evaluations as f64 / segments)
 }
 
-/// The objects that each wave met before it died, was heard or ran out of iterations.
+/// The objects that each wave met before it died, was heard or reached its last iteration.
 fn objects_met(states: &[Vec<Wave>]) -> Vec<Vec<u32>> {
     let waves = states.first().map_or(0, Vec::len);
     let mut met: Vec<Vec<u32>> = vec![Vec::new(); waves];
@@ -68,7 +68,7 @@ fn status(wave: &Wave) -> i32 {
     match wave.fate() {
         Fate::Listener => 0,
         Fate::Dead => -1,
-        // Counted as such besides.
+        // Counted separately as well.
         Fate::Travelling | Fate::NotFinite => wave.status.round() as i32,
     }
 }
@@ -142,8 +142,8 @@ mod tests {
         assert_eq!(Quantiles::of(Vec::new()), Quantiles::default());
     }
 
-    /// Protects surface sequences from what a wave does after its end: the thesis' dead
-    /// waves are marched on.
+    /// Protects surface sequences from the marches of a wave after its end: the thesis marches dead
+    /// waves on.
     #[test]
     fn nothing_is_met_after_the_end() {
         let states = [0.5, 2.0, -1.0, 1.0].map(|status| vec![wave(status)]);

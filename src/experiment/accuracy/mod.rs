@@ -1,4 +1,4 @@
-//! Speed against error: what each profile and option costs, and what it gets wrong.
+//! Speed against error: the cost and the error of each profile and option.
 //!
 //! # Method
 //! Every [`Case`] (settings with a name) runs in every scene and yields a [`Row`]:
@@ -55,25 +55,25 @@ use crate::trace::{Directions, Settings, Tracer};
 use std::time::Instant;
 use truth::Truth;
 
-/// What to run.
+/// The options of a run.
 #[derive(Clone, Debug)]
 pub struct AccuracyOptions {
-    /// What to run where.
+    /// The scenes with their cases.
     pub plans: Vec<Plan>,
-    /// Whether it is the whole product.
+    /// Whether all combinations of settings are run.
     pub full: bool,
-    /// Frames of each case, a seed each: at least 2, 16 for figures to rely on.
+    /// Number of frames per case, each with its own seed: at least 2, 16 for reliable figures.
     pub seeds: u32,
-    /// The panning error that the recommendation stays below.
+    /// The panning error that the recommended setting must not exceed.
     pub stated_error: f64,
-    /// Whether to measure the project's own targets too.
+    /// Whether to measure the project's own targets.
     pub targets: bool,
-    /// Whether to measure impulse responses too.
+    /// Whether to measure impulse responses.
     pub responses: bool,
 }
 
 impl AccuracyOptions {
-    /// One thing at a time: some four minutes for the default scenes on two cores.
+    /// Changes one setting at a time: some four minutes for the default scenes on two cores.
     pub fn quick(scenes: Vec<Scene>) -> AccuracyOptions {
         AccuracyOptions {
             plans: scenes.into_iter().map(Plan::quick).collect(),
@@ -85,7 +85,7 @@ impl AccuracyOptions {
         }
     }
 
-    /// The whole product: hours.
+    /// All combinations of settings: hours.
     pub fn full(scenes: Vec<Scene>) -> AccuracyOptions {
         AccuracyOptions {
             plans: scenes.into_iter().map(Plan::full).collect(),
@@ -94,7 +94,7 @@ impl AccuracyOptions {
         }
     }
 
-    /// Calls of [`Progress::step`] in a scene.
+    /// Number of calls of [`Progress::step`] in a scene.
     fn steps(&self, plan: &Plan) -> u64 {
         let groups = by_waves(&plan.cases).len() as u64;
         let slopes = 2 * plan.slope_waves.len() as u64;
@@ -102,7 +102,7 @@ impl AccuracyOptions {
     }
 }
 
-/// How far it has got.
+/// The progress of the run.
 struct Progress<'a> {
     done: u64,
     total: u64,
@@ -116,10 +116,10 @@ impl Progress<'_> {
     }
 }
 
-/// Runs the experiment. `progress` is called with steps done and steps in all.
+/// Runs the experiment. `progress` receives the steps done and the total.
 ///
 /// # Errors
-/// Those of [`Tracer::frame`].
+/// Errors of [`Tracer::frame`].
 pub fn run(
     tracer: &mut Tracer,
     options: &AccuracyOptions,
@@ -208,23 +208,23 @@ fn run_scene(
     })
 }
 
-/// The panning of the very waves that a frame of `scene` starts with these settings, followed
+/// Returns the panning of the waves that a frame of `scene` starts with these settings, followed
 /// exactly in `f64`.
 ///
 /// # Errors
-/// Those of [`Tracer::frame`].
+/// Errors of [`Tracer::frame`].
 pub(crate) fn exact_pan(
     tracer: &mut Tracer,
     scene: &Scene,
     settings: &Settings,
 ) -> Result<f64, Error> {
-    // No limit of many waves is asked for.
+    // The limit of many waves is not needed.
     let mut truth = Truth::new(scene, 0)?;
     truth.pan_of_twins(tracer, settings, settings.iterations)
 }
 
-/// Indices of the cases, those of one number of waves together: another number takes other
-/// textures, and making those would be timed.
+/// Groups the indices of the cases by number of waves: changing that number changes the textures,
+/// and their creation would be timed.
 fn by_waves(cases: &[Case]) -> Vec<Vec<usize>> {
     let mut groups: Vec<(u32, Vec<usize>)> = Vec::new();
     for (index, case) in cases.iter().enumerate() {

@@ -1,15 +1,14 @@
-//! The panning of many frames against the exact geometry's: biases, spread, efficiency; and
-//! the frames' times, since they are the same frames.
+//! The panning of many frames compared with that of the exact geometry: biases, spread, efficiency; and the times of
+//! the same frames.
 //!
 //! # Theory
-//! A frame's panning is a Monte Carlo estimate. Its mean square error from the limit of
-//! many waves is MSE = (mean − limit)² + spread²; more waves lower the second alone. (Over
-//! n frames the spread is the estimate with n − 1, the error a plain mean: spread² counts
-//! (n − 1) ÷ n times in it.) The first, the *limit bias*, is only known to spread ÷ √n. The
-//! *twin bias* is against the exact panning of the same start directions and so free of
-//! their randomness; it depends on the tracing alone. What a frame is worth is its *efficiency*, 1 ÷ (mean square error × time): it does not change with the number
-//! of waves while the spread of independent directions dominates (Veach 1997, section
-//! 2.4.1), and falls with it once bias does.
+//! A frame's panning is a Monte Carlo estimate. Its mean square error from the limit of many waves is MSE = (mean −
+//! limit)² + spread²; more waves reduce only the second term. (Over n frames the spread is the estimate with n − 1, the
+//! error a plain mean: spread² counts (n − 1) ÷ n times in it.) The first term, the *limit bias*, is only known to
+//! spread ÷ √n. The *twin bias* is the difference from the exact panning of the same start directions and therefore
+//! free of their randomness; it depends only on the tracing. The value of a frame is its *efficiency*, 1 ÷ (mean square
+//! error × time): it does not change with the number of waves while the spread of independent directions dominates
+//! (Veach 1997, section 2.4.1), and falls with it once bias dominates.
 
 use super::report::{PanningError, Speed};
 use super::sweep::Case;
@@ -18,7 +17,7 @@ use crate::error::Error;
 use crate::stats::{mean, median};
 use crate::trace::{Frame, Panning, Settings, Tracer};
 
-/// Frames of one case, a seed each.
+/// The frames of one case, each with its own seed.
 #[derive(Clone, Default)]
 pub struct Frames {
     total_ms: Vec<f64>,
@@ -27,11 +26,11 @@ pub struct Frames {
     exact_pans: Vec<f64>,
 }
 
-/// Runs cases of one number of waves in turns, a frame a seed, after one frame each to
-/// warm up: what disturbs the machine disturbs all alike.
+/// Runs cases with the same number of waves in turns, one frame per seed, after one warm-up frame each: disturbances of
+/// the machine affect all of them equally.
 ///
 /// # Errors
-/// Those of [`Tracer::frame`].
+/// Errors of [`Tracer::frame`].
 pub fn run_in_turns(
     tracer: &mut Tracer,
     truth: &Truth,
@@ -56,7 +55,7 @@ pub fn run_in_turns(
 /// Adds the exact panning of the same start directions to each of the first `seeds` frames.
 ///
 /// # Errors
-/// Those of [`Tracer::frame`].
+/// Errors of [`Tracer::frame`].
 pub fn find_twins(
     tracer: &mut Tracer,
     truth: &mut Truth,
@@ -98,7 +97,7 @@ impl Frames {
         }
     }
 
-    /// The panning over the seeds against its limit.
+    /// The panning over the seeds compared with its limit.
     pub fn panning(&self, limit: f64) -> PanningError {
         let frames = self.pans.len().max(1) as f64;
         let mean_pan = mean(self.pans.iter().copied()).unwrap_or(0.0);
@@ -127,7 +126,7 @@ impl Frames {
     }
 }
 
-/// Of the mean of these values; 0 of fewer than two.
+/// Standard error of the mean of these values; 0 for fewer than two.
 fn standard_error(values: &[f64], mean_value: f64) -> f64 {
     let squares: f64 = values
         .iter()
@@ -140,17 +139,16 @@ fn standard_error(values: &[f64], mean_value: f64) -> f64 {
     }
 }
 
-/// 1 ÷ (mean square error × seconds); 0 for a frame that knows nothing or takes no time.
+/// 1 ÷ (mean square error × seconds); 0 for a frame without error estimate or time.
 fn efficiency(mean_square: f64, seconds: f64) -> f64 {
     let cost = mean_square * seconds;
     if cost > 0.0 { cost.recip() } else { 0.0 }
 }
 
-/// Relative difference of all that arrived, summed on the GPU, from the sum on the CPU: two
-/// frames of these settings.
+/// Relative difference of all arrivals summed on the GPU from the sum on the CPU, from two frames with these settings.
 ///
 /// # Errors
-/// Those of [`Tracer::frame`].
+/// Errors of [`Tracer::frame`].
 pub fn sum_error(tracer: &mut Tracer, truth: &Truth, settings: &Settings) -> Result<f64, Error> {
     let mut summed = |on_gpu| -> Result<Panning, Error> {
         let settings = settings.clone().with_sum_on_gpu(on_gpu);

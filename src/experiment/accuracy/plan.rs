@@ -1,60 +1,60 @@
-//! What is run in which scene.
+//! The cases that are run in each scene.
 //!
-//! The truth of a few basic shapes is a handful of formulas a flight. That of a field is a march in
-//! `f64` of some hundred evaluations, and of many surfaces each is evaluated, so that a thousand flights
-//! take a hundred times as long. Such scenes get the short sweep, with fewer evaluations of the
-//! exact reference: directions for the limit, waves that are compared one by one, seeds of the twin bias.
-//! The uncertainty of each figure is then given beside it.
+//! For a few basic shapes the exact reference evaluates a handful of formulas per flight. For a field it marches in
+//! `f64` with some hundred evaluations, and of many surfaces it evaluates each one, so that a thousand flights take a
+//! hundred times as long. Such scenes get the short sweep, with less work for the exact reference: fewer directions for
+//! the limit, waves compared one by one, and seeds of the twin bias. The uncertainty of each figure is then stated
+//! beside it.
 
 use super::sweep::{Case, full, quick, short};
 use crate::kernel::{Layout, Lists};
 use crate::scene::{Scene, Surface};
 
-/// The scenes of the thesis' tables, which the targets are of.
+/// The scenes of the thesis' tables, which the targets are based on.
 pub const ROOMS: [&str; 2] = ["corner", "obstacles"];
 
-/// What is run without a choice: the rooms, a scene of marched fields and one with cells.
+/// The default scenes: the rooms, a scene of marched fields and one with cells.
 pub const DEFAULT_SCENES: [&str; 4] = [ROOMS[0], ROOMS[1], "cave", "glasshouse"];
 
-/// Powers of two that the slope of the panning error is taken over.
+/// Powers of two for the slope of the panning error.
 const SLOPE_POWERS: std::ops::RangeInclusive<u32> = 10..=18;
 const SHORT_SLOPE_POWERS: std::ops::RangeInclusive<u32> = 10..=14;
 
-/// Waves of a row that are compared one by one.
+/// Number of waves of a row that are compared one by one.
 const COMPARED: u32 = 65_536;
 const SHORT_COMPARED: u32 = 8192;
 
-/// Pairs of waves that chaos is measured on.
+/// Number of pairs of waves for measuring chaos.
 const CHAOS_PAIRS: u64 = 16_384;
 const SHORT_CHAOS_PAIRS: u64 = 1024;
 
-/// Directions for the limit of many waves, where the truth takes long.
+/// Number of directions for the limit of many waves if the exact reference is slow.
 const SHORT_LIMIT_DIRECTIONS: u64 = 200_000;
 
-/// Seeds that the twin bias is taken over, where the truth takes long.
+/// Number of seeds for the twin bias if the exact reference is slow.
 const SHORT_TWIN_SEEDS: u32 = 4;
 
-/// A scene with what is run in it.
+/// A scene with its cases.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    /// Where.
+    /// The scene.
     pub scene: Scene,
-    /// With which settings.
+    /// The settings.
     pub cases: Vec<Case>,
-    /// Directions for the limit of many waves.
+    /// Number of directions for the limit of many waves.
     pub limit_directions: u64,
-    /// Waves of a row that are compared one by one, at most.
+    /// Maximum number of waves of a row that are compared one by one.
     pub compared_waves: u32,
-    /// Seeds that the twin bias is taken over, the first ones, at most.
+    /// Maximum number of seeds for the twin bias: the first ones.
     pub twin_seeds: u32,
-    /// Pairs of waves that chaos is measured on.
+    /// Number of pairs of waves for measuring chaos.
     pub chaos_pairs: u64,
     /// Numbers of waves for the slope of the panning error.
     pub slope_waves: Vec<u32>,
 }
 
 impl Plan {
-    /// One thing at a time; the short sweep where the truth takes long.
+    /// Changes one setting at a time; the short sweep if the exact reference is slow.
     pub fn quick(scene: Scene) -> Plan {
         if is_slow(&scene) {
             return Plan::short(scene);
@@ -78,7 +78,7 @@ impl Plan {
         }
     }
 
-    /// The whole product.
+    /// All combinations of settings.
     pub fn full(scene: Scene) -> Plan {
         Plan {
             scene,
@@ -92,12 +92,12 @@ impl Plan {
     }
 }
 
-/// Every second power of two.
+/// Returns every second power of two.
 fn counts(powers: std::ops::RangeInclusive<u32>) -> Vec<u32> {
     powers.step_by(2).map(|power| 1 << power).collect()
 }
 
-/// Whether the exact waves of a scene take long.
+/// Whether the exact waves of a scene are slow.
 fn is_slow(scene: &Scene) -> bool {
     let is_field = |surface: &Surface| surface.shape.field().is_some();
     Layout::of(&scene.surfaces, Lists::Lines).has_cells() || scene.surfaces.iter().any(is_field)
@@ -108,7 +108,7 @@ mod tests {
     use super::super::SurfaceCounts;
     use super::*;
 
-    /// Protects the default run: its scenes are those that it says, each of its kind.
+    /// Protects the default run: its scenes are of the documented kinds.
     #[test]
     fn the_default_scenes_are_of_every_kind() {
         let scenes = DEFAULT_SCENES.map(|name| Scene::builtin(name).unwrap());

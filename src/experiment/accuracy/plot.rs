@@ -1,4 +1,4 @@
-//! Speed against error as one picture: two plots a scene, log-log, a colour a profile, and
+//! Speed against error as one picture: two log-log plots per scene, a colour for each profile, and
 //! the Pareto front of each.
 
 use super::recommend::{ITERATIONS, comparable, pareto_front};
@@ -16,7 +16,7 @@ const SHEET: Sheet = Sheet {
     title_height: 48,
     row_height: 460,
 };
-/// Pixels of a plot; the legend has the rest.
+/// Width of a plot in pixels; the legend takes the rest.
 const PLOT_WIDTH: u32 = 560;
 
 const COLOURS: [(Profile, RGBColor); 3] = [
@@ -31,7 +31,7 @@ const FRONT_LINE: Stroke = Stroke {
     dash: None,
 };
 
-/// A row's point (milliseconds and error), and the radius that its number of waves is drawn with.
+/// A row's point (milliseconds and error), and the radius of its dot by its number of waves.
 type Dot = (Point, i32);
 
 /// The report as an SVG picture: a row of two plots for each scene.
@@ -63,7 +63,7 @@ pub(super) fn plot_svg(report: &AccuracyReport) -> Result<String, PlotError> {
     })
 }
 
-/// What dots and line mean.
+/// The entries of the legend.
 fn entries() -> Vec<(String, Stroke)> {
     let dot = |(profile, colour): (Profile, RGBColor)| {
         let stroke = Stroke {
@@ -108,7 +108,7 @@ fn plot(
     Ok(())
 }
 
-/// The [`comparable`] rows of a profile, but for those that took no time.
+/// The [`comparable`] rows of a profile, except those without a time.
 fn dots(scene: &SceneReport, profile: Profile, error: impl Fn(&Row) -> f64) -> Vec<Dot> {
     let name = profile.to_string();
     comparable(&scene.rows)
@@ -118,14 +118,14 @@ fn dots(scene: &SceneReport, profile: Profile, error: impl Fn(&Row) -> f64) -> V
         .collect()
 }
 
-/// In pixels: 3 for 4096 waves, one more for each four times as many.
+/// Radius in pixels: 3 for 4096 waves, one more for each factor of four.
 fn radius(waves: u32) -> i32 {
     ((f64::from(waves.max(1)).log2() - 6.0) / 2.0)
         .round()
         .clamp(2.0, 9.0) as i32
 }
 
-/// The front as stairs: between two points the earlier one is the best there is.
+/// The front as stairs: between two points the earlier one is the best available.
 fn steps(front: &[Point], end: f64) -> Vec<Point> {
     let mut stairs = Vec::new();
     for (index, &point) in front.iter().enumerate() {

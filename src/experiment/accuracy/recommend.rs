@@ -2,12 +2,12 @@
 
 use super::report::{Recommendation, Row};
 
-/// Iterations that rows are compared at: with more, or fewer, the panning to be found is
-/// another one.
+/// The number of iterations at which rows are compared: another number gives another limit of the
+/// panning.
 pub const ITERATIONS: u32 = 8;
 
-/// The rows that recommendations, pictures and targets are of. Those that hear nothing are
-/// left out: their answer, 0, can be near the truth by luck alone.
+/// The rows used for recommendations, plots and targets. Rows that hear nothing are left out: their
+/// answer, 0, can be near the truth only by chance.
 pub fn comparable(rows: &[Row]) -> impl Iterator<Item = &Row> {
     rows.iter().filter(|row| {
         let hears = row.waves.hits.iter().any(|&hits| hits > 0);
@@ -22,7 +22,7 @@ pub fn fastest(rows: &[Row], error: f64) -> Option<Recommendation> {
     best.map(recommended)
 }
 
-/// The row of the least panning error.
+/// The row with the smallest panning error.
 pub fn best(rows: &[Row]) -> Option<Recommendation> {
     let best = comparable(rows).min_by(|a, b| a.panning.rms.total_cmp(&b.panning.rms));
     best.map(recommended)
@@ -37,7 +37,8 @@ fn recommended(row: &Row) -> Recommendation {
     }
 }
 
-/// The points (time, error) that no other beats in both, by time: errors fall along it.
+/// The points (time, error) that no other point beats in both, sorted by time: errors fall along
+/// it.
 pub fn pareto_front(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let mut sorted = points.to_vec();
     sorted.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
@@ -77,7 +78,7 @@ mod tests {
         }
     }
 
-    /// Protects the recommendation from rows that know nothing, or are slower than need be.
+    /// Protects the recommendation from rows that hear nothing, or are slower than necessary.
     #[test]
     fn the_fastest_good_row_that_hears_is_recommended() {
         let deaf = row("deaf", 0, 1.0, 0.001);
@@ -95,7 +96,7 @@ mod tests {
         assert_eq!(label(fastest(&[longer], 0.02)), None);
     }
 
-    /// Protects the front from points that another one beats, and from losing any.
+    /// Protects the front: no point on it is beaten by another, and no such point is lost.
     #[test]
     fn the_front_holds_what_nothing_beats() {
         let points = [(2.0, 1.0), (1.0, 3.0), (3.0, 1.0), (2.0, 2.0), (4.0, 0.5)];

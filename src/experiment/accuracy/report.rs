@@ -1,25 +1,25 @@
-//! What the experiment returns: plain data, written as CSV, JSON, SVG and tables.
+//! The results of the experiment as plain data, written as CSV, JSON, SVG and tables.
 
 use super::surface_counts::SurfaceCounts;
 use crate::stats::quantiles;
 use serde::Serialize;
 
-/// All that was measured.
+/// All measurements.
 #[derive(Clone, Debug, Serialize)]
 pub struct AccuracyReport {
     /// The renderer's name.
     pub renderer: String,
-    /// How the times of passes were taken.
+    /// The kind of clock that timed the passes.
     pub clock: String,
-    /// Whether the whole product of settings was run.
+    /// Whether all combinations of settings were run.
     pub full: bool,
-    /// Turns of the start directions that each panning error is taken over.
+    /// Number of seeds for each panning error.
     pub seeds: u32,
     /// Wall time of everything, in seconds.
     pub seconds: f64,
-    /// The panning error that [`SceneReport::recommendation`] stays below.
+    /// The panning error that [`SceneReport::recommendation`] does not exceed.
     pub stated_error: f64,
-    /// In the order they were requested.
+    /// The scenes, in the requested order.
     pub scenes: Vec<SceneReport>,
     /// The project's own targets; empty when their scenes were not requested.
     pub targets: Vec<Target>,
@@ -27,8 +27,8 @@ pub struct AccuracyReport {
     pub responses: Vec<ResponseRow>,
 }
 
-/// An impulse response against image sources: of each figure the largest error over the bands, `None`
-/// where no band has it.
+/// An impulse response compared with image sources: the largest error of each figure over the bands, `None` if it
+/// exists in no band.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ResponseRow {
     /// Name of the profile.
@@ -37,36 +37,36 @@ pub struct ResponseRow {
     pub waves: u32,
     /// Median time of a response.
     pub milliseconds: f64,
-    /// Of the reverberation time, as a share.
+    /// Error of the reverberation time, as a share.
     pub t30_error: Option<f64>,
-    /// Of the early decay time, as a share.
+    /// Error of the early decay time, as a share.
     pub edt_error: Option<f64>,
-    /// Of clarity, in decibels.
+    /// Error of clarity, in decibels.
     pub c80_error_db: Option<f64>,
-    /// Of strength, in decibels.
+    /// Error of strength, in decibels.
     pub g_error_db: Option<f64>,
-    /// Bands that have a reverberation time.
+    /// Number of bands with a reverberation time.
     pub t30_bands: usize,
 }
 
-/// One scene.
+/// The results of one scene.
 #[derive(Clone, Debug, Serialize)]
 pub struct SceneReport {
     /// The scene's name.
     pub scene: String,
-    /// How its surfaces are met.
+    /// The numbers of its surfaces by kind of intersection.
     pub surfaces: SurfaceCounts,
     /// The panning in the limit of many waves, by iterations.
     pub limits: Vec<Limit>,
-    /// How errors grow at curved surfaces.
+    /// The growth of errors at curved surfaces.
     pub chaos: Chaos,
-    /// A row for each setting.
+    /// One row per setting.
     pub rows: Vec<Row>,
-    /// How the panning error falls with the number of waves.
+    /// The fall of the panning error with the number of waves.
     pub slopes: Vec<Slope>,
     /// The fastest row below the stated error.
     pub recommendation: Option<Recommendation>,
-    /// The row of the least panning error.
+    /// The row with the smallest panning error.
     pub best: Option<Recommendation>,
 }
 
@@ -75,11 +75,11 @@ pub struct SceneReport {
 pub struct Limit {
     /// Iterations of every wave.
     pub iterations: u32,
-    /// Directions of both lattices together.
+    /// Number of directions in both lattices together.
     pub directions: u64,
-    /// Mean of the two.
+    /// The mean of both.
     pub pan: f64,
-    /// Half of what they differ by.
+    /// Half of their difference.
     pub uncertainty: f64,
     /// Share of all waves that are heard.
     pub heard: f64,
@@ -88,16 +88,16 @@ pub struct Limit {
 /// Exponential growth of small errors, measured on exact waves.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Chaos {
-    /// Pairs of waves that were followed.
+    /// Number of pairs of waves followed.
     pub pairs: u64,
     /// Iterations of each.
     pub iterations: u32,
-    /// Pairs whose two waves met the same surfaces.
+    /// Number of pairs whose two waves met the same surfaces.
     pub same_sequence: u64,
-    /// What a separation is multiplied by from one curved surface to the next: the
-    /// geometric mean. `None` where no wave meets two.
+    /// The factor by which a separation grows from one curved surface to the next: the geometric mean. `None` if no
+    /// wave meets two.
     pub growth: Option<f64>,
-    /// Curved surfaces met before a rounding error has grown to a centimetre.
+    /// Number of curved surfaces met before a rounding error has grown to a centimetre.
     pub horizon: Option<f64>,
     /// Separation at the n-th curved surface.
     pub steps: Vec<ChaosStep>,
@@ -108,27 +108,26 @@ pub struct Chaos {
 pub struct ChaosStep {
     /// n, from 1.
     pub curved_hits: u32,
-    /// Pairs that got there.
+    /// Number of pairs that reached it.
     pub pairs: u64,
-    /// Geometric mean of their separation over the angle they started with, in metres
-    /// a radian.
+    /// Geometric mean of their separation divided by their initial angle, in metres per radian.
     pub separation: f64,
-    /// Geometric mean of what it was multiplied by since the curved surface before.
+    /// Geometric mean of its growth since the previous curved surface.
     pub growth: Option<f64>,
 }
 
 /// One setting in one scene.
 #[derive(Clone, Debug, Serialize)]
 pub struct Row {
-    /// What is changed from the profile's defaults.
+    /// The difference from the profile's defaults.
     pub label: String,
-    /// The settings, as they are swept.
+    /// The settings that are swept.
     pub case: CaseReport,
     /// Speed.
     pub speed: Speed,
-    /// Each wave against its exact twin.
+    /// Each wave compared with its exact twin.
     pub waves: WaveErrors,
-    /// The panning against its limit.
+    /// The panning compared with its limit.
     pub panning: PanningError,
 }
 
@@ -137,15 +136,15 @@ pub struct Row {
 pub struct CaseReport {
     /// Name of the profile.
     pub profile: String,
-    /// Metres; `None` where the profile has none.
+    /// Minimum distance in metres; `None` if the profile has none.
     pub min_distance: Option<f32>,
-    /// Marches of each wave.
+    /// Number of marches of each wave.
     pub iterations: u32,
     /// Number of waves.
     pub waves: u32,
-    /// How the start directions are chosen.
+    /// Name of the start directions.
     pub directions: String,
-    /// Whether normals are exact, not differences.
+    /// Whether normals are exact rather than computed by differences.
     pub exact_normals: bool,
     /// Whether waves are projected onto surfaces.
     pub projection: bool,
@@ -155,42 +154,42 @@ pub struct CaseReport {
     pub sum_on_gpu: bool,
 }
 
-/// Times of a row: medians.
+/// Median times of a row.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Speed {
-    /// A whole frame by the wall clock, milliseconds.
+    /// Wall-clock time of a whole frame, in milliseconds.
     pub total_ms: f64,
-    /// Its march passes, milliseconds.
+    /// Time of its march passes, in milliseconds.
     pub march_ms: f64,
-    /// Millions of waves × iterations in a second of whole frames.
+    /// Millions of waves × iterations per second of whole frames.
     pub million_per_second: f64,
-    /// Evaluations of the distance ÷ (waves × iterations), those of normals included.
+    /// Evaluations of the distance ÷ (waves × iterations), including those for normals.
     pub evaluations_per_segment: f64,
-    /// Frames that the medians are of.
+    /// Number of frames in the medians.
     pub frames: u32,
 }
 
-/// Every wave against the exact one of the same start direction.
+/// The waves compared with the exact ones of the same start directions.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct WaveErrors {
     /// Waves compared.
     pub compared: u64,
-    /// Share that ended with another status.
+    /// Share of waves that ended with another status.
     pub status_differs: f64,
-    /// Share that met other objects, or ended with another status.
+    /// Share of waves that met other objects, or ended with another status.
     pub sequence_differs: f64,
-    /// Waves that ended nowhere (NaN or infinite).
+    /// Waves without a finite end point (NaN or infinite).
     pub not_finite: u64,
-    /// Metres between the ends, over all waves that truly end somewhere.
+    /// Distances between the ends in metres, over all waves with an exact end point.
     pub end: Quantiles,
     /// The same over the waves that meet no more curved surfaces than the horizon.
     pub end_within_horizon: Quantiles,
     /// Share of waves that meet more.
     pub beyond_horizon: f64,
-    /// Waves heard after 0, 1, 2 … reflections, before they died: those that `thesis` hears
-    /// after that (it marches the dead on) count in its panning, but not here.
+    /// Waves heard after 0, 1, 2 … reflections, before they died: waves that `thesis` hears later (it marches dead
+    /// waves on) count in its panning, but not here.
     pub hits: Vec<u64>,
-    /// The same, exact.
+    /// The same for the exact waves.
     pub exact_hits: Vec<u64>,
 }
 
@@ -202,19 +201,19 @@ impl WaveErrors {
     }
 }
 
-/// A distribution, in metres.
+/// The distribution of a distance, in metres.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Quantiles {
-    /// Half are below.
+    /// The median.
     pub median: f64,
-    /// 99 of 100 are below.
+    /// The 99th percentile.
     pub p99: f64,
     /// The largest.
     pub max: f64,
 }
 
 impl Quantiles {
-    /// Of these distances; 0 for none.
+    /// Computes the quantiles of these distances; 0 without distances.
     pub fn of(distances: Vec<f64>) -> Quantiles {
         let [median, p99, max] = quantiles(distances, [0.5, 0.99, 1.0]);
         Quantiles { median, p99, max }
@@ -226,34 +225,34 @@ impl Quantiles {
 pub struct PanningError {
     /// Mean over the seeds.
     pub mean: f64,
-    /// The mean less the limit of many waves.
+    /// The mean minus the limit of many waves.
     pub limit_bias: f64,
     /// Mean difference from the exact panning of the same start directions.
     pub twin_bias: f64,
-    /// Seeds that the twin bias is taken over, the first ones.
+    /// Number of seeds in the twin bias: the first ones.
     pub twin_seeds: u32,
     /// Standard error of the twin bias.
     pub twin_bias_error: f64,
-    /// Standard deviation over the seeds, estimated with one less than there are.
+    /// Standard deviation over the seeds, estimated with n − 1.
     pub spread: f64,
     /// Root of the mean square difference from the limit.
     pub rms: f64,
-    /// 1 ÷ (mean square difference from the limit × seconds a frame).
+    /// 1 ÷ (mean square difference from the limit × seconds per frame).
     pub efficiency: f64,
-    /// Relative difference of the loudness summed on the GPU from that summed on the
-    /// CPU; `None` for rows that do not sum on the GPU.
+    /// Relative difference of the loudness summed on the GPU from that summed on the CPU; `None` for rows that do not
+    /// sum on the GPU.
     pub sum_error: Option<f64>,
 }
 
-/// How the panning error of one set of directions falls.
+/// The fall of the panning error for one set of directions.
 #[derive(Clone, Debug, Serialize)]
 pub struct Slope {
     /// Name of the directions.
     pub directions: String,
-    /// By number of waves.
+    /// The points, by number of waves.
     pub points: Vec<SlopePoint>,
-    /// Exponent of the number of waves: −0.5 for independent directions. Through the
-    /// points that are fitted; `None` for fewer than two.
+    /// Exponent of the number of waves, from the fitted points: −0.5 for independent directions. `None` for fewer than
+    /// two.
     pub slope: Option<f64>,
     /// Standard error of the exponent; `None` for fewer than three points.
     pub standard_error: Option<f64>,
@@ -266,16 +265,16 @@ pub struct SlopePoint {
     pub waves: u32,
     /// Root mean square panning error over the seeds.
     pub rms: f64,
-    /// Waves of them that are heard, by the limit's share.
+    /// Expected number of waves heard, from the limit's share.
     pub heard: f64,
-    /// Whether the exponent is fitted through this point: where 10 waves are heard.
+    /// Whether the exponent is fitted through this point: if at least 10 waves are heard.
     pub fitted: bool,
 }
 
-/// A row worth choosing.
+/// A recommended row.
 #[derive(Clone, Debug, Serialize)]
 pub struct Recommendation {
-    /// What it is called.
+    /// Its name.
     pub label: String,
     /// Its settings.
     pub case: CaseReport,
@@ -285,17 +284,17 @@ pub struct Recommendation {
     pub rms: f64,
 }
 
-/// A figure that the project sets itself.
+/// One of the project's own targets.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Target {
-    /// What is measured, and on what.
+    /// The measured quantity, and its scene and profile.
     pub what: String,
-    /// What was found.
+    /// The measured value.
     pub measured: f64,
-    /// What it is compared with; `None` for a figure without a target.
+    /// The bound; `None` for a figure without a target.
     pub bound: Option<f64>,
-    /// Whether it has to be at least the bound, else at most.
+    /// Whether the bound is a minimum rather than a maximum.
     pub at_least: bool,
-    /// Whether it is.
+    /// Whether the target is met.
     pub met: Option<bool>,
 }

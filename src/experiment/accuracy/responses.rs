@@ -1,9 +1,9 @@
-//! Impulse responses against image sources: the error of their figures against the time they take.
+//! Impulse responses compared with image sources: the error of their figures against their time.
 //!
-//! One room of 8 × 3 × 5 m whose walls and bands absorb differently (0.1 to 0.43), from 4,096 waves to
-//! 262,144. Errors are the largest of the bands whose figure is reported; the others are counted.
-//! They are compared with the just noticeable differences: 5 % in reverberation times, 1 dB in clarity
-//! and strength (ISO 3382-1:2009, annex A, table A.1).
+//! One room of 8 × 3 × 5 m whose absorption differs by wall and band (0.1 to 0.43), with 4,096 to 262,144 waves. Errors
+//! are the largest over the bands with the figure; the other bands are counted. They are compared with the just
+//! noticeable differences: 5 % in reverberation times, 1 dB in clarity and strength (ISO 3382-1:2009, annex A, table
+//! A.1).
 
 use super::report::{AccuracyReport, ResponseRow};
 use crate::acoustics::{BandFigures, Figures};
@@ -24,10 +24,10 @@ use plotters::prelude::*;
 /// Numbers of waves.
 const WAVES: [u32; 4] = [1 << 12, 1 << 14, 1 << 16, 1 << 18];
 
-/// Profiles that have responses.
+/// Profiles that compute responses.
 const PROFILES: [Profile; 2] = [Profile::Hybrid, Profile::March];
 
-/// Runs of each, whose median time is reported. The first compiles.
+/// Number of runs of each; their median time is reported. The first one compiles.
 const RUNS: usize = 4;
 
 /// Length of the record in seconds: a decay of 60 dB and a quarter more.
@@ -41,7 +41,7 @@ const SIZE: Vec3 = Vec3::new(8.0, 3.0, 5.0);
 const SOURCE: Vec3 = Vec3::new(-2.0, 0.0, -1.5);
 const LISTENER: Vec3 = Vec3::new(2.0, -0.3, 1.5);
 
-/// Of each wall at −x, +x, −y, +y, −z, +z.
+/// Absorption of the walls at −x, +x, −y, +y, −z, +z.
 fn absorption() -> [Bands; 6] {
     [0.6, 1.3, 1.5, 0.7, 1.1, 0.8]
         .map(|wall| std::array::from_fn(|band| 0.2 * wall * (0.8 + 0.09 * band as f64)))
@@ -52,7 +52,7 @@ fn room() -> Scene {
     Scene::shoebox(SIZE, &absorption(), source, listener)
 }
 
-/// By image sources.
+/// The figures from image sources.
 fn truth(speed: f64) -> Result<Figures, Error> {
     let [size, source, listener] = [SIZE, SOURCE, LISTENER].map(|v| v.as_dvec3());
     let Some(exact) = ShoeboxEnergies::new(size, source, listener, &absorption()) else {
@@ -61,10 +61,10 @@ fn truth(speed: f64) -> Result<Figures, Error> {
     Ok(Figures::of_image_sources(&exact, speed, SECONDS)?)
 }
 
-/// Calls of `step` in [`measure`].
+/// Number of calls of `step` in [`measure`].
 pub(super) const STEPS: u64 = (WAVES.len() * PROFILES.len()) as u64;
 
-/// Traces the room by every profile and number of waves.
+/// Traces the room with every profile and number of waves.
 pub(super) fn measure(
     tracer: &mut Tracer,
     step: &mut dyn FnMut(),
@@ -164,7 +164,7 @@ type Figure = fn(&ResponseRow) -> Option<f64>;
 /// A line of the plot: its name, its colour, and the error that it shows.
 type Drawn = (&'static str, RGBColor, Figure);
 
-/// Errors of times and of levels against milliseconds, beside what is noticed.
+/// Plots the errors of times and of levels against milliseconds, with the just noticeable differences.
 pub(super) fn plot(
     [left, right, legend]: [&Panel; 3],
     report: &AccuracyReport,

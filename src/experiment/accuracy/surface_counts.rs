@@ -1,22 +1,22 @@
-//! How many surfaces of a scene lie in cells, and how many are marched.
+//! Counts the surfaces of a scene that lie in cells, and those that are marched.
 
 use crate::kernel::{Layout, Lists, is_marched};
 use crate::scene::Scene;
 use serde::Serialize;
 
-/// How the surfaces of a scene are met.
+/// The numbers of a scene's surfaces by kind of intersection.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct SurfaceCounts {
-    /// All of them.
+    /// Number of all surfaces.
     pub all: usize,
-    /// Those that lie in cells.
+    /// Number of surfaces in cells.
     pub in_cells: usize,
-    /// Those that `hybrid` too has to march to: fields without a closed form.
+    /// Number of surfaces that `hybrid` has to march to as well: fields without a closed form.
     pub marched: usize,
 }
 
 impl SurfaceCounts {
-    /// Counts them.
+    /// Counts the surfaces of a scene.
     pub fn of(scene: &Scene) -> SurfaceCounts {
         let in_cells = Layout::of(&scene.surfaces, Lists::Lines)
             .kind_of

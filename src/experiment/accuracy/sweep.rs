@@ -1,11 +1,10 @@
-//! Which settings are run.
+//! The settings that are run.
 //!
-//! The quick sweep changes one thing at a time from each profile's defaults. The full one
-//! is the product of everything that changes what is computed, and beside it, at the
-//! defaults' waves and iterations, the product of what should change the speed alone. The short
-//! one is what is left of the quick one where the truth takes long to find.
-//! The worsened ways to march (a shell, difference normals, no projection) are there for these
-//! sweeps alone: no setting chooses them.
+//! The quick sweep changes one setting at a time from each profile's defaults. The full sweep
+//! combines all settings that change the result, and in addition, at the default waves and
+//! iterations, all settings that should change only the speed. The short sweep is a part of the
+//! quick one, for scenes with a slow exact reference. The degraded ways to march (a shell,
+//! difference normals, no projection) exist only for these sweeps: no user setting selects them.
 
 use super::report::CaseReport;
 use crate::scene::Scene;
@@ -16,30 +15,30 @@ use crate::trace::{
 /// Minimum distances in metres.
 pub const MIN_DISTANCES: [f32; 6] = [1e-4, 1e-3, 1e-2, 0.03, 0.1, 0.3];
 
-/// Minimum distance in metres that the thesis' algorithm gets most waves right with.
+/// Minimum distance in metres with which the thesis' algorithm traces most waves correctly.
 pub const CAREFUL: f32 = 1e-3;
 
-/// Iterations, the default in the middle.
+/// Numbers of iterations, with the default in the middle.
 pub const ITERATIONS: [u32; 3] = [4, 8, 16];
 
-/// Waves of each profile's defaults, and of rows that change anything else.
+/// Number of waves of each profile's defaults, and of rows that change another setting.
 pub const BASE_WAVES: u32 = 65_536;
 
-/// The same in the quick sweep: at 16 seeds a row, more would take too long.
+/// The same in the quick sweep: with 16 seeds per row, more would take too long.
 pub const QUICK_WAVES: u32 = 32_768;
 
 /// The same in the short sweep.
 pub const SHORT_WAVES: u32 = 16_384;
 
-/// Waves of `thesis` in the short sweep of a scene whose surfaces lie in cells.
+/// Number of waves of `thesis` in the short sweep of a scene with surfaces in cells.
 const SHORT_THESIS_WAVES: u32 = 1024;
 
 /// Settings with a name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Case {
-    /// What is changed from the profile's defaults.
+    /// The difference from the profile's defaults.
     pub label: String,
-    /// What to run.
+    /// The settings.
     pub settings: Settings,
 }
 
@@ -51,7 +50,7 @@ impl Case {
         }
     }
 
-    /// The same with one thing changed.
+    /// Returns the case with one change.
     fn but(&self, label: &str, change: impl FnOnce(&mut Settings)) -> Case {
         let mut settings = self.settings.clone();
         change(&mut settings);
@@ -62,7 +61,7 @@ impl Case {
         Case { label, settings }
     }
 
-    /// The same marched in another way; of other algorithms the same.
+    /// Returns the case with another way to march; unchanged for other algorithms.
     fn marched(&self, label: &str, change: impl FnOnce(&mut MarchVariant)) -> Case {
         self.but(label, |settings| {
             if let Algorithm::March(march) = &mut settings.algorithm {
@@ -71,7 +70,7 @@ impl Case {
         })
     }
 
-    /// What the report contains of it in a scene.
+    /// The case in the report of a scene.
     pub fn report(&self, scene: &Scene) -> CaseReport {
         let settings = &self.settings;
         let (min_distance, exact_normals, projection) = match &settings.algorithm {
@@ -101,7 +100,7 @@ impl Case {
     }
 }
 
-/// What is computed: equal where settings differ in nothing that comes to pass.
+/// Normalises settings: equal results mean equal computations.
 fn computed(settings: &Settings) -> Settings {
     Settings {
         iterations_per_pass: settings.iterations_per_pass.min(settings.iterations),
@@ -109,7 +108,7 @@ fn computed(settings: &Settings) -> Settings {
     }
 }
 
-/// One thing at a time.
+/// Changes one setting at a time.
 pub fn quick() -> Vec<Case> {
     let mut cases = Vec::new();
     for profile in Profile::ALL {
@@ -135,9 +134,9 @@ pub fn quick() -> Vec<Case> {
     named(cases)
 }
 
-/// One thing at a time, but only what a scene of marched fields or of cells has an answer of its
-/// own to. Where surfaces lie in cells a wave of `thesis` takes some thirty times as long as one of
-/// `hybrid`, so that there are few of them, and only its defaults.
+/// Changes one setting at a time, but only those with a specific effect on marched fields or cells.
+/// If surfaces lie in cells, a wave of `thesis` takes about thirty times as long as one of
+/// `hybrid`, so it gets few waves, and only its defaults.
 pub fn short(in_cells: bool) -> Vec<Case> {
     let mut cases = Vec::new();
     for profile in Profile::ALL {
@@ -162,7 +161,7 @@ pub fn short(in_cells: bool) -> Vec<Case> {
     named(cases)
 }
 
-/// The product, and options beside it.
+/// All combinations of settings, and the options in addition.
 pub fn full() -> Vec<Case> {
     let mut cases = quick();
     for profile in Profile::ALL {
@@ -187,7 +186,7 @@ pub fn full() -> Vec<Case> {
     named(cases)
 }
 
-/// Labels without an empty part, each computation once.
+/// Removes empty parts of labels, and duplicate computations.
 fn named(cases: Vec<Case>) -> Vec<Case> {
     let mut kept: Vec<Case> = Vec::new();
     for mut case in cases {
@@ -234,7 +233,7 @@ fn turned(case: &Case, directions: Directions) -> Case {
     }
 }
 
-/// Each option alone.
+/// Cases with each option alone.
 fn options(base: &Case) -> Vec<Case> {
     let mut cases = vec![
         base.but("fibonacci", |s| s.directions = Directions::Fibonacci),
@@ -272,7 +271,8 @@ fn options_together(base: &Case) -> Vec<Case> {
     cases
 }
 
-/// All iterations in one pass, or not, unlike the profile's default.
+/// Switches between all iterations in one pass and one per pass, whichever is not the profile's
+/// default.
 fn other_passes(base: &Case) -> Case {
     match base.settings.iterations_per_pass {
         1 => base.but("fused", |s| s.iterations_per_pass = MAX_ITERATIONS),
@@ -280,7 +280,7 @@ fn other_passes(base: &Case) -> Case {
     }
 }
 
-/// Waves that stop anywhere in the shell need one that is not everywhere.
+/// Without projection waves stop anywhere in the shell, so the shell is set to a stated width.
 fn no_projection(base: &Case, metres: f32) -> Case {
     base.marched(&format!("{metres} m, no projection"), |v| {
         v.projection = false;
@@ -288,14 +288,14 @@ fn no_projection(base: &Case, metres: f32) -> Case {
     })
 }
 
-/// Normals as the thesis takes them, at its own step.
+/// Normals computed as in the thesis, with its own step.
 fn difference_normals(base: &Case) -> Case {
     base.marched("difference normals", |v| {
         v.difference_normals = Some(ThesisOptions::default().normal_step);
     })
 }
 
-/// All that can make a profile's defaults faster, or better, without making them worse.
+/// All options that can make a profile's defaults faster or better without making them worse.
 fn every(base: &Case) -> Case {
     base.but("GPU sum, fibonacci", |s| {
         s.sum_on_gpu = true;
@@ -309,7 +309,7 @@ mod tests {
     use crate::scene::shape::Torus;
     use crate::scene::{Node, Surface};
 
-    /// Protects the sweep from settings that cannot be traced, and from doing work twice.
+    /// Protects the sweep from settings that cannot be traced, and from duplicate work.
     #[test]
     fn every_case_is_valid_and_there_once() {
         for cases in [short(false), short(true), quick(), full()] {
@@ -336,8 +336,8 @@ mod tests {
         }
     }
 
-    /// Protects "fused" from settings that the tracer does not follow: what fits a pass is computed
-    /// by the tracer's own rule, and depends on the scene.
+    /// Protects "fused" from settings that the tracer does not use: the tracer's own rule
+    /// determines what fits a pass, and depends on the scene.
     #[test]
     fn fused_is_what_runs_in_one_pass() {
         let corner = Scene::builtin("corner").unwrap();

@@ -1,4 +1,4 @@
-//! The project's own target figures, measured and compared with their bounds.
+//! The project's own targets, measured and compared with their bounds.
 
 use super::measure::wave_errors;
 use super::plan::ROOMS;
@@ -13,20 +13,20 @@ use crate::stats::median;
 use crate::trace::{Profile, Settings, ThesisOptions, Tracer};
 use glam::Vec3;
 
-/// Waves of the targets on single waves and on speed.
+/// Number of waves for the targets on single waves and on speed.
 const WAVES: u32 = 262_144;
 
-/// Waves of the target on hits by order.
+/// Number of waves for the target on hits by order.
 const MANY_WAVES: u32 = 1 << 20;
 
-/// Timed frames of each profile.
+/// Number of timed frames per profile.
 const FRAMES: usize = 5;
 
-/// Measures all of them, in the thesis' rooms and the shoebox; those on efficiency are of the
-/// default rows of `scenes`.
+/// Measures all targets, in the thesis' rooms and the shoebox; those on efficiency use the default
+/// rows of `scenes`.
 ///
 /// # Errors
-/// Those of [`Tracer::frame`].
+/// Errors of [`Tracer::frame`].
 pub fn measure(tracer: &mut Tracer, scenes: &[SceneReport]) -> Result<Vec<Target>, Error> {
     let mut targets = vec![hits_by_order(tracer, MANY_WAVES)?];
     let corner = Scene::builtin("corner")?;
@@ -65,8 +65,8 @@ impl Target {
     }
 }
 
-/// Waves heard in each iteration, from frames of one iteration more each, against the image
-/// sources.
+/// Compares the waves heard in each iteration, from frames with one iteration more each, with the
+/// image sources.
 fn hits_by_order(tracer: &mut Tracer, waves: u32) -> Result<Target, Error> {
     let scene = Scene::builtin("shoebox")?;
     let settings = Settings::hybrid().with_waves(waves);
@@ -133,7 +133,7 @@ fn single_waves(tracer: &mut Tracer, corner: &Scene) -> Result<Vec<Target>, Erro
     ])
 }
 
-/// Whole frames in turns, against the thesis' algorithm at its careful distance.
+/// Times whole frames in turns, compared with the thesis' algorithm at its careful distance.
 fn speeds(tracer: &mut Tracer, corner: &Scene) -> Result<Vec<Target>, Error> {
     let careful = Settings::new(ThesisOptions::default().with_min_distance(CAREFUL));
     let runs = [Settings::hybrid(), Settings::march(), careful]
@@ -175,7 +175,7 @@ fn efficiencies(scene: &SceneReport) -> Option<Target> {
     ))
 }
 
-/// For information: the thesis' algorithm with whatever settings suit it best.
+/// For information: the thesis' algorithm with its best settings.
 fn against_the_best_thesis(scene: &SceneReport) -> Option<Target> {
     let hybrid = default_row(scene, Profile::Hybrid)?;
     let name = Profile::Thesis.to_string();
@@ -198,7 +198,7 @@ fn against_the_best_thesis(scene: &SceneReport) -> Option<Target> {
 mod tests {
     use super::*;
 
-    /// Protects "met" from being anything but a comparison.
+    /// Protects "met": it is the comparison with the bound.
     #[test]
     fn targets_are_held_against_their_bounds() {
         assert_eq!(Target::at_most("", 2.0, 2.0).met, Some(true));

@@ -1,4 +1,4 @@
-//! Results of the exact geometry, each computed once.
+//! Results of the exact geometry, each computed only once.
 
 use super::directions::lattice;
 use super::report::Limit;
@@ -10,41 +10,41 @@ use glam::Vec3;
 use std::collections::HashMap;
 use std::rc::Rc;
 
-/// Directions traced at a time: as many as fit in memory with ease.
+/// Number of directions traced at a time, limited by memory.
 const PART: usize = 1 << 20;
 
-/// What start directions depend on: their set, the number of waves, the seed. They are the same
+/// The parameters of start directions: their set, the number of waves, the seed. They are the same
 /// for every profile.
 type Start = (Directions, u32, u32);
 
-/// A scene with all that is known of it.
+/// A scene with its exact results.
 pub struct Truth<'a> {
     /// The scene.
     pub scene: &'a Scene,
-    /// The same in `f64`.
+    /// The scene in `f64`.
     pub exact: ExactScene,
-    /// Directions that the limits are taken over.
+    /// Number of directions for the limits.
     limit_directions: u64,
-    /// By iterations, from 0: as far as they were requested.
+    /// Limits by iterations, from 0 up to the largest requested number.
     limits: Vec<Limit>,
-    /// The panning by iterations.
+    /// Panning by iterations.
     twins: HashMap<Start, Vec<f64>>,
-    /// By start and iterations: the waves themselves.
+    /// The waves themselves, by start and iterations.
     followed: HashMap<(Start, u32), Rc<[ExactWave]>>,
 }
 
-/// Sides of arrivals, summed by the order that they arrived in.
+/// Sums over the arrivals' sides, by the iteration of arrival.
 struct Arrivals {
     sides: Vec<f64>,
     heard: Vec<u64>,
 }
 
 impl<'a> Truth<'a> {
-    /// The truth about `scene`, nothing of it known yet; limits will be taken over so many
+    /// The exact results of `scene`, initially empty; limits will use `limit_directions`
     /// directions.
     ///
     /// # Errors
-    /// [`Error::Scene`] for a scene that is not valid.
+    /// [`Error::Scene`] for an invalid scene.
     pub fn new(scene: &'a Scene, limit_directions: u64) -> Result<Truth<'a>, Error> {
         Ok(Truth {
             scene,
@@ -62,7 +62,7 @@ impl<'a> Truth<'a> {
         self.exact.trace_all(start, directions, iterations)
     }
 
-    /// The exact waves of the start directions of these settings, which are `starts`: followed
+    /// Returns the exact waves of the start directions `starts` of these settings: followed only
     /// once, whatever the other settings.
     pub fn twins(&mut self, settings: &Settings, starts: &[Vec3]) -> Rc<[ExactWave]> {
         let key = (start(settings), settings.iterations);
@@ -74,9 +74,9 @@ impl<'a> Truth<'a> {
         waves
     }
 
-    /// Finds the panning of many waves for each number of iterations up to `most`, as
-    /// [`Truth::limit`] would: all at once, for the price of one. From two lattices of half
-    /// of the directions each.
+    /// Computes the limit of many waves for each number of iterations up to `most`, as
+    /// [`Truth::limit`] would, all at the cost of one. Each of the two lattices has half of the
+    /// directions.
     pub fn find_limits(&mut self, most: u32) {
         let half = (self.limit_directions / 2).max(1);
         let [upright, turned] = [false, true].map(|t| self.arrivals(&lattice(half, t), most));
@@ -94,7 +94,7 @@ impl<'a> Truth<'a> {
         self.limits = (0..=most).map(limit).collect();
     }
 
-    /// The panning of many waves: traced unless [`Truth::find_limits`] went as far.
+    /// Returns the limit of many waves: traced unless [`Truth::find_limits`] has computed it.
     pub fn limit(&mut self, iterations: u32) -> Limit {
         if self.limits.len() <= iterations as usize {
             self.find_limits(iterations);
@@ -102,12 +102,12 @@ impl<'a> Truth<'a> {
         self.limits[iterations as usize]
     }
 
-    /// The exact panning of the very waves that the GPU starts with these settings.
+    /// Returns the exact panning of the waves that the GPU starts with these settings.
     ///
-    /// `most`: iterations that will ever be requested with these waves.
+    /// `most`: the largest number of iterations that will be requested with these waves.
     ///
     /// # Errors
-    /// Those of [`Tracer::frame`].
+    /// Errors of [`Tracer::frame`].
     pub fn pan_of_twins(
         &mut self,
         tracer: &mut Tracer,
@@ -152,7 +152,7 @@ impl Arrivals {
         self.heard[..iterations as usize].iter().sum()
     }
 
-    /// The panning after so many iterations: 0 when nothing arrived.
+    /// The panning after the given number of iterations: 0 without arrivals.
     fn pan(&self, iterations: u32) -> f64 {
         let side: f64 = self.sides[..iterations as usize].iter().sum();
         match self.heard(iterations) {
@@ -166,7 +166,7 @@ fn start(settings: &Settings) -> Start {
     (settings.directions, settings.waves, settings.seed)
 }
 
-/// Where the waves of these settings start: the same for every profile.
+/// The start directions of these settings: the same for every profile.
 fn start_directions(
     tracer: &mut Tracer,
     scene: &Scene,
@@ -183,7 +183,7 @@ mod tests {
     use super::*;
     use crate::reference::ShoeboxImages;
 
-    /// Protects the limit: of the same directions it hears what the image sources do.
+    /// Protects the limit: with the same directions it has the hits of the image sources.
     #[test]
     fn the_limit_of_the_shoebox_is_that_of_its_images() {
         let scene = Scene::builtin("shoebox").unwrap();

@@ -1,18 +1,18 @@
-//! The conclusion of the report, in sentences.
+//! The conclusions of the report, in sentences.
 
 use super::change::Change;
 use super::options::AS_ASKED;
 use super::surfaces::{SurfaceRow, Verdict};
 use super::{CostReport, OptionRow};
 
-/// Noise of the waves heard, in percent, from which on it hides what can be heard.
+/// Noise of the waves heard, in percent, above which it hides audible changes.
 const MUCH_NOISE: f64 = 5.0;
 
 pub(super) fn sentences(report: &CostReport) -> Vec<String> {
     if report.noise.heard <= 0.0 {
         return vec![
-            "Nothing is heard with everything in, so it cannot be told what could be left out; \
-             the times stand."
+            "Nothing is heard in the complete scene, so surfaces to leave out cannot be found; \
+             the times are valid."
                 .to_owned(),
         ];
     }
@@ -20,7 +20,7 @@ pub(super) fn sentences(report: &CostReport) -> Vec<String> {
     all.extend(of_options(report));
     if report.noise.heard_percent > MUCH_NOISE {
         all.push(format!(
-            "Only {:.0} waves are heard (by another seed {:.0} % more or fewer): more --waves would \
+            "Only {:.0} waves are heard (another seed changes this by {:.0} %): more --waves would \
              help.",
             report.noise.heard, report.noise.heard_percent
         ));
@@ -63,19 +63,19 @@ fn of_surfaces(report: &CostReport) -> String {
     let heard = |row: &&SurfaceRow| row.verdict == Verdict::IsHeard;
     match report.surfaces.iter().filter(heard).max_by(by_saved) {
         Some(dearest) if saved_of_frame(dearest) > 0.0 => format!(
-            "No surface can be left out unheard. The dearest is {}: {:.0} % of a frame; {}.",
+            "Every surface is heard. The most expensive is {}: {:.0} % of a frame; {}.",
             dearest.name,
             saved_of_frame(dearest),
             dearest.change.map_or(String::new(), in_words)
         ),
-        Some(_) => "No surface can be left out unheard, and none saves time that could be \
+        Some(_) => "Every surface is heard, and leaving one out saves no time that could be \
                     measured."
             .to_owned(),
-        None => "There is but this one surface: nothing can be left out.".to_owned(),
+        None => "The scene has only this surface, so it cannot be left out.".to_owned(),
     }
 }
 
-/// The same as the beginning of a sentence.
+/// Returns the name capitalised for the beginning of a sentence.
 fn capitalised(name: &str) -> String {
     let mut letters = name.chars();
     let first = letters.next().map(|c| c.to_ascii_uppercase());
@@ -89,7 +89,8 @@ fn in_words(change: Change) -> String {
     )
 }
 
-/// None where no option saves time unheard.
+/// Returns a sentence on options that save time without an audible change; `None` if there are
+/// none.
 fn of_options(report: &CostReport) -> Option<String> {
     let saves = |row: &&OptionRow| {
         row.against == AS_ASKED
@@ -107,7 +108,7 @@ fn of_options(report: &CostReport) -> Option<String> {
         .map(|row| format!("{} ({:.0} %)", row.name, row.total.saved_percent))
         .collect();
     Some(format!(
-        "Unheard, and quicker by so much of a frame: {}.",
+        "Options that save time without an audible change (percent of a frame): {}.",
         told.join(", ")
     ))
 }

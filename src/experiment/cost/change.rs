@@ -1,44 +1,43 @@
-//! What a change does to what is heard, beside what another seed does to it.
+//! The effect of a change on the sound, compared with the effect of another seed.
 
 use crate::stats::mean;
 use crate::trace::{Frame, Panning};
 use serde::Serialize;
 
-/// A change over several pairs of frames.
+/// The size of a change over several pairs of frames.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Size {
     /// The mean of the pairs, with its sign.
     pub mean: f64,
-    /// The root of the mean square: what a single frame is off by.
+    /// The root mean square: the typical change of a single frame.
     pub rms: f64,
 }
 
-/// What is heard otherwise, the same waves taken together.
+/// The audible change between frames of the same waves.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Change {
-    /// Share of the waves that is heard, in percent of the share before.
+    /// Change of the share of waves heard, in percent of the previous share.
     pub heard_percent: Size,
-    /// The panning value (−1 to 1).
+    /// Change of the panning value (−1 to 1).
     pub pan: Size,
-    /// The level at the ear at which it changes more, in dB, a heard wave being so much
-    /// energy; `None` when an ear falls silent, or hears at last.
+    /// Change of the level in dB, at the ear with the larger change, with the same energy for every
+    /// heard wave; `None` if an ear falls silent, or begins to hear.
     pub level_db: Option<Size>,
 }
 
-/// What another seed changes, with everything in: the root mean square of two seeds'
-/// difference.
+/// The effect of another seed on the complete scene: the root mean square difference of two seeds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Noise {
-    /// Seeds that it was taken from.
+    /// Number of seeds.
     pub seeds: u32,
-    /// Waves heard, of all waves of a frame (the mean over the seeds).
+    /// Share of all waves of a frame that are heard (the mean over the seeds).
     pub heard: f64,
-    /// Of the share of waves heard, in percent of it.
+    /// Noise of the share of waves heard, in percent of it.
     pub heard_percent: f64,
-    /// Of the panning value.
+    /// Noise of the panning value.
     pub pan: f64,
-    /// Of the level at the worse ear, in dB; `None` when an ear hears nothing by some seed,
-    /// and no change of level is beyond noise.
+    /// Noise of the level at the worse ear, in dB; `None` if an ear hears nothing with some seed:
+    /// then every change of level is within noise.
     pub level_db: Option<f64>,
 }
 
@@ -53,7 +52,8 @@ impl Size {
 }
 
 impl Change {
-    /// Of pairs of frames with so many waves; `None` where nothing was heard before.
+    /// The change between pairs of frames with these numbers of waves; `None` if nothing was heard
+    /// before.
     pub(super) fn of(base: (&[Frame], u32), changed: (&[Frame], u32)) -> Option<Change> {
         let shares = |(frames, waves): (&[Frame], u32)| -> Vec<f64> {
             frames.iter().map(|f| heard(f) / f64::from(waves)).collect()
@@ -77,7 +77,7 @@ impl Change {
         })
     }
 
-    /// Whether another seed changes as much in every measure.
+    /// Whether another seed has at least the same effect in every measure.
     pub fn is_within(&self, noise: &Noise) -> bool {
         let level = match (self.level_db, noise.level_db) {
             (_, None) => true,
@@ -89,7 +89,7 @@ impl Change {
 }
 
 impl Noise {
-    /// Of frames of one scene that differ in nothing but the seed.
+    /// The noise of frames of one scene that differ only in the seed.
     pub(super) fn of(frames: &[Frame], waves: u32) -> Noise {
         let mean_heard = mean(frames.iter().map(heard)).unwrap_or(0.0);
         let percent = match mean_heard > 0.0 {
@@ -119,7 +119,7 @@ fn heard(frame: &Frame) -> f64 {
     frame.counts.listener_hits as f64
 }
 
-/// The change of level at the ear at which it is larger, in dB.
+/// The change of level in dB, at the ear with the larger change.
 fn level(before: &Panning, after: &Panning, gain: f64) -> Option<f64> {
     let of = |before: f64, after: f64| match (before > 0.0, after > 0.0) {
         (true, true) => Some(10.0 * (gain * after / before).log10()),
@@ -135,7 +135,7 @@ fn level(before: &Panning, after: &Panning, gain: f64) -> Option<f64> {
     })
 }
 
-/// The root mean square of the difference of two such values: √2 standard deviations.
+/// The root mean square difference of two such values: √2 standard deviations.
 fn of_two(values: impl Iterator<Item = f64> + Clone) -> f64 {
     let count = values.clone().count() as f64;
     if count < 2.0 {
@@ -162,7 +162,8 @@ mod tests {
         }
     }
 
-    /// Protects the measures: signs, units, and that half the waves are no half of the sound.
+    /// Protects the measures: signs, units, and that half of the waves does not mean half of the
+    /// sound.
     #[test]
     fn changes_are_taken_by_the_share_of_waves() {
         let base = [frame(50.0, 50.0)];
@@ -175,7 +176,7 @@ mod tests {
         assert!((less.level_db.unwrap().mean + 10.0).abs() < 1e-12);
     }
 
-    /// Protects the ends: an ear that falls silent is beyond any noise, silence has no change.
+    /// Protects the limits: an ear that falls silent exceeds any noise, and silence has no change.
     #[test]
     fn silence_is_no_number() {
         let (base, silent) = ([frame(5.0, 5.0)], [frame(0.0, 0.0)]);

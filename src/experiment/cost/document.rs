@@ -1,4 +1,4 @@
-//! The report: one table of everything that was changed, and what follows from it.
+//! The report: one table of all changes, and the conclusions.
 
 use super::{Change, CostReport, Noise, OptionRow, ShaderReport, SurfaceRow, Timing, Verdict};
 use crate::report::{Cell, Column, Document, Report, Row, Table};
@@ -26,11 +26,11 @@ struct Line<'a> {
     leaves_cells: bool,
 }
 
-/// What is heard otherwise.
+/// The audible change of a row.
 enum Heard<'a> {
-    /// By another seed.
+    /// Of another seed.
     Noise(&'a Noise),
-    /// By a change; `None` where it cannot be estimated.
+    /// Of a change; `None` if it cannot be estimated.
     Change(Option<&'a Change>),
 }
 
@@ -81,7 +81,7 @@ impl<'a> Line<'a> {
         }
     }
 
-    /// What is changed, and what it is compared with, if not the requested settings.
+    /// The change, and what it is compared with if not the requested settings.
     fn change(&self) -> String {
         if self.verdict.is_none() {
             return "another seed".to_owned();
@@ -125,7 +125,7 @@ impl<'a> Line<'a> {
         })
     }
 
-    /// Only where it can be estimated.
+    /// `None` if it cannot be estimated.
     fn within_noise(&self) -> Option<bool> {
         match self.heard {
             Heard::Change(Some(_)) => Some(self.verdict == Some(Verdict::CanBeLeftOut)),
@@ -176,7 +176,7 @@ fn times<R>(of: &str, timing: impl Fn(&R) -> Option<Timing> + Copy + 'static) ->
     PARTS.map(column).into()
 }
 
-/// Of noise there is no mean.
+/// Noise has no mean.
 fn heard<'a>() -> Vec<Column<Line<'a>>> {
     fn both(
         line: &Line,

@@ -1,9 +1,9 @@
-//! What each surface and each option costs, and what could be left out at which error.
+//! The cost of each surface and option, and the error of leaving it out.
 //!
-//! Everything is measured in pairs: a frame with all in it beside a frame that is changed in
-//! one thing, in turns, of the same waves, a seed a run. What the change saves is the median
-//! of the pairs' differences. What it changes is set against what another seed changes: less
-//! than that cannot be heard, for any frame has it.
+//! Everything is measured in pairs: a complete frame beside a frame with one change, in turns, with
+//! the same waves and one seed per run. The saving is the median of the pairs' differences. The
+//! audible change is compared with the effect of another seed: a smaller change is inaudible, as
+//! every frame has it.
 
 mod advice;
 mod change;
@@ -25,13 +25,13 @@ use crate::trace::{Frame, Settings, Tracer};
 use pair::{Case, pair};
 use serde::Serialize;
 
-/// Frames, a seed each, that the noise is taken from.
+/// Number of frames, each with its own seed, for the noise.
 const NOISE_SEEDS: u32 = 8;
 
-/// What to run.
+/// The options of a run.
 #[derive(Clone, Debug)]
 pub struct CostOptions {
-    /// Pairs of frames for each row, a seed each; at least 1.
+    /// Number of pairs of frames per row, each with its own seed; at least 1.
     pub runs: u32,
 }
 
@@ -41,14 +41,14 @@ impl Default for CostOptions {
     }
 }
 
-/// What everything costs.
+/// The cost of everything.
 #[derive(Clone, Debug, Serialize)]
 pub struct CostReport {
     /// The scene's name.
     pub scene: String,
     /// The renderer's name.
     pub renderer: String,
-    /// How the times of passes were taken.
+    /// The kind of clock that timed the passes.
     pub clock: String,
     /// Name of the profile.
     pub profile: String,
@@ -56,37 +56,37 @@ pub struct CostReport {
     pub waves: u32,
     /// Iterations of every wave.
     pub iterations: u32,
-    /// The first seed; each run takes the next one.
+    /// The first seed; each run uses the next one.
     pub seed: u32,
     /// Name of the start directions.
     pub directions: String,
     /// Pairs of frames for each row.
     pub runs: u32,
-    /// The march of everything beside everything: what the clock makes of no difference.
+    /// The march of the complete frame compared with itself: the noise of the clock.
     pub control: Timing,
-    /// The same of the whole frame.
+    /// The same for the whole frame.
     pub control_total: Timing,
-    /// What another seed changes.
+    /// The effect of another seed.
     pub noise: Noise,
-    /// Waves that were followed to see what they meet.
+    /// Number of waves followed to find the surfaces that they meet.
     pub followed: u32,
-    /// Whether there are so many surfaces that they are taken by kind.
+    /// Whether surfaces are grouped by kind, as there are too many.
     pub by_kind: bool,
-    /// In the order of the scene.
+    /// The rows of the surfaces, in the order of the scene.
     pub surfaces: Vec<SurfaceRow>,
-    /// Settings, each changed alone.
+    /// The rows of the settings, each changed alone.
     pub options: Vec<OptionRow>,
-    /// What is in the shader.
+    /// The contents of the shader.
     pub shader: ShaderReport,
-    /// What follows from it, in sentences.
+    /// The conclusions, in sentences.
     pub advice: Vec<String>,
 }
 
-/// Measures a scene as it stands, at these settings. `progress` is called with rows done and
-/// rows in all.
+/// Measures a scene in its present state, with these settings. `progress` receives the rows done
+/// and the total.
 ///
 /// # Errors
-/// Those of [`Tracer::frame`].
+/// Errors of [`Tracer::frame`].
 pub fn measure(
     tracer: &mut Tracer,
     scene: &Scene,
@@ -94,7 +94,7 @@ pub fn measure(
     options: &CostOptions,
     progress: &mut dyn FnMut(u64, u64),
 ) -> Result<CostReport, Error> {
-    // A whole frame first: what cannot be traced is told before anything is changed.
+    // A whole frame first, so that a scene that cannot be traced fails before anything is changed.
     tracer.frame(scene, settings)?;
     let rows = surfaces::rows(scene);
     let variants = options::variants(settings);
@@ -107,7 +107,7 @@ pub fn measure(
     let base = Case { scene, settings };
     let runs = options.runs.max(1);
     let control = pair(tracer, base, base, runs)?;
-    // Of no difference nothing is beyond noise.
+    // The control pair has no difference, so it is always within noise.
     let (march, total_time) = (control.march(f64::INFINITY), control.total(f64::INFINITY));
     let seeded = seeded_frames(tracer, base)?;
     let noise = Noise::of(&seeded, settings.waves);
@@ -147,11 +147,11 @@ pub fn measure(
     Ok(report)
 }
 
-/// What every row is measured against.
+/// The reference that every row is compared with.
 struct Bench<'a> {
     base: Case<'a>,
     runs: u32,
-    /// What the clock makes of no difference, of the march and of the whole frame.
+    /// The noise of the clock for the march and the whole frame.
     control_percent: f64,
     control_total_percent: f64,
     noise: &'a Noise,

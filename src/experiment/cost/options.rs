@@ -1,4 +1,4 @@
-//! What each option costs or saves, changed alone.
+//! The cost or saving of each option, changed alone.
 
 use super::Bench;
 use super::change::Change;
@@ -10,33 +10,33 @@ use serde::Serialize;
 /// One setting changed.
 #[derive(Clone, Debug, Serialize)]
 pub struct OptionRow {
-    /// What is changed, as it is typed where it can be.
+    /// The change, as it is typed if it is an option.
     pub name: String,
-    /// What it is compared with: `as asked`, or another profile.
+    /// The reference of the comparison: `as asked`, or another profile.
     pub against: String,
-    /// What the change saves of the march.
+    /// The march time that the change saves.
     pub march: Timing,
-    /// What it saves of the whole frame.
+    /// The whole frame's time that it saves.
     pub total: Timing,
-    /// What is heard otherwise; `None` where nothing is heard without the change.
+    /// The audible change; `None` if nothing is heard without the change.
     pub change: Option<Change>,
-    /// Whether another seed changes as much.
+    /// Whether another seed has at least the same effect.
     pub within_noise: bool,
 }
 
 /// The value of [`OptionRow::against`] for the requested settings.
 pub(super) const AS_ASKED: &str = "as asked";
 
-/// Settings that are changed in one thing.
+/// Settings with one change.
 pub(super) struct Variant {
     name: String,
-    /// What they are compared with, if not with the settings requested.
+    /// The reference of the comparison, if not the requested settings.
     against: Option<Settings>,
     settings: Settings,
 }
 
-/// The variants of settings; what makes no sense for them is left out, and so is what differs by
-/// less than a busy processor does from run to run (docs/cost.md).
+/// The variants of the requested settings, without invalid ones and without those whose effect is
+/// below the noise of a busy processor (docs/cost.md).
 pub(super) fn variants(asked: &Settings) -> Vec<Variant> {
     let mut all = Vec::new();
     let mut add = |name: &str, settings: Settings| {
@@ -70,7 +70,7 @@ pub(super) fn variants(asked: &Settings) -> Vec<Variant> {
     all
 }
 
-/// A march that is projected onto no surface, beside a march.
+/// A march without projection onto surfaces, compared with a march.
 fn of_march(asked: &Settings) -> Option<Variant> {
     let is_march = asked.profile() == Profile::March;
     let march = match is_march {
@@ -90,7 +90,7 @@ fn of_march(asked: &Settings) -> Option<Variant> {
     })
 }
 
-/// Measures every variant beside what it is compared with.
+/// Compares every variant with its reference.
 pub(super) fn measure(
     tracer: &mut Tracer,
     bench: &Bench,

@@ -1,4 +1,4 @@
-//! Two frames beside each other, again and again, and the difference of their times.
+//! Repeated pairs of frames, and the differences of their times.
 
 use crate::error::Error;
 use crate::scene::Scene;
@@ -6,25 +6,25 @@ use crate::stats::{median, quantiles};
 use crate::trace::{Frame, Milliseconds, Settings, Tracer};
 use serde::Serialize;
 
-/// What a frame is made of.
+/// Scene and settings of a frame.
 #[derive(Clone, Copy)]
 pub(super) struct Case<'a> {
     pub scene: &'a Scene,
     pub settings: &'a Settings,
 }
 
-/// Frames of two cases, run by run, of the same seeds.
+/// Frames of two cases, run by run, with the same seeds.
 pub(super) struct Pair {
     pub base: Vec<Frame>,
     pub changed: Vec<Frame>,
 }
 
-/// What a change saves of a time.
+/// The time that a change saves.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Timing {
-    /// Median with everything as it was, in milliseconds.
+    /// Median time without the change, in milliseconds.
     pub base_ms: f64,
-    /// Median with the change, in milliseconds.
+    /// Median time with the change, in milliseconds.
     pub changed_ms: f64,
     /// Median of the differences run by run, in milliseconds; negative if the change costs.
     pub saved_ms: f64,
@@ -32,12 +32,11 @@ pub struct Timing {
     pub saved_percent: f64,
     /// Half the distance between the quartiles of these differences, in milliseconds.
     pub spread_ms: f64,
-    /// Whether the difference is larger than its spread and what the clock makes of no
-    /// difference at all.
+    /// Whether the difference exceeds both its spread and the noise of the clock.
     pub beyond_noise: bool,
 }
 
-/// Runs both cases in turns; which goes first alternates.
+/// Runs both cases in turns, alternating the first.
 pub(super) fn pair(
     tracer: &mut Tracer,
     base: Case,
@@ -46,7 +45,8 @@ pub(super) fn pair(
 ) -> Result<Pair, Error> {
     tracer.frame(base.scene, base.settings)?;
     tracer.frame(changed.scene, changed.settings)?;
-    // Textures are made anew for another count of waves, and pages come with the first use.
+    // Another number of waves needs new textures, and memory pages are allocated at their first
+    // use.
     let warms = base.settings.waves != changed.settings.waves;
     let mut frame = |case: Case, run: u32| {
         let seed = case.settings.seed.wrapping_add(run);
@@ -73,12 +73,12 @@ pub(super) fn pair(
 }
 
 impl Pair {
-    /// Of the march passes; `control_percent` is what the clock makes of no difference.
+    /// Timing of the march passes; `control_percent` is the noise of the clock.
     pub fn march(&self, control_percent: f64) -> Timing {
         self.timing(|m| m.march, control_percent)
     }
 
-    /// Of the whole frame.
+    /// Timing of the whole frame.
     pub fn total(&self, control_percent: f64) -> Timing {
         self.timing(|m| m.total, control_percent)
     }
@@ -108,7 +108,7 @@ impl Pair {
 }
 
 impl Timing {
-    /// Noise of a saving in percent, from this pair without a difference.
+    /// Noise of a saving in percent, from this pair of equal cases.
     pub(super) fn own_noise_percent(&self) -> f64 {
         match self.base_ms > 0.0 {
             true => 100.0 * (self.saved_ms.abs() + self.spread_ms) / self.base_ms,
@@ -126,7 +126,7 @@ fn half_between_quartiles(values: Vec<f64>) -> f64 {
 mod tests {
     use super::half_between_quartiles;
 
-    /// Protects the figure by which a saving is called noise.
+    /// Protects the figure that decides whether a saving is noise.
     #[test]
     fn the_spread_is_half_of_the_middle_half() {
         assert_eq!(half_between_quartiles(vec![5.0, 1.0, 3.0, 2.0, 4.0]), 1.0);

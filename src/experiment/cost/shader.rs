@@ -1,26 +1,26 @@
-//! What is in the shader of a scene, and whether the scene has it.
+//! The contents of a scene's shader, compared with the scene.
 
 use crate::scene::shape::{Plane, code_lines};
 use crate::scene::{Node, Scene, Surface};
 use crate::trace::{Pass, Settings, shader_text};
 use serde::Serialize;
 
-/// The march pass of a scene, as the compiler gets it: without comments, empty lines and what
-/// its conditions leave out.
+/// The march pass of a scene as the compiler sees it: without comments, empty lines and parts
+/// excluded by conditions.
 #[derive(Clone, Debug, Serialize)]
 pub struct ShaderReport {
-    /// Lines.
+    /// Number of lines.
     pub lines: usize,
-    /// Functions.
+    /// Number of functions.
     pub functions: usize,
-    /// Lines for a scene of one plane, the least there is.
+    /// Number of lines for a scene of one plane, the minimum.
     pub least_lines: usize,
-    /// Functions for it.
+    /// Number of functions for it.
     pub least_functions: usize,
-    /// Shapes and operators that have functions in the text. What moves points only
-    /// (`Translate`, `Rotate` and their like) is written in place and has none.
+    /// Shapes and operators that have functions in the text. Those that only move points
+    /// (`Translate`, `Rotate` and similar) are written inline and have none.
     pub features: Vec<Feature>,
-    /// Functions that nothing calls.
+    /// Functions that are never called.
     pub unused_functions: Vec<String>,
 }
 
@@ -31,22 +31,22 @@ pub struct Feature {
     pub name: String,
     /// Whether it is in the scene.
     pub in_scene: bool,
-    /// What is in the scene and calls its functions.
+    /// The shapes and operators in the scene that call its functions.
     pub called_by: Vec<String>,
 }
 
-/// What functions of shapes and operators begin with.
+/// Prefixes of the functions of shapes and operators.
 const PREFIXES: [&str; 6] = ["sd", "gd", "hit", "project", "gradient", "op"];
 
-/// What they end with after the name.
+/// Suffixes after the name.
 const SUFFIXES: [&str; 2] = ["Directed", "Cap"];
 
-/// What such functions are called after without being a shape or an operator.
+/// Names in such functions that are neither a shape nor an operator.
 const HELPERS: [&str; 8] = [
     "Ball", "Chord", "Circle", "Corner", "Kind", "Listener", "OfKind", "OntoKind",
 ];
 
-/// Functions that are called otherwise.
+/// Functions with other names.
 const OTHERWISE: [(&str, &str); 4] = [
     ("repeatCopy", "Repeat"),
     ("repeatSide", "Repeat"),
@@ -54,7 +54,7 @@ const OTHERWISE: [(&str, &str); 4] = [
     ("bend", "Bend"),
 ];
 
-/// What calls the functions of others: a box is rounded, and a repeated thing is united.
+/// Shapes that call the functions of others: a box is rounded, and repeated copies are united.
 const CALLERS: [(&str, &str); 5] = [
     ("Box", "RoundedBox"),
     ("Box", "HeightField"),
@@ -64,7 +64,7 @@ const CALLERS: [(&str, &str); 5] = [
 ];
 
 impl ShaderReport {
-    /// Of the scene's march pass; needs no renderer.
+    /// Analyses the scene's march pass; needs no renderer.
     pub fn of(scene: &Scene, settings: &Settings) -> ShaderReport {
         let text = code(&shader_text(scene, settings, Pass::March));
         let mut least = scene.clone();
@@ -81,7 +81,7 @@ impl ShaderReport {
         }
     }
 
-    /// Names in the text that the scene has no use for.
+    /// Names in the text that the scene does not need.
     pub fn unneeded(&self) -> Vec<&str> {
         let is_unneeded = |f: &&Feature| !f.in_scene && f.called_by.is_empty();
         let unneeded = self.features.iter().filter(is_unneeded);
@@ -89,12 +89,12 @@ impl ShaderReport {
     }
 }
 
-/// The lines of a text that are code; all of a text that cannot be read.
+/// The lines of a text that are code; all lines if the text cannot be parsed.
 fn code(text: &str) -> Vec<String> {
     code_lines(text).unwrap_or_else(|_| text.lines().map(str::to_owned).collect())
 }
 
-/// The names and numbers of a line.
+/// The names and numbers in a line.
 fn words(line: &str) -> impl Iterator<Item = &str> {
     line.split(|c: char| !(c.is_ascii_alphanumeric() || c == '_'))
 }
@@ -125,7 +125,7 @@ fn names_in(scene: &Scene) -> Vec<&'static str> {
     names
 }
 
-/// The shape or operator that a function is of.
+/// The shape or operator that a function belongs to.
 fn feature(function: &str) -> Option<&str> {
     if let Some((_, name)) = OTHERWISE.iter().find(|(known, _)| *known == function) {
         return Some(name);
@@ -147,7 +147,7 @@ fn feature(function: &str) -> Option<&str> {
     }
 }
 
-/// Names of the functions that a text defines, one a definition.
+/// Names of the functions that a text defines, one per definition.
 fn defined(lines: &[String]) -> Vec<String> {
     let mut functions = Vec::new();
     let mut depth = 0_i64;
@@ -173,7 +173,7 @@ fn heading(line: &str) -> Option<&str> {
     is_heading.then_some(name)
 }
 
-/// Functions that are named nowhere but where they are defined.
+/// Functions that are named only in their definition.
 fn unused(lines: &[String], functions: &[String]) -> Vec<String> {
     let mut unused: Vec<String> = Vec::new();
     for name in functions.iter().filter(|name| *name != "main") {
@@ -209,7 +209,7 @@ mod tests {
         }
     }
 
-    /// Protects the count of functions, and the finding of those that are dead.
+    /// Protects the count of functions, and the detection of unused ones.
     #[test]
     fn definitions_are_counted_and_dead_ones_found() {
         let text = "float a(vec3 p) { return p.x; }\nfloat b(\n vec3 p) {\n float c = a(p);\n \

@@ -1,4 +1,4 @@
-//! What each surface costs, which waves meet it, and what is heard without it.
+//! The cost of each surface, the waves that meet it, and the audible change without it.
 
 use super::Bench;
 use super::change::Change;
@@ -10,49 +10,49 @@ use crate::scene::Scene;
 use crate::trace::Tracer;
 use serde::Serialize;
 
-/// Surfaces up to which each is measured alone; of more, each kind of shape is.
+/// Maximum number of surfaces measured one by one; above it each kind of shape is measured.
 pub const MOST_SURFACES: usize = 32;
 
-/// Waves followed at most, and their states at most.
+/// Maximum number of waves followed, and of their states.
 const MOST_FOLLOWED: u32 = 16_384;
 const MOST_STATES: u32 = 1 << 21;
 
 /// A surface, or all surfaces of a kind.
 #[derive(Clone, Debug, Serialize)]
 pub struct SurfaceRow {
-    /// What a sentence calls it.
+    /// Its name in a sentence.
     pub name: String,
     /// Their numbers, from 1.
     pub surfaces: Vec<usize>,
-    /// Waves that met one of them, of those that were followed.
+    /// Number of followed waves that met one of them.
     pub met: u32,
     /// The same in percent of the waves followed.
     pub met_percent: f64,
-    /// Lines of the shader that go with it; `None` as below.
+    /// Number of shader lines saved by leaving it out; `None` as below.
     pub lines: Option<i64>,
-    /// What leaving it out saves of the march; `None` where nothing would be left.
+    /// The march time saved by leaving it out; `None` if no surface would be left.
     pub march: Option<Timing>,
-    /// The same of the whole frame.
+    /// The same for the whole frame.
     pub total: Option<Timing>,
-    /// What is heard otherwise; `None` too where nothing is heard as it is.
+    /// The audible change; `None` also if nothing is heard with the surface.
     pub change: Option<Change>,
-    /// Whether so few surfaces are left that they no longer lie in cells.
+    /// Whether too few surfaces are left to lie in cells.
     pub leaves_cells: bool,
     /// Whether it can be left out.
     pub verdict: Verdict,
 }
 
-/// Whether surfaces can be left out.
+/// The verdict on leaving surfaces out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// Another seed changes as much.
+    /// Another seed has at least the same effect.
     CanBeLeftOut,
-    /// It is heard.
+    /// The change is audible.
     IsHeard,
     /// The scene would have no surface.
     LeavesNothing,
-    /// Nothing is heard with everything in, so there is no verdict.
+    /// Nothing is heard in the complete scene, so there is no verdict.
     NothingHeard,
 }
 
@@ -78,13 +78,13 @@ pub(super) fn rows(scene: &Scene) -> Vec<(String, Vec<usize>)> {
     kinds
 }
 
-/// How many waves met the surfaces of each row.
+/// Number of waves that met the surfaces of each row.
 pub(super) struct Met {
     pub followed: u32,
     by_row: Vec<u32>,
 }
 
-/// Follows waves, fewer than the frame has where these are many.
+/// Follows waves: fewer than those of the frame if it has many.
 pub(super) fn met(
     tracer: &mut Tracer,
     base: Case,
@@ -119,7 +119,7 @@ pub(super) fn met(
     Ok(Met { followed, by_row })
 }
 
-/// Measures every row, one left out at a time.
+/// Measures every row, leaving out one at a time.
 pub(super) fn measure(
     tracer: &mut Tracer,
     bench: &Bench,

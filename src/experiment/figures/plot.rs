@@ -12,11 +12,11 @@ const SHEET: Sheet = Sheet {
     title_height: 40,
     row_height: 340,
 };
-/// Pixels of a plot; the legend has the rest.
+/// Width of a plot in pixels; the legend takes the rest.
 const PLOT_WIDTH: u32 = 510;
 
-/// The thesis' two machines: greys. Colours for ours. Lines that come later lie on those before
-/// them: they are thinner, or have gaps, through which those below are seen.
+/// The thesis' two machines are grey, measured profiles coloured. Later lines are drawn over
+/// earlier ones: they are thinner, or have gaps, so that the earlier ones stay visible.
 const MOBILE: Stroke = stroke(RGBColor(185, 185, 185), 7, None);
 const DESKTOP: Stroke = stroke(RGBColor(110, 110, 110), 7, None);
 const BUDGET: Stroke = stroke(RGBColor(204, 121, 167), 1, Some((12, 4)));
@@ -41,7 +41,7 @@ struct Curve {
     points: Vec<Point>,
 }
 
-/// The report as an SVG picture: a row of two plots for each table, and what their lines mean.
+/// The report as an SVG picture: a row of two plots for each table, and the legend.
 ///
 /// # Errors
 /// When the drawing fails; the text contains the reason.
@@ -82,7 +82,7 @@ fn times_of(table: &FigureTable) -> Vec<Curve> {
     curves
 }
 
-/// On both of its machines the thesis counts the same.
+/// The thesis has the same counts on both of its machines.
 fn hits_of(table: &FigureTable) -> Vec<Curve> {
     let hits = |row: &FigureRow| row.thesis.listener_hits as f64;
     let mut curves = vec![thesis_curve(table, "printed", DESKTOP, hits)];
@@ -101,7 +101,7 @@ fn thesis_curve(
         .iter()
         .map(|r| (f64::from(r.waves), value(r)))
         .collect();
-    // Every profile's row repeats the thesis' own.
+    // Every profile's row repeats the thesis' row.
     points.dedup();
     Curve {
         label: label.to_owned(),

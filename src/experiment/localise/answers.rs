@@ -1,7 +1,7 @@
-//! The answers of a test person, as the form saves them: JSON, complete or interrupted.
+//! The answers of a test person in the form's file: JSON, complete or interrupted.
 //!
-//! Nothing is taken silently: a file is read in full or rejected with what is wrong in it, and
-//! a trial without an answer counts as such.
+//! A file is read in full or rejected with an error that names the problem, and a trial without an
+//! answer counts as such.
 
 use super::observer::Side;
 use crate::file_input::{InputError, read_text};
@@ -10,22 +10,22 @@ use crate::trace::Settings;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
-/// Trials in a form at most.
+/// Maximum number of trials in a form.
 pub const MOST_TRIALS: usize = 999;
 
 /// The type that a file of answers declares.
 pub const FORMAT: &str = "echomarch-localise-answers";
 
-/// The only version that is read: since 2 the order of the trials is each person's own.
+/// The only version that is read: since 2 each person has an own order of the trials.
 pub const VERSION: u32 = 2;
 
-/// Bytes of a file of answers at most: a form of 999 trials makes about one megabyte.
+/// Maximum size of a file of answers in bytes: a form of 999 trials makes about one megabyte.
 const LARGEST_FILE: u64 = 16 << 20;
 
-/// Confidence runs from 1, a guess, to this, certain.
+/// The largest confidence, certain; 1 is a guess.
 pub const MOST_CONFIDENT: u32 = 5;
 
-/// Saved answers of one person in one session, or several that follow each other.
+/// The saved answers of one person in one session, or of several successive saves.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Session {
@@ -33,9 +33,9 @@ pub struct Session {
     pub format: String,
     /// [`VERSION`].
     pub version: u32,
-    /// Which form: the same for all people who got the same.
+    /// The form's identifier: equal for all people with the same form.
     pub experiment: String,
-    /// Which session: made up by the form when it began.
+    /// The session's identifier: chosen by the form when it began.
     pub session: String,
     /// A code that the person chose; may be empty.
     pub participant: String,
@@ -43,10 +43,10 @@ pub struct Session {
     pub started: String,
     /// When the file was saved, in ISO 8601.
     pub saved: String,
-    /// What the page made the order from; none in files from before it was saved.
+    /// The seed from which the page computed the order; none in files from before it was saved.
     #[serde(default)]
     pub order_seed: Option<u32>,
-    /// The numbers of the trials in the order that they were heard in.
+    /// The numbers of the trials in the order in which they were heard.
     pub order: Vec<u32>,
     /// Every trial of the form, by number.
     pub trials: Vec<TrialAnswer>,
@@ -58,13 +58,13 @@ pub struct Session {
 pub struct TrialAnswer {
     /// Its number in the form, from 1.
     pub number: u32,
-    /// What was heard.
+    /// The sound that was played.
     pub stimulus: StimulusInfo,
     /// The answer.
     pub answer: Option<Answer>,
 }
 
-/// One sound in one setting, and where its source is.
+/// One sound in one setting, and the position of its source.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StimulusInfo {
@@ -78,9 +78,9 @@ pub struct StimulusInfo {
     pub law: String,
     /// Name of the profile.
     pub profile: String,
-    /// Waves.
+    /// Number of waves.
     pub waves: u32,
-    /// Iterations.
+    /// Number of iterations.
     pub iterations: u32,
     /// Seed of the waves.
     pub seed: u32,
@@ -88,37 +88,37 @@ pub struct StimulusInfo {
     pub pan: f64,
     /// Waves that arrived.
     pub hits: u64,
-    /// Straight to the source, right of the gaze, in degrees, −180 … 180.
+    /// The direction of the source, right of the gaze, in degrees, −180 … 180.
     pub source_azimuth_deg: f64,
-    /// The same as far as levels determine it, in degrees, −90 … 90.
+    /// The lateral angle of the source, which levels determine, in degrees, −90 … 90.
     pub source_lateral_deg: f64,
-    /// What the [`Observer`](super::Observer) answers to this very sound, in degrees.
+    /// The [`Observer`](super::Observer)'s answer to the same sound, in degrees.
     pub observer_lateral_deg: f64,
 }
 
-/// What a person answered.
+/// A person's answer.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Answer {
-    /// Where the plan was clicked, right of the listener, in metres.
+    /// The position clicked in the plan, right of the listener, in metres.
     pub right_m: f64,
     /// The same, ahead of the listener.
     pub ahead_m: f64,
-    /// The direction of that, right of the gaze, in degrees, −180 … 180.
+    /// The direction of the click, right of the gaze, in degrees, −180 … 180.
     pub azimuth_deg: f64,
-    /// From which side it seemed to come.
+    /// The side that the person chose.
     pub side: Side,
     /// 1, a guess, to [`MOST_CONFIDENT`], certain.
     pub confidence: u32,
-    /// How often it was played.
+    /// Number of times the sound was played.
     pub plays: u32,
-    /// From the first playing to the answer, in seconds, while the trial was shown.
+    /// Seconds from the first playing to the answer, while the trial was shown.
     pub seconds: f64,
-    /// When, in ISO 8601.
+    /// The time of the answer, in ISO 8601.
     pub answered: String,
 }
 
-/// A file of answers that cannot be taken.
+/// A file of answers that cannot be used.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum AnswersError {
@@ -127,10 +127,10 @@ pub enum AnswersError {
     Read {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The reason.
         source: InputError,
     },
-    /// The file is no JSON, or lacks something, or holds something unknown.
+    /// The file is not JSON, or has missing or unknown fields.
     #[error(
         "{} holds no answers of the form: {}",
         path.display(),
@@ -139,10 +139,10 @@ pub enum AnswersError {
     Json {
         /// The file.
         path: PathBuf,
-        /// What the JSON reader stumbled over.
+        /// The error of the JSON reader.
         source: serde_json::Error,
     },
-    /// The file is of something else, or of another version.
+    /// The file has another type or version.
     #[error(
         "{} is {format:?}, version {version}: answers are {FORMAT:?}, version {VERSION}",
         path.display()
@@ -155,12 +155,12 @@ pub enum AnswersError {
         /// Its version.
         version: u32,
     },
-    /// A value that cannot be.
+    /// An invalid value.
     #[error("{}: {what}", path.display())]
     Bad {
         /// The file.
         path: PathBuf,
-        /// Where, what is there, and what should be.
+        /// The place, the value found, and the valid values.
         what: String,
     },
     /// Two files of one session that contradict each other.
@@ -210,7 +210,7 @@ impl Session {
         Ok(session)
     }
 
-    /// Number of trials that are answered.
+    /// Number of answered trials.
     pub fn answered(&self) -> usize {
         let answered = self.trials.iter().filter(|trial| trial.answer.is_some());
         answered.count()
@@ -222,9 +222,7 @@ impl Session {
         }
         if self.trials.len() > MOST_TRIALS {
             let count = self.trials.len();
-            return Err(format!(
-                "{count} trials: a form has {MOST_TRIALS} at the most"
-            ));
+            return Err(format!("{count} trials: a form has at most {MOST_TRIALS}"));
         }
         named("experiment", &self.experiment)?;
         named("session", &self.session)?;
@@ -286,12 +284,12 @@ impl Answer {
         if self.plays == 0 {
             return Err("plays must be 1 or more, not 0".to_owned());
         }
-        // At the listener there is no direction.
+        // At the listener a direction is undefined.
         const LEAST_M: f64 = 0.001;
         if self.right_m.hypot(self.ahead_m) <= LEAST_M {
             return Err("the click lies at the listener".to_owned());
         }
-        // Numbers are saved with fewer digits than they are reckoned with.
+        // Numbers are saved with fewer digits than they are computed with.
         const ROUNDING_DEG: f64 = 1.0;
         let clicked = self.right_m.atan2(self.ahead_m).to_degrees();
         let off = (clicked - self.azimuth_deg).rem_euclid(360.0);

@@ -5,11 +5,11 @@ use super::score::Group;
 use super::statistics::{ErrorFigures, Figure, Share};
 use crate::report::{Cell, Column, Row};
 
-/// Sides of the source, and the answers.
+/// Sides of the source, and of the answers.
 const SIDES: [&str; 3] = ["left", "centre", "right"];
 const SAID: [&str; 4] = ["left", "centre", "right", "nothing"];
 
-/// One line of the observer's: a direction in the open, or a sound and setting in a room.
+/// One line of the observer's report: a direction in the open, or a sound and setting in a room.
 /// Angles in degrees, positive to the right; shares from 0 to 1 for programs.
 pub(super) struct Line<'a> {
     /// `open` (all around the listener), `alike` (three sources with the same levels)
@@ -135,7 +135,7 @@ impl Row for Line<'_> {
     }
 }
 
-/// A figure with its interval.
+/// A cell for a figure with its interval.
 pub(super) fn figure(figure: Option<Figure>, rough: bool) -> Cell {
     figure.map_or(Cell::None, |figure| Cell::Interval {
         value: figure.deg,
@@ -144,7 +144,7 @@ pub(super) fn figure(figure: Option<Figure>, rough: bool) -> Cell {
     })
 }
 
-/// A figure of errors, by name, and whether it has a sign.
+/// A figure of errors: its name, whether it has a sign, and the function that returns it.
 type Pick = (&'static str, bool, fn(&ErrorFigures) -> Option<Figure>);
 
 const FIGURES: [Pick; 4] = [
@@ -154,8 +154,8 @@ const FIGURES: [Pick; 4] = [
     ("spread", false, |error| error.spread),
 ];
 
-/// The columns of errors; people are shown as many figures as there are headings.
-/// `…_rough` is 1 if the intervals are drawn from too few to be called 95 %.
+/// The columns of errors; people see one figure per heading. `…_rough` is 1 if the intervals are
+/// drawn from too few answers to be called 95 %.
 fn errors<R>(
     of: &str,
     headings: &[&str],
@@ -184,8 +184,8 @@ fn errors<R>(
     columns
 }
 
-/// The columns of a confusion, which counts trials: `said_right_when_left` and so on for
-/// programs, a column a side of the source for people.
+/// The columns of a confusion table, which counts trials: `said_right_when_left` and so on for
+/// programs, one column per side of the source for people.
 fn confusion<R, const N: usize>(
     said: [&str; N],
     first: &str,
@@ -212,7 +212,8 @@ fn confusion<R, const N: usize>(
     columns
 }
 
-/// What makes a group one, by name, heading, and how it is read off; none for all.
+/// A property that defines a group: its name, its heading, and the function that returns it; empty
+/// for all.
 type Kind = (&'static str, &'static str, fn(&Group) -> Cell);
 
 const KINDS: [Kind; 6] = [
@@ -272,7 +273,7 @@ impl Row for &Group {
     }
 }
 
-/// The spread of people's answers: none where too few answered for an interval.
+/// The spread of people's answers: empty if too few answered for an interval.
 fn spread(group: &&Group) -> Cell {
     let error = group.source.as_ref();
     let spread = error.and_then(|error| error.spread);

@@ -63,7 +63,7 @@ impl Report for LocaliseReport {
     }
 }
 
-/// What the intervals are.
+/// Describes the intervals.
 fn intervals(report: &LocaliseReport) -> String {
     match report.rough {
         true => format!("rough: fewer than {LEAST_DRAWN} seeds"),
@@ -89,9 +89,9 @@ fn tell_left_out(report: &LocaliseReport, document: &mut Document) {
 fn tell_open(report: &LocaliseReport, document: &mut Document) {
     document.heading(2, "In the open");
     document.paragraph(
-        "The source stands around the listener of open-field; 1 iteration hears the straight way \
-         alone, more also the ground, from below, where there is one. The observer is told how \
-         far the source is, which no person is; the blind one is not, and takes it for far.",
+        "The source stands around the listener of open-field; with 1 iteration only the straight path \
+         is heard, with more also the ground, from below, where there is one. The observer knows how \
+         far the source is, which no person does; the blind one does not, and assumes that it is far.",
     );
     document.table(&report.open);
     document.paragraph(
@@ -190,7 +190,7 @@ fn tell_scene(report: &LocaliseReport, scene: &SceneReport, document: &mut Docum
     document.table(first_sound(scene).map(|cell| Line::room(report, &scene.scene, cell)));
 }
 
-/// The converged panning by one way to face.
+/// The converged panning for one facing.
 struct FacingLimit<'a> {
     facing: &'a FacingReport,
     limit: &'a LimitReport,
@@ -255,7 +255,7 @@ impl Row for &Plateau {
     }
 }
 
-/// Trials in which nothing arrives: the sound is then in the middle, whatever the truth.
+/// Trials without arrivals: the sound is then in the middle, wherever the source is.
 fn tell_unheard(report: &LocaliseReport, document: &mut Document) {
     document.heading(2, "What is heard at all");
     document.paragraph(
@@ -273,12 +273,12 @@ fn tell_unheard(report: &LocaliseReport, document: &mut Document) {
     document.table(rows);
 }
 
-/// Waves that arrive, beside a row of the thesis.
+/// Number of arriving waves, beside a row of the thesis.
 struct Arrivals {
     table: &'static ThesisTable,
     waves: u32,
     printed: u64,
-    /// In the order of [`Profile::ALL`].
+    /// Counts in the order of [`Profile::ALL`].
     heard: [Option<String>; 3],
 }
 
@@ -320,13 +320,13 @@ impl Row for Arrivals {
 }
 
 fn tell_limits_of_levels(report: &LocaliseReport, document: &mut Document) {
-    document.heading(2, "What levels cannot tell");
+    document.heading(2, "What levels cannot distinguish");
     document.list(vec![
         "Front from back, above from the height of the ears: the answers are the same (above). \
          Truth and answer are lateral angles, folded to the front."
             .to_owned(),
         format!(
-            "One sound from another: the answers differ by {:.1e}° at the most, since the gains \
+            "One sound from another: the answers differ by {:.1e}° at most, since the gains \
              are the same at every frequency.",
             report.largest_difference_of_sounds_deg
         ),

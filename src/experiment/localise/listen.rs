@@ -1,5 +1,5 @@
-//! Scenes as the listener faces them, and what is heard in them: one traced frame, mixed to
-//! sound by the very mixer that plays it.
+//! Scenes with different facings of the listener, and their sound: one traced frame, mixed by the same mixer that plays
+//! it.
 
 use super::observer::{Levels, Observer, azimuth_deg};
 use crate::audio::{Mixer, PanningLaw, SAMPLE_RATE, Sound, SoundSpec};
@@ -9,20 +9,19 @@ use crate::trace::{Settings, TraceError, Tracer};
 use glam::DVec3;
 use std::iter::once;
 
-/// Beside the middle, in degrees, in scenes whose own source is not clearly beside it.
+/// Angle from the middle, in degrees, in scenes whose own source is close to the middle.
 const BESIDE_DEG: f64 = 45.0;
 
-/// The longest sound of a trial, in seconds: nobody listens for longer than ten minutes.
+/// The longest sound of a trial, in seconds: ten minutes.
 const MOST_SECONDS: f64 = 600.0;
 
-/// Long enough for the ends of a sound not to click, in seconds.
+/// Length of the fades in seconds, long enough to avoid clicks at the ends of a sound.
 const FADE_S: f64 = 0.01;
 
-/// The scene with its source left, ahead and right: the listener turns, nothing else moves.
+/// The scene with its source left, ahead and right: only the listener turns.
 ///
-/// To the sides by the angle that the source already has, so that one of the three is the
-/// scene as it is, or by 45° if that is near the middle, ahead or behind. Paths are
-/// left out: all positions are fixed.
+/// The angle to the sides is that of the scene's own source, so that one of the three is the unchanged scene, or 45° if
+/// the source is near the middle, ahead or behind. Paths are left out: all positions are fixed.
 pub fn facings(scene: &Scene) -> Vec<Scene> {
     let own = azimuth_deg(scene);
     let beside = match own.abs() {
@@ -41,7 +40,7 @@ pub fn facings(scene: &Scene) -> Vec<Scene> {
     [-beside, 0.0, beside].map(turned).into()
 }
 
-/// The scene without anything that moves by itself.
+/// The scene without its motion.
 pub fn standing(scene: &Scene) -> Scene {
     let mut still = scene.clone();
     for source in once(&mut still.source).chain(&mut still.further_sources) {
@@ -56,8 +55,8 @@ pub fn standing(scene: &Scene) -> Scene {
     still
 }
 
-/// The scene with its source at an azimuth (degrees, right of the gaze) and as far from the
-/// listener as `metres`, at the height of the ears.
+/// The scene with its source at an azimuth (degrees, right of the gaze) and `metres` from the listener, at the height
+/// of the ears.
 pub fn source_at(scene: &Scene, azimuth_deg: f64, metres: f64) -> Scene {
     source_towards(scene, (azimuth_deg, 0.0), metres)
 }
@@ -77,8 +76,7 @@ pub fn source_towards(
     placed
 }
 
-/// The scene with every surface sunk so far below that nothing comes back from it: a scene
-/// has to have one.
+/// The scene with every surface lowered so far that no sound comes back from it: a scene must have a surface.
 pub fn without_ground(scene: &Scene) -> Scene {
     const METRES: f32 = 1000.0;
     let mut bare = scene.clone();
@@ -91,7 +89,7 @@ pub fn without_ground(scene: &Scene) -> Scene {
 /// A sound of the experiment, loaded once.
 #[derive(Clone, Debug)]
 pub struct LoadedSound {
-    /// How it was named.
+    /// Its name as given.
     pub name: String,
     /// Samples at [`SAMPLE_RATE`], faded in and out.
     pub mono: Vec<f32>,
@@ -101,8 +99,8 @@ impl LoadedSound {
     /// The first `seconds` of a sound, faded at both ends.
     ///
     /// # Errors
-    /// [`Error::Audio`] for a sound that cannot be had, [`Error::Trace`] for a length that is not above 0 and at most
-    /// ten minutes.
+    /// [`Error::Audio`] for a sound that cannot be loaded, [`Error::Trace`] for a length that is not above 0 and at
+    /// most ten minutes.
     pub fn new(spec: &SoundSpec, seconds: f64) -> Result<LoadedSound, Error> {
         if !(seconds > 0.0 && seconds <= MOST_SECONDS) {
             return Err(Error::from(TraceError::BadSetting {
@@ -127,7 +125,7 @@ impl LoadedSound {
         Ok(LoadedSound { name, mono })
     }
 
-    /// Both channels of it at one panning value.
+    /// Both channels at one panning value.
     pub fn mixed(&self, pan: f64, law: PanningLaw) -> Vec<f32> {
         let mut stereo = vec![0.0; 2 * self.mono.len()];
         let mixed = Mixer::new(law).mix(&self.mono, pan as f32, &mut stereo);
@@ -136,7 +134,7 @@ impl LoadedSound {
     }
 }
 
-/// One frame as heard.
+/// The results of one frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Heard {
     /// The frame's panning value.
@@ -148,7 +146,7 @@ pub struct Heard {
 /// Traces one frame.
 ///
 /// # Errors
-/// Those of [`Tracer::frame`].
+/// Errors of [`Tracer::frame`].
 pub fn listen(tracer: &mut Tracer, scene: &Scene, settings: &Settings) -> Result<Heard, Error> {
     let frame = tracer.frame(scene, settings)?;
     Ok(Heard {
@@ -157,11 +155,10 @@ pub fn listen(tracer: &mut Tracer, scene: &Scene, settings: &Settings) -> Result
     })
 }
 
-/// Traces one frame, renders the sound, and lets the observer answer from the samples: its
-/// answer in degrees.
+/// Traces one frame, renders the sound, and returns the observer's answer to the samples, in degrees.
 ///
 /// # Errors
-/// Those of [`Tracer::frame`].
+/// Errors of [`Tracer::frame`].
 pub fn observe(
     tracer: &mut Tracer,
     scene: &Scene,
@@ -174,8 +171,8 @@ pub fn observe(
     Ok(Observer::new(scene, law).answer_deg(levels))
 }
 
-/// The converged panning of `hybrid`: that of `frames` frames with `waves` waves each, turned
-/// lattices of directions, taken together.
+/// The converged panning of `hybrid`: the mean of `frames` frames with `waves` waves each, with rotated lattices of
+/// directions.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Converged {
     /// Panning value.
@@ -186,17 +183,17 @@ pub struct Converged {
     pub heard: f64,
 }
 
-/// Finds the converged panning.
+/// Computes the converged panning.
 ///
 /// # Errors
-/// Those of [`Tracer::frame`].
+/// Errors of [`Tracer::frame`].
 pub fn converge(
     tracer: &mut Tracer,
     scene: &Scene,
     iterations: u32,
     (waves, frames): (u32, u32),
 ) -> Result<Converged, Error> {
-    // Far from the seeds of trials.
+    // Far from the seeds of the trials.
     const FIRST_SEED: u32 = 1_000_001;
     let mut settings = Settings::hybrid()
         .with_waves(waves)
@@ -243,7 +240,7 @@ mod tests {
         assert_eq!(ahead[1].duration(), 0.0);
     }
 
-    /// Protects where sources are put for the open field.
+    /// Protects the positions of sources for the open field.
     #[test]
     fn a_source_is_put_where_it_is_wanted() {
         let scene = Scene::builtin("open-field").unwrap();
@@ -253,13 +250,13 @@ mod tests {
             let away = (placed.source.position - scene.listener.position).length();
             assert!((away - 5.0).abs() < 1e-5, "{away}");
         }
-        // Raised, and seen as far beside as 30 degrees ahead is.
+        // Raised, with the same lateral angle as 30 degrees ahead.
         let raised = source_towards(&scene, (45.0, 45.0), 5.0);
         assert!((azimuth_deg(&raised) - 45.0).abs() < 1e-3);
         assert!((lateral_deg(&raised) - 30.0).abs() < 1e-3);
     }
 
-    /// Protects a loudspeaker from clicks: a sound begins and ends at nothing.
+    /// Protects a loudspeaker from clicks: a sound begins and ends with silence.
     #[test]
     fn sounds_fade_at_both_ends() {
         let spec = "noise".parse().unwrap();

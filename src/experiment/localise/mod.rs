@@ -1,23 +1,22 @@
-//! Where is the source? The thesis' second experiment, for an observer and for people.
+//! The thesis' second experiment, localisation of the source, for an observer and for people.
 //!
-//! Sjöberg (2011, section 4.1 and the head of 4.3) sketches a psychometric experiment: two
-//! scenes, two sounds between 200 and 1000 Hz, fixed positions, a listener whose gaze is the
-//! screen's, headphones, a form that asks for the place of the source, several counts of
-//! waves and iterations. The text that this port was made from ends before its form and its
-//! outcome.
+//! Sjöberg (2011, section 4.1 and the head of 4.3) sketches a psychometric experiment: two scenes,
+//! two sounds between 200 and 1000 Hz, fixed positions, a listener whose gaze is the screen's,
+//! headphones, a form that asks for the position of the source, several numbers of waves and
+//! iterations. The text that this port is based on ends before its form and its results.
 //!
 //! # Method
-//! - *For machines*: an [`Observer`] answers from the levels of the rendered channels alone.
+//! - *For machines*: an [`Observer`] answers only from the levels of the rendered channels.
 //!   [`run`] measures its error in the open, where it has to be right, and in rooms, for each
-//!   sound, profile, count of waves and of iterations, over several seeds and three ways to
-//!   face ([`facings`]). Every answer is compared with two truths: the *source*, the lateral
-//!   angle of the straight way to it; and the *limit*, what the observer answers to the
-//!   converged panning of `hybrid` after as many iterations. A trial in which nothing is heard
-//!   has no answer and is counted apart.
+//!   sound, profile, number of waves and of iterations, over several seeds and three facings
+//!   ([`facings`]). Every answer is compared with two truths: the *source*, the lateral angle of
+//!   the straight path to it; and the *limit*, the observer's answer to the converged panning of
+//!   `hybrid` after the same number of iterations. A trial in which no wave arrives has no answer
+//!   and is counted separately.
 //! - *For people*: [`form`] writes the sounds and a page that plays them and takes the
 //!   answers; [`score`] reads these.
 //!
-//! The theory is in [`observer`]'s header, the intervals' in [`statistics`]'.
+//! The theory is in the header of [`observer`], that of the intervals in [`statistics`].
 //!
 //! # Deviations from the thesis
 //! The listener also faces two other ways, so that the source is left, ahead and right; the
@@ -59,11 +58,10 @@ use crate::audio::{PanningLaw, SoundSpec};
 use crate::scene::Scene;
 use crate::trace::{Profile, Settings};
 
-/// How far the source of the open field is, in metres.
+/// Distance of the source in the open field, in metres.
 pub const OPEN_DISTANCE_M: f64 = 5.0;
 
-/// The most waves × iterations of a setting: 1,048,576 waves for 8 iterations, the thesis'
-/// largest.
+/// Maximum waves × iterations of a setting: 1,048,576 waves for 8 iterations, the thesis' largest.
 pub const MOST_WORK: u64 = 8 << 20;
 
 /// One setting in the open.
@@ -75,36 +73,36 @@ pub struct OpenCase {
     pub ground: bool,
 }
 
-/// What to run.
+/// The options of a run.
 #[derive(Clone, Debug)]
 pub struct LocaliseOptions {
     /// The rooms.
     pub scenes: Vec<Scene>,
-    /// What the source plays.
+    /// The sounds that the source plays.
     pub sounds: Vec<SoundSpec>,
     /// The algorithms.
     pub profiles: Vec<Profile>,
-    /// Counts of waves.
+    /// Numbers of waves.
     pub waves: Vec<u32>,
-    /// Counts of iterations. Settings of more than [`MOST_WORK`] are left out, and reported.
+    /// Numbers of iterations. Settings of more than [`MOST_WORK`] are left out, and reported.
     pub iterations: Vec<u32>,
-    /// Frames of each setting and facing, a seed each.
+    /// Number of frames per setting and facing, each with its own seed.
     pub seeds: u32,
-    /// How panning values become levels.
+    /// The law from panning values to levels.
     pub law: PanningLaw,
-    /// How much of a sound the observer hears, in seconds.
+    /// Length of the sound that the observer hears, in seconds.
     pub sound_seconds: f64,
-    /// Waves and frames of the converged panning.
+    /// Numbers of waves and frames for the converged panning.
     pub limit: (u32, u32),
-    /// With what to run in the open.
+    /// The settings in the open.
     pub open: Vec<OpenCase>,
-    /// Where the source is in the open, in degrees.
+    /// Azimuths of the source in the open, in degrees.
     pub azimuths_deg: Vec<f64>,
 }
 
 impl LocaliseOptions {
-    /// The thesis' scenes and sounds, its counts of waves, and iterations around its 4 and 8:
-    /// some minutes on two cores.
+    /// The thesis' scenes and sounds, its numbers of waves, and iterations around its 4 and 8: some
+    /// minutes on two cores.
     pub fn new(scenes: Vec<Scene>, sounds: Vec<SoundSpec>) -> LocaliseOptions {
         let case = |settings, ground| OpenCase { settings, ground };
         let straight = |profile| case(Settings::new(profile).with_iterations(1), true);
@@ -139,7 +137,7 @@ impl LocaliseOptions {
         }
     }
 
-    /// Waves and iterations, by waves: another count takes other textures.
+    /// Waves and iterations, sorted by waves: another number of waves needs other textures.
     fn counts(&self) -> impl Iterator<Item = (u32, u32)> {
         let of = |&waves| self.iterations.iter().map(move |&count| (waves, count));
         self.waves.iter().flat_map(of)
@@ -151,7 +149,7 @@ impl LocaliseOptions {
         self.counts().filter(is_large).collect()
     }
 
-    /// Every profile with every count.
+    /// Every profile with every combination of numbers.
     fn settings(&self) -> Vec<Settings> {
         let mut all = Vec::new();
         for (waves, iterations) in self.counts() {
@@ -167,7 +165,7 @@ impl LocaliseOptions {
         all
     }
 
-    /// Steps that [`run`] reports.
+    /// Number of steps that [`run`] reports.
     fn steps(&self) -> u64 {
         const FACINGS: u64 = 3;
         let cells = self.settings().len() as u64;
@@ -182,5 +180,5 @@ fn too_large(waves: u32, iterations: u32) -> bool {
 /// The thesis' two scenes.
 pub const ROOMS: [&str; 2] = ["corner", "obstacles"];
 
-/// Two sounds mainly between 200 and 1000 Hz, one that says something and one that does not.
+/// Two sounds mainly between 200 and 1000 Hz, one with speech and one without.
 pub const SOUNDS: [&str; 2] = ["speech", "sine:500"];

@@ -1,15 +1,15 @@
-//! The computed observer: from the levels of two channels to a direction.
+//! The computed observer: estimates a direction from the levels of two channels.
 //!
 //! # Theory
-//! The final pass gives each wave that arrives at the point **n** of the unit sphere about
-//! the listener (1 ∓ side) / 2, where side = **n** · right. The panning value is therefore
-//! the mean side of all arrivals.
+//! The final pass adds (1 ∓ side) / 2 for each wave that arrives at the point **n** of the unit
+//! sphere about the listener, where side = **n** · right. The panning value is therefore the mean
+//! side of all arrivals.
 //!
-//! From a point source in the open, at the distance *D* of a listener of radius *R*, no
-//! arrival but the one that looks straight back at the source lies in the source's
-//! direction **u**. They cover a cap about it, evenly about the axis, so that the mean of
-//! **n** is *m* **u** with *m* the mean of **n** · **u**. With *k* = *R*/*D*, a wave that
-//! leaves at the angle *α* to the axis arrives where
+//! With a point source in the open, at the distance *D* from a listener of radius *R*, only the
+//! arrival that points straight back at the source lies in the source's direction **u**. The
+//! arrivals cover a cap about **u**, evenly about its axis, so that the mean of **n** is *m* **u**
+//! where *m* is the mean of **n** · **u**. With *k* = *R*/*D*, a wave that leaves at the angle *α*
+//! to the axis arrives where
 //!
 //! **n** · **u** = (sin² *α* + cos *α* √(*k*² − sin² *α*)) / *k*.
 //!
@@ -19,39 +19,37 @@
 //! *m*(*k*) = [(1 − *c*) − (1 − *c*³)/3 + *k*³/3] / [*k* (1 − *c*)],
 //!
 //! which is about 2/3 + *k*/2 for a far source, and 1 for one that touches the listener. The
-//! panning value of a source with the *lateral angle* λ (between its direction and the
-//! median plane, sin λ = **u** · right) is *m* sin λ, and the observer answers
-//! λ = asin(pan / *m*), having read the panning value off the channels' levels through
-//! the panning law.
+//! panning value of a source with the *lateral angle* λ (between its direction and the median
+//! plane, sin λ = **u** · right) is *m* sin λ. The observer computes the panning value from the
+//! channels' levels by the panning law, and answers λ = asin(pan / *m*).
 //!
-//! # What it cannot know
-//! Two levels are one number. Front and back, above and below have the same levels: only the
+//! # Limits of the observer
+//! Two levels give only one number. Front and back, above and below have the same levels: only the
 //! lateral angle can be determined, which for a source at the height of the ears is its azimuth,
-//! folded to the front. The observer knows *R* and the true straight distance *D*, which no
-//! test person does: the source is not in the picture. So it knows more than a person can. The
-//! *blind* observer ([`Observer::blind`]) does not know *D* and assumes a distant source,
-//! *m* = 2/3; a near source then seems further to the side than it is. Neither knows what is
-//! reflected where.
+//! folded to the front. The observer knows *R* and the true straight distance *D*, which no test
+//! person does, as the source is not in the picture. So it knows more than a person can. The
+//! *blind* observer ([`Observer::blind`]) does not know *D* and assumes a distant source, *m* =
+//! 2/3; a near source then seems further to the side than it is. Neither knows the reflections.
 
 use crate::audio::PanningLaw;
 use crate::scene::Scene;
 use glam::DVec3;
 
-/// Lateral angles below this, in degrees to either side, are in the centre. Twice the
-/// accuracy of a few degrees that is required of the observer, and far more.
+/// Lateral angles below this, in degrees to either side, are in the centre. It is more than twice
+/// the accuracy of a few degrees that is required of the observer.
 pub const CENTRE_DEG: f64 = 15.0;
 
 /// Levels of the two channels: root mean squares, of full scale 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Levels {
-    /// Of the left channel.
+    /// Level of the left channel.
     pub left: f64,
-    /// Of the right channel.
+    /// Level of the right channel.
     pub right: f64,
 }
 
 impl Levels {
-    /// The levels of interleaved samples (left, right, …); 0 for none.
+    /// The levels of interleaved samples (left, right, …); 0 without samples.
     pub fn of(interleaved: &[f32]) -> Levels {
         let (mut left, mut right) = (0.0, 0.0);
         let pairs = interleaved.as_chunks::<2>().0;
@@ -66,7 +64,7 @@ impl Levels {
         }
     }
 
-    /// The panning value that the law made these levels of, −1 … 1; 0 for silence.
+    /// The panning value that gives these levels by the law, −1 … 1; 0 for silence.
     pub fn pan(&self, law: PanningLaw) -> f64 {
         let sum = self.left + self.right;
         if sum.is_nan() || sum <= 0.0 {
@@ -81,7 +79,7 @@ impl Levels {
     }
 }
 
-/// A direction as far as two ears can determine it.
+/// A direction in the resolution that two levels allow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Side {
@@ -135,7 +133,7 @@ impl Observer {
         }
     }
 
-    /// An observer that does not know the distance: *m* is that of a far source.
+    /// An observer that does not know the distance: its *m* is that of a far source.
     pub fn blind(law: PanningLaw) -> Observer {
         Observer {
             mean_side: mean_side(0.0),
@@ -148,18 +146,18 @@ impl Observer {
         self.mean_side
     }
 
-    /// The lateral angle that it takes a panning value for, in degrees: −90 left, 90 right.
+    /// The lateral angle estimated from a panning value, in degrees: −90 left, 90 right.
     pub fn lateral_deg(&self, pan: f64) -> f64 {
         (pan / self.mean_side).clamp(-1.0, 1.0).asin().to_degrees()
     }
 
-    /// Its answer to what it hears, in degrees: the middle for silence.
+    /// Its answer to the levels, in degrees: the middle for silence.
     pub fn answer_deg(&self, levels: Levels) -> f64 {
         self.lateral_deg(levels.pan(self.law))
     }
 }
 
-/// *m*(*k*) of the module's text; `ratio` is the listener's radius over the distance of the
+/// *m*(*k*) of the module's text; `ratio` is the listener's radius divided by the distance of the
 /// source. 1 for a source on or in the listener.
 pub fn mean_side(ratio: f64) -> f64 {
     let k = ratio;
@@ -167,7 +165,7 @@ pub fn mean_side(ratio: f64) -> f64 {
         return 1.0;
     }
     if k < 1e-4 {
-        // The closed form is a difference of near equals here.
+        // The closed form is a difference of nearly equal numbers here.
         return 2.0 / 3.0 + 0.5 * k;
     }
     let c = (1.0 - k * k).sqrt();
@@ -177,7 +175,7 @@ pub fn mean_side(ratio: f64) -> f64 {
     (along + k.powi(3) / 3.0) / (k * cap)
 }
 
-/// From the listener's centre to the source, in metres.
+/// Distance from the listener's centre to the source, in metres.
 pub fn direct_distance(scene: &Scene) -> f64 {
     to_source(scene).length()
 }
@@ -193,21 +191,21 @@ pub fn azimuth_deg(scene: &Scene) -> f64 {
         .to_degrees()
 }
 
-/// The angle between the straight way to the source and the median plane, in degrees, −90 left
-/// to 90 right: the azimuth folded to the front if the source is as high as the ears. 0 for a
-/// source at the listener's very centre.
+/// The angle between the straight path to the source and the median plane, in degrees, −90 left to
+/// 90 right: the azimuth folded to the front if the source is at the height of the ears. 0 for a
+/// source at the listener's centre.
 pub fn lateral_deg(scene: &Scene) -> f64 {
     let (right, _) = horizontal_axes(scene);
     let sine = to_source(scene).normalize_or_zero().dot(right);
     sine.clamp(-1.0, 1.0).asin().to_degrees()
 }
 
-/// An azimuth in degrees as if it were in front: what levels leave of it.
+/// Folds an azimuth in degrees to the front, as levels cannot distinguish front and back.
 pub fn folded_deg(azimuth_deg: f64) -> f64 {
     azimuth_deg.to_radians().sin().asin().to_degrees()
 }
 
-/// Right and ahead of the listener, its pitch left out.
+/// The directions right and ahead of the listener, without its pitch.
 pub fn horizontal_axes(scene: &Scene) -> (DVec3, DVec3) {
     let (sin, cos) = f64::from(scene.listener.yaw).sin_cos();
     (DVec3::new(cos, 0.0, sin), DVec3::new(sin, 0.0, -cos))
@@ -222,7 +220,7 @@ mod tests {
     use super::*;
     use crate::audio::Mixer;
 
-    /// Protects the closed form from a slip: a sum over rays that shares nothing with it but
+    /// Protects the closed form from errors: it is compared with a sum over rays that shares only
     /// the geometry.
     #[test]
     fn the_mean_side_is_that_of_rays_on_a_sphere() {
@@ -246,7 +244,7 @@ mod tests {
         assert_eq!(mean_side(1.0), 1.0);
     }
 
-    /// Protects the way back from levels: of either law, whatever the sound.
+    /// Protects the conversion from levels back to the pan, for either law and any sound.
     #[test]
     fn levels_tell_the_pan_again() {
         for law in [PanningLaw::Linear, PanningLaw::ConstantPower] {
@@ -264,7 +262,7 @@ mod tests {
         }
     }
 
-    /// Protects the fold: behind becomes in front, sides stay.
+    /// Protects the fold: behind becomes in front, and sides stay.
     #[test]
     fn azimuths_fold_to_the_front() {
         for (azimuth, folded) in [(0.0, 0.0), (180.0, 0.0), (135.0, 45.0), (-100.0, -80.0)] {

@@ -1,4 +1,5 @@
-//! The observer in the open: where it has to be right, and where levels contain no information.
+//! The observer in the open: directions in which it must be right, and those that levels cannot
+//! distinguish.
 
 use super::listen::{source_towards, without_ground};
 use super::observer::{Observer, lateral_deg};
@@ -15,7 +16,7 @@ use crate::trace::Settings;
 /// behind, and raised (sin 45° · cos 45° = sin 30°).
 const ALIKE: [(f64, f64); 3] = [(30.0, 0.0), (150.0, 0.0), (45.0, 45.0)];
 
-/// The answers to sources in one direction or several, each beside what is right.
+/// The answers to sources in one direction or several, each beside the right one.
 #[derive(Default)]
 struct Heard {
     told: Vec<Pair>,

@@ -1,32 +1,32 @@
-//! From which count of waves or iterations on more does not help.
+//! Finds the number of waves or iterations above which more do not help.
 //!
-//! A count is as good as the largest if its figure is within the larger of two bounds: the
-//! upper end of the largest count's interval, and its figure plus [`AUDIBLE_DEG`], since less
-//! is no difference to a listener. The plateau begins at the smallest count from which on all
-//! are as good. Where that is the largest count itself, nothing is known of where it begins.
+//! A number is as good as the largest if its figure is within the larger of two bounds: the upper
+//! end of the largest number's interval, and its figure plus [`AUDIBLE_DEG`], since a smaller
+//! difference is inaudible. The plateau begins at the smallest number from which on all are as
+//! good. If that is the largest number itself, the beginning of the plateau is unknown.
 
 use super::report::{Cell, Plateau, SceneReport};
 use super::statistics::Figure;
 
-/// The minimum audible angle ahead, in degrees (Mills 1958): the smallest turn of a tone of
-/// 250 to 1000 Hz that people notice with real ears, so certainly by levels alone.
+/// The minimum audible angle ahead, in degrees (Mills 1958): the smallest turn of a tone of 250 to
+/// 1000 Hz that people notice with real ears, and so a lower limit for levels alone.
 pub const AUDIBLE_DEG: f64 = 1.0;
 
-/// What grows, by name, and how to read it and the other one off a cell.
+/// The number that grows: its name, and functions that return it and the other number from a cell.
 type Axis = (&'static str, fn(&Cell) -> u32, fn(&Cell) -> u32);
 
 const WAVES: Axis = ("waves", |cell| cell.waves, |cell| cell.iterations);
 const ITERATIONS: Axis = ("iterations", |cell| cell.iterations, |cell| cell.waves);
 
-/// A figure, by name, and how to read it off a cell.
+/// A figure: its name, and the function that returns it from a cell.
 type Measure = (&'static str, fn(&Cell) -> Option<Figure>);
 
 const SOURCE: Measure = ("source", |cell| Some(cell.source?.median_abs));
 const LIMIT: Measure = ("limit", |cell| Some(cell.limit?.median_abs));
 const SPREAD: Measure = ("spread", |cell| cell.source?.spread);
 
-/// What is looked at along what. Not the limit along iterations: it is another one after each
-/// iteration.
+/// The combinations examined. The limit is not examined along iterations, as it changes with each
+/// of them.
 const LOOKS: [(Axis, Measure); 5] = [
     (WAVES, SOURCE),
     (WAVES, LIMIT),
@@ -35,11 +35,11 @@ const LOOKS: [(Axis, Measure); 5] = [
     (ITERATIONS, SPREAD),
 ];
 
-/// From this share of unheard trials on a count gives no direction.
+/// The share of unheard trials from which on a number gives no direction.
 const MOST_UNHEARD: f64 = 0.5;
 
-/// The plateaus of every scene, sound and profile, along waves and along iterations: one for
-/// each value of the other that has three counts or more.
+/// The plateaus of every scene, sound and profile, along waves and along iterations: one for each
+/// value of the other number with three steps or more.
 pub fn find(scenes: &[SceneReport]) -> Vec<Plateau> {
     let mut found = Vec::new();
     for scene in scenes {
@@ -54,7 +54,7 @@ pub fn find(scenes: &[SceneReport]) -> Vec<Plateau> {
     found
 }
 
-/// Every sound and profile that there is, in order.
+/// Every combination of sound and profile, in order.
 fn kinds(cells: &[Cell]) -> Vec<(&str, &str)> {
     let mut kinds = Vec::new();
     for cell in cells {
@@ -103,18 +103,18 @@ fn along(scene: &str, cells: &[&Cell], axis: &Axis, measure: &Measure) -> Vec<Pl
     values.into_iter().filter_map(plateau_at).collect()
 }
 
-/// One count on the way to the largest.
+/// One step of the numbers up to the largest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Step {
     /// Waves or iterations.
     count: u32,
-    /// The figure there; none if there was not enough to hear for it to mean anything.
+    /// The figure; none if too few trials were heard.
     figure: Option<Figure>,
 }
 
-/// The smallest count from which on every figure is as good as the largest count's. `steps`
-/// in order of the count; one that is not heard ends the plateau. None if the largest count is
-/// not heard.
+/// The smallest number from which on every figure is as good as the largest number's. `steps` are
+/// sorted by number; one without a figure ends the plateau. None if the largest number has no
+/// figure.
 fn plateau(steps: &[Step]) -> Option<u32> {
     let last = steps.last()?.figure?;
     let high = last.interval_deg.map_or(last.deg, |[_, high]| high);
@@ -126,7 +126,7 @@ fn plateau(steps: &[Step]) -> Option<u32> {
     settled.last().map(|step| step.count)
 }
 
-/// The count with the smallest figure, of those that are heard.
+/// The number with the smallest figure, of those that have one.
 fn least(steps: &[Step]) -> Option<u32> {
     let heard = steps
         .iter()
@@ -145,7 +145,8 @@ mod tests {
         Step { count, figure }
     }
 
-    /// Protects the plateau: a lucky small count does not end it, silence does.
+    /// Protects the plateau: a small number that is good by chance does not begin it, and silence
+    /// ends it.
     #[test]
     fn the_plateau_begins_where_all_that_follow_are_as_good() {
         let mut steps = [5.5, 9.0, 6.9, 5.0].map(|deg| step(0, deg, 2.0));
@@ -160,8 +161,8 @@ mod tests {
         assert_eq!(plateau(&[]), None);
     }
 
-    /// Protects against a plateau that never begins only because the last interval is
-    /// narrower than anyone hears.
+    /// Protects against a plateau that never begins only because the last interval is narrower than
+    /// the audible angle.
     #[test]
     fn what_nobody_hears_is_as_good() {
         let steps = |third| [step(1, 4.0, 0.1), step(2, third, 0.1), step(4, 0.2, 0.1)];

@@ -1,6 +1,6 @@
-//! The report as one picture: the open field, then each room's errors against waves and
-//! iterations, a colour a profile, bars for the medians' intervals. Where half of the trials
-//! hear nothing points are hollow, and where none hears anything there is none.
+//! The report as one picture: the open field, then each room's errors against waves and iterations, a colour for each
+//! profile, bars for the medians' intervals. Points are hollow if half of the trials hear nothing, and missing if all
+//! of them do.
 
 use super::report::{Cell, LocaliseReport, SceneReport};
 use super::report_contents::{first_sound, measured};
@@ -15,24 +15,24 @@ const SHEET: Sheet = Sheet {
     title_height: 48,
     row_height: 360,
 };
-/// Pixels of the plots of a row; the legend has the rest.
+/// Width of the plots of a row in pixels; the legend takes the rest.
 const PLOTS_WIDTH: u32 = 1230;
 
 const COLOURS: [(&str, RGBColor); 3] = [("thesis", THESIS), ("march", MARCH), ("hybrid", HYBRID)];
 
-/// How the line of a profile looks. All three often have the same errors: then the narrow dashes of `thesis` lie on
+/// The line style of a profile. All three often have the same errors: then the narrow dashes of `thesis` lie on
 /// `hybrid`, and that on the wide line of `march`, and points and bars stand side by side.
 struct Look {
     profile: &'static str,
-    /// In pixels.
+    /// Width in pixels.
     width: u32,
     /// Pixels of a dash and of the gap after it.
     dash: Option<(i32, i32)>,
-    /// In shares of the panel's width.
+    /// Offset of points and bars, as a share of the panel's width.
     beside: f64,
 }
 
-/// From below.
+/// In drawing order, the lowest first.
 const LOOKS: [Look; 3] = [
     Look {
         profile: "march",
@@ -55,7 +55,7 @@ const LOOKS: [Look; 3] = [
 ];
 
 impl Look {
-    /// The look of a profile; lines of other names are narrow, without dashes.
+    /// The style of a profile; lines of other names are narrow, without dashes.
     fn of(profile: &str) -> &'static Look {
         const PLAIN: Look = Look {
             profile: "",
@@ -72,19 +72,19 @@ impl Look {
 const GROUND: RGBColor = RGBColor(120, 120, 120);
 const BARE: RGBColor = RGBColor(204, 121, 167);
 
-/// What the panels of waves are at, where it was measured; otherwise the most there is.
+/// Number of iterations in the panels along waves, if it was measured; otherwise the largest.
 const ITERATIONS: u32 = 8;
-/// What the panels of iterations are at, where it was measured; otherwise the most there is.
+/// Number of waves in the panels along iterations, if it was measured; otherwise the largest.
 const WAVES: u32 = 65_536;
 
-/// From this share of unheard trials on a point is hollow.
+/// Share of unheard trials from which on a point is hollow.
 const HOLLOW: f64 = 0.5;
 
-/// A count or azimuth, and the error there.
+/// A number or azimuth, and its error.
 #[derive(Clone, Copy)]
 struct Point {
     x: f64,
-    /// None where nothing is heard: a gap.
+    /// None if nothing is heard: a gap in the line.
     error: Option<Figure>,
     is_hollow: bool,
 }
@@ -105,10 +105,10 @@ impl Point {
 struct Line {
     name: String,
     colour: RGBColor,
-    /// In pixels, and its dashes: see [`LOOKS`].
+    /// Width in pixels; `dash` as in [`LOOKS`].
     width: u32,
     dash: Option<(i32, i32)>,
-    /// How far its points are beside their places, in shares of the panel's width.
+    /// Offset of its points, as a share of the panel's width.
     beside: f64,
     points: Vec<Point>,
 }
@@ -142,7 +142,7 @@ fn plot_open(row: &Panel, report: &LocaliseReport) -> Result<(), PlotError> {
             (_, true) => (" with the ground", GROUND),
             (_, false) => (", more iterations, no ground", BARE),
         };
-        // Further lines of a profile have a colour of their own.
+        // Other lines of a profile have a colour of their own.
         let look = Look::of(if heard.is_empty() { &open.profile } else { "" });
         let points = open.azimuths.iter();
         let points = points.map(|at| Point::new(at.azimuth_deg, at.error, 0.0));
@@ -209,7 +209,7 @@ fn plot_scene(row: &Panel, scene: &SceneReport) -> Result<(), PlotError> {
     draw_legend(&legend, &entries(&by_iterations))
 }
 
-/// A line a profile through the cells that `pick` wants.
+/// One line per profile through the cells that `pick` selects.
 fn lines(scene: &SceneReport, pick: impl Fn(&Cell) -> Option<Point>) -> Vec<Line> {
     let line = |(name, colour): (&str, RGBColor)| Line {
         name: name.to_owned(),
@@ -225,7 +225,7 @@ fn lines(scene: &SceneReport, pick: impl Fn(&Cell) -> Option<Point>) -> Vec<Line
     COLOURS.into_iter().map(line).collect()
 }
 
-/// What the lines mean that have points.
+/// The legend entries of the lines with points.
 fn entries(lines: &[Line]) -> Vec<(String, Stroke)> {
     let shown = lines.iter().filter(|line| !line.points.is_empty());
     let entry = |line: &Line| {
@@ -239,7 +239,7 @@ fn entries(lines: &[Line]) -> Vec<(String, Stroke)> {
     shown.map(entry).collect()
 }
 
-/// One panel; `by_powers`: counts, a step of the axis a doubling.
+/// Draws one panel; `by_powers`: numbers, with one step of the axis per doubling.
 fn plot_lines(
     panel: &Panel,
     caption: &str,
@@ -285,7 +285,7 @@ fn plot_lines(
         .iter()
         .filter(|line| !line.points.is_empty())
         .collect();
-    // A wide line below a narrow one is seen on either side of it, and one below dashes between them.
+    // A wide line below a narrow one is visible on either side of it, and one below dashes between them.
     shown.sort_by_key(|line| (line.dash.is_some(), std::cmp::Reverse(line.width)));
     for line in shown {
         let beside = line.beside * (most - least + 2.0 * margin);
@@ -296,7 +296,7 @@ fn plot_lines(
 
 type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
-/// The medians, joined but over gaps, and their intervals as bars.
+/// Draws the medians, connected except over gaps, and their intervals as bars.
 fn draw_line(chart: &mut Chart, line: &Line, place: impl Fn(f64) -> f64) -> Result<(), PlotError> {
     let (colour, width) = (line.colour, line.width);
     let stroke = colour.stroke_width(width);

@@ -1,4 +1,4 @@
-//! What the experiment with the observer finds, as plain data.
+//! The results of the experiment with the observer, as plain data.
 
 use super::statistics::{ErrorFigures, Figure, Share};
 use serde::Serialize;
@@ -6,19 +6,19 @@ use serde::Serialize;
 /// The whole experiment.
 #[derive(Clone, Debug, Serialize)]
 pub struct LocaliseReport {
-    /// OpenGL's name for the renderer.
+    /// The renderer's name in OpenGL.
     pub renderer: String,
-    /// How panning values become levels.
+    /// The law from panning values to levels.
     pub law: String,
-    /// Frames of each setting and facing, a seed each.
+    /// Number of frames per setting and facing, each with its own seed.
     pub seeds: u32,
-    /// How long it took, in seconds.
+    /// Duration of the run, in seconds.
     pub seconds: f64,
-    /// What the intervals are to hold: see `rough`.
+    /// The nominal coverage of the intervals; see `rough`.
     pub confidence: f64,
-    /// Whether there are fewer seeds than an interval of that name takes.
+    /// Whether there are too few seeds for intervals of that coverage.
     pub rough: bool,
-    /// Drawings of the bootstrap.
+    /// Number of resamples of the bootstrap.
     pub resamples: usize,
     /// Lateral angles up to this are the centre, in degrees.
     pub centre_deg: f64,
@@ -28,9 +28,10 @@ pub struct LocaliseReport {
     pub open: Vec<OpenReport>,
     /// The rooms.
     pub scenes: Vec<SceneReport>,
-    /// Where more waves or iterations stop helping.
+    /// The numbers of waves or iterations above which more do not help.
     pub plateaus: Vec<Plateau>,
-    /// The most that answers to the same panning value and two sounds differ by, in degrees.
+    /// The largest difference between the answers to two sounds with the same panning value, in
+    /// degrees.
     pub largest_difference_of_sounds_deg: f64,
 }
 
@@ -39,42 +40,42 @@ pub struct LocaliseReport {
 pub struct OpenReport {
     /// Name of the profile.
     pub profile: String,
-    /// Waves.
+    /// Number of waves.
     pub waves: u32,
-    /// Iterations: 1 hears the straight way alone, more also the ground if there is one.
+    /// Number of iterations: 1 gives only the straight path, more also the ground if there is one.
     pub iterations: u32,
     /// Whether there is a ground that reflects.
     pub ground: bool,
-    /// How far the source is, in metres.
+    /// Distance of the source, in metres.
     pub distance_m: f64,
     /// *m* of the observer.
     pub mean_side: f64,
     /// *m* of the observer that does not know the distance.
     pub blind_mean_side: f64,
-    /// Over all azimuths; none if nothing is heard.
+    /// The figures over all azimuths; none if nothing is heard.
     pub all: Option<ErrorFigures>,
-    /// The same of the observer that does not know the distance.
+    /// The same for the observer that does not know the distance.
     pub blind: Option<ErrorFigures>,
-    /// An entry an azimuth.
+    /// One entry per azimuth.
     pub azimuths: Vec<OpenDirection>,
-    /// An entry a direction that has the lateral angle of the others: ahead, behind, above.
+    /// One entry per direction with the same lateral angle: ahead, behind, above.
     pub alike: Vec<OpenDirection>,
 }
 
 /// The observer with the source in one direction.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct OpenDirection {
-    /// Where the source is, right of the gaze, in degrees.
+    /// Azimuth of the source, right of the gaze, in degrees.
     pub azimuth_deg: f64,
-    /// Where it is, above the ears, in degrees.
+    /// Elevation of the source above the ears, in degrees.
     pub elevation_deg: f64,
-    /// What levels determine of that, in degrees.
+    /// Its lateral angle, which levels determine, in degrees.
     pub lateral_deg: f64,
     /// The mean answer, in degrees; none if nothing is heard.
     pub answer_deg: Option<f64>,
-    /// How the answers are; none if nothing is heard.
+    /// The errors of the answers; none if nothing is heard.
     pub error: Option<ErrorFigures>,
-    /// The same of the observer that does not know the distance.
+    /// The same for the observer that does not know the distance.
     pub blind: Option<ErrorFigures>,
 }
 
@@ -83,41 +84,41 @@ pub struct OpenDirection {
 pub struct SceneReport {
     /// Its name.
     pub scene: String,
-    /// Straight from listener to source, in metres.
+    /// Straight distance from the listener to the source, in metres.
     pub distance_m: f64,
     /// The listener's radius, in metres.
     pub radius_m: f64,
     /// *m* of the observer.
     pub mean_side: f64,
-    /// How the listener is turned.
+    /// The turns of the listener.
     pub facings: Vec<FacingReport>,
-    /// An entry a sound and setting.
+    /// One entry per sound and setting.
     pub cells: Vec<Cell>,
 }
 
-/// One way for the listener to face.
+/// One facing of the listener.
 #[derive(Clone, Debug, Serialize)]
 pub struct FacingReport {
     /// The listener's turn in the world, in degrees.
     pub yaw_deg: f64,
-    /// Straight to the source, right of the gaze, in degrees.
+    /// Azimuth of the source, right of the gaze, in degrees.
     pub azimuth_deg: f64,
-    /// The same as far as levels determine it.
+    /// Its lateral angle, which levels determine.
     pub lateral_deg: f64,
-    /// The converged panning of `hybrid`, an entry a count of iterations.
+    /// The converged panning of `hybrid`, one entry per number of iterations.
     pub limits: Vec<LimitReport>,
 }
 
-/// The converged panning of `hybrid` after so many iterations.
+/// The converged panning of `hybrid` after a number of iterations.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct LimitReport {
-    /// Iterations.
+    /// Number of iterations.
     pub iterations: u32,
     /// Panning value.
     pub pan: f64,
     /// Its standard error.
     pub uncertainty: f64,
-    /// What the observer takes it for, in degrees.
+    /// The observer's answer to it, in degrees.
     pub lateral_deg: f64,
     /// Share of the waves that are heard.
     pub heard: f64,
@@ -130,29 +131,29 @@ pub struct Cell {
     pub sound: String,
     /// Name of the profile.
     pub profile: String,
-    /// Waves.
+    /// Number of waves.
     pub waves: u32,
-    /// Iterations.
+    /// Number of iterations.
     pub iterations: u32,
     /// Facings × seeds.
     pub trials: u32,
-    /// Share of the trials in which no wave arrived. They are in no other figure but the hits
-    /// and the last column of the confusion.
+    /// Share of the trials in which no wave arrived. They count only in the hits and in the last
+    /// column of the confusion.
     pub unheard: f64,
     /// Waves that arrived, mean over the trials.
     pub hits: f64,
-    /// Against the straight way to the source; none if nothing is heard.
+    /// Errors against the straight direction of the source; none if nothing is heard.
     pub source: Option<ErrorFigures>,
-    /// Against the converged panning of `hybrid` after as many iterations.
+    /// Errors against the converged panning of `hybrid` after the same number of iterations.
     pub limit: Option<ErrorFigures>,
-    /// Trials: rows the side of the source, columns the side answered, each left, centre,
-    /// right; the last column those in which nothing was heard.
+    /// Numbers of trials: rows are the side of the source, columns the side answered, each left,
+    /// centre, right; the last column counts trials in which nothing was heard.
     pub confusion: [[u32; 4]; 3],
     /// Share of the heard trials with the right side; none if nothing is heard.
     pub side_right: Option<Share>,
 }
 
-/// From where on more does not help.
+/// The number above which more do not help.
 #[derive(Clone, Debug, Serialize)]
 pub struct Plateau {
     /// Name of the scene.
@@ -161,29 +162,28 @@ pub struct Plateau {
     pub sound: String,
     /// Name of the profile.
     pub profile: String,
-    /// Of which figure: the median error against the `source` (the straight way) or the
-    /// `limit` (the converged panning), or the `spread`.
+    /// The figure: the median error against the `source` (the straight direction) or the `limit`
+    /// (the converged panning), or the `spread`.
     pub of: &'static str,
-    /// What grows: `waves` or `iterations`.
+    /// The number that grows: `waves` or `iterations`.
     pub along: &'static str,
-    /// The other of the two, which does not.
+    /// The other number, which is fixed.
     pub fixed: u32,
-    /// The smallest count from which on every figure is within the upper end of the largest
-    /// count's interval, or within the audible angle of it, with more than half of the trials
-    /// hearing something. None if that is not so at the largest; the largest itself if the
-    /// plateau does not begin before it, so that nothing is known of where it does.
+    /// The smallest number from which on every figure is within the upper end of the largest
+    /// number's interval, or within the audible angle of it, with more than half of the trials
+    /// heard. None if the largest does not satisfy this; the largest itself if no smaller number
+    /// does, so that the beginning of the plateau is unknown.
     pub count: Option<u32>,
-    /// The count with the smallest figure, of those that hear something in more than half of
-    /// their trials.
+    /// The number with the smallest figure, of those with more than half of their trials heard.
     pub least: Option<u32>,
-    /// The largest count there was.
+    /// The largest number measured.
     pub largest: u32,
     /// The figure at the largest count, in degrees; none if nothing is heard there.
     pub there: Option<Figure>,
 }
 
 impl Plateau {
-    /// The count in words: a number, `not by` the largest, or `none`.
+    /// The number in words: a number, `not by` the largest, or `none`.
     pub fn told(&self) -> String {
         match self.count {
             None => "none".to_owned(),

@@ -2,12 +2,12 @@
 
 use super::report::{Cell, LocaliseReport, Plateau, SceneReport};
 
-/// Iterations of the plateaus along waves, where they were measured: the thesis' own.
+/// Iterations of the plateaus along waves, if they were measured: the thesis' own.
 const ITERATIONS: [u32; 2] = [4, 8];
-/// Waves of the plateaus along iterations, where they were measured.
+/// Number of waves of the plateaus along iterations, if it was measured.
 const WAVES: u32 = 65_536;
 
-/// Rows of the first sound: the others' are the same but for rounding.
+/// Rows of the first sound: those of the others differ only by rounding.
 pub(super) fn first_sound(scene: &SceneReport) -> impl Iterator<Item = &Cell> {
     let first = scene.cells.first().map(|cell| cell.sound.as_str());
     scene
@@ -16,8 +16,8 @@ pub(super) fn first_sound(scene: &SceneReport) -> impl Iterator<Item = &Cell> {
         .filter(move |cell| Some(cell.sound.as_str()) == first)
 }
 
-/// The count that a panel or table is about: the wanted one if it was measured, otherwise the
-/// largest that was; none if nothing was measured.
+/// The number shown in a panel or table: the wanted one if it was measured, otherwise the largest
+/// measured; none without measurements.
 pub(super) fn measured(scene: &SceneReport, wanted: u32, count: fn(&Cell) -> u32) -> Option<u32> {
     let counts = || scene.cells.iter().map(count);
     counts()
@@ -25,7 +25,7 @@ pub(super) fn measured(scene: &SceneReport, wanted: u32, count: fn(&Cell) -> u32
         .or_else(|| counts().max())
 }
 
-/// The plateaus of the first sound at the thesis' iterations and at many waves, the profiles
+/// The plateaus of the first sound at the thesis' iterations and at many waves, with the profiles
 /// side by side.
 pub(super) fn shown_plateaus(report: &LocaliseReport) -> Vec<&Plateau> {
     let mut shown = Vec::new();

@@ -1,10 +1,11 @@
-//! What test persons answered, compared with the source's position and what levels determine.
+//! The answers of test persons, compared with the source's position and with its lateral angle.
 //!
-//! A click on the plan has an azimuth all around; levels determine only its lateral angle. So the
-//! error is that of the azimuth folded to the front, and the number of clicks behind is reported
-//! separately. Intervals and spread are those of persons ([`figures_of_people`]): one person's
-//! answers are not independent. Sounds in which no wave was heard are a group of their own:
-//! they are in the middle, wherever their source is. Several files of one session are one session: answers are locked once given, so
+//! A click on the plan has an azimuth all around; levels determine only its lateral angle. So the error is that of the
+//! azimuth folded to the front, and the number of clicks behind is reported separately. Intervals and spread are
+//! computed over persons ([`figures_of_people`]), as one person's answers are not independent. Sounds in which no wave
+//! was heard are a group of their own: they are in the middle, wherever their source is. Several files of one session
+//! count as one session: answers are locked once given, so later files only add to earlier ones; two that contradict
+//! each other are rejected.
 //! later files only add to earlier ones; two that contradict each other are rejected.
 
 use super::answers::{Answer, AnswersError, Session, StimulusInfo, TrialAnswer};
@@ -17,12 +18,12 @@ use std::path::{Path, PathBuf};
 /// All answers, scored.
 #[derive(Clone, Debug, Serialize)]
 pub struct ScoreReport {
-    /// An entry a session, in the order given.
+    /// One entry per session, in the order given.
     pub sessions: Vec<SessionLine>,
-    /// All answers to what was heard together, then those of each scene, sound, law and
-    /// setting, then all answers to sounds in which nothing was.
+    /// All answers to heard sounds together, then those of each scene, sound, law and setting, then all answers to
+    /// sounds in which no wave was heard.
     pub groups: Vec<Group>,
-    /// What was noticed about the files.
+    /// Notes on the files.
     pub notes: Vec<String>,
 }
 
@@ -31,9 +32,9 @@ pub struct ScoreReport {
 pub struct SessionLine {
     /// The files that it was read from.
     pub files: Vec<String>,
-    /// Which form.
+    /// The form's identifier.
     pub experiment: String,
-    /// Which session.
+    /// The session's identifier.
     pub session: String,
     /// The person's code.
     pub participant: String,
@@ -43,7 +44,7 @@ pub struct SessionLine {
     pub trials: usize,
 }
 
-/// Answers of a kind.
+/// Answers of one kind.
 #[derive(Clone, Debug, Serialize)]
 pub struct Group {
     /// Name of the scene; empty for all.
@@ -60,15 +61,15 @@ pub struct Group {
     pub iterations: Option<u32>,
     /// Whether any wave was heard in these sounds.
     pub heard: bool,
-    /// How many.
+    /// Number of answers.
     pub answers: usize,
-    /// Of how many persons, by their codes; sessions without a code are persons of their own.
+    /// Number of persons, by their codes; each session without a code counts as a person.
     pub people: usize,
-    /// Folded clicks against the lateral angle of the source.
+    /// Errors of the folded clicks against the lateral angle of the source.
     pub source: Option<ErrorFigures>,
-    /// Folded clicks against what the observer answers to the same sounds.
+    /// Errors of the folded clicks against the observer's answers to the same sounds.
     pub observer: Option<ErrorFigures>,
-    /// Rows the side of the source, columns the side ticked, each left, centre, right.
+    /// Numbers of answers: rows are the side of the source, columns the side ticked, each left, centre, right.
     pub confusion: [[u32; 3]; 3],
     /// Share of the answers whose ticked side is the click's.
     pub side_is_clicked: f64,
@@ -95,7 +96,7 @@ struct Answered<'a> {
 /// Reads and scores files of answers.
 ///
 /// # Errors
-/// [`AnswersError`] for the first file that cannot be taken.
+/// [`AnswersError`] for the first file that cannot be used.
 pub fn score(files: &[PathBuf]) -> Result<ScoreReport, AnswersError> {
     let mut notes = Vec::new();
     let merged = merge(files, &mut notes)?;
@@ -138,7 +139,7 @@ pub fn score(files: &[PathBuf]) -> Result<ScoreReport, AnswersError> {
     })
 }
 
-/// Answers to different forms are pooled where their settings are the same: not silently.
+/// Notes that answers to different forms are pooled if their settings are the same.
 fn note_experiments(sessions: &[SessionLine], notes: &mut Vec<String>) {
     let mut forms: Vec<&str> = sessions.iter().map(|of| of.experiment.as_str()).collect();
     forms.sort_unstable();
@@ -255,7 +256,7 @@ fn people<'a>(answers: &[Answered<'a>]) -> Vec<Vec<Answered<'a>>> {
     people
 }
 
-/// The figures of some answers, of one kind or of all; none of none.
+/// The figures of answers of one kind, or of all; none without answers.
 fn group(answers: &[Answered], kind: Option<&StimulusInfo>) -> Option<Group> {
     let first = answers.first()?;
     let people = people(answers);

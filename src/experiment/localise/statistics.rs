@@ -1,57 +1,57 @@
-//! Figures over answers: median, bias, spread, and how sure they are.
+//! Figures over answers: median, bias, spread, and their uncertainty.
 //!
-//! Intervals are the percentile bootstrap (Efron 1979): answers are drawn again, with
-//! replacement, [`RESAMPLES`] times by a generator of a fixed seed, and the interval of each
-//! figure holds the middle 95 % of what the drawings give. That makes no assumption about
-//! the errors' distribution, which is far from normal: answers end at ±90°, and each truth
-//! has a bias of its own. What is drawn is what chance has chosen:
+//! Intervals are percentile bootstrap intervals (Efron 1979): answers are resampled with
+//! replacement, [`RESAMPLES`] times by a generator with a fixed seed, and the interval of each
+//! figure contains the middle 95 % of the resampled figures. That makes no assumption about the
+//! errors' distribution, which is far from normal: answers end at ±90°, and each truth has its own
+//! bias. The resampled units are those chosen by chance:
 //!
-//! - for the observer, the seeds: as many answers to each truth as there were, so that the
+//! - for the observer, the seeds: as many answers to each truth as measured, so that the
 //!   interval covers the randomness of the waves, not the choice of truths ([`figures`]);
-//! - for people, the persons, each with all that they answered: the answers of one person are not
-//!   independent ([`figures_of_people`]). It still does not cover the choice of truths.
+//! - for people, the persons, each with all of their answers: the answers of one person are not
+//!   independent ([`figures_of_people`]). This does not cover the choice of truths either.
 //!
-//! Drawing with replacement narrows a spread by √((*n* − 1)/*n*); a drawing's spread is widened
-//! by as much. With [`LEAST_DRAWN`] seeds the interval of a bias holds the truth in 92 of 100
-//! simulated cases, that of a spread in 83; with 2 in 75 and 70 (a test below). So with fewer
-//! than five an interval is not called one of 95 %, but marked as rough; of fewer persons there
-//! is none.
+//! Resampling narrows a spread by √((*n* − 1)/*n*); the resampled spread is widened by the same
+//! factor. With [`LEAST_DRAWN`] seeds the interval of a bias contains the true value in 92 of 100
+//! simulated cases, that of a spread in 83; with 2 in 75 and 70 (a test below). So an interval of
+//! fewer than five seeds is not called a 95 % interval, but marked as rough; with fewer persons
+//! than that no interval is reported.
 
 use crate::rng::Random;
 use crate::stats::{mean, median, quantiles};
 use serde::Serialize;
 
-/// Drawings of a bootstrap.
+/// Number of resamples of a bootstrap.
 pub const RESAMPLES: usize = 1000;
 
-/// What an interval holds of the resampled figures.
+/// Share of the resampled figures in an interval.
 pub const CONFIDENCE: f64 = 0.95;
 
-/// Answers to each truth, or persons, from which on an interval deserves its name.
+/// Minimum number of answers to each truth, or of persons, for an interval that is not rough.
 pub const LEAST_DRAWN: usize = 5;
 
-/// A figure and how sure it is.
+/// A figure and its uncertainty.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Figure {
     /// The figure, in degrees.
     pub deg: f64,
-    /// Ends of its interval, in degrees; none where too little was there to draw from.
+    /// Ends of its interval, in degrees; none if there was too little to resample.
     pub interval_deg: Option<[f64; 2]>,
 }
 
 /// Errors of answers.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ErrorFigures {
-    /// How many answers.
+    /// Number of answers.
     pub answers: usize,
     /// Median of the absolute errors.
     pub median_abs: Figure,
     /// Mean error: positive for answers too far to the right.
     pub bias: Figure,
-    /// Mean error away from the middle, over truths beside it: negative for answers that are
-    /// pulled to the middle. None when all truths are in the middle.
+    /// Mean error away from the middle, over truths beside it: negative for answers pulled towards
+    /// the middle. None if all truths are in the middle.
     pub outward_bias: Option<Figure>,
-    /// Deviation from the mean answer to the same truth. None when no truth has two answers.
+    /// Deviation from the mean answer to the same truth. None if no truth has two answers.
     pub spread: Option<Figure>,
     /// Whether the intervals are drawn from fewer than [`LEAST_DRAWN`], and so too narrow.
     pub rough: bool,
@@ -60,7 +60,7 @@ pub struct ErrorFigures {
 /// A truth and the answer to it, in degrees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pair {
-    /// What would have been right.
+    /// The right answer.
     pub truth_deg: f64,
     /// The answer.
     pub answer_deg: f64,
@@ -81,7 +81,7 @@ struct Point {
     spread: Option<f64>,
 }
 
-/// The figures of an observer's answers, drawn again truth by truth; none for no answers.
+/// The figures of an observer's answers, resampled truth by truth; none without answers.
 pub fn figures(pairs: &[Pair]) -> Option<ErrorFigures> {
     let strata = by_truth(pairs);
     let fewest = strata.iter().map(Vec::len).min()?;
@@ -98,8 +98,8 @@ pub fn figures(pairs: &[Pair]) -> Option<ErrorFigures> {
     })
 }
 
-/// The figures of people's answers, an entry of `people` for each person; the persons are
-/// drawn again. No intervals for fewer than [`LEAST_DRAWN`] persons; none for no answers.
+/// The figures of people's answers, one entry of `people` per person; persons are resampled. No
+/// intervals for fewer than [`LEAST_DRAWN`] persons; none without answers.
 pub fn figures_of_people(people: &[Vec<Pair>]) -> Option<ErrorFigures> {
     let all: Vec<Pair> = people.iter().flatten().copied().collect();
     if all.is_empty() {
@@ -116,7 +116,7 @@ pub fn figures_of_people(people: &[Vec<Pair>]) -> Option<ErrorFigures> {
     Some(together(all.len(), &point(&by_truth(&all)), &drawings))
 }
 
-/// As many of the items as there are, each by chance.
+/// Resamples the items with replacement: the result has the same length.
 fn drawn<T: Clone>(items: &[T], random: &mut Random) -> Vec<T> {
     let one = |_| items[random.below(items.len())].clone();
     (0..items.len()).map(one).collect()
@@ -150,7 +150,7 @@ fn together(answers: usize, found: &Point, drawings: &[Point]) -> ErrorFigures {
     }
 }
 
-/// The middle 95 % of some values; none for none.
+/// The middle 95 % of some values; none without values.
 fn interval(values: Vec<f64>) -> Option<[f64; 2]> {
     let tail = 0.5 * (1.0 - CONFIDENCE);
     (!values.is_empty()).then(|| quantiles(values, [tail, 1.0 - tail]))
@@ -170,7 +170,7 @@ fn by_truth(pairs: &[Pair]) -> Vec<Vec<Pair>> {
 }
 
 fn point(strata: &[Vec<Pair>]) -> Point {
-    // A truth this near to the middle has no outside.
+    // For a truth this close to the middle "outward" is undefined.
     const MIDDLE_DEG: f64 = 1.0;
     let pairs = || strata.iter().flatten();
     let beside = pairs().filter(|pair| pair.truth_deg.abs() > MIDDLE_DEG);
@@ -183,8 +183,7 @@ fn point(strata: &[Vec<Pair>]) -> Point {
     }
 }
 
-/// Root of the mean variance of the answers to one truth, over truths with two answers or
-/// more.
+/// Root of the mean variance of the answers to one truth, over truths with at least two answers.
 fn spread(strata: &[Vec<Pair>]) -> Option<f64> {
     let variances = strata.iter().filter(|of| of.len() > 1).map(|of| {
         let middle = mean(of.iter().map(|pair| pair.answer_deg)).unwrap_or(0.0);
@@ -194,8 +193,8 @@ fn spread(strata: &[Vec<Pair>]) -> Option<f64> {
     mean(variances).map(f64::sqrt)
 }
 
-/// A share of trials, with its interval (Wilson 1927, 95 %), which holds for few trials and
-/// for shares of 0 and 1 too. It takes the trials for independent.
+/// A share of trials, with its interval (Wilson 1927, 95 %), which is valid for few trials and for
+/// shares of 0 and 1 too. It assumes independent trials.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Share {
     /// The share, 0 … 1.
@@ -205,9 +204,9 @@ pub struct Share {
 }
 
 impl Share {
-    /// So many of so many; none of none.
+    /// The share `count` of `all`; none if `all` is 0.
     pub fn of(count: u32, all: u32) -> Option<Share> {
-        // The normal distribution holds 95 % within so many deviations.
+        // The normal distribution has 95 % within this number of deviations.
         const DEVIATIONS: f64 = 1.959_964;
         let (n, z2) = (f64::from(all), DEVIATIONS * DEVIATIONS);
         let share = f64::from(count) / n;
@@ -230,7 +229,7 @@ mod tests {
         }
     }
 
-    /// Protects signs: a pull to the middle has no bias when both sides are pulled alike.
+    /// Protects signs: a pull to the middle has no bias when both sides are pulled equally.
     #[test]
     fn biases_and_spread_are_told_apart() {
         let pulled = figures(&[
@@ -252,8 +251,8 @@ mod tests {
         assert_eq!(figures(&[]), None);
     }
 
-    /// Protects a reader from an interval of nothing: one answer to a truth has no chance to
-    /// draw from.
+    /// Protects a reader from an interval without meaning: one answer to a truth cannot be
+    /// resampled.
     #[test]
     fn one_answer_a_truth_has_no_interval() {
         let lone = figures(&[pair(0.0, 3.0), pair(40.0, 30.0)]).unwrap();
@@ -263,7 +262,7 @@ mod tests {
         assert_eq!(figures(&[pair(0.0, 3.0)]).unwrap().outward_bias, None);
     }
 
-    /// Protects the interval: the middle of many, wide for few, the same every time.
+    /// Protects the interval: it is the middle of many, wide for few, and the same every time.
     #[test]
     fn intervals_narrow_with_more_values() {
         let ramp = |count: u32| -> Vec<Pair> {
@@ -278,7 +277,7 @@ mod tests {
             high - low
         };
         assert!(width(11) > 2.0 * width(1001));
-        // Truths with biases of their own, and no chance in any: nothing to be unsure of.
+        // Truths with biases of their own, and no random error: the interval has no width.
         let sure = [vec![pair(10.0, 11.0); 5], vec![pair(20.0, 29.0); 5]].concat();
         let sure = figures(&sure).unwrap();
         assert_eq!(sure.median_abs.interval_deg, Some([5.0, 5.0]));
@@ -286,15 +285,15 @@ mod tests {
         assert_eq!(figures(&ramp(11)), figures(&ramp(11)));
     }
 
-    /// How often the intervals of bias and spread hold what is true: three truths with biases
-    /// of their own, normal noise of 1°, so many answers each.
+    /// How often the intervals of bias and spread contain the true values: three truths with biases
+    /// of their own, normal noise of 1°, `answers` answers each.
     fn coverage(answers: usize) -> [f64; 2] {
         const RUNS: u64 = 300;
         let mut held = [0.0; 2];
         for run in 0..RUNS {
             let mut random = Random::new(run);
             let mut uniform = || random.below(1 << 20) as f64 / f64::from(1 << 20);
-            // Irwin and Hall: the sum of twelve is normal but for its far tails.
+            // Irwin and Hall: the sum of twelve is nearly normal except in its far tails.
             let mut noise = || (0..12).map(|_| uniform()).sum::<f64>() - 6.0;
             let mut pairs = Vec::new();
             for (truth, bias) in [(-48.0, 20.0), (0.0, 1.0), (48.0, -9.0)] {
@@ -312,9 +311,9 @@ mod tests {
         held
     }
 
-    /// Protects the name of the intervals, and what is said of it: with five answers a truth
-    /// they hold a bias in about 92 % and a spread in 83 %, and with two in far fewer, which is
-    /// why these are called rough. The allowance is three standard errors of 300 runs.
+    /// Protects the meaning of the intervals as documented: with five answers per truth they
+    /// contain a bias in about 92 % and a spread in 83 %, and with two in far fewer, which is why
+    /// these are called rough. The allowance is three standard errors of 300 runs.
     #[test]
     fn five_answers_make_an_interval_and_two_do_not() {
         let [bias, spread] = coverage(LEAST_DRAWN);
@@ -323,8 +322,8 @@ mod tests {
         assert!(rough < 0.83, "{rough}");
     }
 
-    /// Protects people's intervals: a person who answers often is still one, and a few
-    /// persons make no interval.
+    /// Protects people's intervals: a person who answers often still counts once, and a few persons
+    /// make no interval.
     #[test]
     fn persons_are_drawn_and_not_their_answers() {
         let person = |bias: f64, answers: usize| vec![pair(0.0, bias); answers];

@@ -11,7 +11,7 @@ use crate::stats::mean;
 use crate::trace::{Settings, Tracer};
 use std::time::Instant;
 
-/// What the trials need all the time.
+/// The common state of all trials.
 pub(super) struct Run<'a> {
     tracer: &'a mut Tracer,
     pub(super) options: &'a LocaliseOptions,
@@ -21,11 +21,11 @@ pub(super) struct Run<'a> {
     progress: &'a mut dyn FnMut(u64, u64),
 }
 
-/// One frame, heard.
+/// The answers to one frame.
 pub(super) struct Answers {
-    /// An answer a sound, in degrees.
+    /// One answer per sound, in degrees.
     pub(super) told: Vec<f64>,
-    /// The first sound's, of the observer that does not know the distance.
+    /// The answer to the first sound of the observer that does not know the distance.
     pub(super) blind: Option<f64>,
     /// Waves that arrived.
     pub(super) hits: u64,
@@ -36,14 +36,14 @@ struct Trial {
     source_deg: f64,
     limit_deg: f64,
     hits: u64,
-    /// An answer a sound, in degrees.
+    /// One answer per sound, in degrees.
     answers: Vec<f64>,
 }
 
-/// Runs the experiment. `progress` is called with steps done and steps in all.
+/// Runs the experiment. `progress` receives the steps done and the total.
 ///
 /// # Errors
-/// [`Error::Audio`] for a sound that cannot be had; those of [`Tracer::frame`].
+/// [`Error::Audio`] for a sound that cannot be loaded; errors of [`Tracer::frame`].
 pub fn run(
     tracer: &mut Tracer,
     options: &LocaliseOptions,
@@ -123,7 +123,7 @@ impl Run<'_> {
         for settings in self.options.settings() {
             let mut trials = Vec::new();
             for (index, (facing, report)) in scenes.iter().zip(&reports).enumerate() {
-                // No two trials share their waves.
+                // Each trial has its own waves.
                 let first = 1 + index as u32 * self.options.seeds;
                 for seed in first..first + self.options.seeds {
                     let seeded = settings.clone().with_seed(seed);
@@ -175,19 +175,19 @@ impl Run<'_> {
 }
 
 impl FacingReport {
-    /// The converged answer after so many iterations, in degrees; the middle if it was not
-    /// looked for.
+    /// The converged answer after the given number of iterations, in degrees; the middle if it was
+    /// not computed.
     fn limit_deg(&self, iterations: u32) -> f64 {
         let of = self.limits.iter().find(|of| of.iterations == iterations);
         of.map_or(0.0, |of| of.lateral_deg)
     }
 }
 
-/// The last column of a confusion: nothing was heard.
+/// The last column of a confusion table: nothing was heard.
 const NOTHING: usize = 3;
 
-/// The figures of one sound in one setting. Silence is no answer: it would be the right one
-/// for a source ahead.
+/// The figures of one sound in one setting. Silence does not count as an answer: it would be the
+/// right one for a source ahead.
 fn cell(sound: &str, settings: &Settings, trials: &[Trial], index: usize) -> Cell {
     let heard = || trials.iter().filter(|trial| trial.hits > 0);
     let errors = |truth: fn(&Trial) -> f64| {

@@ -5,35 +5,35 @@ use crate::scene::Scene;
 use crate::trace::{Settings, Tracer};
 use glam::{DVec3, Vec3};
 
-/// A hard case: what is traced, and its requirements.
+/// A hard case: the scene or input, and its requirements.
 #[derive(Clone, Debug)]
 pub struct Case {
-    /// What the command line calls it.
+    /// Its name on the command line.
     pub name: String,
-    /// What is hard.
+    /// The difficulty.
     pub hard: &'static str,
     /// The exact answer in words.
     pub exact: String,
-    /// What is checked.
+    /// The check.
     pub check: Check,
 }
 
-/// What is checked.
+/// The check of a case.
 #[derive(Clone, Debug)]
 pub enum Check {
     /// Waves against their exact end points.
     Waves(Box<WaveCheck>),
-    /// Input that must be rejected with a typed error, each with what is wrong with it. A profile
-    /// is given what has its settings.
+    /// Input that must be rejected with a typed error, each with a description of the error. A
+    /// profile gets only the input that applies to its settings.
     Refused(Vec<(&'static str, Scene, Settings)>),
     /// Energies of arrivals.
     Energies(EnergyCheck),
 }
 
-/// Energies of arrivals, against what is known of them.
+/// Energies of arrivals, compared with known values.
 #[derive(Clone, Copy, Debug)]
 pub struct EnergyCheck {
-    /// How far off is right, in words.
+    /// The accepted error, in words.
     pub(super) bound: &'static str,
     /// Traces and judges them.
     pub(super) judge: fn(&mut Tracer, &Settings) -> Result<Verdict, Error>,
@@ -49,42 +49,42 @@ pub(super) struct Verdict {
 /// Waves, and how far from their exact end points they may be.
 #[derive(Clone, Debug)]
 pub struct WaveCheck {
-    /// Where.
+    /// The scene.
     pub scene: Scene,
-    /// The same world for the judge, where a tree of the library's states in `f64` what
-    /// a user's text in `scene` states, surface by surface.
+    /// The same world for the judge, in which trees of the library describe in `f64` the surfaces
+    /// that users' texts describe in `scene`.
     pub truth: Option<Box<Scene>>,
-    /// In which directions the waves leave the source (world axes).
+    /// The directions in which the waves leave the source (world axes).
     pub directions: Vec<Vec3>,
     /// Flights of each wave.
     pub iterations: u32,
-    /// How far off the exact answer is right.
+    /// The accepted error.
     pub bound: Bound,
     /// `march`: every distance is multiplied by this, and the stated Lipschitz
     /// bound is somewhat larger than it.
     pub overestimate: f32,
 }
 
-/// How far off the exact answer is right.
+/// The accepted error of an answer.
 #[derive(Clone, Debug)]
 pub enum Bound {
-    /// Within what roundings of the start do to the exact wave.
+    /// Within the effect that rounding errors of the start have on the exact wave.
     Spread {
-        /// Share of the waves that may have another answer: edges met after spread that
-        /// the few starts did not show.
+        /// Share of the waves that may have another answer: edges hit by spread waves that the few
+        /// computed starts did not show.
         exceptions: f64,
     },
-    /// Within a share of the scene's extent, or of the way there if that is longer, of
-    /// planted answers, a wave each.
+    /// Within a share of the scene's extent, or of the path if that is longer, of planted answers,
+    /// one per wave.
     Planted {
         /// The share.
         share: f64,
-        /// In the order of the directions.
+        /// The answers, in the order of the directions.
         answers: Vec<Planted>,
     },
 }
 
-/// An answer that is known beforehand.
+/// An answer that is known in advance.
 #[derive(Clone, Debug)]
 pub struct Planted {
     /// The objects met, in order: 0 the listener, n the n-th surface.
@@ -94,7 +94,7 @@ pub struct Planted {
 }
 
 impl Case {
-    /// A case that is judged by the spread of exact waves, with no exception.
+    /// A case that is judged by the spread of exact waves, without exceptions.
     pub(super) fn spread(
         name: impl Into<String>,
         hard: &'static str,
@@ -118,7 +118,7 @@ impl Case {
         }
     }
 
-    /// The same with answers that are known beforehand, met within `share` of the extent.
+    /// The same with answers known in advance, reached within `share` of the extent.
     pub(super) fn planted(mut self, with_share: f64, with_answers: Vec<Planted>) -> Case {
         if let Check::Waves(waves) = &mut self.check {
             waves.bound = Bound::Planted {
@@ -129,7 +129,7 @@ impl Case {
         self
     }
 
-    /// The same with a share of waves that may be off.
+    /// The same with a share of waves that may be wrong.
     pub(super) fn but_for(mut self, share: f64) -> Case {
         if let Check::Waves(waves) = &mut self.check {
             waves.bound = Bound::Spread { exceptions: share };
@@ -137,7 +137,7 @@ impl Case {
         self
     }
 
-    /// The same, judged by another statement of the same world.
+    /// The same, judged by another description of the same world.
     pub(super) fn judged_by(mut self, other: Scene) -> Case {
         if let Check::Waves(waves) = &mut self.check {
             waves.truth = Some(Box::new(other));

@@ -1,4 +1,4 @@
-//! Waves as they were traced, against all the answers that are right.
+//! Compares traced waves with all right answers.
 
 use super::case::{Bound, Planted};
 use super::report::ProfileResult;
@@ -9,40 +9,40 @@ use crate::stats::median;
 use crate::trace::{Fate, Profile, Wave};
 use glam::{DVec3, Vec3};
 
-/// A scene with what its judgements are measured by.
+/// A scene with the measures of its judgements.
 pub(super) struct Judge {
     exact: ExactScene,
     start: DVec3,
     iterations: u32,
-    /// Largest distance from the listener that belongs to the scene, metres.
+    /// Largest distance from the listener within the scene, in metres.
     extent: f64,
-    /// Half a unit in the last place of a world coordinate, metres: what reading a place
-    /// back as `f32` costs.
+    /// Half a unit in the last place of a world coordinate, in metres: the error of reading a
+    /// position back as `f32`.
     world_rounding: f64,
 }
 
-/// Where an exact wave goes.
+/// The answer of an exact wave.
 #[derive(Clone, Copy, Debug)]
 struct Answer {
     status: i32,
     sequence: u64,
     end: DVec3,
-    /// Whether `end` is a place: the thesis keeps none of a dead wave.
+    /// Whether `end` is a position: the thesis keeps none for a dead wave.
     placed: bool,
 }
 
-/// What became of one wave.
+/// The verdict on one wave.
 enum Verdict {
-    /// Right, and so far from the nearest right answer: in metres, and as a share of the
-    /// extent, or of the way there if that is longer.
+    /// Right, with the distance from the nearest right answer: in metres, and as a share of the
+    /// extent, or of the path if that is longer.
     Right(f64, f64),
-    /// Wrong, and so far from the exact end, if both have one (metres).
+    /// Wrong, with the distance from the exact end in metres, if both have one.
     Off(Option<f64>),
 }
 
 impl Judge {
     /// # Errors
-    /// A scene that is not valid.
+    /// An invalid scene.
     pub fn new(scene: &Scene, iterations: u32) -> Result<Judge, crate::Error> {
         let ear = scene.listener.position.as_dvec3();
         let reach = |surface: &crate::Surface| {
@@ -99,9 +99,9 @@ impl Judge {
             Bound::Spread { exceptions } => (exceptions * waves as f64) as usize,
             Bound::Planted { .. } => 0,
         };
-        // Where any end will do, waves must still live, and as many must be heard as in
-        // another draw of the same chaos: two independent counts differ by the root of their
-        // sum, and four times that is met once in 16 000 draws.
+        // If any end is right, waves must still be alive, and the number heard must be that of
+        // another draw of the same chaos: two independent counts differ by the root of their sum,
+        // and by four times that once in 16 000 draws.
         let no_ends = matches!(bound, Bound::Spread { exceptions } if *exceptions >= 1.0);
         let heard = result.heard as f64;
         let exactly = result.heard_exactly as f64;
@@ -115,7 +115,7 @@ impl Judge {
         result
     }
 
-    /// What must hold whatever the right answer is.
+    /// Checks the requirements that are independent of the right answer.
     fn sanity(&self, path: &[Wave], result: &mut ProfileResult) {
         let mut depth = 0.0_f64;
         for wave in path {
@@ -156,7 +156,7 @@ impl Judge {
         }
     }
 
-    /// Right answers are those of exact waves that start a rounding off.
+    /// Right answers are those of exact waves that start with a rounding error.
     fn by_spread(&self, given: &Answer, direction: Vec3) -> Verdict {
         let direction = direction.as_dvec3();
         let answers: Vec<Answer> = self
@@ -196,9 +196,8 @@ impl Judge {
         Verdict::Off(both_end.then(|| answers[0].end.distance(given.end)))
     }
 
-    /// The start itself, then starts a rounding off, half and a quarter of one, in place and
-    /// in direction: what a line that just touches gives goes by the root of how far off it
-    /// is.
+    /// The start itself, then starts with a whole, half and quarter rounding error, in position and
+    /// in direction: the result of a tangent line depends on the root of its offset.
     fn starts(&self, direction: DVec3) -> impl Iterator<Item = (DVec3, DVec3)> {
         let (start, extent) = (self.start, self.extent);
         let aside = direction.any_orthonormal_vector();
@@ -215,13 +214,13 @@ impl Judge {
             .chain(shares.into_iter().flat_map(off))
     }
 
-    /// The extent, or how far it is to this end, in metres.
+    /// The extent, or the distance to this end if it is larger, in metres.
     fn reach(&self, end: DVec3) -> f64 {
         self.extent.max(end.distance(self.start))
     }
 
-    /// How far the exact waves are from planted answers at most, as a share of the
-    /// extent, or of the way there if that is longer; infinite where they meet other objects.
+    /// The maximum distance of the exact waves from planted answers, as a share of the extent, or
+    /// of the path if that is longer; infinite if they hit other objects.
     pub fn exact_against(&self, directions: &[Vec3], answers: &[Planted]) -> f64 {
         let off = |(direction, answer): (&Vec3, &Planted)| {
             let direction = direction.as_dvec3();
@@ -244,8 +243,8 @@ fn planted(answer: &Planted) -> Answer {
     }
 }
 
-/// The answer that the states give. An object is met in each iteration until the wave is
-/// heard or dead.
+/// The answer given by the states. An object is hit in each iteration until the wave is heard or
+/// dead.
 fn given(path: &[Wave], by: Profile) -> Answer {
     let mut objects = Vec::new();
     for pair in path.windows(2) {

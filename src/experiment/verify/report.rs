@@ -1,35 +1,35 @@
-//! What the hard cases gave, as plain data.
+//! The results of the hard cases, as plain data.
 
 use super::rounding::{END_ROUNDING, LENGTH_ROUNDING, START_ROUNDING};
 use crate::report::{Column, Document, Report, Row, Table, significant};
 use crate::trace::Profile;
 use serde::Serialize;
 
-/// All cases that were run.
+/// The results of all cases run.
 #[derive(Clone, Debug, Serialize)]
 pub struct VerifyReport {
     /// The renderer's name.
     pub renderer: String,
-    /// In the order of [`all`](super::all).
+    /// The cases, in the order of [`all`](super::all).
     pub cases: Vec<CaseReport>,
 }
 
-/// One case by every profile.
+/// One case with every profile.
 #[derive(Clone, Debug, Serialize)]
 pub struct CaseReport {
     /// The case's name.
     pub name: String,
-    /// What is hard.
+    /// The difficulty.
     pub hard: String,
     /// The exact answer in words.
     pub exact: String,
     /// The bound in words.
     pub bound: String,
-    /// In the order of [`Profile::ALL`].
+    /// The results, in the order of [`Profile::ALL`].
     pub results: Vec<ProfileResult>,
 }
 
-/// What one profile gave.
+/// The result of one profile.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct ProfileResult {
     /// Name of the profile.
@@ -38,25 +38,25 @@ pub struct ProfileResult {
     pub passed: bool,
     /// Waves traced; 0 for input that must be rejected.
     pub waves: usize,
-    /// Waves with no right answer: other objects, or too far off.
+    /// Waves without a right answer: other objects, or an end outside the bound.
     pub off: usize,
-    /// How many of those are dead and should not be.
+    /// Number of those that are dead and should not be.
     pub lost: usize,
     /// Waves heard.
     pub heard: usize,
     /// Waves that are heard in the exact answer.
     pub heard_exactly: usize,
-    /// Median distance of those off from the exact end, where both have one; metres.
+    /// Median distance of the wrong waves from the exact end, if both have one; metres.
     pub median_off: f64,
-    /// The largest distance of the others from a right answer; metres.
+    /// Largest distance of the right waves from a right answer; metres.
     pub error: f64,
     /// The same as a share of the scene's extent.
     pub relative_error: f64,
-    /// States with a number that is none.
+    /// States with a number that is NaN or infinite.
     pub not_finite: usize,
     /// Waves that were in a solid after some iteration.
     pub inside: usize,
-    /// How deep at most; metres.
+    /// The largest depth in a solid; metres.
     pub deepest: f64,
     /// Marches that reached the step limit.
     pub step_limit_reached: u64,
@@ -64,12 +64,12 @@ pub struct ProfileResult {
     pub length_error: f64,
     /// Marches that ended at distance 0.
     pub zero_length_passes: u64,
-    /// For information: what did not decide.
+    /// A note that does not affect the verdict.
     pub note: String,
 }
 
 impl ProfileResult {
-    /// The verdict and the figures behind it.
+    /// The verdict and its figures.
     pub fn verdict(&self) -> String {
         let verdict = if self.passed { "ok" } else { "fails" };
         let mut all = vec![verdict.to_owned()];
@@ -119,7 +119,7 @@ impl CaseReport {
         self.results.iter().find(|result| result.profile == name)
     }
 
-    /// Whether the profiles that should be right are.
+    /// Whether the profiles that should be right are right.
     pub fn passed(&self) -> bool {
         [Profile::Hybrid, Profile::March]
             .iter()
@@ -128,7 +128,7 @@ impl CaseReport {
 }
 
 impl VerifyReport {
-    /// Cases in which this profile passes.
+    /// Number of cases that this profile passes.
     pub fn passes(&self, profile: Profile) -> usize {
         let of = |case: &&CaseReport| case.of(profile).is_some_and(|result| result.passed);
         self.cases.iter().filter(of).count()

@@ -1,14 +1,13 @@
-//! What rounding alone may cost.
+//! Allowances for rounding.
 
-/// How far off a start may be that still counts as the same, as a share of the scene's
-/// extent for its place and in radians for its direction: eight units in the last place of
-/// an `f32`, what a flight and a reflection may lose.
+/// Maximum rounding error of a start that still counts as the same, as a share of the scene's extent for its position
+/// and in radians for its direction: eight units in the last place of an `f32`, the error of a flight and a reflection.
 pub const START_ROUNDING: f64 = 8.0 * f32::EPSILON as f64;
 
-/// What an end point may be off besides, as a share of the scene's extent.
+/// Additional error of an end point, as a share of the scene's extent.
 pub const END_ROUNDING: f64 = 16.0 * f32::EPSILON as f64;
 
-/// What a direction's length may be off: what GLSL allows. `inversesqrt` may be 2 units in the last place
-/// off, a division 2.5 and a square root both (GLSL 4.60, section 4.7.1): `normalize` 4 units with the dot product
-/// and the products, and a reflection at such a normal has twice its error. A unit is [`f32::EPSILON`] at most.
+/// Maximum error of a direction's length, as allowed by GLSL: `inversesqrt` may have an error of 2 units in the last
+/// place, a division of 2.5 and a square root of both (GLSL 4.60, section 4.7.1). With the dot product and the products
+/// `normalize` has 4 units, and a reflection at such a normal has twice its error. A unit is at most [`f32::EPSILON`].
 pub const LENGTH_ROUNDING: f64 = 8.0 * f32::EPSILON as f64;

@@ -1,4 +1,4 @@
-//! Runs hard cases by every profile.
+//! Runs hard cases with every profile.
 
 use super::case::{Bound, Case, Check, EnergyCheck, WaveCheck};
 use super::judge::Judge;
@@ -7,14 +7,14 @@ use crate::error::Error;
 use crate::scene::Scene;
 use crate::trace::{Algorithm, Profile, Settings, Tracer};
 
-/// How much larger than needed the Lipschitz bound of an over-estimated distance is: a
-/// bound that is stated is seldom exact.
+/// The stated Lipschitz bound of an over-estimated distance divided by the exact one: stated bounds
+/// are seldom exact.
 const LIPSCHITZ_SLACK: f32 = 1.25;
 
-/// Runs the cases. `progress` is called with cases done and cases in all.
+/// Runs the cases. `progress` receives the cases done and the total.
 ///
 /// # Errors
-/// [`Error::Gpu`] when the renderer fails. A case that fails is no error.
+/// [`Error::Gpu`] when the renderer fails. A failed case is not an error.
 pub fn run(
     tracer: &mut Tracer,
     cases: &[Case],
@@ -74,7 +74,7 @@ impl WaveCheck {
         let settings = Settings::new(profile).with_iterations(self.iterations);
         let settings = self.distorted(&settings, LIPSCHITZ_SLACK * self.overestimate);
         let mut result = self.with(tracer, &settings, judge)?;
-        // The judge is held against the planted answers, too.
+        // The judge is compared with the planted answers, too.
         if let Bound::Planted { share, answers } = &self.bound {
             let reference = judge.exact_against(&self.directions, answers);
             if reference > *share {
@@ -85,7 +85,7 @@ impl WaveCheck {
         if self.overestimate != 1.0 && profile == Profile::March {
             let blind = self.with(tracer, &self.distorted(&settings, 1.0), judge)?;
             result.note = format!("with a Lipschitz bound of 1: {} off", blind.off);
-            // A case that is right without the bound says nothing about it.
+            // If the case is right without the bound, it does not test the bound.
             result.passed &= blind.off > 0;
         } else if self.overestimate != 1.0 {
             result.note = "takes no factor".to_owned();
@@ -93,8 +93,8 @@ impl WaveCheck {
         Ok(result)
     }
 
-    /// The settings where distances are over-estimated, if they are, by this Lipschitz bound:
-    /// `march` alone takes a factor.
+    /// The settings for over-estimated distances with this Lipschitz bound: only `march` has a
+    /// factor.
     fn distorted(&self, settings: &Settings, lipschitz: f32) -> Settings {
         let mut settings = settings.clone();
         if let Algorithm::March(march) = &mut settings.algorithm
@@ -178,9 +178,9 @@ fn in_words(check: &Check) -> String {
     match &waves.bound {
         Bound::Spread { exceptions: 0.0 } => "spread".to_owned(),
         Bound::Spread { exceptions: 1.0 } => {
-            "none on ends: no NaN, no solid, length 1, none lost, as many heard".to_owned()
+            "no bound on ends: no NaN, no solid, length 1, none lost, same number heard".to_owned()
         }
-        Bound::Spread { exceptions } => format!("spread, but for {} %", 100.0 * exceptions),
+        Bound::Spread { exceptions } => format!("spread, except {} %", 100.0 * exceptions),
         Bound::Planted { share, .. } => format!("{share:.0e} of extent or way"),
     }
 }

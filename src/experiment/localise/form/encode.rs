@@ -1,4 +1,4 @@
-//! Bytes that a page can hold: 16-bit WAV, base64, data addresses; and a form's fingerprint.
+//! Encodes data for a page: 16-bit WAV, base64, data addresses; and a form's fingerprint.
 
 use super::Trial;
 use crate::audio::{SAMPLE_RATE, wav_to_io};
@@ -7,7 +7,7 @@ use base64::prelude::{BASE64_STANDARD, Engine};
 use hound::{SampleFormat, WavSpec, WavWriter};
 use std::io::{self, Cursor};
 
-/// A stereo WAV of 16 bits from interleaved samples; what is beyond full scale is clipped.
+/// A 16-bit stereo WAV from interleaved samples; samples beyond full scale are clipped.
 ///
 /// # Errors
 /// A left sample without its right one.
@@ -37,10 +37,10 @@ pub fn data_url(kind: &str, bytes: &[u8]) -> String {
     format!("data:{kind};base64,{}", BASE64_STANDARD.encode(bytes))
 }
 
-/// 16 hexadecimal digits that differ for forms that differ in any trial or in their order
-/// (FNV-1a over the trials as JSON).
+/// 16 hexadecimal digits that differ for forms that differ in any trial or in their order (FNV-1a
+/// over the trials as JSON).
 pub fn fingerprint(trials: &[Trial]) -> String {
-    // Trials are plain data, which JSON always takes.
+    // Trials are plain data, which can always be written as JSON.
     let text = serde_json::to_vec(trials).unwrap_or_default();
     format!("{:016x}", fnv::of_bytes(&text))
 }
@@ -61,7 +61,7 @@ mod tests {
         }
     }
 
-    /// Protects the page's sounds: another reader finds the samples again.
+    /// Protects the page's sounds: another reader reads the same samples.
     #[test]
     fn a_16_bit_wav_is_read_again() {
         let wav = wav_16(&[0.5, -0.5, 1.0, -2.0]).unwrap();

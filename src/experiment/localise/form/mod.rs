@@ -1,16 +1,16 @@
 //! The experiment for people: a page that plays the sounds and takes the answers.
 //!
-//! One HTML file holds everything: the sounds (16 bits), a plan and a view for each facing,
-//! and what every answer is to be saved with. It needs no network. The plan has
-//! the gaze upwards, as the listener faces the screen, and does not show the source; the view
-//! is lit from behind the listener, so that no light gives the source away.
+//! One HTML file contains everything: the sounds (16 bits), a plan and a view for each facing, and
+//! the data to be saved with every answer. It needs no network. The plan has the gaze upwards, as
+//! the listener faces the screen, and does not show the source; the view is lit from behind the
+//! listener, so that the light does not reveal the source.
 //!
-//! Trials are numbered in an order that depends on the form's seed and their number alone, so
-//! that no number gives anything away. The page makes the order of a session from the form's
-//! seed and an order seed: the form's ([`FormOptions::order_seed`]), or else one that each
-//! session draws. It saves both with the answers. Answers are locked
-//! once given. Beside the page lie the same sounds as WAV files (16 bits, which every browser
-//! plays), by the trials' numbers, and `experiment.json`, which lists what each is.
+//! Trials are numbered in an order that depends only on the form's seed and the number of trials,
+//! so that a number reveals nothing about its trial. The page computes the order of a session from
+//! the form's seed and an order seed: the form's ([`FormOptions::order_seed`]), or else one that
+//! each session draws. It saves both with the answers. Answers are locked once given. Beside the
+//! page lie the same sounds as WAV files (16 bits, which every browser plays), named by the trials'
+//! numbers, and `experiment.json`, which describes each of them.
 
 mod encode;
 mod page;
@@ -30,34 +30,35 @@ use serde::Serialize;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// More sound than this, in bytes of 16-bit WAV, lies beside the page instead of in it.
+/// Maximum size of the sounds in the page, in bytes of 16-bit WAV; larger sets lie beside it.
 const MOST_EMBEDDED: usize = 48 << 20;
 
-/// What the form shall hold: every combination, each facing of each scene.
+/// The contents of the form: every combination, with each facing of each scene.
 #[derive(Clone, Debug)]
 pub struct FormOptions {
     /// The rooms.
     pub scenes: Vec<Scene>,
-    /// What the source plays.
+    /// The sounds that the source plays.
     pub sounds: Vec<SoundSpec>,
     /// The algorithms.
     pub profiles: Vec<Profile>,
-    /// Counts of waves.
+    /// Numbers of waves.
     pub waves: Vec<u32>,
-    /// Counts of iterations.
+    /// Numbers of iterations.
     pub iterations: Vec<u32>,
-    /// Numbering of the trials, their orders, and start directions of the waves.
+    /// Seed of the trials' numbers, their orders, and the start directions of the waves.
     pub seed: u32,
-    /// Seed of one order of the trials for every session; without it each session draws one.
+    /// Seed of the order of the trials, the same for every session; without it each session draws
+    /// its own.
     pub order_seed: Option<u32>,
     /// Length of each sound, in seconds.
     pub seconds: f64,
-    /// How panning values become levels.
+    /// The law from panning values to levels.
     pub law: PanningLaw,
 }
 
 impl FormOptions {
-    /// How many trials that makes.
+    /// Number of trials of the form.
     pub fn trials(&self) -> usize {
         const FACINGS: usize = 3;
         let settings = self.profiles.len() * self.waves.len() * self.iterations.len();
@@ -68,28 +69,29 @@ impl FormOptions {
 /// One trial.
 #[derive(Clone, Debug, Serialize)]
 pub struct Trial {
-    /// Its number, from 1: not its place in a person's order.
+    /// Its number, from 1: independent of its place in a person's order.
     pub number: usize,
-    /// What is heard.
+    /// The sound and its setting.
     pub stimulus: StimulusInfo,
-    /// Which of the plans belongs to it, from 0.
+    /// Index of its plan, from 0.
     pub plan: usize,
-    /// The sound, beside the page.
+    /// The file of the sound, beside the page.
     pub file: String,
 }
 
-/// A form, not written yet.
+/// A form that is not written yet.
 #[derive(Debug)]
 pub struct Form {
-    /// Which form: another for any difference in its trials.
+    /// The form's identifier: differs for any difference in its trials.
     pub experiment: String,
-    /// Numbering of the trials, their orders, and start directions of the waves.
+    /// Seed of the trials' numbers, their orders, and the start directions of the waves.
     pub seed: u32,
-    /// Seed of one order of the trials for every session; without it each session draws one.
+    /// Seed of the order of the trials, the same for every session; without it each session draws
+    /// its own.
     pub order_seed: Option<u32>,
     /// The trials, by number.
     pub trials: Vec<Trial>,
-    /// Whether the page holds the sounds.
+    /// Whether the page contains the sounds.
     pub embedded: bool,
     renderer: String,
     law: PanningLaw,
@@ -107,11 +109,10 @@ struct Key<'a> {
     trials: &'a [Trial],
 }
 
-/// Traces every trial and draws every plan. `progress` is called with steps done and steps in
-/// all.
+/// Traces every trial and draws every plan. `progress` receives the steps done and the total.
 ///
 /// # Errors
-/// [`Error::Audio`] for a sound that cannot be had, [`Error::Picture`] and those of
+/// [`Error::Audio`] for a sound that cannot be loaded, [`Error::Picture`] and errors of
 /// [`Tracer::frame`].
 pub fn build(
     tracer: &mut Tracer,
@@ -174,7 +175,7 @@ fn settings(options: &FormOptions) -> Vec<Settings> {
     all
 }
 
-/// The same frame with every sound.
+/// The stimuli of one frame with every sound.
 fn stimuli_of(
     tracer: &mut Tracer,
     room: &Scene,
@@ -205,7 +206,7 @@ fn stimuli_of(
 /// A form that cannot be written.
 #[derive(Debug, thiserror::Error)]
 pub enum WriteError {
-    /// The folder holds something, which is not to be replaced.
+    /// The folder contains files, which are not replaced.
     #[error(
         "the folder {} is not empty: a form never replaces files, choose another",
         folder.display()
@@ -219,8 +220,8 @@ pub enum WriteError {
     Output(#[from] OutputError),
 }
 
-/// Makes the folder, and proves that it is empty and can be written to: to be called before
-/// the form is built.
+/// Creates the folder, and checks that it is empty and can be written to: to be called before the
+/// form is built.
 ///
 /// # Errors
 /// [`WriteError`] with the folder.
@@ -240,10 +241,10 @@ pub fn prepare(folder: &Path) -> Result<(), WriteError> {
 }
 
 impl Form {
-    /// The page.
+    /// The page as HTML.
     ///
     /// # Errors
-    /// A sound that is no WAV.
+    /// A sound that is not a WAV.
     pub fn html(&self) -> io::Result<String> {
         page::html(self)
     }
@@ -251,7 +252,7 @@ impl Form {
     /// Writes the page, the sounds and `experiment.json` into an empty folder.
     ///
     /// # Errors
-    /// [`WriteError`], at once if the folder holds anything.
+    /// [`WriteError`], at once if the folder is not empty.
     pub fn write(&self, folder: &Path) -> Result<(), WriteError> {
         prepare(folder)?;
         let sounds = folder.join("sounds");
@@ -271,14 +272,14 @@ impl Form {
         write_inside(&folder.join("experiment.json"), |out| {
             Ok(serde_json::to_writer_pretty(out, &key)?)
         })?;
-        // Last, so that a page is there when all that it needs is.
+        // Last, so that the page exists only when all files that it needs exist.
         write_inside(&folder.join("form.html"), |out| {
             out.write_all(self.html()?.as_bytes())
         })?;
         Ok(())
     }
 
-    /// Left and right samples in turns.
+    /// Left and right samples interleaved.
     fn samples(&self, trial: &Trial) -> Vec<f32> {
         let stimulus = &trial.stimulus;
         let sound = self

@@ -1,5 +1,5 @@
-//! The pictures that a person answers by: the room from above with the gaze upwards, and the
-//! view along the gaze. Neither shows the source.
+//! The pictures for a person's answer: the room from above with the gaze upwards, and the view
+//! along the gaze. Neither shows the source.
 
 use super::super::observer::horizontal_axes;
 use crate::error::Error;
@@ -13,22 +13,22 @@ use image::{ExtendedColorType, ImageEncoder, Rgba};
 /// Width of a plan in pixels.
 const WIDTH: u32 = 560;
 
-/// Solid, and the line about it, on white air.
+/// Solids, and the line around them, on white air.
 const SOLID: [f64; 3] = [205.0, 211.0, 219.0];
 const LINE: [f64; 3] = [70.0, 78.0, 88.0];
 const AIR: [f64; 3] = [255.0, 255.0, 255.0];
-/// Beyond what is drawn of the world.
+/// The area outside the part of the world that is drawn.
 const OUTSIDE: [f64; 3] = [232.0, 234.0, 237.0];
 
 /// Half of the line's width, in pixels.
 const HALF_LINE: f64 = 1.3;
 
-/// One facing, drawn. Lengths in metres from the listener: x to its right, y ahead.
+/// The pictures of one facing. Lengths in metres from the listener: x to its right, y ahead.
 #[derive(Debug)]
 pub struct Plan {
-    /// The least x and y of the plan.
+    /// The smallest x and y of the plan.
     pub min: DVec2,
-    /// The greatest x and y.
+    /// The largest x and y.
     pub max: DVec2,
     /// The listener's radius.
     pub radius: f64,
@@ -46,7 +46,7 @@ impl Plan {
     pub fn new(context: &Context, scene: &Scene) -> Result<Plan, Error> {
         let listener = &scene.listener;
         let mut seen = unlit(scene);
-        // Bounds shall not be told by where the source is.
+        // The bounds must not depend on the source, as they would reveal it.
         let lamp = std::mem::replace(&mut seen.source, Source::at(listener.position));
         let bounds = Bounds::of(&seen, listener.position.y);
         seen.source = lamp;
@@ -68,8 +68,8 @@ impl Plan {
     }
 }
 
-/// The scene without its source: seen by a lamp over the listener's shoulder, no light gives
-/// away where the sound comes from.
+/// The scene without its source: a lamp over the listener's shoulder lights it, so that the light
+/// does not reveal the source.
 fn unlit(scene: &Scene) -> Scene {
     let listener = &scene.listener;
     let behind = listener.up() - listener.forward();
@@ -78,7 +78,7 @@ fn unlit(scene: &Scene) -> Scene {
     unlit
 }
 
-/// The part of the listener's plane that holds these bounds of the world.
+/// The part of the listener's plane that contains these bounds of the world.
 fn seen_by(scene: &Scene, bounds: Bounds) -> (DVec2, DVec2) {
     let (right, ahead) = horizontal_axes(scene);
     let listener = scene.listener.position.as_dvec3();
@@ -98,7 +98,7 @@ fn seen_by(scene: &Scene, bounds: Bounds) -> (DVec2, DVec2) {
     })
 }
 
-/// The cut through the scene; what is outside the world's `bounds` is grey.
+/// The cut through the scene; the area outside the world's `bounds` is grey.
 fn draw(scene: &Scene, bounds: Bounds, min: DVec2, max: DVec2) -> RgbaImage {
     let (right, ahead) = horizontal_axes(scene);
     let listener = scene.listener.position.as_dvec3();

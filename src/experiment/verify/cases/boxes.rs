@@ -37,7 +37,7 @@ pub fn cases() -> Vec<Case> {
     ]
 }
 
-/// So many that they lie in cells.
+/// Enough boxes that they lie in cells.
 fn bricks() -> Vec<Surface> {
     let size = Vec3::new(1.0, 0.5, 0.75);
     let place = |i: i32| Vec3::new((i % 4 - 2) as f32, (i / 4 % 4 - 2) as f32, (i / 16) as f32);
@@ -60,7 +60,7 @@ fn touching(name: &str, blocks: Vec<Surface>, away: f32) -> Case {
     )
 }
 
-/// Forty of one shape on a spiral, none touching another.
+/// Forty copies of one shape on a spiral, without contact.
 fn cells(name: &str, shape: Node, away: f32) -> Case {
     const GOLDEN_ANGLE: f32 = 2.399_963_2;
     let surface = |i: usize| {

@@ -1,4 +1,4 @@
-//! What cases are built from.
+//! Common parts of the cases.
 
 use crate::scene::shape::{Cuboid, Room};
 use crate::scene::{Listener, Node, Scene, Source, Surface};
@@ -38,7 +38,7 @@ pub fn builtin(name: &str) -> Scene {
     }
 }
 
-/// From `from` to each of the points.
+/// The directions from `from` to each of the points.
 pub fn aims(from: Vec3, at: &[Vec3]) -> Vec<Vec3> {
     let aim = |at: &Vec3| (at.as_dvec3() - from.as_dvec3()).normalize().as_vec3();
     at.iter().map(aim).collect()

@@ -51,7 +51,7 @@ fn sinai() -> Case {
 fn sinai_at_length() -> Case {
     Case::spread(
         "sinai-billiard-200",
-        "200 flights, far beyond what can be foretold",
+        "200 flights, far beyond any prediction",
         "no end is wrong; no wave in the pillar, directions of length 1",
         pillar(),
         lattice(1024),
@@ -60,7 +60,7 @@ fn sinai_at_length() -> Case {
     .but_for(1.0)
 }
 
-/// Two rows of pillars, which are met again and again.
+/// Two rows of pillars, which are hit again and again.
 fn stadium() -> Case {
     let mut surfaces = vec![hall()];
     for x in [-10.0, -5.0, 0.0, 5.0, 10.0] {

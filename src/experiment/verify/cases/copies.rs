@@ -1,4 +1,4 @@
-//! Repetitions without end.
+//! Endless repetitions.
 
 use super::super::Case;
 use super::build::{lattice, room, scene};
@@ -6,10 +6,10 @@ use crate::scene::shape::{Cuboid, Sphere};
 use crate::scene::{Listener, Shape, Surface};
 use glam::Vec3;
 
-/// Flights of each wave: a few only, for balls multiply errors.
+/// Number of flights of each wave: few, because balls multiply errors.
 const ITERATIONS: u32 = 2;
 
-/// Waves of a case: the exact march past copies takes long.
+/// Number of waves of a case: the exact march past copies takes long.
 const WAVES: u32 = 128;
 
 pub fn cases() -> Vec<Case> {
@@ -34,7 +34,7 @@ pub fn cases() -> Vec<Case> {
     ]
 }
 
-/// A repetition about the origin, with a room, source and listener at a place.
+/// A repetition about the origin, with a room, source and listener at a given place.
 fn in_a_room(name: &str, hard: &'static str, field: Shape, place: Vec3) -> Case {
     let surfaces = vec![Surface::new(field), room(30.0, 16.0, 30.0).at(place)];
     let listener = Listener::at(place + Vec3::new(-5.0, 1.0, 5.0), 0.5);

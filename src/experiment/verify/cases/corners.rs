@@ -1,4 +1,4 @@
-//! Edges and vertices, from within and from without.
+//! Edges and vertices, from inside and outside.
 
 use super::super::{Case, Planted};
 use super::build::{aims, block, builtin, hall, listener_outside, scene};
@@ -56,9 +56,9 @@ fn concave_vertex() -> Case {
     .planted(1e-6, answers)
 }
 
-/// Where waves are in the hall after `flights`: the room unfolded into a grid of its images,
-/// in which the way is straight and each plane of the grid ends a flight. The order of walls
-/// met at once does not matter.
+/// The positions of waves in the hall after `flights`: the room is unfolded into a grid of its
+/// images, in which the path is straight and each plane of the grid ends a flight. The order of
+/// walls hit at once does not matter.
 fn unfolded(source: Vec3, directions: &[Vec3], flights: usize) -> Vec<Planted> {
     let half = DVec3::new(15.0, 10.0, 15.0);
     let start = source.as_dvec3();

@@ -1,4 +1,4 @@
-//! Energies of arrivals that are known: what absorbs nothing keeps them, what absorbs all leaves none.
+//! Known energies of arrivals: a scene without absorption conserves them, full absorption leaves none.
 
 use super::super::case::{EnergyCheck, Verdict};
 use super::super::{Case, Check};
@@ -76,12 +76,12 @@ pub fn cases() -> Vec<Case> {
     ]
 }
 
-/// What arrived.
+/// The arrivals of a scene.
 struct Heard {
     energy: Bands,
-    /// Metres of the longest way.
+    /// Length of the longest path in metres.
     longest_m: f64,
-    /// Arrivals of one energy that would be as noisy.
+    /// The number of equal arrivals with the same noise.
     effective: f64,
     counts: ArrivalCounts,
 }
@@ -115,7 +115,7 @@ fn heard(
     })
 }
 
-/// A room with a block and a ball in it, all of a material.
+/// A room with a block and a ball in it, all with one material.
 fn furnished(material: Material) -> Scene {
     let ball = Surface::new(Sphere { radius: 1.0 }).at(Vec3::new(-2.0, -0.5, 2.0));
     let cabinet = block(1.0, 2.0, 1.5).at(Vec3::new(2.0, -1.0, -2.0));
@@ -192,8 +192,8 @@ fn at_wall(tracer: &mut Tracer, settings: &Settings) -> Result<Verdict, Error> {
     Ok(verdict(off, DEVIATIONS / found.effective.sqrt()))
 }
 
-/// The mean density of a source over a plane through the origin and of its image, over the upper half
-/// of a ball about the origin.
+/// The mean density of a source over a plane through the origin, and of its image, over the upper half of a ball about
+/// the origin.
 fn mean_over_half(source: DVec3, radius: f64) -> f64 {
     const STEPS: i32 = 40;
     let image = source * DVec3::new(1.0, -1.0, 1.0);

@@ -1,4 +1,4 @@
-//! Fields that are marched: solids behind what is grazed, steep ground, listeners far away.
+//! Fields that are marched: solids behind grazed surfaces, steep ground, distant listeners.
 
 use super::super::Case;
 use super::build::{lattice, scene};
@@ -7,7 +7,8 @@ use crate::scene::{HeightImage, Listener, Node, Scene, Shape, Surface};
 use glam::{UVec2, Vec3};
 use std::sync::Arc;
 
-/// One flight: where a wave ends. Of a crease a rounding decides which side it leaves by.
+/// One flight, so only its end is compared: at a crease rounding decides the direction of
+/// reflection.
 const ITERATIONS: u32 = 1;
 
 pub fn cases() -> Vec<Case> {
@@ -52,7 +53,7 @@ fn before_a_slab(name: &str, field: Shape, listener: Vec3) -> Case {
     )
 }
 
-/// A field that the source grazes, 14 m before a wide slab.
+/// A field that rays from the source graze, 14 m before a wide slab.
 pub(super) fn slab_behind(name: &str, field: Shape, listener: Vec3) -> Scene {
     let slab = Shape::from(Node::RoundedBox(RoundedBox {
         size: Vec3::new(200.0, 200.0, 0.5),
@@ -66,7 +67,7 @@ pub(super) fn slab_behind(name: &str, field: Shape, listener: Vec3) -> Scene {
     scene(name, surfaces, Vec3::ZERO, Listener::at(listener, 1.0))
 }
 
-/// Ground of an image of heights, heard from beside it.
+/// Ground from an image of heights, heard from beside it.
 fn over_ground(name: &str, size: Vec3, far: f32) -> Case {
     const SIDE: u32 = 24;
     let height = |index: u32| {
@@ -76,7 +77,7 @@ fn over_ground(name: &str, size: Vec3, far: f32) -> Case {
     let heights = (0..SIDE * SIDE).map(height).collect();
     let image = match HeightImage::new("steps", UVec2::splat(SIDE), heights) {
         Ok(image) => Arc::new(image),
-        // A test makes every case.
+        // A test builds every case.
         Err(error) => unreachable!("{error}"),
     };
     let ground = Surface::new(Shape::from(Node::HeightField(HeightField { image, size })));

@@ -1,4 +1,4 @@
-//! Walls met head-on and at a glance.
+//! Walls hit at normal and at grazing incidence.
 
 use super::super::{Case, Planted};
 use super::build::{hall, listener_outside, scene};
@@ -79,7 +79,7 @@ fn grazing(degrees: f64) -> Case {
     .planted(1e-6, answers)
 }
 
-/// The same between walls, where the wave comes back.
+/// The same between walls, which reflect the wave back.
 fn grazing_in_a_room() -> Case {
     let source = Vec3::new(-14.0, -9.9, 1.0);
     let directions = [89.9, 89.99, 89.999]

@@ -1,4 +1,4 @@
-//! Input that is no scene and no setting.
+//! Input that is not a valid scene or setting.
 
 use super::super::{Case, Check};
 use super::build::builtin;
@@ -70,7 +70,7 @@ const MARCH: [Spoil<MarchVariant>; 4] = [
 
 type Input = (&'static str, Scene, Settings);
 
-/// A spoilt scene, for every profile.
+/// Invalid scenes, for every profile.
 fn of_scenes(spoils: &[Spoil<Scene>]) -> Vec<Input> {
     for_every_profile(spoils, |spoil, settings| {
         let mut scene = builtin("corner");
@@ -79,7 +79,7 @@ fn of_scenes(spoils: &[Spoil<Scene>]) -> Vec<Input> {
     })
 }
 
-/// Spoilt settings: what is shared for every profile, the rest for the one that has it.
+/// Invalid settings: common ones for every profile, the rest for the profile that has them.
 fn of_settings() -> Vec<Input> {
     let mut inputs = for_every_profile(&SHARED, |spoil, mut settings| {
         spoil(&mut settings);
@@ -135,7 +135,7 @@ pub fn cases() -> Vec<Case> {
         ),
         refused(
             "not-finite",
-            "places, sizes and turns that are no numbers",
+            "positions, sizes and turns that are not numbers",
             of_scenes(&NOT_FINITE),
         ),
         refused(

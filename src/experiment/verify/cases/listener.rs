@@ -1,4 +1,4 @@
-//! Listeners in the way of walls.
+//! Listeners that overlap walls or are hidden by them.
 
 use super::super::Case;
 use super::build::{block, hall, lattice, room, scene};

@@ -1,4 +1,4 @@
-//! All hard cases, by what is hard about them.
+//! All hard cases, grouped by their difficulty.
 
 mod boxes;
 mod build;
@@ -20,7 +20,7 @@ mod users;
 
 use super::Case;
 
-/// Every hard case there is, in the order of the table.
+/// Returns every hard case, in the order of the table.
 pub fn all() -> Vec<Case> {
     [
         incidence::cases,
@@ -49,7 +49,7 @@ pub fn all() -> Vec<Case> {
 mod tests {
     use super::all;
 
-    /// Protects `--case`: a name means one case.
+    /// Protects `--case`: names are unique.
     #[test]
     fn names_are_unique() {
         let mut names: Vec<String> = all().into_iter().map(|case| case.name).collect();

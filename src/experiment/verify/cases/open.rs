@@ -1,4 +1,4 @@
-//! Scenes that waves leave.
+//! Scenes that waves can leave.
 
 use super::super::Case;
 use super::build::{builtin, lattice, scene};
@@ -32,7 +32,7 @@ fn pillars() -> Case {
     )
 }
 
-/// The world's origin is in the listener, where the thesis puts its dead waves.
+/// The world's origin is in the listener; the thesis puts its dead waves at the origin.
 fn horizon() -> Case {
     let ground = Surface::new(Node::Plane(Plane)).at(Vec3::Y * -3.0);
     let ball = Surface::new(Node::Sphere(Sphere { radius: 1.0 })).at(Vec3::new(6.0, -2.0, 0.0));

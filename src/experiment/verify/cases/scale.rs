@@ -1,4 +1,4 @@
-//! The thesis' scenes made small, made large, and moved away.
+//! The thesis' scenes scaled down, scaled up, and moved away.
 
 use super::super::Case;
 use super::build::{builtin, lattice};
@@ -43,7 +43,7 @@ fn scaled(name: &str, exponent: i32) -> Case {
 }
 
 fn moved(name: &str, exponent: i32) -> Case {
-    // Whole numbers of the coarsest unit in the last place, so that the scene fits.
+    // Whole multiples of the coarsest unit in the last place, so that the scene stays exact.
     let by = Vec3::new(1.0, -1.0, 1.0) * 10_f32.powi(exponent);
     let mut scene = builtin(name);
     scene.source.position += by;

@@ -1,4 +1,4 @@
-//! Sources at places where none should be.
+//! Sources at invalid or critical positions.
 
 use super::super::{Case, Planted};
 use super::build::{block, hall, lattice, scene};
@@ -32,14 +32,14 @@ pub fn cases() -> Vec<Case> {
         case(
             "source-in-wall",
             "the source is 0.5 m within the solid of a block",
-            "nothing sounds in there: all waves are dead",
+            "no sound leaves a solid: all waves are dead",
             in_hall(Vec3::new(0.5, 0.0, 0.0)),
         )
         .planted(1e-6, at_source(&[], Vec3::new(0.5, 0.0, 0.0))),
         case(
             "source-outside",
             "the source is outside of the room",
-            "nothing sounds in there: all waves are dead",
+            "no sound leaves a solid: all waves are dead",
             in_hall(Vec3::new(-15.5, 0.0, 0.0)),
         )
         .planted(1e-6, at_source(&[], Vec3::new(-15.5, 0.0, 0.0))),
@@ -59,7 +59,7 @@ pub fn cases() -> Vec<Case> {
     ]
 }
 
-/// Every wave stays at the source, having met these objects.
+/// Every wave stays at the source, having hit these objects.
 fn at_source(objects: &[u32], source: Vec3) -> Vec<Planted> {
     let answer = Planted {
         objects: objects.into(),

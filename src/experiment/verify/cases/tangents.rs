@@ -1,4 +1,4 @@
-//! Lines that just touch, or just miss, what is round.
+//! Lines that just touch, or just miss, round shapes.
 
 use super::super::Case;
 use super::build::{hall, listener_outside, scene};
@@ -15,7 +15,7 @@ pub fn cases() -> Vec<Case> {
     ]
 }
 
-/// Lines at the radius, and a little and a very little to both sides of it.
+/// Lines at the radius, and slightly and very slightly to both sides of it.
 fn tangents(name: &str, shape: Node) -> Case {
     let source = Vec3::new(-12.0, 0.0, 0.0);
     let aside = |share: f64| {
@@ -39,8 +39,8 @@ fn tangents(name: &str, shape: Node) -> Case {
         .collect();
     Case::spread(
         name,
-        "a line that touches: the root under which all hangs is 0",
-        "past it, or mirrored by next to nothing",
+        "a line that touches: the square root of the solution is 0",
+        "past it, or mirrored by a tiny angle",
         scene(
             "hall",
             vec![hall(), Surface::new(shape)],

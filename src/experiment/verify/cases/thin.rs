@@ -19,7 +19,7 @@ pub fn cases() -> Vec<Case> {
     ]
 }
 
-/// From floor to ceiling right through the hall, so that nothing gets across.
+/// A wall from floor to ceiling through the whole hall, so that no wave crosses it.
 fn thin_wall(thickness: f32, hard: &'static str) -> Case {
     let wall = block(thickness, 20.0, 30.0);
     let listener = Listener::at(Vec3::new(8.0, 0.0, 0.0), 2.0);

@@ -1,5 +1,5 @@
-//! Users' fields in small and in large boxes. The judge has a tree of the library's own for
-//! each text: the same surface, stated apart from it.
+//! Users' fields in small and in large boxes. For each text the judge has a tree of the library: an
+//! independent description of the same surface.
 
 use super::super::Case;
 use super::build::{lattice, room, scene};
@@ -9,25 +9,25 @@ use crate::scene::{Listener, Node, Scene, Shape, Surface, UserField};
 use glam::{EulerRot, Quat, Vec3};
 use std::sync::Arc;
 
-/// Flights: to the field, off it, and on from where that leads.
+/// Flights: to the field, off it, and the next one.
 const ITERATIONS: u32 = 3;
 
-/// What is hard where a text has values alone.
+/// The difficulty of a text with values only.
 const VALUES: &str = "of a user's text only values are known, as coarse as its own rounding";
 
-/// What is hard where it states a gradient.
+/// The difficulty of a text with a gradient.
 const STATED: &str = "the normal is what a user's text says, edges included";
 
 /// The judge's reference.
 const TREE: &str = "that of a tree of the library's own that states the same surface";
 
-/// One surface, twice.
+/// One surface in two descriptions.
 struct Statement {
-    /// As a user states it.
+    /// The user's text.
     text: &'static str,
-    /// How fast the text's value grows at most, in a cube of this size.
+    /// The maximum growth of the text's value, in a cube of this size.
     lipschitz: fn(f32) -> f32,
-    /// As a tree states it.
+    /// The same surface as a tree.
     tree: Shape,
 }
 
@@ -39,7 +39,7 @@ fn ball() -> Statement {
     }
 }
 
-/// Where coordinates are ten times the radius, and rounded ten times more.
+/// An offset at which coordinates are ten times the radius, with ten times the rounding error.
 const AWAY: Vec3 = Vec3::new(10.0, -4.0, 8.0);
 
 fn ball_away() -> Statement {
@@ -61,14 +61,14 @@ fn torus() -> Statement {
     }
 }
 
-/// The torus in squares: a value that is no distance, and much steeper far away.
+/// The torus with squares: the value is not a distance, and much steeper far away.
 fn torus_squared() -> Statement {
     Statement {
         text: "float field(vec3 p) {
             float beside = length(p.xz) - 1.2;
             return beside * beside + p.y * p.y - 0.4 * 0.4;
         }",
-        // Twice what is farther from the ring than any corner of the cube.
+        // Twice the largest distance of a corner of the cube from the ring.
         lipschitz: |size| 3f32.sqrt() * size,
         ..torus()
     }
@@ -90,7 +90,7 @@ fn blend() -> Statement {
     }
 }
 
-/// A slope that its cube cuts off. Nothing spreads there, and the bound is the least.
+/// A slope that its cube cuts off. There waves do not spread, and the bound is the smallest.
 fn slope(size: f32) -> Statement {
     let normal = Vec3::new(0.36, 0.8, -0.48);
     let half_space = Shape::from(Node::HalfSpace(HalfSpace {
@@ -107,7 +107,7 @@ fn slope(size: f32) -> Statement {
     }
 }
 
-/// A solid box, whose edges differences would round.
+/// A solid box, whose edges difference normals would round.
 fn brick() -> Statement {
     Statement {
         text: "const vec3 HALF = vec3(1.0, 0.6, 0.8);
@@ -141,7 +141,7 @@ fn blend_stated() -> Statement {
         float field(vec3 p) {
             return mix(b(p), a(p), share(p)) - 0.4 * share(p) * (1.0 - share(p));
         }
-        // What the share changes by cancels out.
+        // The derivative of the share cancels out.
         vec3 fieldGradient(vec3 p) {
             return mix(normalize(p - B), normalize(p - A), share(p));
         }",
@@ -186,8 +186,8 @@ pub fn cases() -> Vec<Case> {
     ]
 }
 
-/// Text and tree in a cube of this size, turned and off the centre of a room; `moved` within
-/// their own axes.
+/// Text and tree in a cube of this size, turned and off the centre of a room; `moved` within their
+/// own axes.
 fn in_a_room(
     name: &str,
     hard: &'static str,
@@ -199,13 +199,14 @@ fn in_a_room(
     twice(name, hard, statement, box_size, ITERATIONS, world)
 }
 
-/// The torus that the source grazes, before a wide slab. One flight: off the torus chaos begins.
+/// The torus that rays from the source graze, before a wide slab. One flight: chaos begins after
+/// the torus.
 fn before_a_slab(name: &str, listener: Vec3) -> Case {
     let world = |field: Shape| slab_behind(name, field, listener);
     twice(name, VALUES, &torus_squared(), 4.0, 1, world)
 }
 
-/// The case of a user's text, and with the tree for its truth.
+/// The case of a user's text, judged by the tree.
 fn twice(
     name: &str,
     hard: &'static str,
