@@ -312,7 +312,7 @@ fn a_browser_that_keeps_nothing_is_told_of() {
     browser.go(&page);
     browser.run("Storage.prototype.setItem = () => { throw new Error('full'); };");
     browser.click("#begin");
-    browser.wait_for("#warning", "keeps nothing");
+    browser.wait_for("#warning", "cannot store answers");
     assert_eq!(asks_before_closing(&browser), false, "nothing is answered");
     answer(&browser, 90, 0, "right", 4);
     browser.wait_for("#number", "Sound 2 of 3");

@@ -10,9 +10,8 @@
 //!   alone counts at its own end point.
 //! - *Panning*: over at least 16 seeds, against the same start directions followed exactly
 //!   (twin bias) and against the limit of many waves (limit bias, mean square error,
-//!   efficiency). When
-//!   nothing arrives the panning is 0: that is the answer given, and it counts.
-//! - *Speed*: medians of the same frames, in turns with all other cases of as many waves,
+//!   efficiency). Without arrivals the panning is 0: that answer counts.
+//! - *Speed*: medians of the same frames, in turns with all other cases of the same number of waves,
 //!   after a frame each to warm up. Evaluations of the distance are counted in a further
 //!   frame and divided by waves × iterations; the thesis' dead waves march on and count.
 //!

@@ -6,7 +6,7 @@ use super::report::{Recommendation, Row};
 /// panning.
 pub const ITERATIONS: u32 = 8;
 
-/// The rows used for recommendations, plots and targets. Rows that hear nothing are left out: their
+/// The rows used for recommendations, plots and targets. Rows without hits are left out: their
 /// answer, 0, can be near the truth only by chance.
 pub fn comparable(rows: &[Row]) -> impl Iterator<Item = &Row> {
     rows.iter().filter(|row| {

@@ -52,8 +52,8 @@ impl Size {
 }
 
 impl Change {
-    /// The change between pairs of frames with these numbers of waves; `None` if nothing was heard
-    /// before.
+    /// The change between pairs of frames with these numbers of waves; `None` without hits before
+    /// it.
     pub(super) fn of(base: (&[Frame], u32), changed: (&[Frame], u32)) -> Option<Change> {
         let shares = |(frames, waves): (&[Frame], u32)| -> Vec<f64> {
             frames.iter().map(|f| heard(f) / f64::from(waves)).collect()

@@ -30,7 +30,7 @@ struct Line<'a> {
 enum Heard<'a> {
     /// Of another seed.
     Noise(&'a Noise),
-    /// Of a change; `None` if it cannot be estimated.
+    /// The effect of a change; `None` if it cannot be estimated.
     Change(Option<&'a Change>),
 }
 

@@ -18,7 +18,7 @@ pub struct OptionRow {
     pub march: Timing,
     /// The whole frame's time that it saves.
     pub total: Timing,
-    /// The audible change; `None` if nothing is heard without the change.
+    /// The audible change; `None` without hits before the change.
     pub change: Option<Change>,
     /// Whether another seed has at least the same effect.
     pub within_noise: bool,

@@ -34,7 +34,7 @@ pub struct SurfaceRow {
     pub march: Option<Timing>,
     /// The same for the whole frame.
     pub total: Option<Timing>,
-    /// The audible change; `None` also if nothing is heard with the surface.
+    /// The audible change; `None` also without hits in the complete scene.
     pub change: Option<Change>,
     /// Whether too few surfaces are left to lie in cells.
     pub leaves_cells: bool,
@@ -52,7 +52,7 @@ pub enum Verdict {
     IsHeard,
     /// The scene would have no surface.
     LeavesNothing,
-    /// Nothing is heard in the complete scene, so there is no verdict.
+    /// The complete scene has no hits, so surfaces cannot be judged.
     NothingHeard,
 }
 

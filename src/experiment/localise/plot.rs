@@ -84,7 +84,7 @@ const HOLLOW: f64 = 0.5;
 #[derive(Clone, Copy)]
 struct Point {
     x: f64,
-    /// None if nothing is heard: a gap in the line.
+    /// None without hits: a gap in the line.
     error: Option<Figure>,
     is_hollow: bool,
 }

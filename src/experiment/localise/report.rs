@@ -52,7 +52,7 @@ pub struct OpenReport {
     pub mean_side: f64,
     /// *m* of the observer that does not know the distance.
     pub blind_mean_side: f64,
-    /// The figures over all azimuths; none if nothing is heard.
+    /// The figures over all azimuths; none without hits.
     pub all: Option<ErrorFigures>,
     /// The same for the observer that does not know the distance.
     pub blind: Option<ErrorFigures>,
@@ -71,9 +71,9 @@ pub struct OpenDirection {
     pub elevation_deg: f64,
     /// Its lateral angle, which levels determine, in degrees.
     pub lateral_deg: f64,
-    /// The mean answer, in degrees; none if nothing is heard.
+    /// The mean answer, in degrees; none without hits.
     pub answer_deg: Option<f64>,
-    /// The errors of the answers; none if nothing is heard.
+    /// The errors of the answers; none without hits.
     pub error: Option<ErrorFigures>,
     /// The same for the observer that does not know the distance.
     pub blind: Option<ErrorFigures>,
@@ -142,14 +142,14 @@ pub struct Cell {
     pub unheard: f64,
     /// Waves that arrived, mean over the trials.
     pub hits: f64,
-    /// Errors against the straight direction of the source; none if nothing is heard.
+    /// Errors against the straight direction of the source; none without hits.
     pub source: Option<ErrorFigures>,
     /// Errors against the converged panning of `hybrid` after the same number of iterations.
     pub limit: Option<ErrorFigures>,
     /// Numbers of trials: rows are the side of the source, columns the side answered, each left,
     /// centre, right; the last column counts trials in which nothing was heard.
     pub confusion: [[u32; 4]; 3],
-    /// Share of the heard trials with the right side; none if nothing is heard.
+    /// Share of the heard trials with the right side; none without hits.
     pub side_right: Option<Share>,
 }
 
@@ -178,7 +178,7 @@ pub struct Plateau {
     pub least: Option<u32>,
     /// The largest number measured.
     pub largest: u32,
-    /// The figure at the largest count, in degrees; none if nothing is heard there.
+    /// The figure at the largest number, in degrees; none without hits.
     pub there: Option<Figure>,
 }
 

@@ -183,7 +183,7 @@ impl FacingReport {
     }
 }
 
-/// The last column of a confusion table: nothing was heard.
+/// The last column of a confusion table, for trials without hits.
 const NOTHING: usize = 3;
 
 /// The figures of one sound in one setting. Silence does not count as an answer: it would be the

@@ -89,7 +89,7 @@ pub enum Bound {
 pub struct Planted {
     /// The objects met, in order: 0 the listener, n the n-th surface.
     pub objects: Vec<u32>,
-    /// Where the wave is after its last flight, world metres.
+    /// Position of the wave after its last flight, in world metres.
     pub end: DVec3,
 }
 

@@ -1,5 +1,5 @@
-// The form: one session at a time. What is said of a trial is stored as it is said, under a key
-// of its own session; an answer that is locked is never replaced.
+// The form: one session at a time. Input for a trial is stored immediately, under a key of its
+// session; a locked answer is never replaced.
 (() => {
   const { data, trials, newDraft, azimuth, isBeside, isObject, isAnswer, isSession, orderOf } = form;
   const prefix = `echomarch-localise:${data.experiment}:`;
@@ -15,7 +15,7 @@
   let isKept = true; // whether this browser keeps what is stored
   let audio = null;
 
-  // ---- what is kept -------------------------------------------------------------
+  // ---- storage --------------------------------------------------------------
 
   const warn = (text) => {
     byId("warning").textContent = text;
@@ -36,10 +36,10 @@
 
   const keepsNothing = () => {
     isKept = false;
-    warn("This browser keeps nothing: save a file before you close the page.");
+    warn("This browser cannot store answers: save a file before you close the page.");
   };
 
-  // What is stored wins: answers are locked, in whichever tab they were given.
+  // Stored answers take precedence: they are locked, in whichever tab they were given.
   const store = () => {
     const stored = read(session.session);
     if (isSession(stored)) {
@@ -153,7 +153,7 @@
   const seconds = () =>
     draft.seconds + (since === null ? 0 : (performance.now() - since) / 1000);
 
-  // What is said of the trial shown, unless it is locked: also before it is left.
+  // Stores the input for the trial shown, unless it is locked: also before it is left.
   const keep = () => {
     if (session && draft && !answerOf(place)) {
       session.drafts[session.order[place]] = { ...draft, seconds: seconds() };
@@ -254,7 +254,7 @@
   const pressOnPlan = (event) => {
     const steps = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
     const step = steps[event.key];
-    // With another key they are the browser's: a page back, a word on.
+    // With a modifier key the browser uses them: a page back, a word on.
     if (!step || event.altKey || event.ctrlKey || event.metaKey) {
       return;
     }
@@ -320,7 +320,7 @@
     return `The mark is ${Math.abs(azimuth(spot)).toFixed(0)}° to the ${side} of your gaze.`;
   };
 
-  // Only what changes, since it is read out.
+  // Updates only changed text, since it is read out.
   const say = (id, text) => {
     if (byId(id).textContent !== text) {
       byId(id).textContent = text;
@@ -361,7 +361,7 @@
     goOn();
   };
 
-  // What only this page knows, or what is complete and not handed in.
+  // Asks before answers are lost that exist only in this page, or are complete and not handed in.
   const warnOfLoss = (event) => {
     if (session && answered(session) > session.saved && (!isKept || isComplete())) {
       event.preventDefault();
@@ -399,7 +399,7 @@
     byId("saved").textContent = `Saved as ${link.download} among your downloads.`;
   };
 
-  // The session of a file, whose trials and answers are what a form saves.
+  // Returns the session of a file, if its trials and answers have the form that is saved.
   const sessionOf = (file) => {
     const { session: name, participant, started, order } = file;
     const answers = {};

@@ -1,10 +1,10 @@
 "use strict";
-// What a form is made of, and what may be taken up as an answer, a draft or a session: the
-// same checks as the program's that reads the answers.
+// The data of a form, and the checks of answers, drafts and sessions: the same as in the
+// program that reads the answers.
 const form = (() => {
   const data = JSON.parse(document.getElementById("data").textContent);
   const trials = new Map(data.trials.map((trial) => [trial.number, trial]));
-  // What is said of a trial and not locked; seconds since it was first played, while it was
+  // Input for a trial that is not locked; seconds since it was first played, while it was
   // shown.
   const newDraft = () => ({ spot: null, side: null, confidence: null, plays: 0, seconds: 0 });
 
@@ -18,7 +18,7 @@ const form = (() => {
   const isOrder = (value) => Array.isArray(value) && value.length === trials.size
     && new Set(value).size === trials.size && value.every((number) => trials.has(number));
 
-  // At the listener there is no direction.
+  // At the listener a direction is undefined.
   const isBeside = (spot) => Math.hypot(spot.right_m, spot.ahead_m) > 0.001;
   const azimuth = (spot) => (Math.atan2(spot.right_m, spot.ahead_m) * 180) / Math.PI;
 
@@ -49,7 +49,7 @@ const form = (() => {
     && areOf(value.answers, isAnswer) && areOf(value.drafts, isDraft)
     && Number.isInteger(value.saved);
 
-  // The order of a session: by a number that trial, form and order seed make (FNV-1a with the
+  // The order of a session: sorted by a hash of trial, form and order seed (FNV-1a with the
   // last mixing of MurmurHash3).
   const rank = (text) => {
     let hash = 0x811c9dc5;
