@@ -283,7 +283,7 @@ fn paths_that_bring_nothing_are_not_listed() {
     let pair = &report["pairs"][0];
     assert_eq!(pair["paths"].as_array().map(Vec::len), Some(1));
     let notes = pair["notes"].to_string();
-    assert!(notes.contains("sphere of 0.3 m catches all"), "{notes}");
+    assert!(notes.contains("sphere (0.3 m) limits"), "{notes}");
     assert!(!notes.contains("focus"), "{notes}");
 }
 

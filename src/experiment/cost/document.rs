@@ -5,12 +5,12 @@ use crate::report::{Cell, Column, Document, Report, Row, Table};
 
 const LEGEND: &str = "\
     Each row changes one thing: a surface is left out, an option is set. met: waves that meet \
-    the surface. saves: what that saves of a frame's time (negative: it costs), the median of \
-    the pairs ± half the distance between their quartiles; noise: no more than the clock makes \
-    of no difference. heard: the change of the waves heard; pan; level: at the ear at which it \
-    changes more (silence: one hears nothing); each the root mean square of a single frame. What \
-    is no more than another seed changes in all three is not heard. Two things that can each be \
-    left out may be heard together. What surfaces absorb is not regarded: a frame carries no energy.";
+    the surface. saves: the time that the change saves of a frame (negative: it costs), the median \
+    of the pairs ± half the distance between their quartiles; noise: within the noise of the \
+    clock. heard: the change of the waves heard; pan; level: at the ear with the larger change \
+    (silence: one ear hears nothing); each the root mean square of a single frame. A change is not \
+    heard if another seed changes all three as much. Two things that can each be left out may be \
+    heard together. Absorption is ignored: a frame carries no energy.";
 
 /// A row of the table.
 struct Line<'a> {
