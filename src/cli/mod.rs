@@ -104,13 +104,13 @@ enum Command {
     Shader(shader::Arguments),
     /// The performance experiment: figures 11.1 to 11.4 beside the thesis' own
     Figures(figures::Arguments),
-    /// Speed against error: every profile and option beside the exact waves
+    /// Speed against error: every profile and option compared with exact waves
     Accuracy(accuracy::Arguments),
     /// Cost of each surface and option, and what could be left out
     Cost(cost::Arguments),
-    /// The hard cases: by every profile, against exact answers
+    /// The hard cases: every profile compared with exact answers
     Verify(verify::Arguments),
-    /// The localisation experiment, by a computed observer and with people
+    /// The localisation experiment, with a computed observer and with people
     Localise(localise::Arguments),
     /// Sweeps and maps: many points; shards can be interrupted, resumed and merged
     Study(study::Arguments),

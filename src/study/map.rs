@@ -260,7 +260,7 @@ fn viridis(share: f64) -> [u8; 3] {
     [colour.0, colour.1, colour.2]
 }
 
-/// From blue on the left over pale yellow for 0 to red on the right.
+/// Blue for the left, pale yellow for 0, red for the right.
 fn two_sided(share: f64) -> [u8; 3] {
     const LEFT: [f64; 3] = [69.0, 117.0, 180.0];
     const MIDDLE: [f64; 3] = [255.0, 255.0, 191.0];

@@ -183,9 +183,12 @@ fn recommendation(scene: &SceneReport, error: f64) -> String {
             "recommended: the fastest with {wanted} is {}",
             tell(fastest)
         ),
-        (None, Some(best)) => format!("recommended: none has {wanted}; the best is {}", tell(best)),
+        (None, Some(best)) => format!(
+            "recommended: no setting has {wanted}; the best is {}",
+            tell(best)
+        ),
         (None, None) => format!(
-            "recommended: nothing; no setting hears anything at {COMPARED_ITERATIONS} iterations"
+            "recommended: none; no setting hears anything at {COMPARED_ITERATIONS} iterations"
         ),
     }
 }

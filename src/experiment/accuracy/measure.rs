@@ -134,7 +134,7 @@ mod tests {
         }
     }
 
-    /// Protects the shares by their names, and the distribution of nothing.
+    /// Protects the quantiles, and their values without data.
     #[test]
     fn quantiles_have_their_shares() {
         let of = Quantiles::of((0..=200).rev().map(f64::from).collect());

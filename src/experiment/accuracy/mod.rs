@@ -3,24 +3,24 @@
 //! # Method
 //! Every [`Case`] (settings with a name) runs in every scene and yields a [`Row`]:
 //!
-//! - *Waves*: each wave against the exact one ([`ExactScene`](crate::reference::ExactScene),
+//! - *Waves*: each wave is compared with the exact one ([`ExactScene`](crate::reference::ExactScene),
 //!   closed form in `f64`) of the same start direction: status, surfaces met, metres
-//!   between the ends. Taken over at most [`Plan::compared_waves`] waves of seed 1; more have
+//!   between the ends. At most [`Plan::compared_waves`] waves of seed 1 are compared; more have
 //!   the same distribution. A wave whose exact twin dies has no end and no error; one that dies
-//!   alone counts at its own end point.
+//!   although its twin does not counts at its own end point.
 //! - *Panning*: over at least 16 seeds, against the same start directions followed exactly
 //!   (twin bias) and against the limit of many waves (limit bias, mean square error,
 //!   efficiency). Without arrivals the panning is 0: that answer counts.
 //! - *Speed*: medians of the same frames, in turns with all other cases of the same number of waves,
-//!   after a frame each to warm up. Evaluations of the distance are counted in a further
+//!   after one warm-up frame each. Evaluations of the distance are counted in a further
 //!   frame and divided by waves × iterations; the thesis' dead waves march on and count.
 //!
-//! The limit is the exact panning over two Fibonacci lattices of directions; half of what
-//! they differ by is its uncertainty. What is chaos and not error is in `chaos`'s header,
-//! what efficiency means in `panning`'s.
+//! The limit is the exact panning over two Fibonacci lattices of directions; half of their difference is its
+//! uncertainty. The header of `chaos` explains how chaos is separated from error, that of `panning_error` defines
+//! efficiency.
 //!
 //! # Deviations from the thesis
-//! Sjöberg (2011) measures time alone and judges the sound by ear.
+//! Sjöberg (2011) measures only time and judges the sound by ear.
 
 mod chaos;
 mod columns;

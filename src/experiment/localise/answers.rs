@@ -218,7 +218,7 @@ impl Session {
 
     fn check(&self) -> Result<(), String> {
         if self.trials.is_empty() {
-            return Err("there is no trial in it".to_owned());
+            return Err("it has no trials".to_owned());
         }
         if self.trials.len() > MOST_TRIALS {
             let count = self.trials.len();

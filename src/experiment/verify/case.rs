@@ -21,7 +21,7 @@ pub struct Case {
 /// The check of a case.
 #[derive(Clone, Debug)]
 pub enum Check {
-    /// Waves against their exact end points.
+    /// Waves compared with their exact end points.
     Waves(Box<WaveCheck>),
     /// Input that must be rejected with a typed error, each with a description of the error. A
     /// profile gets only the input that applies to its settings.
@@ -46,7 +46,7 @@ pub(super) struct Verdict {
     pub note: String,
 }
 
-/// Waves, and how far from their exact end points they may be.
+/// Waves, and the accepted distance from their exact end points.
 #[derive(Clone, Debug)]
 pub struct WaveCheck {
     /// The scene.
