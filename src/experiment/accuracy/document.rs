@@ -183,10 +183,7 @@ fn recommendation(scene: &SceneReport, error: f64) -> String {
             "recommended: the fastest with {wanted} is {}",
             tell(fastest)
         ),
-        (None, Some(best)) => format!(
-            "recommended: no setting has {wanted}; the best is {}",
-            tell(best)
-        ),
+        (None, Some(best)) => format!("recommended: none has {wanted}; the best is {}", tell(best)),
         (None, None) => format!(
             "recommended: none; no setting hears anything at {COMPARED_ITERATIONS} iterations"
         ),
