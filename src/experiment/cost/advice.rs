@@ -63,16 +63,15 @@ fn of_surfaces(report: &CostReport) -> String {
     let heard = |row: &&SurfaceRow| row.verdict == Verdict::IsHeard;
     match report.surfaces.iter().filter(heard).max_by(by_saved) {
         Some(dearest) if saved_of_frame(dearest) > 0.0 => format!(
-            "No surface can be left out without an audible change. The most expensive is {}: {:.0} % of a frame; {}.",
+            "No surface can be left out without an audible change. The most expensive is {}: \
+             {:.0} % of a frame; {}.",
             dearest.name,
             saved_of_frame(dearest),
             dearest.change.map_or(String::new(), in_words)
         ),
-        Some(_) => {
-            "No surface can be left out without an audible change, or to save time that could be \
-                    measured."
-                .to_owned()
-        }
+        Some(_) => "No surface can be left out without an audible change, and none saves a \
+                    measurable time."
+            .to_owned(),
         None => "The scene has only this surface, so it cannot be left out.".to_owned(),
     }
 }
