@@ -1,9 +1,9 @@
-//! A game that has a window and a context of its own, by winit and glutin: each picture begins or goes on with a frame
-//! of waves on that very context, draws, and polls what is heard. Echomarch puts back all state that it changes.
+//! A game with its own window and context, by winit and glutin: each picture begins or continues a frame of waves on
+//! that context, draws, and polls the result. Echomarch restores all state that it changes.
 //!
 //! ```sh
 //! cargo run --release --example own_window
-//! cargo run --release --example own_window -- 60    # ends after so many pictures
+//! cargo run --release --example own_window -- 60    # ends after 60 pictures
 //! ```
 
 use echomarch::audio::PanningLaw;
@@ -25,13 +25,13 @@ use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
 use winit::raw_window_handle::{HasDisplayHandle, HasWindowHandle};
 use winit::window::{Window, WindowId};
 
-/// What each picture spends on the waves, in milliseconds.
+/// Milliseconds of each picture spent on the waves.
 const WAVES_MS: f64 = 4.0;
 
-/// Metres that the source moves from one picture to the next.
+/// Metres that the source moves per picture.
 const STEP_M: f32 = 0.05;
 
-/// The fields go in this order: the tracer, while the context is current, then the context, the window last.
+/// The fields are dropped in this order: the tracer while the context is current, then the context, the window last.
 struct Game {
     tracer: Tracer,
     scene: Scene,
@@ -57,7 +57,7 @@ impl Game {
         let gl = unsafe { glow::Context::from_loader_function(of_game) };
         let display = context.display();
         let loader = move |name: &std::ffi::CStr| display.get_proc_address(name);
-        // SAFETY: the functions are those of the game's context, which is current on this thread to the end.
+        // SAFETY: the functions are those of the game's context, which stays current on this thread to the end.
         let shared = unsafe { Context::from_loader(loader, MakeCurrent::ByCaller) }?;
         println!("renderer: {}", shared.renderer());
         Ok(Game {
@@ -73,7 +73,7 @@ impl Game {
         })
     }
 
-    /// One picture: the waves get their share of its time, the rest is the game's.
+    /// Draws one picture: the waves get their share of its time, the game the rest.
     fn picture(&mut self) -> Result<(), Box<dyn Error>> {
         self.scene.source.position.x += STEP_M;
         if !self.tracer.is_frame_pending() {
@@ -99,7 +99,7 @@ impl Game {
             .resize(&self.context, side(size.width), side(size.height));
     }
 
-    /// What the game draws: one colour, which comes and goes.
+    /// The game's picture: one colour, which comes and goes.
     fn draw(&self) {
         let light = (self.pictures % 60) as f32 / 60.0;
         // SAFETY: the game's context is current.
@@ -110,7 +110,7 @@ impl Game {
     }
 }
 
-/// A context of OpenGL 3.3 on the window, current.
+/// Opens an OpenGL 3.3 context on the window, and makes it current.
 fn open_gl(
     events: &ActiveEventLoop,
     window: &Window,
@@ -122,10 +122,10 @@ fn open_gl(
     let preference = DisplayApiPreference::Cgl;
     #[cfg(all(unix, not(target_os = "macos")))]
     let preference = DisplayApiPreference::Egl;
-    // SAFETY: the connection lives as long as the event loop, and so longer than what is made of it.
+    // SAFETY: the connection lives as long as the event loop, and so longer than everything made from it.
     let display = unsafe { Display::new(events.display_handle()?.as_raw(), preference) }?;
     let template = ConfigTemplateBuilder::new().compatible_with_native_window(handle);
-    // SAFETY: the window lives.
+    // SAFETY: the window is alive.
     let config = unsafe { display.find_configs(template.build()) }?.next();
     let config = config.ok_or("the display has no configuration for this window")?;
     let size = window.inner_size();
@@ -135,7 +135,7 @@ fn open_gl(
     let attributes = ContextAttributesBuilder::new()
         .with_context_api(ContextApi::OpenGl(Some(Version::new(3, 3))))
         .build(Some(handle));
-    // SAFETY: the window lives, and goes after both.
+    // SAFETY: the window is alive, and is dropped after both.
     let (surface, context) = unsafe {
         (
             display.create_window_surface(&config, &surface)?,
@@ -146,7 +146,7 @@ fn open_gl(
     Ok((surface, context))
 }
 
-/// The event loop's side of the game.
+/// The event loop's view of the game.
 struct Program {
     game: Option<Game>,
     pictures: Option<u32>,

@@ -1,10 +1,10 @@
-// A worker with a canvas of its own: traces what is heard in full, and tells the mix.
+// A worker with its own canvas: traces the sound in full and sends it to the mix.
 
 import init, { EarsOfPage } from "./pkg/echomarch_browser.js";
 
-// Milliseconds from one look at the scene to the next at the least.
+// Minimum milliseconds between two looks at the scene.
 const LEAST = 4;
-// Milliseconds until it looks again where nothing came.
+// Milliseconds until the next look if no message arrives.
 const IDLE = 100;
 
 const ready = init();
@@ -12,18 +12,18 @@ let ears = null;
 let mix = null;
 // The number of the scene that the mix plays.
 let scene = 0;
-// The scene as it stands, and as it stood when it could not be heard.
+// The current state of the scene, and the state that could not be traced.
 let latest = null;
 let refused = null;
-// The look that is due: its timer, and when it is.
+// The next scheduled look: its timer and its time.
 let timer = 0;
 let next = Infinity;
-// Until then the picture has the graphics for itself.
+// Time until which the picture has the graphics card for itself.
 let rested = 0;
-// What was last told to be wrong.
+// The last error reported.
 let trouble = "";
 
-// Calls a function; what it throws ends the ears, and the page is told why.
+// Calls a function; an exception ends the ears, and its message is sent to the page.
 function guarded(act) {
   try {
     act();
@@ -55,7 +55,7 @@ function follow(played) {
   due(0);
 }
 
-// Looks after so long, if that is not to be sooner; never before the rest is over.
+// Schedules a look after a delay, unless an earlier one is scheduled; never before the rest is over.
 function due(milliseconds) {
   const when = Math.max(performance.now() + milliseconds, rested);
   if (when >= next) return;
@@ -76,18 +76,18 @@ function look() {
     count = hear();
     tellTrouble("");
   } catch (error) {
-    // Until something changes it would fail again.
+    // It would fail again until the scene changes.
     refused = latest;
     tellTrouble(`The ears hear as before: ${error.message}`);
   }
   const now = performance.now();
-  // It rests as long as it has looked: the picture needs the graphics too.
+  // Rests as long as the look took: the picture needs the graphics card too.
   rested = now + (count > 0 ? Math.max(LEAST, now - began) : LEAST);
-  // A late part that was not due may be by then.
+  // A late part that was not due now may be due then.
   due(IDLE);
 }
 
-// Traces what is heard of each source, and tells the mix; of how many something has changed.
+// Traces each source and sends the changes to the mix; returns the number of changed sources.
 function hear() {
   const { names, values, seconds, listener, source, profile, waves } = latest;
   const all = ears.hear(names, values, seconds, listener, source, profile, waves);
@@ -101,7 +101,7 @@ function hear() {
   return all.length;
 }
 
-// Tells the mix what is heard of one source.
+// Sends the response of one source to the mix.
 function tell(heard) {
   const echoes = heard.echoes;
   const late = heard.late;
@@ -110,7 +110,7 @@ function tell(heard) {
   heard.free();
 }
 
-// Tells the page once what is wrong, and that it is no more.
+// Reports an error to the page once, and when it has gone.
 function tellTrouble(text) {
   if (text === trouble) return;
   trouble = text;

@@ -1,16 +1,16 @@
-// Keys and mouse, as in the window (docs/demo.md). Keys are told by their place on the keyboard.
+// Keys and mouse, as in the window (docs/demo.md). Keys are identified by their place on the keyboard.
 
 const HELD = {
   KeyW: [0, 1], KeyS: [0, -1], KeyD: [1, 1], KeyA: [1, -1], KeyE: [2, 1], KeyQ: [2, -1],
   ArrowRight: [3, 1], ArrowLeft: [3, -1], ArrowUp: [4, 1], ArrowDown: [4, -1],
 };
 
-// Radians of a pixel of the mouse.
+// Radians per pixel of mouse movement.
 const MOUSE = 0.0025;
 
 const types = (element) => element.closest?.("input, select, textarea") != null;
 
-// Listens to keys and mouse: `on` has what a key asks for once, by its place; `look` takes radians.
+// Listens to keys and mouse: `on` has the actions of single key presses, by key code; `look` takes radians.
 export function listenTo(canvas, on, look) {
   const down = new Set();
   addEventListener("keydown", (event) => {
@@ -24,7 +24,7 @@ export function listenTo(canvas, on, look) {
   canvas.addEventListener("click", () => {
     canvas.focus();
     if (document.pointerLockElement) document.exitPointerLock();
-    // Refused where the page has no right to it, or the last lock has just ended: then the mouse does not look.
+    // Rejected if the page may not lock the pointer, or the last lock has just ended: then the mouse does not turn the view.
     else canvas.requestPointerLock()?.catch?.(() => {});
   });
   addEventListener("mousemove", (event) => {

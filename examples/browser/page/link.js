@@ -1,29 +1,29 @@
 // The link that holds the settings: everything after the # of the address.
 
-// What is not in a link is as here.
+// Defaults of the settings that a link omits.
 export const usual = {
   scene: "open-pillars", profile: "hybrid", waves: 65536, iterations: 8, listen: "full", sound: "speech",
   volume: 0.5, text: null, listener: null, source: null, values: {},
 };
 
-// What a number may be.
+// Allowed numbers.
 export const LIMITS = {
   waves: { least: 1, most: 1048576, isWhole: true },
   iterations: { least: 1, most: 64, isWhole: true },
   volume: { least: 0, most: 1, isWhole: false },
 };
 
-// How many numbers a place has: x, y, z, and where the listener looks.
+// Number of coordinates of a place: x, y, z, and the direction of the listener's gaze.
 const PLACES = { listener: 5, source: 3 };
 
-// How names of values begin.
+// Prefix of the names of values.
 const VALUE = "value.";
 
 function numberOf(text) {
   return text.trim() === "" ? NaN : Number(text);
 }
 
-// Why a setting cannot be that number; nothing where it can.
+// The reason why a setting cannot have that number; "" if it can.
 export function wrongNumber(name, value) {
   const { least, most, isWhole } = LIMITS[name];
   const isWithin = value >= least && value <= most;
@@ -31,13 +31,13 @@ export function wrongNumber(name, value) {
   return `${name} has to be a ${isWhole ? "whole " : ""}number from ${least} to ${most}`;
 }
 
-// Whether a number is one in the program too, which has 32 bits for it.
+// Whether a number is also finite in the program, which stores it in 32 bits.
 function isNumber(value) {
   return Number.isFinite(Math.fround(value));
 }
 
-// Reads a link. `choices` has the names that can be chosen, by setting. `wrong` of the answer has a sentence for each
-// thing that the link says and that cannot be; that is as usual then.
+// Reads a link. `choices` has the allowed names of each setting. `wrong` in the result has a sentence for each
+// invalid entry of the link; that setting then has its default.
 export function read(fragment, choices) {
   const settings = { ...usual, values: {} };
   const wrong = [];
@@ -48,7 +48,7 @@ export function read(fragment, choices) {
   return { settings, wrong };
 }
 
-// Sets one thing that a link says; why not, if it cannot be.
+// Applies one entry of a link; returns the reason if it is invalid.
 function set(settings, name, value, choices) {
   if (name === "text") {
     settings.text = value;

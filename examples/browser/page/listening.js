@@ -1,57 +1,57 @@
-// What the page plays: starts and stops the sound, tells it what is chosen and what stands in the scene, and keeps what
-// its workers say.
+// The page's sound: starts and stops it, sends it the choices and the state of the scene, and stores the messages
+// of its workers.
 
 import { Sound } from "./sound.js";
 
-// Decibels where nothing is played.
+// Level in decibels when no sound is played.
 const SILENCE_DB = -120;
 
 const $ = (id) => document.getElementById(id);
 
 export class Listening {
-  // Of a page (Page) and what is chosen; nothing is played yet.
+  // For a page (Page) and its choices; no sound is played yet.
   constructor(page, state, messages) {
     this.page = page;
     this.state = state;
     this.messages = messages;
     this.sound = null;
-    // The scene that is shown: the last text that was one.
+    // The scene shown: the last valid text.
     this.shown = null;
-    // Whether what is heard in full can be traced.
+    // Whether sound in full can be traced.
     this.hasEars = true;
     this.gaps = 0;
-    // What stood in the scene when the ears were told last.
+    // The state of the scene last sent to the ears.
     this.stood = "";
     this.forget();
   }
 
-  // Nothing was heard yet.
+  // Resets levels, sources and times.
   forget() {
     this.levels = [SILENCE_DB, SILENCE_DB];
     this.sources = [];
     this.times = { trace: NaN, late: NaN };
   }
 
-  // Whether it is heard in full, as far as what is chosen is concerned.
+  // Whether the choices select sound in full.
   isFull() {
     return this.hasEars && this.state.listen === "full" && this.state.profile !== "thesis";
   }
 
-  // Plays the scene of that text from now on, once there is sound.
+  // Plays the scene of that text from now on, once the sound is on.
   play(shown) {
     this.shown = shown;
-    // What was heard is of the scene before.
+    // The sources belong to the previous scene.
     this.sources = [];
     this.sound?.play(shown.text, shown.name, this.state.sound);
   }
 
-  // Tells the sound what is listened to.
+  // Sends the choices to the sound.
   hear() {
     const pan = this.page.frame()[5] ?? 0;
     this.sound?.listen(this.isFull() ? "full" : "balance", this.state.volume, this.state.profile, pan);
   }
 
-  // Sends the scene as it stands to the ears, if it has changed.
+  // Sends the state of the scene to the ears if it has changed.
   stand() {
     if (!this.sound?.isListening() || !this.isFull()) return;
     const page = this.page;
@@ -72,7 +72,7 @@ export class Listening {
     });
   }
 
-  // What the button does: starts the sound, stops it, or goes on with it.
+  // The button's action: starts the sound, stops it, or resumes it.
   async playOrStop() {
     $("play").disabled = true;
     try {
@@ -81,7 +81,7 @@ export class Listening {
       } else if (this.sound.isRunning()) {
         await this.sound.stop();
       } else {
-        // The ears were not told where one went meanwhile.
+        // The ears have missed all moves since the stop.
         this.stood = "";
         await this.sound.goOn();
       }
@@ -104,7 +104,7 @@ export class Listening {
     this.hear();
   }
 
-  // What a part of the sound says.
+  // Handles a message of a part of the sound.
   told(part, data) {
     if (data.failed) this.fail(part, data.failed);
     if (data.trouble !== undefined) this.messages.say(part, data.trouble);
@@ -118,7 +118,7 @@ export class Listening {
     }
   }
 
-  // A part of the sound has ended: without ears there is still the balance, without the others nothing.
+  // Handles the end of a part of the sound: without ears the balance remains, without another part no sound.
   fail(part, why) {
     if (part === "ears") {
       this.hasEars = false;
@@ -138,7 +138,7 @@ export class Listening {
     this.showPlay();
   }
 
-  // Nothing can be chosen that cannot be heard.
+  // Disables choices that cannot be heard.
   showListen() {
     if (!this.hasEars) this.state.listen = "balance";
     for (const option of $("listen").options) {

@@ -1,4 +1,4 @@
-// What is told over the picture: a line for each part of the page that has something to say.
+// The messages over the picture: a line for each part of the page that has one.
 
 export class Messages {
   constructor(element) {
@@ -6,7 +6,7 @@ export class Messages {
     this.lines = new Map();
   }
 
-  // What a part of the page says; "" takes back what it has said.
+  // Sets the message of a part of the page; "" removes it.
   say(part, text) {
     if ((this.lines.get(part) ?? "") === text) return;
     if (text) {

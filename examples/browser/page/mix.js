@@ -1,4 +1,4 @@
-// A worker: mixes what is heard into blocks, as the player asks for them.
+// A worker: mixes the sound into blocks when the player asks for them.
 
 import init, { MixOfPage } from "./pkg/echomarch_browser.js";
 
@@ -10,10 +10,10 @@ let mix = null;
 // The number of the scene that is played.
 let playing = 0;
 let choices = { listen: "full", volume: 0.5, profile: "hybrid", pan: 0 };
-// What the mix had no room for, by source: it is told once something was played.
+// Responses that the mix had no room for, by source; they are passed on after the next block.
 const waiting = new Map();
 
-// Calls a function; what it throws ends the sound, and the page is told why.
+// Calls a function; an exception ends the sound, and its message is sent to the page.
 function guarded(act) {
   try {
     act();
@@ -43,10 +43,10 @@ function tell(heard) {
 }
 
 function hear(heard) {
-  // What was heard of a scene before this one is of no use.
+  // A response of the previous scene is useless.
   if (heard.scene !== playing) return;
   const before = waiting.get(heard.source);
-  // A late part is heard until there is another.
+  // A late part is played until the next one.
   if (before && !heard.late) heard.late = before.late;
   if (before || !tell(heard)) waiting.set(heard.source, heard);
 }
@@ -59,7 +59,7 @@ function begin(data) {
   ears.onmessage = ({ data: heard }) => guarded(() => hear(heard));
 }
 
-// Plays a scene, or goes on with the one before where that cannot be; the page is told which.
+// Plays a scene, or keeps the previous one if that fails; reports to the page which one plays.
 function play({ scene, text, name, sound }) {
   let trouble = "";
   try {
@@ -71,7 +71,7 @@ function play({ scene, text, name, sound }) {
     playing = scene;
     waiting.clear();
     choose();
-    // The ears are told by this way, so that they say nothing of it before there is something to play it.
+    // The ears get the scene from here, so that they send no response before the mix can play it.
     ears.postMessage({ scene, text, name });
   } catch (error) {
     trouble = `The sound stays as it was: ${error.message}`;

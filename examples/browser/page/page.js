@@ -1,4 +1,4 @@
-// The page: a walk through a scene, what is heard in it, and the choices.
+// The page: a walk through a scene, its sound, and the choices.
 
 import init, { Page, scene_text, scenes } from "./pkg/echomarch_browser.js";
 import { listenTo } from "./keys.js";
@@ -8,34 +8,34 @@ import { Messages } from "./messages.js";
 import { showFrame, showLevels, showSources, showTimes } from "./panel.js";
 import { Plan } from "./plan.js";
 
-// Milliseconds of a picture that waves are traced for.
+// Milliseconds of each picture spent on tracing waves.
 const WAVES_MS = 8;
-// Pictures from one plan to the next.
+// Number of pictures between two plans.
 const PLAN_EVERY = 6;
-// Pictures from one change of their size to the next.
+// Number of pictures between two changes of the resolution.
 const ADAPT_EVERY = 20;
-// Milliseconds from one picture to the next that are held: more makes the picture coarser, less finer.
+// Target range of milliseconds between pictures: above it the picture becomes coarser, below it finer.
 const SHORT_MS = 22;
 const LONG_MS = 40;
-// Milliseconds that pass in the scene from one picture to the next at the most: one that is held up does not leap.
+// Maximum milliseconds that pass in the scene between two pictures, so that a delay causes no leap.
 const LONGEST_MS = 250;
-// Shares of the canvas' size that the picture is drawn at.
+// Shares of the canvas' size at which the picture is drawn.
 const SCALES = [0.15, 0.2, 0.3, 0.4, 0.55, 0.75, 1];
-// Milliseconds until a text that is being written is read, and until a change is in the link.
+// Milliseconds after the last keystroke until the text is read, and between updates of the link.
 const WRITTEN_MS = 400;
 const LINKED_MS = 500;
-// Milliseconds until a picture is tried again that could not be drawn.
+// Milliseconds until a failed picture is tried again.
 const AGAIN_MS = 500;
-// Numbers of waves that can be chosen.
+// Numbers of waves to choose from.
 const WAVES = Array.from({ length: 11 }, (_, power) => 1024 << power);
-// How the errors begin after which nothing is known of the program's state.
+// Start of the error messages after which the program's state is unknown.
 const PANICKED = "panicked at";
 
 const $ = (id) => document.getElementById(id);
 const canvas = $("picture");
 const messages = new Messages($("message"));
 
-// What is chosen.
+// The choices.
 const state = {
   scene: link.usual.scene,
   profile: link.usual.profile,
@@ -53,7 +53,7 @@ let plan = null;
 let keys = null;
 let listening = null;
 
-// Pictures so far, when the last one was drawn (none after a rest), and milliseconds from one to the next.
+// Number of pictures, time of the last one (null after a pause), and milliseconds between pictures.
 let pictures = 0;
 let last = null;
 let between = 30;
@@ -61,7 +61,7 @@ let scale = 2;
 let spent = { waves: 0, picture: 0, plan: 0 };
 let linked = 0;
 
-// Why the page cannot work; nothing where it can.
+// The reason why the page cannot work; "" if it can.
 function lacking() {
   if (!gl) return "This page needs WebGL 2, which this browser does not have or has switched off.";
   if (!gl.getExtension("EXT_color_buffer_float")) {
@@ -79,8 +79,8 @@ function text() {
   return state.text ?? builtIn();
 }
 
-// Reads the text as the scene; says why not, and leaves all as it was, where it is none. `isAnew` says that the walk
-// begins anew, though the scene may have the same name.
+// Reads the text as the scene; shows the error and leaves everything unchanged if it is not valid. `isAnew` restarts the
+// walk even if the scene's name is the same.
 function take(isAnew) {
   const read = { text: text(), name: state.scene };
   try {
@@ -105,7 +105,7 @@ function showError(message) {
   if (message) $("editor").open = true;
 }
 
-// Sets how waves are traced; says why not, and leaves all as it was, where that cannot be.
+// Sets how waves are traced; if that fails, shows the reason and leaves everything unchanged.
 function trace(wanted) {
   let why = link.wrongNumber("waves", wanted.waves) || link.wrongNumber("iterations", wanted.iterations);
   try {
@@ -144,7 +144,7 @@ function chooseSettings() {
   listening.hear();
 }
 
-// A built-in scene that was chosen; where it cannot be shown the one before stays.
+// Shows the chosen built-in scene; if that fails, the previous one stays.
 function chooseScene(name) {
   messages.say("link", "");
   const before = { scene: state.scene, text: state.text, values: state.values };
@@ -159,12 +159,12 @@ function chooseScene(name) {
   }
 }
 
-// What can be chosen by a list.
+// The options of a list.
 function namesOf(list) {
   return Array.from($(list).options, (option) => option.value);
 }
 
-// All that a link says, from the beginning.
+// Applies a whole link from the start.
 function follow(fragment) {
   const choices = {};
   for (const list of ["scene", "profile", "listen", "sound"]) {
@@ -182,7 +182,7 @@ function follow(fragment) {
   $("volume").value = state.volume;
   $("text").value = text();
   listening.showListen();
-  // What cannot be traced in the scene before may well be in this one.
+  // Settings that the previous scene does not allow may be valid in this one.
   const isSet = trace(settings);
   if (take(true)) {
     if (!isSet) trace(settings);
@@ -192,7 +192,7 @@ function follow(fragment) {
   listening.hear();
 }
 
-// The values of a link, and where listener and source stand by it; adds to `wrong` what cannot be.
+// Applies a link's values and the places of listener and source; adds the reasons of failures to `wrong`.
 function stay(settings, wrong) {
   for (const [name, value] of Object.entries(settings.values)) {
     const why = setValue(name, value);
@@ -203,7 +203,7 @@ function stay(settings, wrong) {
   showValues();
 }
 
-// Sets a named value; why not, if it cannot be.
+// Sets a named value; returns the reason if that fails.
 function setValue(name, value) {
   try {
     page.set_value(name, value);
@@ -214,7 +214,7 @@ function setValue(name, value) {
   return "";
 }
 
-// A slider for each named value of the scene.
+// Shows a slider for each named value of the scene.
 function showValues() {
   const names = page.value_names();
   const numbers = page.values();
@@ -234,7 +234,7 @@ function showValues() {
   messages.say("values", "");
 }
 
-// Milliseconds since the last picture; none for the first one, and after the page was hidden.
+// Milliseconds since the last picture; 0 for the first one, and after the page was hidden.
 function passedUntil(now) {
   const passed = last === null ? 0 : now - last;
   if (last !== null) between += 0.1 * (passed - between);
@@ -260,8 +260,8 @@ function picture(now) {
   pictures += 1;
 }
 
-// Draws a picture, and asks for the next one. One that cannot be drawn is told and tried again: another scene may
-// have come until then.
+// Draws a picture and requests the next one. A failure is reported and tried again: the scene may have changed by
+// then.
 function loop(now) {
   if (gl.isContextLost()) return;
   try {
@@ -294,7 +294,7 @@ function drawPlan() {
   seen.free();
 }
 
-// Coarser where pictures come too slowly, finer where there is time.
+// Makes the picture coarser if pictures come too slowly, finer if there is time.
 function adapt() {
   if (between > LONG_MS) {
     scale = Math.max(0, scale - 1);
@@ -314,7 +314,7 @@ function show() {
   $("size").textContent = `${canvas.width} × ${canvas.height}, at ${share} % while anything moves`;
 }
 
-// The link of what is chosen and, where one has walked or put the source somewhere, of both places.
+// The link of the choices and of the places of listener and source, if the user has changed them.
 function address() {
   const placed = page.placed_source();
   return link.write({
@@ -363,7 +363,7 @@ function connect() {
     waiting = setTimeout(readWritten, WRITTEN_MS);
   };
   addEventListener("hashchange", () => follow(location.hash));
-  // Hidden, a page draws nothing, and nothing passes in its scene.
+  // A hidden page draws no pictures, and no time passes in its scene.
   document.addEventListener("visibilitychange", () => {
     last = null;
   });
@@ -375,7 +375,7 @@ function readWritten() {
   take(false);
 }
 
-// What a key asks for once.
+// Actions of single key presses.
 const asked = {
   KeyF: () => page.pick_up_or_put_down(),
   KeyP: () => page.pause_or_go_on(),
@@ -420,7 +420,7 @@ async function begin() {
   follow(location.hash);
   canvas.focus();
   requestAnimationFrame(loop);
-  // For tests and for whoever looks closer at it.
+  // For tests, and for inspection in the browser's console.
   window.echomarch = { page, state, sound: () => listening.sound, levels: () => listening.levels, address };
 }
 

@@ -1,14 +1,14 @@
-// What the panel shows beside the plan: what is heard, and times.
+// The panel beside the plan: levels, sources and times.
 
 const $ = (id) => document.getElementById(id);
 
-// A decimal of milliseconds, as a row of the table of times.
+// Milliseconds to one decimal, as a row of the table of times.
 function row(name, milliseconds) {
   const value = Number.isFinite(milliseconds) ? milliseconds.toFixed(1) : "–";
   return `<tr><th>${name}</th><td>${value} ms</td></tr>`;
 }
 
-// The last frame's counts and pan; nothing is known of a scene before its first.
+// The last frame's counts and pan; empty before the first frame of a scene.
 export function showFrame(frame) {
   const [hits, dead, travelling, , , pan] = frame;
   $("hits").textContent = hits ?? "–";
@@ -17,13 +17,13 @@ export function showFrame(frame) {
   $("pan").textContent = pan?.toFixed(3) ?? "–";
 }
 
-// The levels of both channels as they are played, in decibels.
+// The levels of both channels as played, in decibels.
 export function showLevels(levels) {
   $("left").value = levels[0];
   $("right").value = levels[1];
 }
 
-// What is heard in full: three numbers a source, as EarsOfPage.sources gives them.
+// The sources heard in full: three numbers per source, as EarsOfPage.sources returns them.
 export function showSources(sources) {
   const told = [];
   for (let i = 0; i < sources.length; i += 3) {
@@ -37,7 +37,7 @@ export function showSources(sources) {
   $("full").textContent = told.join("; ") || "–";
 }
 
-// Times in milliseconds: of pictures, of waves until they are heard, of calls, of the ears; and gaps in the sound.
+// Times in milliseconds: between pictures, of waves until they are heard, of calls, of the ears; and gaps in the sound.
 export function showTimes(times) {
   $("times").innerHTML = row("from picture to picture", times.between) +
     row("waves, until they are heard", times.frame) +

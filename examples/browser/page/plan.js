@@ -1,13 +1,13 @@
-// The plan: the scene from above, source, listener, and the ways of waves.
+// The plan: the scene from above, with source, listener, and paths of waves.
 
-// Of waves by what became of them: dead, travelling, at the listener.
+// Styles of waves by their status: dead, travelling, at the listener.
 const STYLES = [
   { colour: "#28be9573", width: 0.8 },
   { colour: "#96a0aa38", width: 0.8 },
   { colour: "#ff802c", width: 1.4 },
 ];
 
-// Height of the plan at the most, in the page's pixels.
+// Maximum height of the plan, in the page's pixels.
 const MOST_HEIGHT = 250;
 
 export class Plan {
@@ -16,7 +16,7 @@ export class Plan {
     this.image = document.createElement("canvas");
   }
 
-  // Draws it; `plan` is PlanOfPage, `ways` numbers as Page.ways gives them.
+  // Draws the plan; `plan` is a PlanOfPage, `ways` the numbers that Page.ways returns.
   draw(plan, ways, listener, radius, sources) {
     if (plan.rgba.length) {
       this.image.width = plan.width;

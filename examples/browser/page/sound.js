@@ -1,13 +1,13 @@
-// From what is heard to the speakers. Three workers, as the window has three threads:
+// The sound from responses to the speakers. Three workers, as the window has three threads:
 //
-//   ears.js, traces what is heard in full ─▶ mix.js, mixes it ─▶ worklet.js, plays it
+//   ears.js, traces the sound in full ─▶ mix.js, mixes it ─▶ worklet.js, plays it
 //
-// so that neither a picture nor a trace holds up the sound. Nothing is shared: all is sent, and any server will do.
+// so that neither a picture nor a trace holds up the sound. They share no memory, so any server can host the page.
 
-// Seconds in which the sound fades where it is stopped, and where it goes on: what is cut off clicks.
+// Seconds over which the sound fades when it is stopped or resumed: a sudden cut would click.
 const FADE_S = 0.02;
 
-// Why sound cannot be played here; nothing where it can.
+// The reason why sound cannot be played here; "" if it can.
 function lacking() {
   if (!isSecureContext) {
     return "browsers play it over https:// or from localhost alone, and this address is neither";
@@ -17,8 +17,8 @@ function lacking() {
 }
 
 export class Sound {
-  // Starts it: to be called from a click, since browsers play nothing before one. `told` is called with the name of
-  // a part ("mix", "ears", "player") and what that says.
+  // Starts the sound. Must be called from a click: browsers play no sound before one. `told` is called with the name of
+  // a part ("mix", "ears", "player") and its message.
   static async start(told) {
     const why = lacking();
     if (why) throw new Error(why);
@@ -28,7 +28,7 @@ export class Sound {
       await context.resume();
       return new Sound(context, told);
     } catch (error) {
-      // A page may have a few contexts only.
+      // A page may have only a few contexts.
       await context.close();
       throw error;
     }
@@ -36,7 +36,7 @@ export class Sound {
 
   constructor(context, told) {
     this.context = context;
-    // The number of the scene that was sent last, of the last that the mix has answered, and of the one it plays.
+    // The numbers of the scene last sent, of the last one the mix has answered, and of the one it plays.
     this.sent = 0;
     this.answered = 0;
     this.playing = 0;
@@ -72,7 +72,7 @@ export class Sound {
     return this.context.state === "running";
   }
 
-  // Whether what stands in the scene is of use: it is played, and it is known which scene is.
+  // Whether the state of the scene can be used: sound is running, and the mix has answered which scene it plays.
   isListening() {
     return this.isRunning() && this.playing > 0 && this.answered === this.sent;
   }
@@ -96,25 +96,25 @@ export class Sound {
     gain.linearRampToValueAtTime(volume, now + FADE_S);
   }
 
-  // Ends it for good.
+  // Ends the sound for good.
   close() {
     this.mix.terminate();
     this.ears.terminate();
     this.context.close();
   }
 
-  // Another scene or another sound. What stands in the scene is sent by `stand`.
+  // Plays another scene or another sound. `stand` sends the state of the scene.
   play(text, name, sound) {
     this.sent += 1;
     this.mix.postMessage({ scene: this.sent, text, name, sound });
   }
 
-  // What is listened to, its volume, and the balance.
+  // Sets full or balance, the volume, and the pan.
   listen(listen, volume, profile, pan) {
     this.mix.postMessage({ listen, volume, profile, pan });
   }
 
-  // The scene as it stands.
+  // Sends the state of the scene.
   stand(standing) {
     this.ears.postMessage({ ...standing, scene: this.playing });
   }

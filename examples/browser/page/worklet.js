@@ -1,12 +1,12 @@
-// Plays blocks of samples, in the browser's own thread for sound, and asks for the next ones.
+// Plays blocks of samples in the browser's audio thread, and requests the next ones.
 
-// Frames that are in hand: 85 ms at 48 kHz, in which a worker that was held up comes back.
+// Frames buffered: 85 ms at 48 kHz, during which a delayed worker can catch up.
 const AHEAD = 4096;
-// Frames that are asked for at once.
+// Frames per request.
 const BLOCK = 512;
-// Frames in which the sound fades before a gap and after it: 5 ms at 48 kHz.
+// Frames over which the sound fades before and after a gap: 5 ms at 48 kHz.
 const FADE = 240;
-// Seconds between two levels told.
+// Seconds between two reports of the levels.
 const TOLD_EVERY = 0.1;
 
 class PlayerOfBlocks extends AudioWorkletProcessor {
@@ -14,12 +14,12 @@ class PlayerOfBlocks extends AudioWorkletProcessor {
     super();
     this.mix = null;
     this.blocks = [];
-    // The next sample in the first block, and the frames that all blocks still have.
+    // The next sample in the first block, and the number of frames left in all blocks.
     this.at = 0;
     this.inHand = 0;
-    // Frames that were asked for and not played yet.
+    // Frames that were requested and not played yet.
     this.asked = 0;
-    // Frames of the fade: 0 in silence, FADE where all is heard.
+    // Frames of the fade: 0 in silence, FADE at full level.
     this.fade = 0;
     this.isPlaying = false;
     this.gaps = 0;
@@ -37,7 +37,7 @@ class PlayerOfBlocks extends AudioWorkletProcessor {
     };
   }
 
-  // Asks for what is missing.
+  // Requests missing frames.
   ask() {
     if (!this.mix) return;
     while (this.asked < AHEAD) {
@@ -61,7 +61,7 @@ class PlayerOfBlocks extends AudioWorkletProcessor {
     return true;
   }
 
-  // Plays the next frame. What is in hand fades out, so that it is silent where it ends.
+  // Plays the next frame. The buffered frames fade out, so that their end is silent.
   play(left, right, frame) {
     const block = this.blocks[0];
     this.fade += this.fade < Math.min(FADE, this.inHand) ? 1 : 0;

@@ -1,4 +1,4 @@
-//! What is heard in full.
+//! Sound in full.
 
 use crate::{scene, settings, thrown};
 use echomarch::Scene;
@@ -8,7 +8,7 @@ use echomarch::walkthrough::{Ears, HeardMessage, WalkState, Walker};
 use wasm_bindgen::prelude::*;
 use web_sys::WebGl2RenderingContext;
 
-/// Ears on a canvas off the screen.
+/// Ears on an off-screen canvas.
 #[wasm_bindgen]
 pub struct EarsOfPage {
     ears: Ears,
@@ -17,7 +17,7 @@ pub struct EarsOfPage {
     rate_hz: u32,
 }
 
-/// What is heard of one source.
+/// The response of one source.
 #[wasm_bindgen]
 pub struct HeardByPage {
     message: HeardMessage,
@@ -25,7 +25,7 @@ pub struct HeardByPage {
 
 #[wasm_bindgen]
 impl EarsOfPage {
-    /// On a context of a worker's own, for a mix of so many samples a second.
+    /// Ears on a worker's own context, for a mix of `rate_hz` samples a second.
     #[wasm_bindgen(constructor)]
     pub fn new(gl: WebGl2RenderingContext, rate_hz: u32) -> Result<EarsOfPage, JsError> {
         let context = Context::from_webgl2(gl).map_err(thrown)?;
@@ -37,15 +37,15 @@ impl EarsOfPage {
         })
     }
 
-    /// Another scene, or another mix of the same.
+    /// Sets another scene, or marks that the same one has a new mix.
     pub fn set_scene(&mut self, text: &str, name: &str) -> Result<(), JsError> {
         self.base = Some(scene(text, name)?);
         self.is_new_mix = true;
         Ok(())
     }
 
-    /// What is heard of each source in the scene as it stands: named values, seconds on its paths, the listener
-    /// (x, y, z, yaw, pitch) and the first source (x, y, z). Nothing where nothing has changed.
+    /// Traces each source in the given state of the scene: named values, seconds on its paths, the listener
+    /// (x, y, z, yaw, pitch) and the first source (x, y, z). Returns the responses that have changed.
     #[allow(clippy::too_many_arguments)]
     pub fn hear(
         &mut self,
@@ -79,8 +79,8 @@ impl EarsOfPage {
             .collect())
     }
 
-    /// Of each source at the last look: its strength G in decibels (NaN where nothing arrives), its exact paths,
-    /// and 1 where the direct sound is one of them.
+    /// For each source at the last call of `hear`: its strength G in decibels (NaN for silence), the number of exact
+    /// paths, and 1 if the direct sound is one of them.
     pub fn sources(&self) -> Vec<f64> {
         let numbers = |source: &echomarch::response::HeardSource| {
             let level = source.level_db.unwrap_or(f64::NAN);
@@ -90,7 +90,7 @@ impl EarsOfPage {
         self.ears.sources().iter().flat_map(numbers).collect()
     }
 
-    /// Milliseconds that the last look took to trace, and to make its late part.
+    /// Milliseconds that the last call of `hear` took to trace, and to make the late part.
     pub fn milliseconds(&self) -> Vec<f64> {
         self.ears.milliseconds().to_vec()
     }
@@ -98,25 +98,25 @@ impl EarsOfPage {
 
 #[wasm_bindgen]
 impl HeardByPage {
-    /// The source, from 0.
+    /// Number of the source, from 0.
     #[wasm_bindgen(getter)]
     pub fn source(&self) -> u32 {
         self.message.source as u32
     }
 
-    /// Its echoes, in numbers.
+    /// Its echoes, encoded as numbers.
     #[wasm_bindgen(getter)]
     pub fn echoes(&self) -> Vec<f64> {
         self.message.echoes.clone()
     }
 
-    /// The samples of its late part; nothing where that stays as it is.
+    /// The samples of its late part; `None` if that is unchanged.
     #[wasm_bindgen(getter)]
     pub fn late(&self) -> Option<Vec<f32>> {
         self.message.late.clone()
     }
 
-    /// Seconds in which the echoes glide there.
+    /// Seconds over which the echoes glide to these.
     #[wasm_bindgen(getter)]
     pub fn glide_s(&self) -> f64 {
         self.message.glide_s

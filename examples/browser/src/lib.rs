@@ -1,10 +1,10 @@
-//! The page's side: numbers and texts between JavaScript and `echomarch`, and nothing else.
+//! The page's interface: passes numbers and text between JavaScript and `echomarch`.
 //!
 //! | struct | runs in | does |
 //! | --- | --- | --- |
 //! | [`Page`] | the page | walks, traces frames, draws the picture and the plan |
 //! | [`EarsOfPage`] | a worker with a canvas of its own | traces what is heard in full |
-//! | [`MixOfPage`] | a worker | mixes it into slices |
+//! | [`MixOfPage`] | a worker | mixes it into blocks of samples |
 
 mod ears;
 mod mix;
@@ -32,7 +32,7 @@ pub fn scene_text(name: &str) -> Option<String> {
     Scene::builtin_text(name).map(str::to_owned)
 }
 
-/// What a panic says is thrown as an error, which page and workers show.
+/// Makes a panic throw its message as an error, which page and workers show.
 #[wasm_bindgen(start)]
 pub fn start() {
     std::panic::set_hook(Box::new(|panic| {
@@ -40,12 +40,12 @@ pub fn start() {
     }));
 }
 
-/// An error as JavaScript throws it.
+/// The error that JavaScript throws.
 fn thrown(error: impl Display) -> JsError {
     JsError::new(&error.to_string())
 }
 
-/// A scene of that text; of no name in it, it is called `name`.
+/// The scene of that text, called `name` if the text has no name.
 fn scene(text: &str, name: &str) -> Result<Scene, JsError> {
     let mut scene = Scene::from_ron(text, name).map_err(thrown)?;
     if scene.name.is_empty() {

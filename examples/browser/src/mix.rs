@@ -1,11 +1,11 @@
-//! What is heard, as samples.
+//! The sound as samples.
 
 use crate::{listen, profile, scene, thrown};
 use echomarch::audio::SoundSpec;
 use echomarch::walkthrough::{HeardMessage, Mix};
 use wasm_bindgen::prelude::*;
 
-/// Mixes into slices.
+/// Mixes all sources into blocks of samples.
 #[wasm_bindgen]
 pub struct MixOfPage {
     mix: Mix,
@@ -13,38 +13,38 @@ pub struct MixOfPage {
 
 #[wasm_bindgen]
 impl MixOfPage {
-    /// The sounds of a scene's sources at so many samples a second.
+    /// The sounds of a scene's sources at `rate_hz` samples a second.
     #[wasm_bindgen(constructor)]
     pub fn new(text: &str, name: &str, sound: &str, rate_hz: u32) -> Result<MixOfPage, JsError> {
         let mix = Mix::new(&scene(text, name)?, &sound_of(sound)?, rate_hz).map_err(thrown)?;
         Ok(MixOfPage { mix })
     }
 
-    /// Another scene or another sound; what was played fades out first.
+    /// Sets another scene or another sound; the previous one fades out first.
     pub fn set_scene(&mut self, text: &str, name: &str, sound: &str) -> Result<(), JsError> {
         let (scene, sound) = (scene(text, name)?, sound_of(sound)?);
         self.mix.set_scene(&scene, &sound).map_err(thrown)
     }
 
-    /// What is listened to: `full` or `balance`.
+    /// Sets how the scene is heard: `full` or `balance`.
     pub fn set_listen(&mut self, name: &str) -> Result<(), JsError> {
         self.mix.set_listen(listen(name)?);
         Ok(())
     }
 
-    /// Loudness, 0 to 1.
+    /// Sets the volume, 0 to 1.
     pub fn set_volume(&mut self, volume: f32) {
         self.mix.set_volume(volume);
     }
 
-    /// The balance, −1 to 1, as waves of that profile give it.
+    /// Sets the balance, −1 to 1, with the panning law of that profile.
     pub fn set_pan(&mut self, of: &str, pan: f32) -> Result<(), JsError> {
         self.mix.set_pan(profile(of)?, pan);
         Ok(())
     }
 
-    /// Glides to what is heard of a source; false, and nothing changes, if too much is under way: it has to be told
-    /// again. What is told of a source that the scene does not have any more is dropped.
+    /// Glides to a new response of a source. Returns false, without a change, if too many glides are under way: call it
+    /// again later. A response of a source that the scene no longer has is dropped.
     pub fn hear(
         &mut self,
         source: u32,

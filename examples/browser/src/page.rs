@@ -1,4 +1,4 @@
-//! What is seen, and the frames of waves.
+//! The picture, the plan, and the frames of waves.
 
 use crate::{scene, settings, thrown};
 use echomarch::glam::Vec3;
@@ -21,10 +21,10 @@ pub struct PlanOfPage {
     pub width: u32,
     /// Height in pixels.
     pub height: u32,
-    /// The least world x and z, and the greatest, in metres.
+    /// The least world x and z, then the greatest, in metres.
     #[wasm_bindgen(getter_with_clone)]
     pub bounds: Vec<f32>,
-    /// Red, green, blue and opacity of each pixel; empty where they are those of the last time.
+    /// Red, green, blue and opacity of each pixel; empty if unchanged since the last call.
     #[wasm_bindgen(getter_with_clone)]
     pub rgba: Vec<u8>,
 }
@@ -39,7 +39,7 @@ impl Page {
         Ok(Page { context, visit })
     }
 
-    /// The driver's name for the device.
+    /// The driver's name of the device.
     pub fn renderer(&self) -> String {
         self.context.renderer().to_owned()
     }
@@ -49,23 +49,23 @@ impl Page {
         self.context.is_software()
     }
 
-    /// Another scene, or another text of the present one.
+    /// Sets another scene, or another text of the present one.
     pub fn set_scene(&mut self, text: &str, name: &str) -> Result<(), JsError> {
         self.visit.set_scene(scene(text, name)?).map_err(thrown)
     }
 
-    /// Begins anew in a scene: nobody has walked in it, and nothing was set.
+    /// Opens a scene from its start: listener, source and values are as in its text.
     pub fn open_scene(&mut self, text: &str, name: &str) -> Result<(), JsError> {
         self.visit.open_scene(scene(text, name)?).map_err(thrown)
     }
 
-    /// How waves are traced from now on.
+    /// Sets how waves are traced.
     pub fn set_settings(&mut self, of: &str, waves: u32, iterations: u32) -> Result<(), JsError> {
         let settings = settings(of, waves, iterations)?;
         self.visit.set_settings(settings).map_err(thrown)
     }
 
-    /// Lets so many seconds pass. Moves are −1 to 1: forward, right, up, turn to the right, tilt upwards.
+    /// Lets `seconds` pass. Moves are −1 to 1: forward, right, up, turn to the right, tilt upwards.
     pub fn pass(&mut self, moves: &[f32], run: bool, seconds: f64) {
         let of = |index: usize| moves.get(index).copied().unwrap_or_default();
         let input = MoveInput {
@@ -89,24 +89,24 @@ impl Page {
         self.visit.pick_up_or_put_down();
     }
 
-    /// Holds the moving things, or lets them go on.
+    /// Pauses the moving things, or lets them continue.
     pub fn pause_or_go_on(&mut self) {
         self.visit.pause_or_go_on();
     }
 
-    /// Puts source, listener and time back to the beginning.
+    /// Resets source, listener and time to the start.
     pub fn start_over(&mut self) {
         self.visit.start_over();
     }
 
-    /// Where the listener stands, in metres, and looks, in radians: x, y, z, yaw, pitch.
+    /// The listener's position in metres and gaze in radians: x, y, z, yaw, pitch.
     pub fn listener(&self) -> Vec<f32> {
         let listener = &self.visit.scene().listener;
         let [x, y, z] = listener.position.to_array();
         vec![x, y, z, listener.yaw, listener.pitch]
     }
 
-    /// Whether the listener has walked or looked round, and is not where the scene has it.
+    /// Whether the listener has moved or turned away from the scene's own position.
     pub fn has_walked(&self) -> bool {
         self.visit.walker().is_some()
     }
@@ -116,7 +116,7 @@ impl Page {
         self.visit.scene().listener.radius
     }
 
-    /// Puts the listener there.
+    /// Puts the listener at a position.
     pub fn stand(&mut self, x: f32, y: f32, z: f32, yaw: f32, pitch: f32) {
         let position = Vec3::new(x, y, z);
         let are_numbers = position.is_finite() && yaw.is_finite() && pitch.is_finite();
@@ -129,7 +129,7 @@ impl Page {
         }
     }
 
-    /// Where the sources are, in metres, three numbers each.
+    /// The positions of the sources in metres, three numbers each.
     pub fn sources(&self) -> Vec<f32> {
         let sources = self.visit.scene().sources();
         sources
@@ -137,13 +137,13 @@ impl Page {
             .collect()
     }
 
-    /// Where the first source was put, or is carried, in metres; nothing where it is on its path.
+    /// The position of the first source in metres if the user has placed it or carries it; empty if it is on its path.
     pub fn placed_source(&self) -> Vec<f32> {
         let placed = self.visit.placed_source();
         placed.map_or_else(Vec::new, |position| position.to_array().to_vec())
     }
 
-    /// Puts the first source there.
+    /// Puts the first source at a position.
     pub fn put_source(&mut self, x: f32, y: f32, z: f32) {
         let position = Vec3::new(x, y, z);
         if position.is_finite() {
@@ -164,7 +164,7 @@ impl Page {
             .collect()
     }
 
-    /// Of each named value: what it is, the least and the greatest.
+    /// For each named value: its value, minimum and maximum.
     pub fn values(&self) -> Vec<f32> {
         let numbers =
             |(_, value, [least, most], _): (&str, f32, [f32; 2], &str)| [value, least, most];
@@ -176,14 +176,14 @@ impl Page {
         self.visit.set_value(name, value).map_err(thrown)
     }
 
-    /// Traces waves for about so many milliseconds, where what is heard has changed; whether another frame is there.
+    /// Traces waves for about `milliseconds` if the scene has changed. Returns whether another frame is complete.
     pub fn trace(&mut self, milliseconds: f64) -> Result<bool, JsError> {
         let frame = self.visit.trace(milliseconds).map_err(thrown)?;
         Ok(frame.is_some())
     }
 
-    /// The last frame: waves at the listener, dead ones, travelling ones, left, right, pan, milliseconds from its
-    /// beginning to its result; empty before the first of a scene.
+    /// The last frame: waves at the listener, dead, travelling, left, right, pan, milliseconds from start to result;
+    /// empty before the first frame of a scene.
     pub fn frame(&self) -> Vec<f64> {
         let Some(frame) = self.visit.frame() else {
             return Vec::new();
@@ -200,8 +200,8 @@ impl Page {
         ]
     }
 
-    /// Draws what the listener sees over the canvas of that size in pixels, at a share of its size; whether it was
-    /// drawn anew.
+    /// Draws the listener's view on the canvas of that size in pixels, at a share of its size. Returns whether it was drawn
+    /// anew.
     pub fn draw(&mut self, width: u32, height: u32, scale: f32) -> Result<bool, JsError> {
         self.visit.draw([width, height], scale).map_err(thrown)
     }
@@ -222,8 +222,8 @@ impl Page {
         }
     }
 
-    /// Ways of waves for the plan, one after the other: what became of the wave (0 dead, 1 travelling, 2 at the
-    /// listener), how many points, and x and z of each.
+    /// Paths of waves for the plan, one after the other: status (0 dead, 1 travelling, 2 at the listener), number of
+    /// points, and x and z of each.
     pub fn ways(&mut self) -> Result<Vec<f32>, JsError> {
         let mut numbers = Vec::new();
         for way in self.visit.ways().map_err(thrown)? {

@@ -1,7 +1,7 @@
 //! `bindgen FILE.wasm FOLDER` writes the wasm that a page loads, and the JavaScript that loads it, into a folder.
 //!
-//! It does what `wasm-bindgen --target web` does. As a member of the workspace it always has the version that the
-//! wasm was built with.
+//! It does what `wasm-bindgen --target web` does. As a member of the workspace it always has the same version as
+//! the library that the wasm was built with.
 
 use anyhow::{Context, bail};
 use wasm_bindgen_cli_support::Bindgen;
