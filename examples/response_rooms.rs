@@ -160,7 +160,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for tally in &tallies {
         let unit = if tally.is_relative { "%" } else { "dB" };
         println!(
-            "{}: {} of {} bands told, {} within two errors, at most {:.3} {unit} off, {} more than {} {unit}",
+            "{}: {} of {} bands reported, {} within two errors, at most {:.3} {unit} off, {} more than {} {unit}",
             tally.name,
             tally.told,
             tally.exist,

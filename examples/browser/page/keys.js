@@ -24,7 +24,7 @@ export function listenTo(canvas, on, look) {
   canvas.addEventListener("click", () => {
     canvas.focus();
     if (document.pointerLockElement) document.exitPointerLock();
-    // Rejected if the page may not lock the pointer, or the last lock has just ended: then the mouse does not turn the view.
+    // Rejected if the page may not lock the pointer, or the last lock has just ended: the mouse then does not turn.
     else canvas.requestPointerLock()?.catch?.(() => {});
   });
   addEventListener("mousemove", (event) => {

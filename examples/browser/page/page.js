@@ -79,8 +79,8 @@ function text() {
   return state.text ?? builtIn();
 }
 
-// Reads the text as the scene; shows the error and leaves everything unchanged if it is not valid. `isAnew` restarts the
-// walk even if the scene's name is the same.
+// Reads the text as the scene; shows the error and leaves everything unchanged if it is not valid. `isAnew` restarts
+// the walk even if the scene's name is the same.
 function take(isAnew) {
   const read = { text: text(), name: state.scene };
   try {

@@ -200,8 +200,8 @@ impl Page {
         ]
     }
 
-    /// Draws the listener's view on the canvas of that size in pixels, at a share of its size. Returns whether it was drawn
-    /// anew.
+    /// Draws the listener's view on the canvas of that size in pixels, at a share of its size. Returns whether it was
+    /// drawn anew.
     pub fn draw(&mut self, width: u32, height: u32, scale: f32) -> Result<bool, JsError> {
         self.visit.draw([width, height], scale).map_err(thrown)
     }
