@@ -78,7 +78,7 @@ function look() {
   } catch (error) {
     // It would fail again until the scene changes.
     refused = latest;
-    tellTrouble(`The ears hear as before: ${error.message}`);
+    tellTrouble(`The sound in full stays as it was: ${error.message}`);
   }
   const now = performance.now();
   // Rests as long as the look took: the picture needs the graphics card too.

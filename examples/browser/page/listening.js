@@ -123,7 +123,7 @@ export class Listening {
     if (part === "ears") {
       this.hasEars = false;
       this.sources = [];
-      this.messages.say("ears", `Only the balance can be heard, nothing in full: ${why}.`);
+      this.messages.say("ears", `Only the balance can be heard, not the sound in full: ${why}.`);
       this.showListen();
       this.hear();
       return;
