@@ -39,7 +39,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 # shellcheck source=scripts/lib.sh
 source scripts/lib.sh
 
-# shellcheck disable=SC2119 # Nothing but what is always needed.
+# shellcheck disable=SC2119 # Only the packages that are always needed.
 provide_packages
 need_cargo build
 run cargo build --release --locked

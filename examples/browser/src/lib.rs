@@ -3,7 +3,7 @@
 //! | struct | runs in | does |
 //! | --- | --- | --- |
 //! | [`Page`] | the page | walks, traces frames, draws the picture and the plan |
-//! | [`EarsOfPage`] | a worker with a canvas of its own | traces what is heard in full |
+//! | [`EarsOfPage`] | a worker with a canvas of its own | traces sound in full |
 //! | [`MixOfPage`] | a worker | mixes it into blocks of samples |
 
 mod ears;
