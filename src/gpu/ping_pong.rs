@@ -1,9 +1,9 @@
-//! Pairs of textures that passes read and write in turns.
+//! Pairs of textures that passes read and write in turn.
 
 use super::pass::Target;
 use super::{Context, GpuError, RenderTarget, Texture};
 
-/// Two textures of one size, and the target that writes both: eight floats an element.
+/// Two textures of one size, and the target that writes both: eight floats per element.
 #[derive(Debug)]
 pub struct TexturePair {
     /// Output 0 of the fragment shader.
@@ -15,7 +15,7 @@ pub struct TexturePair {
 }
 
 impl TexturePair {
-    /// A pair of that many texels each, whose values are not set.
+    /// Creates a pair of `width` × `height` texels each, with undefined values.
     ///
     /// # Errors
     /// Those of [`Texture::new`] and [`RenderTarget::new`].
@@ -45,7 +45,7 @@ pub struct PingPong {
 }
 
 impl PingPong {
-    /// Two pairs of that many texels: 64 bytes each texel in all.
+    /// Creates two pairs of `width` × `height` texels: 64 bytes per texel in total.
     ///
     /// # Errors
     /// Those of [`TexturePair::new`].
