@@ -99,8 +99,8 @@ impl Signal for Clip {
     }
 }
 
-/// Number of samples to cross-fade where a clip starts over: zero if the step there is no larger
-/// than the nearby steps of the sound itself, as in a clip made to loop.
+/// Number of samples to cross-fade where a clip starts over: zero if the step there does not exceed
+/// the nearby steps of the sound itself, as in a clip made to loop.
 fn seam(samples: &[f32], rate_hz: u32) -> usize {
     let length = (f64::from(rate_hz) * SEAM_S) as usize;
     if length == 0 || samples.len() < SEAMS_AT_LEAST * length {

@@ -43,7 +43,7 @@ pub trait Signal: Send {
         let _ = looping;
     }
 
-    /// The number of samples from the start to the end; `None` if there is no end.
+    /// The number of samples from the start to the end; `None` for endless sounds.
     fn length(&self) -> Option<usize> {
         None
     }

@@ -368,7 +368,7 @@ mod tests {
     }
 
     /// Protects the consonants: two of five syllables begin with a hiss, which is heard in full and is over after 70
-    /// ms; there is no hiss in a pause or at a sample rate too low for it.
+    /// ms; pauses have none, and neither has a sample rate too low for it.
     #[test]
     fn two_syllables_of_five_begin_with_a_hiss() {
         let (mut spoken, mut hissed) = (0, 0);

@@ -141,7 +141,7 @@ impl WavWriter {
 
     /// Flushes pending samples and writes the header for the current number of frames.
     fn complete(&mut self) -> io::Result<()> {
-        // At most as many frames are written as a header can count.
+        // The frames fit a header: `write` rejects more.
         let head = header(self.channels, self.rate_hz, self.frames as u32);
         self.wav.seek(SeekFrom::Start(0))?;
         self.wav.write_all(&head)?;

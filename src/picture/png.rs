@@ -18,7 +18,7 @@ pub fn save_png(path: &Path, picture: &RgbaImage) -> Result<(), PictureError> {
     Ok(())
 }
 
-/// As [`save_png`], for a file that the program names itself in a folder: a link is rejected.
+/// As [`save_png`], for a file in a folder, named by the program itself: a link is rejected.
 #[cfg(feature = "experiment")]
 pub(crate) fn save_png_inside(path: &Path, picture: &RgbaImage) -> Result<(), PictureError> {
     let bytes = png(picture)?;

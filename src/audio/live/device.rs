@@ -117,7 +117,7 @@ pub(super) fn find(wanted: Option<&str>) -> Result<Found, LiveError> {
     let host = host();
     let no_device = |error: cpal::Error| LiveError::NoDevice {
         reason: match error.kind() {
-            // cpal's text refers to a requested device, but none was requested.
+            // cpal's text refers to a requested device, but the default was requested.
             cpal::ErrorKind::DeviceNotAvailable => "the sound system offers none".to_owned(),
             _ => error.to_string(),
         },

@@ -15,7 +15,7 @@ pub enum LiveError {
         /// The sound system's error.
         reason: String,
     },
-    /// There is no output device of that name.
+    /// The named output device does not exist.
     #[error("no sound device is called `{name}` (known: {known})")]
     UnknownDevice {
         /// The requested name.
@@ -59,7 +59,7 @@ pub enum LiveError {
     /// A recording is in progress already.
     #[error("a recording is under way: stop it first")]
     AlreadyRecording,
-    /// There is no recording to stop.
+    /// A request to stop a recording when none is in progress.
     #[error("nothing is being recorded")]
     NotRecording,
     /// The recording ended because the device continued at another rate.

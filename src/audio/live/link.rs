@@ -60,8 +60,8 @@ impl Link {
         self.put_back(renderer);
     }
 
-    /// Puts the renderer back. If a callback hung so long that the supervisor made another
-    /// renderer, the newer one stays in the slot.
+    /// Puts the renderer back. If a callback hung and the supervisor made another renderer in the
+    /// meantime, the newer one stays in the slot.
     fn put_back(&self, renderer: Box<Renderer>) {
         let mut mine = renderer;
         loop {
@@ -74,7 +74,7 @@ impl Link {
         }
     }
 
-    /// Leaves a renderer to the supervisor; nothing is freed here.
+    /// Leaves a renderer to the supervisor, without freeing anything here.
     fn retire(&self, renderer: Box<Renderer>) {
         if let Some(another) = self.drop_queue.swap(Some(renderer)) {
             // Two between two checks of the supervisor have never been observed: the second is leaked.
@@ -100,7 +100,7 @@ impl Link {
         let time = info.timestamp();
         let latency = time.playback.saturating_duration_since(time.callback);
         let latency_us = u64::try_from(latency.as_micros()).ok();
-        // Zero is reported while nothing is known.
+        // Zero is reported as long as the latency is unknown.
         self.shared
             .set_latency_us(latency_us.filter(|&latency_us| latency_us > 0));
         self.shared.callback_frames.store(frames as u32, Relaxed);

@@ -37,7 +37,7 @@ pub(super) struct Recording {
 }
 
 impl Recording {
-    /// Starts a file. Nothing is written before [`begin`](Self::begin).
+    /// Starts a file; writing begins with [`begin`](Self::begin).
     pub(super) fn new(path: &Path, rate_hz: u32) -> Result<Self, LiveError> {
         Ok(Self {
             path: path.to_owned(),
@@ -131,7 +131,7 @@ impl Recording {
 }
 
 fn tell(commands: &Sender<Command>, error: &dyn std::error::Error) {
-    // Without a supervisor there is no playback, and the caller that stops the recording gets its error.
+    // Without a supervisor the output is silent, and the caller that stops the recording gets its error.
     let _ = commands.send(Command::Notice(error.to_string()));
 }
 

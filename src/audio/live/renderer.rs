@@ -24,7 +24,7 @@ const BLOCK: usize = 256;
 /// Inverse of the duration of a gain change and of a cross-fade, in hertz.
 const FADES_HZ: u32 = 50;
 
-/// Capacity of the queue to the callback; the queue back holds twice as much.
+/// Capacity of the queue to the callback; the queue back holds twice this number.
 const MESSAGES: usize = 8;
 
 /// An object for the callback, or one that it no longer needs.
@@ -61,9 +61,9 @@ pub struct Renderer {
     outbox: Producer<Message>,
     rate_hz: u32,
     sound: Option<Sound>,
-    /// Samples of the sound played so far.
+    /// Samples of the sound already played.
     position: u64,
-    /// The next sound of a cross-fade, and its samples played so far.
+    /// The next sound of a cross-fade, and its samples already played.
     next: Option<(Sound, u64)>,
     glide: Glide,
     mixer: Mixer,

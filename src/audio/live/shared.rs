@@ -34,7 +34,7 @@ pub(super) struct Shared {
     pub(super) has_faded: AtomicBool,
     /// The stream whose callback may play; the callbacks of other streams output silence.
     pub(super) generation: AtomicU64,
-    /// Callbacks so far, over all streams.
+    /// Total callbacks of all streams.
     pub(super) callbacks: AtomicU64,
     /// Frames requested from the last callback.
     pub(super) callback_frames: AtomicU32,

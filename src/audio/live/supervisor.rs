@@ -452,7 +452,7 @@ impl Supervisor {
             // A callback of the old stream is at work on it.
             thread::sleep(Duration::from_millis(5));
         }
-        // That callback hangs, and it holds the renderer.
+        // The callback hangs, and it holds the renderer.
         let shared = Arc::clone(&self.common.shared);
         let sound = self.source.sound(self.rate_hz).ok();
         let (mut renderer, remote) = Renderer::with_shared(shared, sound, self.rate_hz);
