@@ -165,7 +165,7 @@ impl EarlyPart {
         self.arrivals_of(Outcome::Itself).chain(self.left_out())
     }
 
-    /// Those whose path was not searched for.
+    /// Left-over arrivals whose path was not searched for.
     pub fn left_out(&self) -> impl Iterator<Item = &Arrival> {
         self.arrivals_of(Outcome::LeftOut)
     }

@@ -13,7 +13,7 @@ pub(crate) enum Gap {
     Silence,
     /// The response ends before its sound has decayed.
     TooShort,
-    /// No sound arrives late enough for a clarity figure: there is no reverberation.
+    /// The sound arrives too early for a clarity figure: without reverberation.
     NoLateSound,
     /// Sound decays, but there are too few waves to estimate the decay.
     TooNoisy,

@@ -14,7 +14,7 @@ use glam::{Quat, Vec3};
 
 type Parts = fn(&Scene) -> Vec<Part>;
 
-/// What a pass calls, and where from.
+/// The calls of a pass, and the parts of the text that they need.
 const CALLS: [(&str, Parts); 4] = [
     ("distanceFunction()", distance_parts),
     (
@@ -52,7 +52,7 @@ fn only_the_shapes_of_the_scene_are_in_its_text() {
     }
 }
 
-/// Protects the promise that moving things never compiles a shader again.
+/// Protects the promise that moving things never recompiles a shader.
 #[test]
 fn moving_and_resizing_leaves_the_text_alone() {
     let scene = Scene::builtin("open-pillars").unwrap();

@@ -1,11 +1,12 @@
-//! Arrivals: every crossing of the listener's sphere by every wave, with the energy that it
-//! carries. [`Tracer::arrivals`](super::Tracer::arrivals) gives them.
+//! Arrivals: every crossing of the listener's sphere by every wave, with its energy.
+//! [`Tracer::arrivals`](super::Tracer::arrivals) returns them.
 //!
 //! The listener is transparent here. A pass (`glsl/arrivals/`) takes the waves of a *block* through
-//! a *chunk* of iterations and writes a record for each crossing, so many to a wave. What was
-//! written is read back and added up here in `f64` while the next chunk is drawn. A wave that
+//! a *chunk* of iterations and writes a record for each crossing, up to a fixed number per wave.
+//! The records are read back and added up here in `f64` while the next chunk is drawn. A wave that
 //! crosses more often than there are records is drawn again from the chunk's start, as one of a
-//! list, and earlier crossings are skipped. Nothing is blended: the same input gives the same bits.
+//! list, and earlier crossings are skipped. There is no blending: the same input gives the same
+//! bits.
 //!
 //! | file | what it does |
 //! | --- | --- |
@@ -32,15 +33,15 @@ pub(crate) use starts::{Start, WavesToFollow};
 pub(super) use targets::{ArrivalTargets, LISTED_AT_MOST, listed_rows};
 pub(super) use volume::open_volume;
 
-/// Waves that are followed at a time, through all their chunks: 60 MB of textures, and enough for
-/// every core of a large graphics card.
+/// Waves followed at once, through all their chunks: 60 MB of textures, and enough for every core
+/// of a large graphics card.
 pub(super) const WAVES_IN_BLOCK: u32 = 1 << 18;
 
-/// Iterations in a chunk where loops and records allow it: writing what a chunk writes costs about
-/// as much as ten iterations in an empty room.
+/// Iterations in a chunk if loops and records allow it: writing a chunk's results costs about as
+/// much as ten iterations in an empty room.
 pub(super) const ITERATIONS_IN_CHUNK: u32 = 64;
 
-/// Crossings that are recorded of a wave in a chunk, if the driver has as many outputs. A wave
-/// crosses a listener of common size about once in 64 iterations, and five times or more once in
-/// two hundred chunks.
+/// Recorded crossings of a wave in a chunk, if the driver has enough outputs. A wave crosses a
+/// listener of common size about once in 64 iterations, and five times or more once in two hundred
+/// chunks.
 pub(super) const RECORDS: u32 = 4;

@@ -1,34 +1,34 @@
-//! Which waves are followed past the listener, and how they start.
+//! Selection of the waves followed past the listener, and their starts.
 
 use glam::Vec3;
 use std::ops::Range;
 
-/// The waves whose arrivals are wanted.
+/// The waves whose arrivals are requested.
 pub(crate) enum WavesToFollow<'a> {
-    /// Those of these numbers, in the directions that the settings give them, each with 1/N of the energy, N the waves
-    /// of the settings.
+    /// Waves of these numbers, in their directions by the settings, each with 1/N of the energy, where N is the
+    /// settings' number of waves.
     Numbers(Range<u32>),
-    /// So many, numbered from 0, whose starts are given: those of a range of numbers.
+    /// Waves numbered from 0, with given starts.
     Starts {
-        /// How many.
+        /// Number of waves.
         waves: u32,
-        /// The starts of these numbers. The waves of the settings do not count.
+        /// Returns the starts of a range of numbers. The number of waves in the settings is ignored.
         of: &'a dyn Fn(Range<u32>) -> Vec<Start>,
     },
 }
 
-/// How a wave starts from the source.
+/// The start of a wave at the source.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Start {
-    /// Where it goes: a unit vector, world axes.
+    /// Direction: a unit vector in world axes.
     pub direction: Vec3,
     /// Importance weight: the density of even directions divided by the density with which this one was drawn; 1 on
-    /// average, or a factor that all have in common.
+    /// average, or multiplied by a factor common to all.
     pub weight: f32,
 }
 
 impl WavesToFollow<'_> {
-    /// The numbers of the waves, so many at a time.
+    /// The numbers of the waves, in ranges of `waves` each.
     pub(in crate::trace) fn blocks(&self, waves: u32) -> impl Iterator<Item = Range<u32>> {
         let Range { start, end } = match self {
             WavesToFollow::Numbers(numbers) => numbers.clone(),

@@ -1,4 +1,4 @@
-//! The textures that the passes of arrivals draw to, and what is read back of them.
+//! The textures that the passes of arrivals draw to, and their read-back.
 
 use super::super::Grid;
 use super::super::directions::start_texels;
@@ -7,36 +7,36 @@ use super::starts::Start;
 use crate::gpu::{AsyncRead, Context, GpuError, RenderTarget, Texture};
 use crate::kernel::ArrivalsText;
 
-/// Waves of a list in a row.
+/// Waves in a row of a list.
 const LIST_WIDTH: u32 = 256;
 
 /// Rows of a list.
 const LIST_HEIGHT: u32 = 64;
 
-/// Waves that are drawn as one list at most.
+/// Maximum waves drawn as one list.
 pub const LISTED_AT_MOST: usize = (LIST_WIDTH * LIST_HEIGHT) as usize;
 
-/// What a place of a list holds that no wave has.
+/// Value of an unused place in a list.
 const NO_WAVE: [f32; 4] = [-1.0, 0.0, 0.0, 0.0];
 
-/// Rows of a list of so many waves.
+/// Rows of a list of `waves` waves.
 pub fn listed_rows(waves: usize) -> u32 {
     (waves as u32).div_ceil(LIST_WIDTH)
 }
 
-/// The textures for blocks of so many waves.
+/// The textures for blocks of a fixed number of waves.
 pub struct ArrivalTargets {
     pub grid: Grid,
-    /// What the outputs are.
+    /// The shader text that determines the outputs.
     pub text: ArrivalsText,
-    /// Position and status, direction and length: where the waves stand, and where they go.
+    /// Two pairs of textures: position and status, direction and length of the waves.
     states: [[Texture; 2]; 2],
-    /// Of each pair the target that writes it, with what both share: the tally, and the records.
+    /// For each pair, the target that writes it along with the shared textures: the tally, and the records.
     chunks: [RenderTarget; 2],
     current: usize,
     /// Tally, words and records.
     reads: Vec<AsyncRead>,
-    /// What was read.
+    /// The values read back.
     texels: Vec<Vec<f32>>,
     pub list: ListTargets,
     _shared: Vec<Texture>,
@@ -78,12 +78,12 @@ impl ArrivalTargets {
         })
     }
 
-    /// Whether the outputs of such a text go to these textures.
+    /// Whether these textures fit the outputs of such a text.
     pub fn is_for(&self, text: &ArrivalsText) -> bool {
         (self.text.has_words, self.text.records) == (text.has_words, text.records)
     }
 
-    /// Puts waves to where they start: position and status, which they share, and directions.
+    /// Puts waves at their start: with a common position and status, and separate directions.
     pub fn upload_starts(&self, start: [f32; 4], starts: &[Start]) -> Result<(), GpuError> {
         let texels = (self.grid.width * self.grid.height) as usize;
         let directions = starts.iter().map(|start| start.direction);
@@ -93,22 +93,22 @@ impl ArrivalTargets {
         second.upload(directions.as_flattened())
     }
 
-    /// Where the waves stand at the start of a chunk.
+    /// The waves' state at the start of a chunk.
     pub fn current(&self) -> &[Texture; 2] {
         &self.states[self.current]
     }
 
-    /// What a chunk is drawn to.
+    /// The target of the next chunk.
     pub fn next(&self) -> &RenderTarget {
         &self.chunks[1 - self.current]
     }
 
-    /// Where the chunk just drawn ends the next one starts.
+    /// Makes the end of the chunk just drawn the start of the next one.
     pub fn flip(&mut self) {
         self.current = 1 - self.current;
     }
 
-    /// Reads back what a chunk has written, up to a row.
+    /// Reads back a chunk's results, up to a row.
     pub fn read(&mut self, rows: u32) -> Result<(), GpuError> {
         let target = &self.chunks[1 - self.current];
         let first = ArrivalsText::TALLY as usize;
@@ -124,12 +124,12 @@ impl ArrivalTargets {
         Ok(())
     }
 
-    /// The tally that was read.
+    /// The tally read back.
     pub fn tally(&self) -> &[f32] {
         &self.texels[0]
     }
 
-    /// What was read, with the records of a list.
+    /// The values read back, with the records of a list.
     pub fn chunk<'a>(&'a self, listed: &'a [Vec<f32>], iterations: u32) -> Chunk<'a> {
         let first_record = (self.text.first_record() - ArrivalsText::TALLY) as usize;
         Chunk {
@@ -160,7 +160,7 @@ impl ListTargets {
         (LIST_WIDTH, LIST_HEIGHT)
     }
 
-    /// Makes these the waves of the list.
+    /// Sets the waves of the list.
     pub fn upload(&self, list: &[Listed]) -> Result<(), GpuError> {
         let entry = |listed: &Listed| [listed.wave as f32, listed.passed_over as f32, 0.0, 0.0];
         let mut entries: Vec<[f32; 4]> = list.iter().map(entry).collect();
@@ -168,7 +168,7 @@ impl ListTargets {
         self.waves.upload(entries.as_flattened())
     }
 
-    /// Appends what a list of so many waves has recorded, record by record.
+    /// Appends the records of a list of `waves` waves, record by record.
     pub fn read(&self, waves: usize, records: &mut [Vec<f32>]) -> Result<(), GpuError> {
         let mut texels = Vec::new();
         for (index, record) in records.iter_mut().enumerate() {

@@ -1,16 +1,16 @@
-//! Worsened ways to march, and test distortions. The experiments set each beside the default
-//! to show what it is for; the public settings have none of them.
+//! Degraded ways to march, and test distortions. Each experiment compares one with the default to
+//! show its benefit; the public settings do not include them.
 
 use super::{TraceError, bad, positive};
 
-/// Width of the default shell in metres: everywhere. Newton's steps need a gradient each but are
-/// so few that they were faster in every scene measured (docs/accuracy.md).
+/// Width of the default shell in metres: everywhere. Newton's steps need a gradient each, but there
+/// are few enough of them to be faster in every scene measured (docs/accuracy.md).
 const EVERYWHERE: f32 = 1e8;
 
-/// How `march` is carried out.
+/// A variant of `march`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct MarchVariant {
-    /// Width of the shell about surfaces in which steps are Newton's, in metres. Outside of it
+    /// Width of the shell around surfaces in which steps are Newton's, in metres. Outside of it
     /// they are Hart's.
     pub shell: f32,
     /// Step of difference normals to either side, in metres, as in the thesis; `None` for the
@@ -18,14 +18,14 @@ pub(crate) struct MarchVariant {
     pub difference_normals: Option<f32>,
     /// Whether waves are projected onto the surface (`true`), or stop in the shell as in the thesis.
     pub projection: bool,
-    /// How much faster than the true distance the distance may grow; every step is divided by it.
+    /// Maximum ratio of the distance's growth to that of the true distance; every step is divided by it.
     pub lipschitz: f32,
-    /// Every distance is multiplied by this, in tests of functions that over-estimate.
+    /// Factor on every distance, in tests of functions that over-estimate.
     pub distance_factor: f32,
 }
 
 impl Default for MarchVariant {
-    /// The best known way.
+    /// The best known variant.
     fn default() -> MarchVariant {
         MarchVariant {
             shell: EVERYWHERE,
@@ -38,7 +38,7 @@ impl Default for MarchVariant {
 }
 
 impl MarchVariant {
-    /// Whether the shell ends anywhere.
+    /// Whether the shell is bounded.
     #[cfg(feature = "experiment")]
     pub fn has_shell(&self) -> bool {
         self.shell < EVERYWHERE
