@@ -1,4 +1,4 @@
-//! What unit tests share with the integration tests, written once in `tests/common`.
+//! Code shared by unit tests and integration tests, from `tests/common`.
 
 #[path = "../tests/common/random.rs"]
 mod random;

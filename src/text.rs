@@ -1,20 +1,20 @@
-//! Untrusted text, as it may be shown: on a terminal, in a CSV cell, within a page.
+//! Prepares untrusted text for display: on a terminal, in a CSV cell, within a page.
 
 use std::borrow::Cow;
 
-/// Characters of a name in a scene or in answers at most.
+/// Maximum characters of a name in a scene or in answers.
 pub(crate) const LONGEST_NAME: usize = 200;
 
-/// Lines of a message at most.
+/// Maximum lines of a message.
 #[cfg(feature = "cli")]
 const MOST_LINES: usize = 10;
 
-/// Characters of a message at most.
+/// Maximum characters of a message.
 #[cfg(feature = "cli")]
 const MOST_CHARACTERS: usize = 1000;
 
-/// Of some words the one that a mistyped word is most like, if any is: case, spaces and
-/// underscores apart at most a third of it is mistyped.
+/// The known word most similar to a mistyped one, if any: apart from case, spaces and underscores,
+/// at most a third of it may be mistyped.
 pub(crate) fn nearest<'a>(
     typed: &str,
     known: impl IntoIterator<Item = impl Into<&'a str>>,
@@ -27,13 +27,13 @@ pub(crate) fn nearest<'a>(
     (3 * wrong <= nearest.len()).then_some(nearest)
 }
 
-/// Reports that there is no such thing, which there are, and which is the nearest: `what` is what it would
-/// be, such as `profile`.
+/// States that `typed` does not exist, the known names, and the most similar one; `what` is its kind, such as
+/// `profile`.
 pub(crate) fn there_is_no(what: &str, typed: &str, known: &[&str]) -> String {
     which_there_are(&format!("there is no {what} {typed:?}"), typed, known)
 }
 
-/// What was rejected, and the nearest to what was typed; which there are where none is near.
+/// Appends the known name most similar to what was typed, or else all known names, to a message.
 pub(crate) fn nearest_or_all(refused: &str, typed: &str, known: &[&str]) -> String {
     match nearest(typed, known.iter().copied()) {
         Some(nearest) => format!("{refused}; did you mean {nearest}?"),
@@ -41,7 +41,7 @@ pub(crate) fn nearest_or_all(refused: &str, typed: &str, known: &[&str]) -> Stri
     }
 }
 
-/// What was rejected, which there are instead, and which of them is the nearest to what was typed.
+/// Appends all known names, and the one most similar to what was typed, to a message.
 pub(crate) fn which_there_are(refused: &str, typed: &str, known: &[&str]) -> String {
     let told = format!("{refused}; there are: {}", known.join(", "));
     match nearest(typed, known.iter().copied()) {
@@ -50,20 +50,20 @@ pub(crate) fn which_there_are(refused: &str, typed: &str, known: &[&str]) -> Str
     }
 }
 
-/// The text in one line, for a terminal: what is not seen as it stands (escape codes and other
-/// controls, ends of lines, changes of direction, spaces of no width) is spelled out as in Rust.
+/// The text in one line, for a terminal: invisible characters (escape codes and other controls,
+/// ends of lines, changes of direction, zero-width spaces) are escaped as in Rust.
 pub(crate) fn in_a_line(text: &str) -> Cow<'_, str> {
     spelled_out(text, |_| false)
 }
 
-/// As [`in_a_line`]; ends of lines and tabs stay.
+/// As [`in_a_line`], but keeps ends of lines and tabs.
 #[cfg(feature = "cli")]
 pub(crate) fn in_lines(text: &str) -> Cow<'_, str> {
     spelled_out(text, |c| c == '\n' || c == '\t')
 }
 
-/// As [`in_lines`], cut to what can be read: 10 lines, 1,000 characters. Later lines are
-/// indented, so that none can pass for a message of its own.
+/// As [`in_lines`], cut to a readable length: 10 lines, 1,000 characters. Later lines are indented,
+/// so that none looks like a separate message.
 #[cfg(feature = "cli")]
 pub(crate) fn message(text: &str) -> String {
     let text = in_lines(text.trim_end());
@@ -71,13 +71,13 @@ pub(crate) fn message(text: &str) -> String {
     cut_characters(&cut_lines(&lines).join("\n  "))
 }
 
-/// Whether [`message`] would show the text's characters as they are, all of them.
+/// Whether [`message`] would show all of the text's characters unchanged.
 #[cfg(feature = "cli")]
 pub(crate) fn is_showable(text: &str) -> bool {
     text.len() <= MOST_CHARACTERS && matches!(in_lines(text), Cow::Borrowed(_))
 }
 
-/// The first and the last lines: what is wrong stands at the start or at the end.
+/// Keeps the first and the last lines: the error is at the start or at the end.
 #[cfg(feature = "cli")]
 fn cut_lines(lines: &[&str]) -> Vec<String> {
     const LAST: usize = 2;
@@ -93,11 +93,11 @@ fn cut_lines(lines: &[&str]) -> Vec<String> {
     kept
 }
 
-/// The first and the last characters.
+/// Keeps the first and the last characters.
 #[cfg(feature = "cli")]
 fn cut_characters(text: &str) -> String {
     const LAST: usize = 300;
-    /// Room for what stands in between.
+    /// Room for the text in between.
     const BETWEEN: usize = 50;
     let count = text.chars().count();
     if count <= MOST_CHARACTERS {
@@ -110,7 +110,7 @@ fn cut_characters(text: &str) -> String {
     format!("{begin} … ({left_out} characters left out) … {end}")
 }
 
-/// JSON as it may be shown on a terminal: what is not seen as it stands is `\u…`, as JSON has it.
+/// JSON for a terminal: invisible characters are written as `\u…` escapes of JSON.
 #[cfg(feature = "cli")]
 pub(crate) fn json(text: &str) -> Cow<'_, str> {
     if !text.chars().any(|c| c != '\n' && is_hidden(c)) {
@@ -127,8 +127,8 @@ pub(crate) fn json(text: &str) -> Cow<'_, str> {
     Cow::Owned(shown)
 }
 
-/// A record of JSON in one line, for a program that reads standard error: as [`json`], and no
-/// longer than a message. Of a longer one only the length is reported.
+/// A record of JSON in one line, for a program that reads standard error: as [`json`], and at most
+/// as long as a message. For a longer one only the length is reported.
 #[cfg(all(feature = "cli", feature = "demo"))]
 pub(crate) fn json_record(text: &str) -> Cow<'_, str> {
     let shown = json(text);
@@ -140,8 +140,8 @@ pub(crate) fn json_record(text: &str) -> Cow<'_, str> {
     }
 }
 
-/// JSON as it may stand within a `script` element: no character in it that HTML gives a
-/// meaning to. Any JSON reader reads the same.
+/// JSON for a `script` element, without characters that have a meaning in HTML. Any JSON reader
+/// reads the same.
 #[cfg(feature = "experiment")]
 pub(crate) fn json_in_html(text: &str) -> String {
     let mut shown = String::with_capacity(text.len());
@@ -164,8 +164,8 @@ fn push_json(json: &mut String, c: char) {
     }
 }
 
-/// Text for a CSV cell: in a line, and with an apostrophe before what a spreadsheet would take
-/// for a formula.
+/// Text for a CSV cell: in one line, with an apostrophe before anything that a spreadsheet would
+/// take for a formula.
 #[cfg(feature = "experiment")]
 pub(crate) fn csv_cell(text: &str) -> String {
     let text = in_a_line(text);
@@ -175,7 +175,7 @@ pub(crate) fn csv_cell(text: &str) -> String {
     }
 }
 
-/// Text for Markdown, a table's cell included: nothing in it makes a tag, a link or a column.
+/// Text for Markdown, including a table's cell: it cannot create a tag, a link or a column.
 #[cfg(feature = "experiment")]
 pub(crate) fn markdown(text: &str) -> String {
     let mut shown = String::with_capacity(text.len());
@@ -190,12 +190,12 @@ pub(crate) fn markdown(text: &str) -> String {
     shown
 }
 
-/// Rejects what is no name: a sentence without its subject.
+/// Rejects an invalid name with a sentence that lacks its subject.
 pub(crate) fn check_name(name: &str) -> Result<(), String> {
     let count = name.chars().count();
     if count > LONGEST_NAME {
         return Err(format!(
-            "has {count} characters: {LONGEST_NAME} at the most"
+            "has {count} characters: at most {LONGEST_NAME} are allowed"
         ));
     }
     match name.chars().find(|c| is_hidden(*c)) {
@@ -222,13 +222,13 @@ fn spelled_out(text: &str, stays: fn(char) -> bool) -> Cow<'_, str> {
     Cow::Owned(shown)
 }
 
-/// Whether a character is not seen as it stands, or changes how others are seen.
+/// Whether a character is invisible, or changes how others are displayed.
 fn is_hidden(c: char) -> bool {
     if c.is_ascii() {
         return c.is_ascii_control();
     }
-    // What Rust spells out in a string's `Debug` is hidden, but for spaces that have a width.
-    // Marks that are set on the character before are seen; Rust spells them out alone only.
+    // Characters that Rust escapes in a string's `Debug` are hidden, except spaces that have a
+    // width. Combining marks are visible; Rust escapes them only when they stand alone.
     const WIDE_SPACES: [char; 17] = [
         '\u{a0}', '\u{1680}', '\u{2000}', '\u{2001}', '\u{2002}', '\u{2003}', '\u{2004}',
         '\u{2005}', '\u{2006}', '\u{2007}', '\u{2008}', '\u{2009}', '\u{200a}', '\u{202f}',
@@ -244,8 +244,8 @@ fn is_hidden(c: char) -> bool {
 mod tests {
     use super::*;
 
-    /// Protects terminals: nothing in a text moves the cursor, begins a line or turns the
-    /// direction of writing.
+    /// Protects terminals: a text cannot move the cursor, begin a line or change the writing
+    /// direction.
     #[test]
     fn what_is_not_seen_is_spelled_out() {
         let shown =
@@ -278,8 +278,8 @@ mod tests {
         assert_eq!(message("one\ntwo"), "one\n  two");
     }
 
-    /// Protects pages: no text ends the script element or begins another, and a reader of
-    /// JSON finds it again.
+    /// Protects pages: a text neither ends the script element nor begins another, and a reader of
+    /// JSON gets it back.
     #[test]
     fn json_within_a_page_is_the_same_json() {
         let text = "<!--<script>\u{2028}&\u{202e}𝄞 é";
@@ -292,8 +292,8 @@ mod tests {
         assert_eq!(serde_json::from_str::<String>(&shown).unwrap(), text);
     }
 
-    /// Protects readers of the records of a window: each is JSON in one line that moves no
-    /// cursor, and none is longer than a message.
+    /// Protects readers of a window's records: each is JSON in one line, does not move the cursor,
+    /// and is at most as long as a message.
     #[cfg(all(feature = "cli", feature = "demo"))]
     #[test]
     fn records_are_short_json() {
@@ -310,7 +310,7 @@ mod tests {
         }
     }
 
-    /// Protects spreadsheets from running what a scene is called.
+    /// Protects spreadsheets from executing the name of a scene.
     #[test]
     fn cells_are_no_formulas() {
         for formula in ["=1+1", "+1", "-1", "@x", " =1", "\u{3000}=x", "＝1"] {
@@ -320,7 +320,7 @@ mod tests {
         assert_eq!(csv_cell("\t=1"), "\\t=1");
     }
 
-    /// Protects names: what can be shown is one, in any script.
+    /// Protects names: any displayable text is allowed, in any script.
     #[test]
     fn names_can_be_shown() {
         assert!(check_name("Sjöbergs 部屋 <=>").is_ok());

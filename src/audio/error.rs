@@ -173,7 +173,7 @@ pub enum AudioError {
         limit: u16,
     },
     /// Interleaved samples that end within a frame.
-    #[error("{}: {samples} samples are no whole number of frames of {channels} channels", path.display())]
+    #[error("{}: {samples} samples are not a whole number of frames of {channels} channels", path.display())]
     CutFrame {
         /// The file that was to be written.
         path: PathBuf,

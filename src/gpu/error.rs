@@ -13,7 +13,7 @@ pub enum GpuError {
     NoEglLibrary,
     /// The first libEGL found is incomplete.
     #[error(
-        "the first libEGL that is found is incomplete ({reason}): see that the right one is found first (LD_LIBRARY_PATH), or use the API osmesa"
+        "the first libEGL that is found is incomplete ({reason}): make sure that the right one is found first (LD_LIBRARY_PATH), or use the API osmesa"
     )]
     StrangeEglLibrary {
         /// The missing function, or the reason why it is unusable.
@@ -44,9 +44,7 @@ pub enum GpuError {
         reason: String,
     },
     /// A context that the caller made has a version below the lowest supported one.
-    #[error(
-        "the context is of \"{version}\": OpenGL 3.3, or OpenGL ES 3.0, is the least that is needed"
-    )]
+    #[error("the context has version \"{version}\": OpenGL 3.3, or OpenGL ES 3.0, is required")]
     TooOld {
         /// GL_VERSION.
         version: String,

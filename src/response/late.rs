@@ -136,7 +136,7 @@ fn arrivals_of_bands(
         echogram,
         near: &mut near.wide,
     };
-    // Where surfaces gather sound, waves of one direction diverge, so pilot waves predict little.
+    // Surfaces that gather sound spread waves of one direction, so pilot waves predict little there.
     let pilot_waves = match share < 1.0 {
         true => importance::pilot_waves(scene, &how.bands, &trace),
         false => 0,

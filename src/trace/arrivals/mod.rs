@@ -8,13 +8,13 @@
 //! list, and earlier crossings are skipped. There is no blending: the same input gives the same
 //! bits.
 //!
-//! | file | what it does |
+//! | file | contents |
 //! | --- | --- |
-//! | `events.rs` | what reflections leave of a wave's energy |
+//! | `events.rs` | the energy that reflections leave |
 //! | `settings.rs` | settings, and counts |
-//! | `starts.rs` | which waves are followed, and how they start |
+//! | `starts.rs` | selection and starts of the followed waves |
 //! | `volume.rs` | the open volume of the listener's sphere |
-//! | `targets.rs` | textures, and what is read back of them |
+//! | `targets.rs` | textures, and their read-back |
 //! | `replay.rs` | from records to arrivals |
 //! | `../tracer/arrival_passes.rs` | the passes |
 

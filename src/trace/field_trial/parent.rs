@@ -63,12 +63,12 @@ pub(crate) fn has_passed(field: &UserField) -> bool {
 }
 
 impl Trial {
-    /// Begins to try what of a scene's fields, and of the programs that they are part of, was
-    /// not tried yet; nothing if there is nothing to try, or fields are trusted.
+    /// Begins to try the fields of a scene, and the programs that contain them, unless tried
+    /// before; returns `None` if all have been tried or fields are trusted.
     ///
     /// # Errors
-    /// [`Error::Trace`] for a text that is rejected without being compiled, for what was tried
-    /// and rejected before, and where no child can be started.
+    /// [`Error::Trace`] for a text that is rejected without being compiled, for a text that was
+    /// tried and rejected before, and if no child can be started.
     pub fn begin(scene: &Scene, programs: &[&str]) -> Result<Option<Trial>, Error> {
         let FieldTrial::InChild(command) = FieldTrial::chosen() else {
             return Ok(None);

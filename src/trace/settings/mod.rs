@@ -189,7 +189,7 @@ impl Settings {
         in_range("iterations", self.iterations, MAX_ITERATIONS)?;
         positive("maximum distance in metres", self.max_distance)?;
         if self.max_distance > MAX_DISTANCE {
-            let must = format!("{MAX_DISTANCE} at the most");
+            let must = format!("at most {MAX_DISTANCE}");
             return Err(bad("maximum distance in metres", must, self.max_distance));
         }
         let per_pass = self.iterations_per_pass;
