@@ -9,7 +9,7 @@
 //! [`check_file`]). Files that the program itself names, in a folder that the user typed, must lie in that folder: a
 //! symbolic link of such a name is rejected ([`write_inside`], [`check_inside`], [`prepare_folder_inside`]). Existing
 //! files are never written in place, so the other names of a file (hard links) keep the older bytes.
-#![cfg_attr(not(feature = "cli"), allow(dead_code))] // The library alone writes sounds alone.
+#![cfg_attr(not(feature = "cli"), allow(dead_code))] // Without the program only sounds are written.
 
 use crate::file_input::is_input;
 use crate::plain_file;

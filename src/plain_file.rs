@@ -3,7 +3,7 @@
 //!
 //! The path is checked first, since opening alone makes some devices act. It may be another file a moment later, so the
 //! file is opened without following links or waiting, and the opened file is checked again.
-#![cfg_attr(not(feature = "experiment"), allow(dead_code))] // Studies alone open files in folders.
+#![cfg_attr(not(feature = "experiment"), allow(dead_code))] // Only studies open files in folders.
 
 use std::fs::{File, Metadata, OpenOptions};
 use std::io::{self, ErrorKind};

@@ -21,7 +21,7 @@ pub struct Level {
     pub azimuth: f64,
     /// The same, above the plane of the listener's ears, in radians.
     pub elevation: f64,
-    /// Directivity of the sound, 0 to 1: the length of that sum over the energy. 1 means all from one direction, 0 none
+    /// Directionality of the sound, 0 to 1: the length of that sum over the energy. 1 means all from one direction, 0 none
     /// preferred.
     pub one_sided: f64,
 }

@@ -83,7 +83,7 @@ pub struct Response {
     /// Their share of all energy, 0 … 1, averaged over the bands.
     pub left_out_share: f64,
     /// The share, 0 … 1, of the 16,384 directions that were not searched for paths over planes, because too many
-    /// surfaces overlap: there such a path is known only if waves find it.
+    /// surfaces obstruct one another: there such a path is known only if waves find it.
     pub search_left_out_share: f64,
     /// Everything outside the exact paths: energy densities in 1/m² for a source of power 1, by
     /// time and band, including the source's level and the loss in the air.

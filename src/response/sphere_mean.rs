@@ -40,7 +40,7 @@ const MOST_CURVED_MARCHED: usize = 4;
 /// it are assumed to reach all of the sphere.
 const MOST_ASKED: u64 = 1 << 22;
 
-/// Images closer than this are one, in metres. Not a multiple of a short binary fraction, so that an image with round
+/// Images closer than this, in metres, count as one. Not a multiple of a short binary fraction, so that an image with round
 /// coordinates never lies between two cells of this size.
 const SAME_IMAGE_M: f64 = 1.00431e-5;
 

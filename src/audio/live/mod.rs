@@ -12,7 +12,7 @@
 //! use echomarch::audio::live::{Live, LiveOptions};
 //!
 //! let live = Live::start("speech".parse()?, LiveOptions::default());
-//! live.set_panning(1.0, 3.0); // what arrived from the left and from the right
+//! live.set_panning(1.0, 3.0); // the sums from the left and from the right
 //! std::thread::sleep(std::time::Duration::from_secs(2));
 //! println!("{:?}", live.status());
 //! # Ok::<(), echomarch::audio::AudioError>(())
@@ -153,7 +153,7 @@ impl Live {
         Self { common, supervisor }
     }
 
-    /// Sets the energies that arrived from the left and from the right: the sums of a frame's
+    /// Sets the sums that arrived from the left and from the right, those of a frame's
     /// [`Panning`]. The gains glide to the new values within 20 ms.
     pub fn set_panning(&self, left: f64, right: f64) {
         let pan = Panning { left, right }.pan();

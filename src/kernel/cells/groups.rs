@@ -13,7 +13,7 @@ use glam::DVec3;
 /// A group of nearby surfaces.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Group {
-    /// Box around all surfaces of the group (world metres); ±1e9 m represents an endless extent.
+    /// Box that no surface of the group is nearer than (world metres); ±1e9 m represents an endless extent.
     pub bounds: Bounds3,
     /// Indices of the surfaces in the scene, in their order.
     pub surfaces: Vec<u32>,

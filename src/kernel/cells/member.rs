@@ -26,8 +26,8 @@ impl Member {
         }
     }
 
-    /// Whether its value at the centre of a box is the distance there; false for a bounded surface
-    /// with unbounded axes.
+    /// Whether its value at the centre of a box is the distance there: always without unbounded
+    /// axes; with one, only for a cylinder that is endless along it.
     fn is_told_by_value(&self, unbounded_axes: [bool; 3]) -> bool {
         let column = (0..3).find(|&axis| unbounded_axes[axis]);
         column.is_none_or(|axis| {
