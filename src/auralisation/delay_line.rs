@@ -20,7 +20,7 @@ type Weights = [f32; WIDTH];
 pub(super) struct DelayLine<const BANDS: usize> {
     /// A ring whose length is a power of two.
     frames: Vec<[f32; BANDS]>,
-    /// Frames written so far.
+    /// Total frames written.
     written: u64,
     weights: Vec<Weights>,
 }

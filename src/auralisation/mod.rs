@@ -277,7 +277,8 @@ impl Auralisation {
     /// sample that is not finite counts as 0: it would otherwise last as long as the response. Does not allocate.
     ///
     /// # Errors
-    /// [`AcousticsError::BadStereoLength`] if `stereo` is not twice as long as `mono`: then nothing is played.
+    /// [`AcousticsError::BadStereoLength`] if `stereo` is not twice as long as `mono`: then the player does not
+    /// advance.
     pub fn add(&mut self, mono: &[f32], stereo: &mut [f32]) -> Result<(), AcousticsError> {
         if stereo.len() / CHANNELS != mono.len() || !stereo.len().is_multiple_of(CHANNELS) {
             let (mono, stereo) = (mono.len(), stereo.len());

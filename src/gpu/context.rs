@@ -344,7 +344,7 @@ impl Context {
     /// does nothing, since a query can stall a driver that works on another thread.
     ///
     /// # Errors
-    /// Those of [`check`](Context::check).
+    /// The errors of [`check`](Context::check).
     pub(crate) fn debug_check(&self, what: &str) -> Result<(), GpuError> {
         static ASKED: OnceLock<bool> = OnceLock::new();
         let asked = || std::env::var_os("ECHOMARCH_GL_CHECK").is_some_and(|value| value == "1");

@@ -97,7 +97,7 @@ enum Then {
 /// current, echomarch's own context stays current, and a caller's does not.
 ///
 /// # Errors
-/// Those of [`make`].
+/// The errors of [`make`].
 pub(super) fn enter(context: &Rc<dyn Backend>) -> Result<Entered, String> {
     let known = CURRENT.try_with(last_made).ok().flatten();
     let known = known.filter(|known| known.owner() == Owner::Echomarch && known.is_current());

@@ -40,7 +40,7 @@ impl DataList {
     /// Sets the values of the list.
     ///
     /// # Errors
-    /// [`GpuError`] if there is no room for them.
+    /// [`GpuError`] if they do not fit.
     pub fn set(&mut self, new: &[Vec4]) -> Result<(), GpuError> {
         match &mut self.store {
             Store::Rows(texture) => texture.set(new),

@@ -30,7 +30,7 @@ impl DataTexture {
     /// Sets the values of the texture.
     ///
     /// # Errors
-    /// [`GpuError`] if there is no room for them.
+    /// [`GpuError`] if they do not fit.
     pub fn set(&mut self, values: &[Vec4]) -> Result<(), GpuError> {
         if self.values == values {
             return Ok(());

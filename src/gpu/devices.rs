@@ -57,7 +57,7 @@ impl fmt::Display for GpuInfo {
 /// afterwards.
 ///
 /// # Errors
-/// Only if there is no list: no library or no device. A device without a context is listed with the reason.
+/// Only if the library or all devices are missing. A device without a context is listed with the reason.
 pub fn list_gpus(api: Api) -> Result<Vec<GpuInfo>, GpuError> {
     if api == Api::OsMesa {
         let outcome = Context::headless(&ContextOptions { api, gpu: None });

@@ -23,7 +23,7 @@ const OSMESA_CORE_PROFILE: c_int = 0x34;
 const OSMESA_CONTEXT_MAJOR_VERSION: c_int = 0x36;
 const OSMESA_CONTEXT_MINOR_VERSION: c_int = 0x37;
 
-/// Side in pixels of the colour buffer that every context must have; nothing is drawn into it.
+/// Side in pixels of the unused colour buffer that every context must have.
 const SIDE: usize = 16;
 
 type CreateContext = unsafe extern "C" fn(*const c_int, *mut c_void) -> *mut c_void;

@@ -23,7 +23,7 @@ impl Picture {
     /// Creates a picture of `width` × `height` pixels with undefined colours.
     ///
     /// # Errors
-    /// Those of [`Texture::new`](super::Texture::new); 4 bytes per pixel.
+    /// The errors of [`Texture::new`](super::Texture::new); 4 bytes per pixel.
     pub fn new(context: &Context, width: u32, height: u32) -> Result<Picture, GpuError> {
         check_size(context, width, height)?;
         let failed = |code: String| GpuError::Gl {

@@ -18,7 +18,7 @@ impl TexturePair {
     /// Creates a pair of `width` × `height` texels each, with undefined values.
     ///
     /// # Errors
-    /// Those of [`Texture::new`] and [`RenderTarget::new`].
+    /// The errors of [`Texture::new`] and [`RenderTarget::new`].
     pub fn new(context: &Context, width: u32, height: u32) -> Result<TexturePair, GpuError> {
         let first = Texture::new(context, width, height)?;
         let second = Texture::new(context, width, height)?;
@@ -48,7 +48,7 @@ impl PingPong {
     /// Creates two pairs of `width` × `height` texels: 64 bytes per texel in total.
     ///
     /// # Errors
-    /// Those of [`TexturePair::new`].
+    /// The errors of [`TexturePair::new`].
     pub fn new(context: &Context, width: u32, height: u32) -> Result<PingPong, GpuError> {
         let pairs = [
             TexturePair::new(context, width, height)?,

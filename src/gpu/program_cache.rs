@@ -26,7 +26,7 @@ impl<K: Eq + Hash> ProgramCache<K> {
     /// Returns the program cached for `key`, or compiles and caches it.
     ///
     /// # Errors
-    /// Those of `compile`; then the cache is unchanged.
+    /// The errors of `compile`; then the cache is unchanged.
     pub fn get_or_compile<E>(
         &mut self,
         key: K,
@@ -41,7 +41,7 @@ impl<K: Eq + Hash> ProgramCache<K> {
         Ok(program)
     }
 
-    /// Number of programs compiled so far, including those dropped since.
+    /// Total number of programs compiled, including those dropped since.
     pub fn compiled(&self) -> usize {
         self.compiled
     }

@@ -22,7 +22,7 @@ pub(crate) struct Entered;
 /// Makes the context current.
 ///
 /// # Errors
-/// Those of [`make`].
+/// The errors of [`make`].
 pub(super) fn enter(context: &Rc<dyn Backend>) -> Result<Entered, String> {
     make(context).map(|()| Entered)
 }

@@ -32,7 +32,7 @@ pub(super) use super::only_place::prepare;
 pub(super) use super::only_place::{Place, places};
 use super::{Api, GpuError};
 
-/// Side of the hidden window in pixels; nothing is drawn into it.
+/// Side of the hidden, unused window in pixels.
 const SIDE: i32 = 1;
 
 /// Makes a context; it is not current yet.

@@ -38,8 +38,9 @@ const LEAST_LATE: usize = 16;
 /// it also holds later sound that these waves missed. Figures need a record whose second half is weaker than the first.
 const SEEN: f64 = 1.0 / 3.0;
 
-/// The length after the direct sound, in seconds, if there is no absorption and no wave leaves: no length holds such a
-/// decay, and a longer record repeats itself. It equals the default longest response of sound in full (`auralisation`).
+/// The length after the direct sound, in seconds, for a scene without absorption that waves never leave: its decay exceeds
+/// any length, and a longer record repeats itself. It equals the default longest response of sound in full
+/// (`auralisation`).
 const WITHOUT_DECAY_S: f64 = 3.0;
 
 /// Length of the time bins of the decay, in seconds.

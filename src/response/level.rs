@@ -21,8 +21,8 @@ pub struct Level {
     pub azimuth: f64,
     /// The same, above the plane of the listener's ears, in radians.
     pub elevation: f64,
-    /// Directionality of the sound, 0 to 1: the length of that sum over the energy. 1 means all from one direction, 0 none
-    /// preferred.
+    /// Directionality of the sound, 0 to 1: the length of that sum over the energy. 1 means all from one direction, 0
+    /// from no preferred one.
     pub one_sided: f64,
 }
 

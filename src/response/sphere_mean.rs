@@ -40,8 +40,8 @@ const MOST_CURVED_MARCHED: usize = 4;
 /// it are assumed to reach all of the sphere.
 const MOST_ASKED: u64 = 1 << 22;
 
-/// Images closer than this, in metres, count as one. Not a multiple of a short binary fraction, so that an image with round
-/// coordinates never lies between two cells of this size.
+/// Images closer than this, in metres, count as one. Not a multiple of a short binary fraction, so that an image with
+/// round coordinates never lies between two cells of this size.
 const SAME_IMAGE_M: f64 = 1.00431e-5;
 
 /// Maximum distance in metres at which a line followed back passes the source: directions are rounded to `f32`, 1e-7 of

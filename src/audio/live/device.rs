@@ -80,7 +80,7 @@ fn hush() {
 #[cfg(not(target_os = "linux"))]
 fn hush() {}
 
-/// Lists the output devices; empty if there is no sound system or it does not answer.
+/// Lists the output devices; empty if the sound system is missing or does not answer.
 pub fn list_devices() -> Vec<DeviceInfo> {
     within(ANSWER_LIMIT, || false, list).unwrap_or_else(|error| {
         forget_broken(&error);

@@ -9,7 +9,7 @@ pub enum LiveError {
     /// An error of a sound or a file.
     #[error(transparent)]
     Audio(#[from] AudioError),
-    /// There is no sound system, or it has no output device.
+    /// The sound system is missing, or has no output device.
     #[error("there is no sound device to play on ({reason})")]
     NoDevice {
         /// The sound system's error.
@@ -59,7 +59,7 @@ pub enum LiveError {
     /// A recording is in progress already.
     #[error("a recording is under way: stop it first")]
     AlreadyRecording,
-    /// A request to stop a recording when none is in progress.
+    /// A request to stop a recording while not recording.
     #[error("nothing is being recorded")]
     NotRecording,
     /// The recording ended because the device continued at another rate.

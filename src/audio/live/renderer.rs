@@ -387,7 +387,7 @@ impl Remote {
         self.send(Message::Program(program)).is_ok()
     }
 
-    /// Queues a message; hands it back if there is no room for it.
+    /// Queues a message; hands it back if the queue is full.
     pub(super) fn send(&mut self, message: Message) -> Result<(), Message> {
         let sent = self.inbox.push(message);
         sent.map_err(|rtrb::PushError::Full(message)| message)

@@ -15,7 +15,7 @@ use crate::gpu::{Api, GpuError};
 // Constant of EGL_MESA_platform_surfaceless.
 const PLATFORM_SURFACELESS_MESA: u32 = 0x31DD;
 
-/// Side in pixels of the surface for contexts that must have one; nothing is drawn into it.
+/// Side in pixels of the unused surface for contexts that must have one.
 const SIDE: EGLint = 1;
 
 /// A display that is opened without a device and without a connection to a window system.

@@ -53,7 +53,7 @@ impl RawEgl {
     pub fn of(kind: Kind) -> RawEgl {
         let (config_api, context_api, profile) = kind.apis();
         let made = Device::query_devices().unwrap().find_map(|device| {
-            // SAFETY: there is no native display or window, and nothing is shared.
+            // SAFETY: the call uses neither a native display nor a window, and shares no context.
             unsafe {
                 let display = Display::with_device(&device, None).ok()?;
                 let template = ConfigTemplateBuilder::new()

@@ -1,7 +1,7 @@
 //! Groups of nearby surfaces, for distances from outside the grid.
 //!
 //! Outside the grid any surface can be the nearest. A group whose box is further away than the
-//! least distance found so far is skipped as a whole; about √n groups of √n surfaces each are
+//! least distance yet found is skipped as a whole; about √n groups of √n surfaces each are
 //! tested, and few of them need their surfaces tested. The result is the least distance itself, not
 //! a bound.
 
