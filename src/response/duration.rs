@@ -38,8 +38,8 @@ const LEAST_LATE: usize = 16;
 /// it also holds later sound that these waves missed. Figures need a record whose second half is weaker than the first.
 const SEEN: f64 = 1.0 / 3.0;
 
-/// The length after the direct sound, in seconds, for a scene without absorption that waves never leave: its decay exceeds
-/// any length, and a longer record repeats itself. It equals the default longest response of sound in full
+/// The length after the direct sound, in seconds, for a scene that neither absorbs sound nor lets waves leave: its decay
+/// exceeds any length, and a longer record repeats itself. It equals the default longest response of sound in full
 /// (`auralisation`).
 const WITHOUT_DECAY_S: f64 = 3.0;
 
