@@ -211,7 +211,7 @@ impl Scene {
         names
     }
 
-    /// Sets the key-framed positions and numbers to their values at `seconds`.
+    /// Sets the key-framed numbers of all surfaces to their values at `seconds`.
     pub(super) fn drive_to(&mut self, seconds: f64) {
         for surface in &mut self.surfaces {
             surface.drive_to(seconds);
