@@ -85,7 +85,7 @@ fn bad_sofa_files_are_refused() {
         &["--format", "binaural", "--sofa", "nowhere.sofa"],
         "from nowhere.sofa: No such file",
     );
-    with("text.sofa", b"not HDF5 at all", "it is no SOFA file");
+    with("text.sofa", b"not HDF5 at all", "it is not a SOFA file");
     let bytes = good.bytes();
     with("half.sofa", &bytes[..bytes.len() / 2], "half.sofa: ");
     let mut other = good.clone();
