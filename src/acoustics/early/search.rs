@@ -4,7 +4,7 @@ use super::sheet::{Form, Frame, Quadratic, Sheet};
 use crate::fnv;
 use glam::{DMat3, DVec3};
 
-/// A way down a tree.
+/// A way down a tree to a leaf or subtree.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Way {
     pub frame: Frame,
@@ -41,7 +41,7 @@ impl Way {
         way.branch(number.into())
     }
 
-    /// The branch with this number.
+    /// The way down the branch with this number.
     pub fn branch(self, number: u64) -> Way {
         let id = fnv::with(self.id, number + 1);
         Way { id, ..self }
@@ -80,7 +80,7 @@ impl Way {
         }
     }
 
-    /// The branch of 64 bits.
+    /// The way down the branch with these 64 bits.
     pub fn branch_of_bits(self, bits: u64) -> Way {
         self.branch(bits.rotate_left(20) >> 1)
     }
@@ -92,7 +92,7 @@ impl<'a> Search<'a> {
     pub fn flat(&mut self, normal: DVec3, offset: f64, way: Way, wall: Option<u8>) {
         let seen = way.frame.turn.transpose() * normal;
         let scale = seen.length();
-        // Where a shape was moved apart its faces across the gap vanish.
+        // If the shape was moved apart along the normal, the face vanishes in the gap.
         if scale == 0.0 {
             return;
         }
