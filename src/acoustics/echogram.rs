@@ -250,7 +250,7 @@ impl Echogram {
         self.batches
     }
 
-    /// The energy of a bin in 1/m², all batches together; 0 if there is no such bin.
+    /// The energy of a bin in 1/m², all batches together; 0 for other bins.
     pub fn energy(&self, bin: usize) -> Bands {
         let mut sum = [0.0; BAND_COUNT];
         for energy in self.in_bin(bin) {
@@ -259,7 +259,7 @@ impl Echogram {
         sum
     }
 
-    /// The energy of a bin in 1/m², one batch; 0 if there is no such bin or batch.
+    /// The energy of a bin in 1/m², one batch; 0 for other bins and batches.
     pub fn batch_energy(&self, bin: usize, batch: usize) -> Bands {
         let found = self.in_bin(bin).get(batch);
         found.copied().unwrap_or([0.0; BAND_COUNT])
@@ -317,7 +317,7 @@ impl Echogram {
         })
     }
 
-    /// The energies of a bin by batch; empty if there is no such bin.
+    /// The energies of a bin by batch; empty for other bins.
     fn in_bin(&self, bin: usize) -> &[Bands] {
         let begins = bin.saturating_mul(self.batches);
         let ends = begins.saturating_add(self.batches);

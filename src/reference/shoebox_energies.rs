@@ -191,7 +191,7 @@ impl ShoeboxEnergies {
             return refused("length of a cell in metres", "finite and above 0", cell_m);
         }
         if !length_m.is_finite() {
-            return refused("longest way in metres", "finite", length_m);
+            return refused("longest path in metres", "finite", length_m);
         }
         let cells = ((length_m - self.direct_m()) / cell_m).ceil().max(0.0);
         if cells > MOST_CELLS {

@@ -106,7 +106,7 @@ pub enum SceneError {
         /// A similar name, if there is one.
         nearest: Option<String>,
     },
-    /// There is no source or listener of this number.
+    /// The scene does not have a source or listener of this number.
     #[error("scene {scene:?} has no {what} number {number}: it has {count}, counted from 0")]
     NoSuchNumber {
         /// The scene's name.

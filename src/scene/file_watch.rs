@@ -37,7 +37,7 @@ impl SceneWatch {
     /// Watches a scene file that is read by `load`, for scenes that are changed after reading.
     ///
     /// # Errors
-    /// Those of `load`.
+    /// The errors of `load`.
     pub fn open_with(
         name_or_file: &str,
         load: impl Fn() -> Result<Scene, SceneError> + 'static,

@@ -49,7 +49,7 @@ impl Scene {
     /// ```
     ///
     /// # Errors
-    /// [`SceneError::NoSuchNumber`] when there is no source or no listener of that number.
+    /// [`SceneError::NoSuchNumber`] if a number is out of range.
     pub fn heard_by(&self, source: usize, listener: usize) -> Result<Scene, SceneError> {
         let none = |what, number, count| SceneError::NoSuchNumber {
             scene: self.name.clone(),

@@ -86,7 +86,7 @@ impl Surface {
     /// [`WALL_NAMES`](super::WALL_NAMES)).
     ///
     /// # Errors
-    /// [`SceneError::NoSuchWall`](super::SceneError::NoSuchWall) when there is no such wall.
+    /// [`SceneError::NoSuchWall`](super::SceneError::NoSuchWall) if the number is out of range.
     pub fn with_wall_material(
         mut self,
         wall: usize,

@@ -14,8 +14,8 @@ pub(super) fn image(place: DVec3, normal: DVec3, offset: f64) -> DVec3 {
 }
 
 /// The points at which the line from source to listener is mirrored at all sheets, in order; a line that is closer to a
-/// plane than `touch` metres at both ends lies in it. `None` if one of them is not a plane, or the line to an image
-/// does not cross its plane.
+/// plane than `touch` metres at both ends counts as within it. `None` if one of them is not a plane, or the line to an
+/// image does not cross its plane.
 pub(super) fn points<'a>(
     source: DVec3,
     listener: DVec3,

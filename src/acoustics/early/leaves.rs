@@ -9,7 +9,8 @@ use crate::scene::shape::{
 };
 use glam::{DMat3, DVec2, DVec3};
 
-/// Offers the sheets of the shape that may be at the searched point; none if they have no closed form.
+/// Offers the sheets of the shape that may be at the searched point; those without a closed form are
+/// not offered.
 pub(super) fn add(search: &mut Search, node: &Node, way: Way) {
     let p = way.frame.place(search.point);
     let is_itself = way.level == 0.0;

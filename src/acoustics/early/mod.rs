@@ -116,7 +116,8 @@ pub enum NoPath {
     /// One of its surfaces is known only from samples (a user's field): its waves remain
     /// statistical.
     NotExact,
-    /// No path over these surfaces is stationary, or none was found from the wave.
+    /// There is no stationary path over these surfaces, or the search from the wave did not find
+    /// it.
     NotStationary,
     /// The path would be mirrored beyond the edge of a surface.
     OffSurface,

@@ -154,8 +154,8 @@ impl<'a> Decay<'a> {
         self.tail.energy / self.remaining[0]
     }
 
-    /// Energies in 1/m² before and after a time; `None` if none is after it, or too much is beyond
-    /// the record.
+    /// Energies in 1/m² before and after a time; `None` without energy after it, or if too much is
+    /// beyond the record.
     pub(super) fn parted_at(&self, seconds: f64) -> Option<(f64, f64)> {
         if seconds > self.length_s() {
             return None;

@@ -185,8 +185,8 @@ mod tests {
         assert_eq!(Facets::new(grid).facets.len(), count);
     }
 
-    /// Protects weights: none is negative, their sum is 1, their mean is the requested direction,
-    /// and only near corners have weight.
+    /// Protects weights: they are not negative, their sum is 1, their mean is the requested
+    /// direction, and only near corners have weight.
     #[test]
     fn weights_point_where_they_should() {
         let facets = Facets::new(grid(15));

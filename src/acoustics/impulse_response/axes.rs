@@ -45,7 +45,7 @@ impl ListenerAxes {
     /// The axes of a scene's listener.
     ///
     /// # Errors
-    /// [`AcousticsError::BadAxes`] for one that is not finite.
+    /// [`AcousticsError::BadAxes`] if they are not finite.
     pub fn of(listener: &Listener) -> Result<ListenerAxes, AcousticsError> {
         ListenerAxes::new(listener.forward().as_dvec3(), listener.up().as_dvec3())
     }

@@ -50,7 +50,7 @@ pub(crate) struct SurfaceKind {
 }
 
 impl SurfaceKind {
-    /// A surface of which nothing is known.
+    /// A surface of unknown kind.
     pub(super) const GENERAL: SurfaceKind = SurfaceKind {
         flat: false,
         smooth: false,

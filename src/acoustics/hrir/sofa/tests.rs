@@ -1,4 +1,4 @@
-//! Valid SOFA files, and such as are rejected.
+//! Valid SOFA files, and rejected ones.
 
 use super::*;
 use crate::acoustics::hrir::{Hrir, HrirError};

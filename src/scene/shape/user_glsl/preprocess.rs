@@ -48,7 +48,7 @@ pub fn preprocess<'a>(tokens: &[Token<'a>], most_tokens: usize) -> Result<Vec<To
     }
 }
 
-/// An `#if` without its `#endif` so far.
+/// An `#if` whose `#endif` was not reached.
 struct Condition {
     line: u32,
     /// Whether the lines around it are active.
