@@ -296,9 +296,9 @@ impl ExactScene {
         }
     }
 
-    /// The next surface nearer than `until` metres, ignoring the listener, and the face that the wave leaves
-    /// when it is mirrored there. Also returns the number of surfaces, and boxes around them, that were
-    /// evaluated.
+    /// The next surface nearer than `until` metres, ignoring the listener, and the surface and face that the
+    /// wave leaves when it is mirrored there. Also returns the number of surfaces, and boxes around them,
+    /// that were evaluated.
     pub(super) fn next_surface(
         &self,
         origin: DVec3,

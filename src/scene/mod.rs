@@ -87,7 +87,7 @@ pub struct Scene {
     /// The scene's own materials by their names; the [built-in ones](BUILTIN_MATERIALS) are
     /// available without being listed here.
     pub materials: BTreeMap<String, Material>,
-    /// The air; without it the speed of sound is 343 m/s, and nothing is absorbed on the way.
+    /// The air; without it the speed of sound is 343 m/s, and it does not absorb.
     pub air: Option<Air>,
     /// The first source.
     pub source: Source,

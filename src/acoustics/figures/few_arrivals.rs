@@ -30,9 +30,9 @@ const WORST_ERRORS: List = [
     Some(1.0),
 ];
 
-/// Standard deviation of the sum of a number of arrivals' energies: about √n times their mean if they are few. With
-/// more arrivals the batches report an increasing part of it: the factor is √(1 + n (1 − n / 64)), and 1 from 64 on. 0
-/// without arrivals.
+/// Error of the sum of a number of arrivals' energies that the spread over batches does not include: about √n times
+/// their mean if they are few. With more arrivals the batches report more of it: the factor is √(1 + n (1 − n / 64)),
+/// and 1 from 64 on. 0 without arrivals.
 pub(crate) fn uncertain_energy(sum: f64, arrivals: f64) -> f64 {
     if arrivals == 0.0 {
         return 0.0;
