@@ -87,7 +87,7 @@ impl Placed {
         }
     }
 
-    /// The flat pieces of it behind which there is no air: a point on each and its unit normal into
+    /// The flat pieces of it that have only solid behind them: a point on each and its unit normal into
     /// the air, in world metres.
     pub fn walls(&self) -> Vec<(DVec3, DVec3)> {
         let at = |point, normal| (self.world(point) + self.position, self.world(normal));

@@ -79,7 +79,7 @@ pub struct Hit {
 pub struct ExactWave {
     /// 0 = heard, −1 = dead, n = last mirrored at the n-th surface from 1.
     pub status: i32,
-    /// Reflections so far; for a wave that is heard, its order.
+    /// Number of reflections; for a wave that is heard, its order.
     pub order: u32,
     /// Number of reflections at spheres and cylinders, which multiply errors.
     pub curved_hits: u32,
@@ -207,7 +207,7 @@ impl ExactScene {
     /// along `direction` (any length).
     ///
     /// A wave without a direction or iterations remains at its start with status −1, and so does
-    /// one that starts in a solid, where there is no sound.
+    /// one that starts in a solid, which carries no sound.
     pub fn trace(&self, start: DVec3, direction: DVec3, iterations: u32) -> ExactWave {
         self.walk(start, direction, iterations, |_| ())
     }

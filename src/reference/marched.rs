@@ -76,7 +76,7 @@ impl MarchedField {
     }
 
     /// Length in metres along the unit vector `d` from `o`, which is in the air or on the surface;
-    /// `None` if there is no hit within `until` metres.
+    /// `None` without a hit within `until` metres.
     pub fn intersect(&self, o: DVec3, d: DVec3, until: f64) -> Option<f64> {
         let until = until.min(FAR * self.extent);
         let touch = TOUCH * self.extent.max(o.abs().max_element());

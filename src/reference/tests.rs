@@ -128,7 +128,7 @@ fn corner_hits_agree_with_an_independent_count() {
         let waves = exact.trace_all(start(&scene), &directions, iterations);
         let heard = waves.iter().filter(|wave| wave.status == 0).count() as f64;
         println!("corner, {iterations} iterations: {heard} of 1048576 heard");
-        // Both counts are random: ours is of 16 times as many waves.
+        // Both counts are random: ours is of 16 times the waves.
         let deviation = f64::sqrt(of_65536 * (1.0 + 1.0 / 16.0));
         assert!((heard / 16.0 - of_65536).abs() < 4.0 * deviation, "{heard}");
     }

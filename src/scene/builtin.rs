@@ -173,7 +173,7 @@ mod tests {
         assert_eq!(scene, Scene::builtin(BUILTIN[0].0).unwrap());
     }
 
-    /// For a mistyped name the nearest one is suggested; without a near one none is suggested.
+    /// For a mistyped name the nearest one is suggested, if any is near.
     #[test]
     fn a_name_that_is_nearly_right_is_suggested() {
         for (typed, meant) in [

@@ -169,7 +169,7 @@ mod tests {
     use glam::Vec3;
 
     /// Protects the time spent at a focus: of waves that all arrive, after each of three reflections,
-    /// only as many are solved for as the limits allow, and each represents at least one.
+    /// the number solved for keeps the limits, and each represents at least one.
     #[test]
     fn a_focus_has_few_jobs() {
         let radii = Vec3::new(10.0, 6.0, 6.0);

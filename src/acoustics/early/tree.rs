@@ -87,7 +87,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// If only one child has the value, there is no blend.
+    /// A value of only one child is not blended.
     fn smooth_union(&mut self, shape: &'a Shape, way: Way) {
         let p = way.frame.place(self.point);
         let value = shape.value(p);

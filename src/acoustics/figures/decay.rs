@@ -64,7 +64,7 @@ const NO_TAIL: Tail = Tail {
 };
 
 impl<'a> Decay<'a> {
-    /// The decay of a band; `None` if there is no energy, or if its tail cannot be estimated: the energy of
+    /// The decay of a band; `None` without energy, or if its tail cannot be estimated: the energy of
     /// the record's second half is not 5 dB below that of the first, so that it does not decay by 10 dB.
     pub(super) fn new(pieces: &'a [Piece], band: usize, bin_s: f64) -> Option<Decay<'a>> {
         let mut remaining = vec![0.0; pieces.len() + 1];

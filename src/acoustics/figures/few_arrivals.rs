@@ -119,7 +119,7 @@ mod tests {
     }
 
     /// Protects against errors estimated from a few dozen waves, and errors of 0: if one arrival changes G by more
-    /// than 1 dB there is no G, otherwise its error is at least that of one arrival.
+    /// than 1 dB G is not reported, otherwise its error is at least that of one arrival.
     #[test]
     fn few_arrivals_give_no_certain_figures() {
         for arrivals in [0, 8] {

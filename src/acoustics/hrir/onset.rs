@@ -104,7 +104,7 @@ impl OnsetFinder {
     }
 }
 
-/// Moves responses by fractions of a sample: exactly, for frequencies below half the sampling rate.
+/// Moves responses by any number of samples, whole or not: exactly, for frequencies below half the sampling rate.
 pub(super) struct Mover {
     samples: usize,
     length: usize,
@@ -115,7 +115,7 @@ pub(super) struct Mover {
 impl Mover {
     /// A mover to responses of `samples` samples.
     pub(super) fn new(samples: usize) -> Mover {
-        // Twice as long: the ends of a move by a fraction of a sample fade as 1/t, and wrap around.
+        // Double length: the ends of a move by a fraction of a sample fade as 1/t, and wrap around.
         let length = (2 * samples).next_power_of_two();
         let mut planner = RealFftPlanner::new();
         Mover {

@@ -68,7 +68,7 @@ impl Scene {
     /// the thirtieths of a second between them.
     ///
     /// # Errors
-    /// Those of [`Scene::validate`]; [`SceneError::At`] for a value that is wrong only at a later
+    /// Errors of [`Scene::validate`]; [`SceneError::At`] for a value that is wrong only at a later
     /// time.
     pub fn validate_moving(&self) -> Result<(), SceneError> {
         self.validate()?;

@@ -124,7 +124,7 @@ impl UserField {
     /// Checks everything that can be checked without compiling.
     ///
     /// # Errors
-    /// The line, if the error is in one, and a message: there is no `float field(vec3 p)`, the text
+    /// The line, if the error is in one, and a message: the text lacks a `float field(vec3 p)`,
     /// needs a value from outside, does something that a function of one point cannot do, or
     /// exceeds the limits that protect compilers.
     pub fn check_text(&self) -> Result<(), (Option<u32>, String)> {

@@ -142,7 +142,7 @@ impl Variables {
     }
 
     /// Rejects values that are not numbers, and chunks of a variable that are larger than a set may
-    /// be or than the file: the reader allocates as much memory as they declare.
+    /// be or than the file: the reader allocates the memory that they declare.
     fn check_storage(&self, dataset: &Dataset, variable: &'static str) -> Result<(), SofaProblem> {
         let failed = |error: hdf5_pure::Error| damaged(variable, &error);
         let width = dataset.element_size().map_err(failed)?;

@@ -7,8 +7,7 @@
 //! copies on either side can be the nearest.
 //!
 //! This holds for distances. A bound of the distance may be less for a copy that is further away,
-//! and would then jump where that copy stops being evaluated. So the value is capped at the least
-//! value of such a copy there, see [`Cap`].
+//! and would then jump where that copy stops being evaluated. So the value is capped there at the minimum value of such a copy, see [`Cap`].
 
 use super::part::parameters;
 use super::{Bounds3, Exactness, Node, Part, Properties, Shape, ShapeFile, SurfaceKind};
@@ -179,7 +178,7 @@ pub(super) fn copies(child: &Properties, period: Vec3) -> Result<[Copies; 3], St
     let count: u64 = all.iter().map(|c| u64::from(c.count())).product();
     if count > u64::from(MOST_COPIES) {
         return Err(format!(
-            "its copies reach so far into each other that {count} of them can be nearest, more than {MOST_COPIES}: make the period longer"
+            "its copies overlap, and {count} of them can be nearest, more than {MOST_COPIES}: make the period longer"
         ));
     }
     Ok(all)
@@ -193,7 +192,7 @@ fn along(bounds: Bounds3, symmetric: bool, axis: usize, step: f64) -> Result<Cop
     }
     if !(least.is_finite() && most.is_finite()) {
         return Err(format!(
-            "what it repeats along {name} has no end there, so that copies cannot be told apart"
+            "what it repeats along {name} has no end there, so that copies cannot be distinguished"
         ));
     }
     let reach = (most.abs().max(least.abs()) - 0.5 * step) / step;
