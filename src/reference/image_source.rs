@@ -2,7 +2,8 @@
 //!
 //! Mirrored repeatedly at its walls, the room fills space with copies of itself, and a wave that is
 //! mirrored at walls becomes one straight line through them. Every wall that the line crosses is
-//! one reflection; each copy contains one image of the listener. Only the part of an image within its copy counts: the part of a listener within a wall does not hear.
+//! one reflection; each copy contains one image of the listener. Only the part of an image within
+//! its copy counts: the part of a listener within a wall does not hear.
 //!
 //! Cost: one step for each copy that the line crosses, of order + 1.
 

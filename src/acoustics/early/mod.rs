@@ -252,7 +252,8 @@ impl EarlyPaths {
         !self.exact.is_in_solid(place, self.surfaces.touch)
     }
 
-    /// The paths of all candidates, and the direct sound if it is not blocked; no paths from or to a point in a solid.
+    /// The paths of all candidates, and the direct sound if it is not blocked; no paths from or to
+    /// a point in a solid.
     ///
     /// Runs on the threads of rayon's pool; the result does not depend on their number.
     pub fn find(&self, ends: &Ends, candidates: &Candidates) -> Found {

@@ -207,7 +207,8 @@ impl Halves {
     }
 
     /// Factor by which Student's t widens an error. Its degrees of freedom are those of the batches, or of the arrivals
-    /// if these are fewer: most batches are empty then, and their spread says little. Without arrivals the spread is 0; a single one counts as two, as only its energy is known of others that might have arrived.
+    /// if these are fewer: most batches are empty then, and their spread says little. Without arrivals the spread is 0;
+    /// a single one counts as two, as only its energy is known of others that might have arrived.
     fn widening(&self, arrivals: f64) -> f64 {
         let of_batches = self.batches - 1;
         let degrees = match arrivals > 0.0 {

@@ -104,7 +104,8 @@ impl OnsetFinder {
     }
 }
 
-/// Moves responses by any number of samples, whole or not: exactly, for frequencies below half the sampling rate.
+/// Moves responses by any number of samples, whole or not: exactly, for frequencies below half the
+/// sampling rate.
 pub(super) struct Mover {
     samples: usize,
     length: usize,

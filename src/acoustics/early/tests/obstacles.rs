@@ -65,7 +65,8 @@ fn users_fields_are_not_exact() {
     assert_eq!(found.outcomes, [Err(NoPath::NotExact)]);
 }
 
-/// Protects the estimate of missed paths: many waves miss little, few miss much, and without waves the estimate is `None`.
+/// Protects the estimate of missed paths: many waves miss little, few miss much, and without waves
+/// the estimate is `None`.
 #[test]
 fn few_waves_say_that_they_miss_much() {
     let size = Vec3::new(20.0, 5.0, 13.0);

@@ -7,7 +7,8 @@
 //! copies on either side can be the nearest.
 //!
 //! This holds for distances. A bound of the distance may be less for a copy that is further away,
-//! and would then jump where that copy stops being evaluated. So the value is capped there at the minimum value of such a copy, see [`Cap`].
+//! and would then jump where that copy stops being evaluated. So the value is capped there at the
+//! minimum value of such a copy, see [`Cap`].
 
 use super::part::parameters;
 use super::{Bounds3, Exactness, Node, Part, Properties, Shape, ShapeFile, SurfaceKind};
