@@ -1,20 +1,20 @@
-//! The program as a person starts it.
+//! The program, run as a user runs it.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-/// The program, to be given arguments.
+/// The program as a command without arguments.
 pub fn command() -> Command {
     Command::new(env!("CARGO_BIN_EXE_echomarch"))
 }
 
-/// Runs the program, neither of whose outputs is a terminal.
+/// Runs the program with both outputs redirected from the terminal.
 pub fn echomarch(arguments: &[&str]) -> Output {
     command().args(arguments).output().unwrap()
 }
 
-/// Runs it and demands exit code 0.
+/// Runs it and requires exit code 0.
 pub fn succeed(arguments: &[&str]) -> Output {
     let output = echomarch(arguments);
     let errors = stderr(&output);
@@ -22,13 +22,13 @@ pub fn succeed(arguments: &[&str]) -> Output {
     output
 }
 
-/// Runs it with `--json`, demands exit code 0, and reads what it printed.
+/// Runs it with `--json`, requires exit code 0, and parses its output.
 pub fn json(arguments: &[&str]) -> serde_json::Value {
     let output = succeed(&[arguments, &["--json"]].concat());
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
-/// Runs it and demands that it is refused as bad input, in one sentence that holds `told`.
+/// Runs it and requires that it refuses the input with one sentence that contains `told`.
 pub fn refuse(arguments: &[&str], told: &str) {
     let output = echomarch(arguments);
     let said = stderr(&output);
@@ -45,8 +45,7 @@ pub fn run_in(folder: &Path, arguments: &[&str]) -> Output {
     program.output().unwrap()
 }
 
-/// Runs it in `folder` and demands that it is refused as bad input, and leaves the folder as it
-/// is.
+/// Runs it in `folder` and requires that it refuses the input and leaves the folder unchanged.
 pub fn refused(folder: &Path, arguments: &[&str]) -> Output {
     let before = contents(folder);
     let output = run_in(folder, arguments);
@@ -57,7 +56,7 @@ pub fn refused(folder: &Path, arguments: &[&str]) -> Output {
     output
 }
 
-/// All that is in a folder, with the bytes of regular files below a mebibyte.
+/// The contents of a folder, with the bytes of regular files below a mebibyte.
 pub fn contents(folder: &Path) -> BTreeMap<PathBuf, Option<Vec<u8>>> {
     let entries = std::fs::read_dir(folder).unwrap();
     let paths = entries.map(|entry| entry.unwrap().path());

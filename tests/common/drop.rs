@@ -1,5 +1,5 @@
-//! A file manager's share of drag and drop on X11 (the XDND protocol, version 5): a file is
-//! dropped on a window without a hand.
+//! The file manager's side of drag and drop on X11 (the XDND protocol, version 5): drops a file on
+//! a window without a mouse.
 
 use std::path::Path;
 use x11rb::connection::Connection;
@@ -15,7 +15,7 @@ use x11rb::{COPY_DEPTH_FROM_PARENT, COPY_FROM_PARENT, CURRENT_TIME};
 /// The version of the protocol.
 const VERSION: u32 = 5;
 
-/// Drops a file on a window of a display, and returns when that has taken it.
+/// Drops a file on a window of a display, and returns when the window has taken it.
 pub fn drop_file(display: &str, window: &str, file: &Path) {
     let (connection, screen) = RustConnection::connect(Some(display)).unwrap();
     let root = connection.setup().roots[screen].root;

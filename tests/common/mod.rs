@@ -1,4 +1,4 @@
-//! What the integration tests share. A machine without GL fails them: nothing is skipped.
+//! Helpers shared by the integration tests. Without GL the tests fail: they are never skipped.
 #![allow(dead_code)] // Every test file uses its own part of this.
 
 #[cfg(feature = "cli")]
@@ -26,8 +26,8 @@ use echomarch::Scene;
 use echomarch::Settings;
 use glam::{Quat, Vec3};
 
-/// The settings of a case of the quick sweep by its label: the worsened ways to march are to be
-/// had from the experiments alone.
+/// The settings of a case of the quick sweep by its label: only the experiments can create the
+/// degraded march modes.
 #[cfg(feature = "experiment")]
 pub fn swept(label: &str) -> Settings {
     let mut cases = echomarch::experiment::accuracy::quick().into_iter();
@@ -35,7 +35,7 @@ pub fn swept(label: &str) -> Settings {
     case.unwrap_or_else(|| panic!("no case {label}")).settings
 }
 
-/// The scene in a mirror: left is right.
+/// The scene mirrored left to right.
 pub fn mirrored(scene: &Scene) -> Scene {
     let mirror = |v: Vec3| v * Vec3::new(-1.0, 1.0, 1.0);
     let mut mirrored = scene.clone();

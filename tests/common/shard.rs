@@ -1,4 +1,5 @@
-//! The checksums of a shard's file, computed anew: anybody can, so that they prove no numbers.
+//! Recomputes the checksums of a shard's file: anybody can do so, and they do not prove its
+//! numbers.
 
 use sha2::{Digest, Sha256};
 
@@ -6,8 +7,8 @@ fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// The lines of a file with right checksums, and a right last line where one begins with `end `.
-/// Bytes that are not UTF-8, and those after the last end of a line, stay as they are.
+/// The lines of a file with correct checksums, and a correct last line if one begins with `end `.
+/// Text that is not UTF-8 and bytes after the last line end stay unchanged.
 pub fn with_sums(file: &[u8]) -> Vec<u8> {
     let Ok(text) = std::str::from_utf8(file) else {
         return file.to_vec();

@@ -1,4 +1,4 @@
-//! The window as a person uses it: a display without a screen, real key presses, pictures.
+//! The window as a user uses it: a display without a screen, real key presses, pictures.
 //!
 //! Needs Xvfb and xdotool (Debian packages of these names); a machine without them fails.
 
@@ -14,13 +14,13 @@ use std::thread::sleep;
 use std::time::{Duration, Instant, SystemTime};
 use tempfile::TempDir;
 
-/// Windows one after the other: together they would be too slow for their own keys.
+/// Runs windows one after the other: several at once would be too slow for their own keys.
 static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
 
-/// How long anything may take before a test is given up: no machine is so busy.
+/// Longest wait before a test gives up: no machine is this slow.
 const TIMEOUT: Duration = Duration::from_secs(300);
 
-/// A display without a screen; it goes when dropped.
+/// A display without a screen, closed on drop.
 pub struct Display {
     server: Child,
     pub name: String,
@@ -31,7 +31,7 @@ impl Display {
     pub fn new() -> Display {
         let alone = ONE_AT_A_TIME.lock().unwrap_or_else(|e| e.into_inner());
         let mut server = Command::new("Xvfb")
-            // Without -noreset it starts over, and refuses clients, when the last window goes.
+            // Without -noreset it restarts, and refuses clients, when the last window closes.
             .args(["-noreset", "-displayfd", "1", "-screen", "0", "1280x800x24"])
             .stdout(Stdio::piped())
             .stderr(Stdio::null())
@@ -52,7 +52,7 @@ impl Display {
         self.start(command(), arguments)
     }
 
-    /// The same with a command of one's own that starts the program.
+    /// The same with a custom command that starts the program.
     pub fn start(&self, mut command: Command, arguments: &[&str]) -> Demo<'_> {
         command
             .args(["demo", "--json", "--waves", "4096", "--scale", "0.25"])
@@ -61,7 +61,7 @@ impl Display {
         self.open(command)
     }
 
-    /// Opens the window that a whole command opens, in a folder of its own.
+    /// Opens the window with a complete command, in a folder of its own.
     pub fn open(&self, mut command: Command) -> Demo<'_> {
         let folder = tempfile::tempdir().unwrap();
         let mut child = command
@@ -77,7 +77,7 @@ impl Display {
         let (to_frames, frames) = mpsc::channel();
         std::thread::spawn(move || {
             for line in errors.lines().map_while(Result::ok) {
-                // Whoever wanted to know may have gone.
+                // The receiver may have been dropped.
                 let _ = match line.starts_with(r#"{"frame":"#) {
                     true => to_frames.send(line).is_ok(),
                     false => sender.send(line).is_ok(),
@@ -95,7 +95,7 @@ impl Display {
         demo
     }
 
-    /// Ends the display server, as a crash would.
+    /// Kills the display server, as a crash would.
     pub fn end(&self) {
         let pid = self.server.id().to_string();
         let ended = Command::new("kill").args(["-9", &pid]).status().unwrap();
@@ -129,7 +129,7 @@ pub struct Demo<'a> {
 }
 
 impl Demo<'_> {
-    /// Gives the window the keyboard, once it is there and has drawn.
+    /// Gives the window the keyboard focus once it is open and has drawn.
     fn focus(&self) {
         let window = self.window();
         self.wait_frames();
@@ -137,9 +137,9 @@ impl Demo<'_> {
         self.wait_frames();
     }
 
-    /// Waits until the window has drawn what came of all that was done before this. A frame that
-    /// begins after now may have looked at its events before; the two after it have not, and
-    /// panels follow one frame later. A window that has closed is waited for no more.
+    /// Waits until the window has drawn the effects of all earlier actions. A frame that begins after now may have
+    /// polled its events before; the two after it have not, and panels follow one frame later. Returns at once if the
+    /// window has closed.
     pub fn wait_frames(&self) {
         let since_1970 = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
         let now = since_1970.unwrap().as_secs_f64();
@@ -151,12 +151,12 @@ impl Demo<'_> {
                     fresh += u32::from(frame["began"].as_f64() > Some(now));
                 }
                 Err(RecvTimeoutError::Disconnected) => return,
-                Err(RecvTimeoutError::Timeout) => panic!("no frame was drawn"),
+                Err(RecvTimeoutError::Timeout) => panic!("no frame was drawn in time"),
             }
         }
     }
 
-    /// Waits for a frame of which this is so, as the program tells its frames.
+    /// Waits for a frame for which `is_so` holds, in the form in which the program prints frames.
     pub fn wait_until(&self, what: &str, mut is_so: impl FnMut(&Value) -> bool) -> Value {
         let end = Instant::now() + TIMEOUT;
         let mut last = Value::Null;
@@ -164,7 +164,7 @@ impl Demo<'_> {
             let left = end.saturating_duration_since(Instant::now());
             let Ok(line) = self.frames.recv_timeout(left) else {
                 let told: Vec<String> = self.told.try_iter().collect();
-                panic!("waited: {what}; last frame {last}; {told:?}");
+                panic!("waited for: {what}; last frame {last}; {told:?}");
             };
             last = serde_json::from_str(&line).unwrap();
             if is_so(&last) {
@@ -173,7 +173,7 @@ impl Demo<'_> {
         }
     }
 
-    /// Waits until so many more frames of waves were heard.
+    /// Waits until `more` more frames of waves were heard.
     pub fn wait_traced(&self, more: u64) {
         self.wait_frames();
         let mut first = None;
@@ -183,7 +183,7 @@ impl Demo<'_> {
         });
     }
 
-    /// What the display calls the window, once it is there.
+    /// The display's identifier of the window, once it is open.
     pub fn window(&self) -> String {
         let began = Instant::now();
         while began.elapsed() < TIMEOUT {
@@ -199,13 +199,13 @@ impl Demo<'_> {
         );
     }
 
-    /// Waits until the program says a line that holds this.
+    /// Waits until the program prints a line that contains `part`.
     pub fn wait_for(&self, part: &str) -> String {
         let end = Instant::now() + TIMEOUT;
         loop {
             let left = end.saturating_duration_since(Instant::now());
             let line = self.told.recv_timeout(left);
-            let line = line.unwrap_or_else(|_| panic!("the program did not say {part:?}"));
+            let line = line.unwrap_or_else(|_| panic!("the program did not print {part:?}"));
             if line.contains(part) {
                 return line;
             }
@@ -218,8 +218,8 @@ impl Demo<'_> {
         self
     }
 
-    /// Holds a key down for so long, by the window's own clock and for twenty frames at least:
-    /// one that draws slowly walks less far in a frame than its time.
+    /// Holds a key down for `seconds` by the window's own clock and for at least twenty frames: a slow window moves
+    /// less per frame than its frame time.
     pub fn hold(&self, key: &str, seconds: f64) -> &Self {
         let mut begin = None;
         self.hold_until(key, "time to pass", |frame| {
@@ -230,7 +230,7 @@ impl Demo<'_> {
         })
     }
 
-    /// Holds a key down until this is so of a frame.
+    /// Holds a key down until `is_so` holds for a frame.
     pub fn hold_until(&self, key: &str, what: &str, is_so: impl FnMut(&Value) -> bool) -> &Self {
         self.display.xdotool(&["keydown", key]);
         self.wait_frames();
@@ -244,10 +244,9 @@ impl Demo<'_> {
         self.folder.path().join(name)
     }
 
-    /// Closes the window by its key; the report and the last picture.
+    /// Closes the window with its key; returns the report and the last picture.
     pub fn quit(mut self) -> (Value, Image, TempDir) {
-        // No frame is waited for: the program ends once its report was read, which may be longer than
-        // a pipe holds.
+        // Waits for no frame: the program ends once its report has been read, which may exceed a pipe's buffer.
         self.display.xdotool(&["key", "ctrl+q"]);
         let report = self.report();
         let picture = Image::open(&self.path("last.png"));
@@ -255,8 +254,7 @@ impl Demo<'_> {
         (report, picture, folder)
     }
 
-    /// Waits until the program has ended by itself: its exit code, what it printed, and what it
-    /// told.
+    /// Waits until the program has ended by itself; returns its exit code, its output and its messages.
     pub fn ended(mut self) -> (Option<i32>, String, Vec<String>) {
         let output = self.child.take().unwrap().wait_with_output().unwrap();
         let printed = String::from_utf8(output.stdout).unwrap();
@@ -297,7 +295,7 @@ impl Image {
         }
     }
 
-    /// The share of pixels in these columns that are more red than blue.
+    /// The share of pixels in these columns with more red than blue.
     pub fn warm(&self, columns: Range<u32>) -> f64 {
         let pixels = self.pixels.chunks(4).enumerate();
         let within = pixels.filter(|(index, _)| columns.contains(&(*index as u32 % self.width)));
@@ -314,7 +312,7 @@ impl Image {
         self.difference_in(other, columns, 0..u32::MAX)
     }
 
-    /// The same, in some rows alone.
+    /// The same, in some rows only.
     pub fn difference_in(&self, other: &Image, columns: Range<u32>, rows: Range<u32>) -> f64 {
         assert_eq!(self.pixels.len(), other.pixels.len());
         let pairs = self.pixels.chunks(4).zip(other.pixels.chunks(4));

@@ -1,4 +1,4 @@
-//! Answers of people, as the form and the window save them.
+//! Answer files, as the form and the window save them.
 #![cfg(feature = "experiment")]
 
 use super::Target;
@@ -18,7 +18,7 @@ const STIMULUS: &str = r#"{"scene": "corner", "yaw_deg": 0.0, "sound": "sine:500
 const ANSWER: &str = r#"{"right_m": 1.0, "ahead_m": 1.0, "azimuth_deg": 45.0, "side": "right",
     "confidence": 3, "plays": 1, "seconds": 2.5, "answered": "2026-01-01T00:00:01.000Z"}"#;
 
-/// What the driver runs.
+/// The target of the driver.
 pub fn target() -> Target {
     let whole = format!(
         r#"{{"format": "echomarch-localise-answers", "version": 2, "experiment": "2600acb3",
@@ -35,7 +35,7 @@ pub fn target() -> Target {
     }
 }
 
-/// Reads and scores a file of answers.
+/// Reads and scores an answer file.
 pub fn one(data: &[u8]) {
     with_file("answers.json", data, |path| {
         if let Err(error) = score(&[path.to_owned()]) {

@@ -1,15 +1,14 @@
-//! Untrusted files: valid ones, spoilt by a seeded generator.
+//! Untrusted files: valid ones corrupted by a seeded generator.
 //!
-//! Each module is a target: `one(data)` reads the bytes as that kind of file. What is no such
-//! file must be refused, within the limits on time and memory, and never by a panic. A short
-//! run is a part of the tests. A long one, by hand:
+//! Each module is a target: `one(data)` reads the bytes as that kind of file. An invalid file must be refused within
+//! the limits on time and memory, without a panic. The tests include a short run. To start a long one by hand:
 //!
 //! ```text
 //! ECHOMARCH_FUZZ_RUNS=100000 ECHOMARCH_FUZZ_SEED=7 cargo test --release --test fuzz -- --nocapture
 //! ```
 //!
-//! Input number i of a seed is the same in every run, so a finding is found again with
-//! `ECHOMARCH_FUZZ_FIRST=i ECHOMARCH_FUZZ_RUNS=1`.
+//! Input number i of a seed is the same in every run, so `ECHOMARCH_FUZZ_FIRST=i ECHOMARCH_FUZZ_RUNS=1` reproduces a
+//! finding.
 
 mod mutate;
 #[path = "../common/random.rs"]
@@ -40,21 +39,21 @@ use mutate::Mutator;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::{Duration, Instant};
 
-/// Inputs of each kind in a run that nothing else is said for.
+/// Inputs of each kind in a run without `ECHOMARCH_FUZZ_RUNS`.
 const SHORT_RUN: u64 = 400;
 
-/// No input of a few kilobytes may take longer, whatever else the machine does.
+/// Longest time for an input of a few kilobytes, whatever else the machine does.
 const LONGEST: Duration = Duration::from_secs(20);
 
-/// From one line of progress to the next, in a long run.
+/// Time between two lines of progress in a long run.
 const BETWEEN_LINES: Duration = Duration::from_secs(10);
 
 /// One kind of file.
 struct Target {
     name: &'static str,
-    /// Valid files, to begin from.
+    /// Valid files to start from.
     corpus: Vec<Vec<u8>>,
-    /// What has a meaning in such a file.
+    /// Words and symbols with a meaning in such a file.
     tokens: &'static [&'static str],
     one: fn(&[u8]),
 }
@@ -68,7 +67,7 @@ fn from_environment(name: &str, otherwise: u64) -> u64 {
     }
 }
 
-/// Reads spoilt files of a kind. A finding is written to the temporary folder.
+/// Reads corrupted files of a kind. A finding is written to the temporary folder.
 fn fuzz(target: &Target) {
     let seed = from_environment("ECHOMARCH_FUZZ_SEED", 1);
     let first = from_environment("ECHOMARCH_FUZZ_FIRST", 0);
@@ -82,7 +81,7 @@ fn fuzz(target: &Target) {
         let began = Instant::now();
         let outcome = catch_unwind(AssertUnwindSafe(|| (target.one)(&data)));
         let (name, took) = (target.name, began.elapsed());
-        // How long it took is judged in long runs alone, by hand on a machine that does nothing else.
+        // Time is judged only in long runs, started by hand on an otherwise idle machine.
         if outcome.is_err() || (runs > SHORT_RUN && took > LONGEST) {
             let path = std::env::temp_dir().join(format!("echomarch-fuzz-{name}-{seed}-{index}"));
             let kept = std::fs::write(&path, &data);
@@ -105,7 +104,7 @@ fn scenes() {
     fuzz(&scene::target());
 }
 
-/// Protects from untrusted scenes that others are based on.
+/// Protects from untrusted scenes with a base.
 #[test]
 fn base_scenes() {
     fuzz(&base_scene::target());
@@ -164,7 +163,7 @@ fn answers() {
     fuzz(&answers::target());
 }
 
-/// Protects from untrusted texts of fields, before any driver sees them.
+/// Protects from untrusted texts of fields before any driver sees them.
 #[test]
 fn field_texts() {
     fuzz(&field_text::target());

@@ -92,7 +92,7 @@ pub fn target() -> Target {
     }
 }
 
-/// Reads a study: what is taken has points, each in one shard.
+/// Reads a study: an accepted one has points, each in one shard.
 pub fn one(data: &[u8]) {
     with_file("room.ron", ROOM, |_| ());
     with_file("study.ron", data, |path| match Study::from_file(path) {

@@ -1,4 +1,4 @@
-//! Folders of results: shards and working files of strangers, as they are and with right checksums.
+//! Folders of results: untrusted shards and working files, unchanged and with correct checksums.
 
 use super::Target;
 use super::shard_file::with_sums;
@@ -34,12 +34,12 @@ const TOKENS: &[&str] = &[
 
 const FIRST: &str = "00001-of-00002";
 
-/// A study, who computes it, and a folder with its two shards.
+/// A study, its computer, and a folder with its two shards.
 struct Place {
     folder: tempfile::TempDir,
     worker: Worker<'static>,
     study: &'static Study,
-    /// Both shards as the program makes them.
+    /// Both shards as the program writes them.
     whole: [Vec<u8>; 2],
 }
 
@@ -48,7 +48,7 @@ impl Place {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let file = folder.path().join("study.ron");
         std::fs::write(&file, STUDY).expect("a file");
-        // One for each thread, as long as it runs.
+        // One for each thread, for as long as it runs.
         let study: &Study = Box::leak(Box::new(Study::from_file(&file).expect("a study")));
         let context = Context::headless(&Default::default()).expect("OpenGL");
         let mut worker = Worker::new(study, Tracer::new(&context).expect("a tracer"));
@@ -82,7 +82,7 @@ thread_local! {
     static PLACE: RefCell<Place> = RefCell::new(Place::new());
 }
 
-/// The files of a folder: names and bytes.
+/// The files of a folder by name, with their bytes.
 fn contents(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     let entries = std::fs::read_dir(folder).expect("a folder").flatten();
     let files = entries
@@ -117,7 +117,7 @@ pub fn shards() -> Target {
     }
 }
 
-/// Joins it with a good shard: a table holds finite numbers alone, and a refusal leaves no file.
+/// Joins it with a good shard: a table holds only finite numbers, and a refusal leaves no file.
 fn join_one(data: &[u8]) {
     PLACE.with_borrow(|place| {
         let second = place.whole[1].as_slice();
@@ -140,7 +140,7 @@ fn join_one(data: &[u8]) {
     });
 }
 
-/// Columns of what is found are the last nine: three numbers, six counts of 4 waves.
+/// The last nine columns are results: three numbers, six counts of 4 waves.
 fn check_table(table: &str) {
     let rows: Vec<&str> = table.lines().skip(1).collect();
     assert_eq!(rows.len(), 20);
@@ -171,7 +171,7 @@ pub fn work_files() -> Target {
     }
 }
 
-/// Continues it: a rejected file stays as it is, and an accepted one becomes a shard with all its lines.
+/// Continues it: a rejected file stays unchanged, and an accepted one becomes a shard with all its lines.
 fn work_one(data: &[u8]) {
     PLACE.with_borrow_mut(|place| {
         let out = place.out(&[("00001-of-00002.work", data)]);
@@ -194,8 +194,8 @@ fn work_one(data: &[u8]) {
     });
 }
 
-/// A file of a stranger under all names that the program chooses, as a symbolic or a hard link: whatever is
-/// computed and joined, it keeps its bytes.
+/// Places an untrusted file under all names that the program chooses, as a symbolic or a hard link: it keeps its bytes
+/// whatever is computed and joined.
 #[cfg(unix)]
 fn links_lead_nowhere(data: &[u8]) {
     PLACE.with_borrow_mut(|place| {
