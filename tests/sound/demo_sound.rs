@@ -1,5 +1,5 @@
-//! The window's sound: what `echomarch demo` plays through a real sound server, beside what
-//! its report says that it traced.
+//! The window's sound: compares what `echomarch demo` plays through a real sound server with the traced gains in its
+//! report.
 
 use crate::common::cli::argument;
 use crate::common::window::{Demo, Display};
@@ -17,7 +17,7 @@ fn open<'a>(display: &'a Display, server: &Server, arguments: &[&str]) -> Demo<'
     display.start(program, &[arguments, &sound].concat())
 }
 
-/// Gains of all that was traced, in order, by the linear law.
+/// Gains of all traced frames, in order, by the linear law.
 fn traced(report: &Value) -> Vec<[f64; 2]> {
     let pans = report["pans"].as_array().unwrap().iter();
     pans.map(|at| {
@@ -27,10 +27,10 @@ fn traced(report: &Value) -> Vec<[f64; 2]> {
     .collect()
 }
 
-/// Protects what it is all about: the source passes from left to right, and both channels of what the sound server
-/// plays are as loud as the waves that were traced say, in every window that the server did not leave empty. Waves are
-/// traced for every twentieth picture, so that the gains stand still in between. When gains are taken is the sound
-/// system's affair; that the next block takes them is asserted of the renderer alone, in `live_audio.rs`.
+/// Protects the purpose of the window: the source passes from left to right, and both channels of the sound server's
+/// output have the level of the traced waves, in every window without a gap. Waves are traced for every twentieth
+/// picture, so that the gains stand still in between. The sound system decides when gains are applied; `live_audio.rs`
+/// asserts of the renderer alone that the next block applies them.
 #[test]
 fn a_passing_source_is_heard_from_left_to_right_as_it_is_traced() {
     const LEAST_WINDOWS: usize = 60;
@@ -44,9 +44,9 @@ fn a_passing_source_is_heard_from_left_to_right_as_it_is_traced() {
         if compared.windows < LEAST_WINDOWS {
             continue;
         }
-        // Most of the time the gains stand still.
+        // The gains stand still most of the time.
         assert!(2 * compared.moving < compared.windows, "{compared:?}");
-        // Both sides and the middle were among them.
+        // Both sides and the middle are among them.
         for range in [0.0..0.35, 0.35..0.65, 0.65..1.0] {
             let shares = traced(&report).into_iter().map(|[_, right]| right);
             let there = shares.filter(|share| range.contains(share));
@@ -55,11 +55,11 @@ fn a_passing_source_is_heard_from_left_to_right_as_it_is_traced() {
         return;
     }
     panic!(
-        "the machine is too busy: less than {LEAST_WINDOWS} windows of sound without a gap, {ATTEMPTS} times"
+        "the machine is too busy: fewer than {LEAST_WINDOWS} windows of sound without a gap, {ATTEMPTS} times"
     );
 }
 
-/// The source passes twice; the report, and what was heard beside it.
+/// Lets the source pass twice; returns the report, and the comparison with what was heard.
 fn pass(display: &Display) -> (Value, Comparison) {
     let server = Server::start();
     let recorder = server.record(SINK, 48_000, 2);
@@ -78,7 +78,7 @@ fn pass(display: &Display) -> (Value, Comparison) {
     let shares = shares.chain(traced(&report).into_iter().map(|[_, right]| right));
     let shares: Vec<f64> = shares.collect();
     let heard = Heard::new(&heard, 50);
-    // The other way round next to nothing is where it should be.
+    // With left and right exchanged, almost no window matches.
     let mirrored: Vec<f64> = shares.iter().map(|share| 1.0 - share).collect();
     let mirrored = heard.follow(&mirrored);
     let astray = mirrored.wrong + mirrored.moving;
@@ -90,8 +90,8 @@ fn pass(display: &Display) -> (Value, Comparison) {
     (report, compared)
 }
 
-/// Protects a window that is open all day: the sound server dies and is started again, the picture goes on, and the
-/// sound comes back with the gains that are traced.
+/// Protects a window that is open all day: when the sound server dies and is restarted, the picture continues, and the
+/// sound returns with the traced gains.
 #[test]
 fn a_sound_server_that_is_started_again_is_played_to_again() {
     let display = Display::new();
@@ -107,7 +107,7 @@ fn a_sound_server_that_is_started_again_is_played_to_again() {
     wait_for("sound", || is_loud(recorder.samples()));
     server.kill();
     drop(recorder);
-    // Without a sound server frames go on.
+    // Frames continue without a sound server.
     demo.wait_until("silence", |frame| frame["sound"] == false);
     let frame = demo.wait_until("a frame of waves", |_| true);
     let wanted = frame["heard"]["pan"].as_f64().unwrap();
@@ -115,7 +115,7 @@ fn a_sound_server_that_is_started_again_is_played_to_again() {
     demo.wait_traced(20);
     server.restart();
     let recorder = server.record(SINK, 48_000, 2);
-    wait_for("sound as loud as it is traced", || {
+    wait_for("sound at the traced level", || {
         let heard = gains(&recorder.samples(), WINDOW);
         let right = heard.iter().filter(|g| error_db(**g, wanted) < 0.5);
         right.count() > 10
@@ -129,14 +129,14 @@ fn a_sound_server_that_is_started_again_is_played_to_again() {
     assert_eq!(traced(&report).last(), Some(&wanted));
 }
 
-/// Protects `--record`: it begins before there is a device, and the file holds what is heard.
+/// Protects `--record`: it starts before there is a device, and the file holds what is heard.
 #[test]
 fn what_is_heard_is_recorded() {
     let display = Display::new();
     let server = Server::start();
     let arguments = ["corner", "--record", "heard.wav", "--law", "linear"];
     let demo = open(&display, &server, &arguments);
-    // Three seconds of two channels of floats: so many were made, however long that took.
+    // Three seconds of two channels of floats, however long it takes to produce them.
     wait_for("the recording", || {
         recorded_bytes(&demo.path("")) > 3 * 48_000 * 8
     });
@@ -148,11 +148,11 @@ fn what_is_heard_is_recorded() {
     let heard: Vec<f32> = reader.samples().map(Result::unwrap).collect();
     let heard = gains(&heard, WINDOW);
     assert!(heard.len() >= 40, "{} windows", heard.len());
-    // Nothing moves: from the first frame of waves on, up to the fade at the end, all is the same.
+    // Nothing moves: everything stays the same from the first frame of waves to the fade at the end.
     let wanted = *traced(&report).last().unwrap();
     let is_right = |window: &[f64; 2]| error_db(*window, wanted) < 0.5;
-    // Both channels play the same noise, so their balance is exact: the middle ends where it is
-    // nearer to what was traced than to 0 dB. The window in which it glides is left out.
+    // Both channels play the same noise, so their balance is exact: the middle ends where it is nearer to the traced
+    // balance than to 0 dB. The window of the glide is left out.
     let balance_db = |window: &[f64; 2]| 20.0 * (window[0] / window[1]).log10();
     let has_arrived = |window: &[f64; 2]| balance_db(window) / balance_db(&wanted) > 0.5;
     let first = heard.iter().position(has_arrived).unwrap() + 1;
@@ -169,7 +169,7 @@ fn what_is_heard_is_recorded() {
     assert_eq!(parts.count(), 0, "{names:?}");
 }
 
-/// A source stands in the open, goes behind a wall, and stays there; a ceiling mirrors it.
+/// The source stands in the open, goes behind a wall, and stays there; a ceiling reflects it.
 const BEHIND: &str = r#"Scene(
     surfaces: [
         Surface(shape: Box(size: (6, 3, 0.4)), position: (0, 0, -3)),
@@ -184,8 +184,8 @@ const BEHIND: &str = r#"Scene(
     listener: Listener(position: (0, 0, 0), radius: 0.3),
 )"#;
 
-/// Protects all that is heard in the window: a source goes behind a wall. Its level falls, its echo stays, it comes from
-/// the right and then from the middle, and the sound server plays no click.
+/// Protects everything heard in the window when a source goes behind a wall: its level falls, its echo stays, it comes
+/// from the right and then from the middle, and the sound server plays no click.
 #[test]
 fn a_source_that_goes_behind_a_wall_is_heard_by_its_echo() {
     let display = Display::new();
@@ -197,13 +197,13 @@ fn a_source_that_goes_behind_a_wall_is_heard_by_its_echo() {
     let program = server.command(env!("CARGO_BIN_EXE_echomarch"));
     let sound = ["--sound", "sine:440", "--volume", "1"];
     let demo = display.start(program, &[&[argument(&scene)], &sound[..]].concat());
-    // The path starts over a second after its end.
+    // The path restarts more than a second after its end.
     let stands = |frame: &Value, is_direct: bool, from: f64, to: f64| {
         let now = frame["seconds"].as_f64().unwrap() % 26.0;
         let source = &frame["sources"][0]["is_direct"];
         frame["sound"] == true && *source == is_direct && from < now && now < to
     };
-    // A busy machine may have a gap just then: it is listened to again.
+    // A busy machine may have a gap at that moment: listen again.
     let heard = |what: &str, is_direct, from, to| {
         let mut found = [0.0; 2];
         wait_for(what, || {
@@ -216,7 +216,7 @@ fn a_source_that_goes_behind_a_wall_is_heard_by_its_echo() {
     let in_sight = heard("sound", true, 3.0, 8.0);
     let behind = heard("sound from behind the wall", false, 15.0, 24.0);
     let (report, _, _) = demo.quit();
-    // From 10.8 m and 14.7 m in sight, from the right, to 13.4 m by the ceiling alone.
+    // From 10.8 m and 14.7 m in sight, from the right, to 13.4 m by the ceiling only.
     assert!(in_sight[1] > 1.5 * in_sight[0], "{in_sight:?}");
     assert!((behind[0] / behind[1] - 1.0).abs() < 0.2, "{behind:?}");
     let fall = behind[1] / in_sight[1];
@@ -229,7 +229,7 @@ fn a_source_that_goes_behind_a_wall_is_heard_by_its_echo() {
     );
 }
 
-/// Level of either channel over the last fifth of a second.
+/// Level of each channel over the last fifth of a second.
 fn level(samples: &[f32]) -> [f64; 2] {
     let last = &samples[samples.len().saturating_sub(2 * 9600)..];
     [0, 1].map(|channel| {
@@ -251,7 +251,7 @@ fn recorded_bytes(folder: &Path) -> u64 {
     sounds.map(|file| file.metadata().unwrap().len()).sum()
 }
 
-/// Protects the list that `--device` is chosen from: devices may share a name, never an id.
+/// Protects the list from which `--device` is chosen: devices may share a name, but not an id.
 #[test]
 fn devices_are_listed_with_name_and_id() {
     let server = Server::start();
@@ -262,7 +262,7 @@ fn devices_are_listed_with_name_and_id() {
     assert_eq!(text, format!("* Null Output ({SINK})\n"));
 }
 
-/// Protects whoever mistypes a device: it is told before a window is opened, with those there are.
+/// Protects users who mistype a device: the error lists the devices before a window opens.
 #[test]
 fn an_unknown_device_is_refused() {
     let server = Server::start();
