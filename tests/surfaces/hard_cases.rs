@@ -1,11 +1,11 @@
-//! The hard cases, run: `hybrid` and `march` pass every one of them, and the faithful
-//! `thesis` fails those that it is known to fail.
+//! The hard cases: `hybrid` and `march` pass all of them, and the faithful `thesis` fails those
+//! that it is known to fail.
 
 use echomarch::experiment::verify::{self, Case, VerifyReport};
 use echomarch::gpu::{Api, Context, ContextOptions};
 use echomarch::{Profile, Tracer};
 
-/// Runs cases on a context of this API, on a thread of its own.
+/// Runs cases on a context of this API, in a thread of its own.
 fn report(api: Api, cases: Vec<Case>) -> VerifyReport {
     let run = move || {
         let context =
@@ -31,8 +31,8 @@ fn assert_right(report: &VerifyReport) {
     }
 }
 
-/// Known faults of the thesis' algorithm, as failures that are expected: the name of the
-/// case, and why it fails.
+/// Known faults of the thesis' algorithm, as expected failures: the name of the case, and why it
+/// fails.
 const THESIS_FAILS: [(&str, &str); 17] = [
     ("normal-incidence", "waves are caught in the wall they met"),
     ("grazing-89.9", "the wave is given up after 300 of 573 m"),
@@ -68,8 +68,8 @@ const THESIS_FAILS: [(&str, &str); 17] = [
     ("open-field", "hits lie 0.1 m early"),
 ];
 
-/// What is heard exactly, known without any reference: nothing through a wall, however thin,
-/// and everything within the listener.
+/// Checks the share of heard waves where it is known exactly without a reference: none through a
+/// wall, however thin, and all of them within the listener.
 fn assert_heard(report: &VerifyReport) {
     for case in &report.cases {
         let through_a_wall = case.name.starts_with("thin-wall");
@@ -81,8 +81,8 @@ fn assert_heard(report: &VerifyReport) {
     }
 }
 
-/// Protects the promise of the crate: what is hard is right in both profiles that people
-/// should use. And the port: a thesis profile that passes is not the thesis'.
+/// Protects the promise of the crate: the hard cases are right in both profiles that users should
+/// use. Also the port: a thesis profile that passes is not the thesis'.
 #[test]
 fn hybrid_and_march_pass_every_hard_case() {
     let report = report(Api::Gl, verify::all());
@@ -96,7 +96,7 @@ fn hybrid_and_march_pass_every_hard_case() {
     }
 }
 
-/// Protects the other APIs, on cases that hang by a rounding.
+/// Protects the other APIs, on cases decided by a rounding.
 #[test]
 fn the_other_apis_pass_hard_cases_too() {
     let prefixes = [

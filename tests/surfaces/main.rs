@@ -1,4 +1,4 @@
-//! What exists: scene files, shapes and operators, and waves at hard surfaces.
+//! Scene content: scene files, shapes and operators, and waves at hard surfaces.
 
 #[path = "../common/mod.rs"]
 mod common;

@@ -152,7 +152,7 @@ impl Server {
             process: Process(child),
             path,
         };
-        wait_for("the first recorded samples", || recorder.samples().len() > 4800);
+        wait_for("the recorder", || recorder.samples().len() > 4800);
         recorder
     }
 }

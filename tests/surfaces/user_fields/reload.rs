@@ -19,7 +19,7 @@ fn write(folder: &Path, text: &str) {
     std::fs::write(folder.join("my.glsl"), text).unwrap();
 }
 
-/// What the next looks at the files bring.
+/// The first change that the next polls of the files return.
 fn settle(reloading: &mut Reloading, tracer: &mut Tracer, settings: &Settings) -> Reload {
     for _ in 0..3 {
         match reloading.poll(tracer, settings) {
@@ -30,8 +30,8 @@ fn settle(reloading: &mut Reloading, tracer: &mut Tracer, settings: &Settings) -
     Reload::Unchanged
 }
 
-/// Protects a running program from every broken state of the files: the last good scene stays
-/// until the next good one.
+/// Protects a running program from every broken state of the files: the last good scene stays until
+/// the next good one.
 #[test]
 fn a_scene_follows_its_files() {
     for_each_api(|context| {
@@ -81,7 +81,7 @@ fn a_scene_follows_its_files() {
         let change = settle(&mut reloading, &mut tracer, &settings);
         assert!(matches!(change, Reload::Taken), "{change:?}");
         assert!(*reloading.scene() != first);
-        // The program is there before the first frame needs it.
+        // The program is compiled before the first frame needs it.
         assert_eq!(tracer.programs_compiled(), compiled + 1);
         tracer.frame(reloading.scene(), &settings).unwrap();
         assert_eq!(tracer.programs_compiled(), compiled + 1);
@@ -95,8 +95,8 @@ mod program {
     use std::io::{BufRead, BufReader};
     use std::process::Stdio;
 
-    /// Protects the loop of writing a field and listening: what is wrong is told, the next
-    /// good state is traced.
+    /// Protects the loop of writing a field and listening: errors are reported, and the next good
+    /// state is traced.
     #[test]
     fn a_watched_scene_is_traced_with_every_change() {
         let folder = tempfile::tempdir().unwrap();
@@ -111,7 +111,7 @@ mod program {
             .unwrap();
         let mut printed = BufReader::new(running.stdout.take().unwrap()).lines();
         let mut told = BufReader::new(running.stderr.take().unwrap()).lines();
-        // Each waits for what the change before it came to, however long that takes.
+        // Each waits for the result of the previous change, however long that takes.
         let mut wait_for = |part: &str| printed.find(|line| line.as_ref().unwrap().contains(part));
         assert!(wait_for("scene: 1000 waves").is_some());
         write(folder.path(), "float field(vec3 p) {\n    return foo;\n}");
@@ -124,7 +124,7 @@ mod program {
         assert!(wait_for("scene: 1000 waves").is_some());
         running.kill().unwrap();
         running.wait().unwrap();
-        // Nothing was told or traced more often than it changed.
+        // Each change is reported or traced only once.
         assert_eq!(
             printed
                 .filter(|line| line.as_ref().unwrap().contains("waves,"))
@@ -138,7 +138,7 @@ mod program {
         );
     }
 
-    /// Protects what `shader` prints: the text that is compiled, user's text included.
+    /// Protects the output of `shader`: the compiled text, including the user's text.
     #[test]
     fn the_shader_is_printed() {
         let folder = tempfile::tempdir().unwrap();
