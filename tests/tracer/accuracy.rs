@@ -1,5 +1,5 @@
-//! The accuracy experiment on small sizes: its figures against independent ones, its files,
-//! its command line. A machine without GL fails these tests.
+//! The accuracy experiment on small sizes: its figures against independent ones, its files, its
+//! command line. Without GL these tests fail.
 
 use echomarch::experiment::accuracy::{
     self, AccuracyOptions, AccuracyReport, Case, DEFAULT_SCENES, Plan, Row, quick,
@@ -19,7 +19,7 @@ fn tracer() -> Tracer {
     Tracer::new(&context).unwrap()
 }
 
-/// A report of so few frames that it takes a moment.
+/// A report of so few frames that it takes only a moment.
 fn report(scene: &str, settings: &[Settings]) -> AccuracyReport {
     let case = |settings: &Settings| Case {
         label: settings.profile().to_string(),
@@ -44,7 +44,7 @@ fn report(scene: &str, settings: &[Settings]) -> AccuracyReport {
         assert_eq!(done, steps.0 + 1);
         steps = (done, total);
     });
-    assert_eq!(steps.0, steps.1, "all steps are told, and no more");
+    assert_eq!(steps.0, steps.1, "exactly all steps are reported");
     report.unwrap()
 }
 
@@ -52,7 +52,7 @@ fn rows(report: &AccuracyReport) -> &[Row] {
     &report.scenes[0].rows
 }
 
-/// Hits by order of the experiment are those of image sources, which it does not use.
+/// Hits by order in the experiment equal those of image sources, which it does not use.
 #[test]
 fn hits_by_order_are_those_of_the_image_sources() {
     let settings = Settings::hybrid().with_waves(WAVES);
@@ -67,7 +67,7 @@ fn hits_by_order_are_those_of_the_image_sources() {
     assert!(found.largest_hit_difference() <= 2, "{found:?}");
 }
 
-/// The accuracy that the default profiles are relied on for, and the thesis' lack of it.
+/// The accuracy expected of the default profiles, and its absence in the thesis' profile.
 #[test]
 fn the_corner_is_right_but_for_the_thesis() {
     let settings = [Settings::hybrid(), Settings::march(), Settings::thesis()];
@@ -91,7 +91,7 @@ fn the_corner_is_right_but_for_the_thesis() {
     assert_eq!((chaos.growth, chaos.horizon), (None, None));
 }
 
-/// Pillars are where chaos is: growth, a horizon, and waves past it.
+/// Pillars make paths chaotic: growth, a horizon, and waves beyond it.
 #[test]
 fn obstacles_have_a_horizon() {
     let settings = Settings::hybrid().with_waves(4096).with_iterations(16);
@@ -103,9 +103,9 @@ fn obstacles_have_a_horizon() {
     assert!(waves.end_within_horizon.p99 <= waves.end.p99);
 }
 
-/// What holds for the rooms holds where fields are marched and where surfaces lie in cells: each
-/// wave meets what the exact one does, but for those that hang on a rounding, none is lost, and
-/// `eval` tells what was marched.
+/// Marched fields and surfaces in cells are as accurate as rooms: each wave hits the same as its
+/// exact twin, except where rounding decides, none is lost, and `eval` reports the marched
+/// evaluations.
 #[test]
 fn marched_fields_and_cells_are_right() {
     for (scene, marches) in [("cave", true), ("glasshouse", false)] {
@@ -129,8 +129,8 @@ fn marched_fields_and_cells_are_right() {
     }
 }
 
-/// The CSV has the columns that it says, a line a row; the plot is a picture; the options
-/// of a row are told.
+/// The CSV has the stated columns and one line per row; the plot is an SVG; the options of a row
+/// are given.
 #[test]
 fn a_report_becomes_csv_and_svg() {
     let summed = Settings::hybrid().with_waves(1024).with_sum_on_gpu(true);
@@ -158,7 +158,7 @@ fn a_report_becomes_csv_and_svg() {
     assert!(slopes.iter().all(|slope| slope.points.len() == 2));
 }
 
-/// The quick sweep varies what it is there to vary, for every profile.
+/// The quick sweep varies each of its settings for every profile.
 #[test]
 fn the_sweep_varies_every_setting() {
     let cases = quick();
@@ -197,7 +197,7 @@ fn the_sweep_varies_every_setting() {
     });
     assert!(
         ladder.count() >= 6,
-        "the fastest setting, at many numbers of waves"
+        "the fastest setting, at several numbers of waves"
     );
 }
 
@@ -206,7 +206,7 @@ fn program(arguments: &[&str]) -> Output {
     command.arg("accuracy").args(arguments).output().unwrap()
 }
 
-/// Bad input is told in a sentence, at once, with exit code 2.
+/// Bad input is refused at once, with one sentence and exit code 2.
 #[test]
 fn bad_input_is_refused_at_once() {
     let cases: [(&[&str], &str); 4] = [
@@ -224,7 +224,7 @@ fn bad_input_is_refused_at_once() {
     }
 }
 
-/// The help says how to begin, and which scenes are run without a choice.
+/// The help shows a first command and the default scenes.
 #[test]
 fn the_help_has_examples() {
     let output = program(&["--help"]);

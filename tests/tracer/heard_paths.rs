@@ -6,8 +6,8 @@ use crate::common::{builtin, tracer};
 use echomarch::{Settings, trace::Fate};
 use serde_json::Value;
 
-/// Protects from paths that nobody hears: every one that is found ends at the listener, as the same wave of a frame
-/// does, however few of a frame's waves are heard.
+/// Protects from paths that nobody hears: each path found ends at the listener, as the same wave of a frame does,
+/// however few of a frame's waves are heard.
 #[test]
 fn heard_paths_end_at_the_listener() {
     let mut tracer = tracer();
@@ -42,11 +42,11 @@ fn heard_paths_end_at_the_listener() {
     assert_eq!(none.unwrap().traced, 0);
 }
 
-/// A listener within solid rock.
+/// A listener inside solid rock.
 const DEAF: &str = r#"Scene(surfaces: [Surface(shape: Sphere(radius: 1), position: (0, 0, 5)), Surface(shape: Plane, position: (0, -2, 0))],
     source: Source(position: (0, 0, -5)), listener: Listener(position: (0, 0, 5), radius: 0.2))"#;
 
-/// Protects whoever asks for heard paths: there are so many, or it is said that there are not.
+/// Protects users who ask for heard paths: they get that number, or a message that there are fewer.
 #[test]
 fn a_slice_has_the_heard_paths_asked_for_or_says_so() {
     let folder = tempfile::tempdir().unwrap();
