@@ -1,8 +1,8 @@
-//! Files of answers, as the form saves them.
+//! Answer files, as the form saves them.
 
 use serde_json::{Value, json};
 
-/// One trial of a file of answers.
+/// One trial of an answer file.
 pub fn trial(number: usize, truth: f64, clicked: f64) -> Value {
     let side = match clicked {
         angle if angle < -15.0 => "left",
@@ -26,7 +26,7 @@ pub fn trial(number: usize, truth: f64, clicked: f64) -> Value {
     })
 }
 
-/// A file of the answers of one session, in which the trials came in this order.
+/// An answer file of one session, with the trials in this order.
 pub fn answer_file(
     session: &str,
     order: &[usize],

@@ -1,4 +1,4 @@
-//! The program as a person types it.
+//! The program as a user runs it.
 
 use crate::common::cli::{argument, command, echomarch, json, stderr, stdout, succeed};
 use crate::common::wav::{read_stereo, rms};
@@ -8,7 +8,7 @@ use std::process::Stdio;
 
 const SUBCOMMANDS: [&str; 4] = ["figures", "trace", "render", "info"];
 
-/// The keys at this depth of indented JSON, in their order.
+/// The keys at this depth of indented JSON, in order.
 fn keys(text: &str, depth: usize) -> Vec<&str> {
     let indent = format!("{}\"", "  ".repeat(depth));
     let lines = text.lines().filter_map(|line| line.strip_prefix(&indent));
@@ -18,8 +18,8 @@ fn keys(text: &str, depth: usize) -> Vec<&str> {
         .collect()
 }
 
-/// Protects the help, where a person starts: each subcommand explains itself with examples that
-/// name it.
+/// Protects the help as the starting point: each subcommand explains itself with examples that
+/// contain its name.
 #[test]
 fn every_help_has_examples() {
     let whole = succeed(&["--help"]);
@@ -36,8 +36,8 @@ fn every_help_has_examples() {
     assert!(stdout(&whole).contains("Examples:"));
 }
 
-/// Protects whoever looks for a scene: the help names every one that comes with the program, and
-/// the document of scene files, its lists in one, does too.
+/// Protects users who look for a scene: the help and the list in the document of scene files name
+/// every built-in scene.
 #[test]
 fn every_built_in_scene_is_named_where_scenes_are_listed() {
     let document = include_str!("../../docs/scene-format.md");
@@ -121,8 +121,8 @@ fn trace_reports_the_documented_keys() {
     assert_eq!(report["pan"], frame.panning.pan());
 }
 
-/// Protects `--dump-waves`: a row a wave, whose numbers read back to the very bits that the
-/// library gives, and the same bytes for the same seed.
+/// Protects `--dump-waves`: one row per wave, whose numbers read back to the exact bits that the
+/// library returns, and the same bytes for the same seed.
 #[test]
 fn dumped_waves_are_those_of_the_library() {
     let folder = tempfile::tempdir().unwrap();
@@ -163,7 +163,7 @@ fn dumped_waves_are_those_of_the_library() {
     assert_eq!(lines.next(), None);
 }
 
-/// Protects the files of `figures`: each can be read by what reads its kind.
+/// Protects the files of `figures`: each has a valid format.
 #[test]
 fn figures_writes_csv_json_and_svg() {
     let folder = tempfile::tempdir().unwrap();
@@ -213,10 +213,10 @@ fn figures_writes_csv_json_and_svg() {
     assert!(opened > 8 && opened == svg.matches("</text>").count());
     assert!(!svg.contains("NaN") && !svg.contains("inf\""));
     let files = std::fs::read_dir(&output).unwrap().count();
-    assert_eq!(files, 4, "nothing temporary is left");
+    assert_eq!(files, 4, "temporary files are left");
 }
 
-/// Fields of CSV; only quotes about whole fields occur.
+/// Fields of CSV; quotes occur only around whole fields.
 fn csv_rows(text: &str) -> Vec<Vec<String>> {
     let mut rows = Vec::new();
     for line in text.lines() {
@@ -234,15 +234,15 @@ fn csv_rows(text: &str) -> Vec<Vec<String>> {
     rows
 }
 
-/// Protects `render` from scene to sound: a source that passes from left to right is heard to,
-/// without a click, and twice the same.
+/// Protects `render` from scene to sound: a source that passes from left to right is heard to do
+/// so, without a click, and twice the same.
 #[test]
 fn a_passing_source_moves_from_left_to_right() {
     let folder = tempfile::tempdir().unwrap();
     let first = folder.path().join("first.wav");
     let second = folder.path().join("second.wav");
-    // The direct sound alone. The listener stands at the world's origin, where the thesis'
-    // algorithm would put the dead waves, and hear them in the second iteration.
+    // The direct sound alone. The listener is at the world's origin, where the thesis' algorithm
+    // would put dead waves, and hear them in the second iteration.
     let short = ["--waves", "16384", "--iterations", "1", "--law", "linear"];
     let sine = ["render", "open-field", "--sound", "sine:440", "-o"];
     let render = |path| [&sine[..], &[argument(path)], &short[..]].concat();
@@ -255,8 +255,8 @@ fn a_passing_source_moves_from_left_to_right() {
 
     let [left, right] = read_stereo(&first);
     assert_eq!(left.len(), 4 * SAMPLE_RATE as usize, "the path takes 4 s");
-    // Half a second is 220 whole periods of 440 Hz. In each the source moves 2 m, which pans by
-    // 0.07 and more; with 340 hits at the far ends, one standard error of a pan is 0.03, and all
+    // Half a second is 220 whole periods of 440 Hz. In each the source moves 2 m, which pans by at
+    // least 0.07; with 340 hits at the far ends, one standard error of a pan is 0.03, and all
     // frames have one seed, so that most of their noise is common to them.
     let falling = |levels: &[f64]| levels.windows(2).all(|pair| pair[1] < pair[0]);
     let levels = |samples: &[f32]| samples.chunks(24_000).map(rms).collect::<Vec<f64>>();
@@ -290,7 +290,7 @@ fn steepest_step(report: &serde_json::Value) -> f64 {
     sine + amplitude * glide + f64::from(f32::EPSILON)
 }
 
-/// Protects `info --json`: what a script chooses a renderer by.
+/// Protects `info --json`: the data from which a script chooses a renderer.
 #[test]
 fn info_names_three_apis() {
     let report = json(&["info"]);
@@ -308,8 +308,8 @@ fn info_names_three_apis() {
     assert_eq!(report["version"], env!("CARGO_PKG_VERSION"));
 }
 
-/// Protects pipes: results go to standard output and nothing else does; notes go to standard
-/// error, name the renderer, draw no progress where there is no terminal, and end with --quiet.
+/// Protects pipes: standard output contains only results; notes go to standard error, name the
+/// renderer, show no progress without a terminal, and disappear with --quiet.
 #[test]
 fn results_and_notes_go_different_ways() {
     let folder = tempfile::tempdir().unwrap();
@@ -341,7 +341,7 @@ fn results_and_notes_go_different_ways() {
         assert_eq!(stderr(&quiet), "");
         assert!(!stdout(&quiet).is_empty());
 
-        // With --json, standard output is one JSON value from its first byte to its last.
+        // With --json, standard output is exactly one JSON value.
         let machine = succeed(&[arguments, &["--json"]].concat());
         let parsed = serde_json::from_slice::<serde_json::Value>(&machine.stdout);
         assert!(parsed.is_ok_and(|value| value.is_object()), "{arguments:?}");
@@ -349,8 +349,8 @@ fn results_and_notes_go_different_ways() {
     assert_eq!(stderr(&succeed(&["info"])), "");
 }
 
-/// Protects the choice of API: each is really used, and where they come down to one renderer
-/// they find the same waves at the listener.
+/// Protects the choice of API: each is really used, and where several use the same renderer the
+/// same waves reach the listener.
 #[test]
 fn all_apis_give_the_same_hits() {
     let report = |api| json(&["trace", "corner", "--profile", "thesis", "--gl", api]);
@@ -363,7 +363,7 @@ fn all_apis_give_the_same_hits() {
         if report["renderer"] == reports[0]["renderer"] {
             assert_eq!(hits_here, hits[0]);
         }
-        // On other hardware waves may flip where a decision hangs on a rounding: 0.5 %.
+        // On other hardware waves may flip where a decision depends on rounding: 0.5 %.
         assert!(
             hits_here.abs_diff(hits[0]) as f64 <= 0.005 * hits[0] as f64,
             "{hits:?}"
@@ -371,7 +371,7 @@ fn all_apis_give_the_same_hits() {
     }
 }
 
-/// Protects `echomarch … | head`: a reader that goes away early is no failure and no panic.
+/// Protects `echomarch … | head`: a reader that closes early causes no failure and no panic.
 #[test]
 fn a_reader_that_goes_away_is_no_failure() {
     for arguments in [
@@ -384,7 +384,7 @@ fn a_reader_that_goes_away_is_no_failure() {
             .stderr(Stdio::piped())
             .spawn()
             .unwrap();
-        // Closed before a context can have been made, so that no write finds a reader.
+        // Closed before a context can have been created, so that no write finds a reader.
         drop(child.stdout.take());
         let output = child.wait_with_output().unwrap();
         assert_eq!(output.status.code(), Some(0), "{arguments:?}");
@@ -397,7 +397,7 @@ fn a_reader_that_goes_away_is_no_failure() {
     }
 }
 
-/// Protects `--version` and the refusal of no subcommand at all.
+/// Protects `--version` and the error without a subcommand.
 #[test]
 fn version_and_usage() {
     let version = succeed(&["--version"]);

@@ -1,10 +1,11 @@
-//! What a person types and what comes back: numbers, names, options that do nothing, tables.
+//! Arguments and their effects: numbers, names, options without effect, tables.
 
 use crate::answers::{answer_file, trial};
 use crate::common::cli::{argument, command, json, refuse, stderr, stdout, succeed};
 use serde_json::Value;
 
-/// Protects numbers as people write them: grouped digits and powers of ten mean what they say.
+/// Protects numbers as people write them: grouped digits and powers of ten have their usual
+/// meaning.
 #[test]
 fn counts_may_be_grouped_or_powers_of_ten() {
     let trace = |waves| json(&["trace", "corner", "--waves", waves, "--iterations", "2"]);
@@ -21,8 +22,8 @@ fn counts_may_be_grouped_or_powers_of_ten() {
     }
 }
 
-/// Protects measurements: repeating changes nothing that is counted, and says how many frames the
-/// medians are of.
+/// Protects measurements: repeating does not change the counts, and the report states how many
+/// frames the medians cover.
 #[test]
 fn a_frame_can_be_repeated_for_its_time() {
     let trace = ["trace", "corner", "--waves", "256", "--repeat"];
@@ -38,7 +39,7 @@ fn a_frame_can_be_repeated_for_its_time() {
     );
 }
 
-/// Protects whoever mistypes a scene's name: the nearest is named.
+/// Protects users who mistype a scene's name: the error suggests the nearest.
 #[test]
 fn a_scene_that_is_nearly_right_is_suggested() {
     refuse(&["trace", "cornr"], "did you mean corner?");
@@ -48,7 +49,8 @@ fn a_scene_that_is_nearly_right_is_suggested() {
     );
 }
 
-/// Protects from pixels taken for metres: what was called --height says what it is called now.
+/// Protects from pixels taken for metres: the error for the former --height names the options that
+/// replace it.
 #[test]
 fn heights_in_pixels_and_in_metres_have_names_of_their_own() {
     let folder = tempfile::tempdir().unwrap();
@@ -75,7 +77,7 @@ fn heights_in_pixels_and_in_metres_have_names_of_their_own() {
     assert_eq!(report["width"], 64);
 }
 
-/// Protects from options that are believed to do something: what would change nothing is refused.
+/// Protects from options that seem to have an effect: an option without effect is refused.
 #[test]
 fn options_that_change_nothing_are_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -146,7 +148,7 @@ fn options_that_change_nothing_are_refused() {
     ]);
 }
 
-/// Protects the window's list of sound devices from options that are for the window.
+/// Protects the window's list of sound devices from options of the window.
 #[cfg(feature = "demo")]
 #[test]
 fn a_list_of_devices_takes_no_other_option() {
@@ -157,8 +159,8 @@ fn a_list_of_devices_takes_no_other_option() {
     );
 }
 
-/// Protects loudness: a source in front is as loud as one at the side unless the thesis' law is
-/// asked for, or its algorithm.
+/// Protects loudness: a source in front is as loud as one at the side unless the thesis' law or its
+/// algorithm is chosen.
 #[test]
 fn the_panning_law_follows_the_profile_until_it_is_chosen() {
     let trace = |more: &[&str]| json(&[&["trace", "corner", "--waves", "4096"], more].concat());
@@ -182,7 +184,7 @@ fn the_panning_law_follows_the_profile_until_it_is_chosen() {
     assert!((left + right - 1.0).abs() < 1e-6, "{left} {right}");
 }
 
-/// Protects who renders a first sound: it can be localised, and the law is told.
+/// Protects users who render a first sound: it can be localised, and the law is printed.
 #[test]
 fn render_plays_speech_by_the_law_of_the_profile() {
     let folder = tempfile::tempdir().unwrap();
@@ -201,7 +203,7 @@ fn render_plays_speech_by_the_law_of_the_profile() {
     assert_eq!(render(&["--law", "linear"])["law"], "linear");
 }
 
-/// A file of answers with one trial, answered, whose stimulus takes much room.
+/// An answer file with one answered trial whose stimulus is long.
 fn answered() -> Value {
     let mut trial = trial(1, -48.0, -45.0);
     let stimulus = &mut trial["stimulus"];
@@ -212,7 +214,7 @@ fn answered() -> Value {
     answer_file("0123456789abcdef", &[1], [trial])
 }
 
-/// Protects terminals: neither a table nor a sentence of a report is wider than 100 columns.
+/// Protects terminals: no table or sentence of a report is wider than 100 columns.
 #[test]
 fn reports_fit_a_terminal() {
     let folder = tempfile::tempdir().unwrap();
@@ -227,7 +229,7 @@ fn reports_fit_a_terminal() {
     ];
     for arguments in runs {
         let output = succeed(arguments);
-        // A renderer's name is as long as it is.
+        // The length of a renderer's name cannot be limited.
         let is_meant = |line: &&str| arguments != ["info"] || line.starts_with('|');
         for line in stdout(&output).lines().filter(is_meant) {
             assert!(line.chars().count() <= 100, "{arguments:?}: {line}");
@@ -235,7 +237,7 @@ fn reports_fit_a_terminal() {
     }
 }
 
-/// Protects who has no sound server from what libraries write about it.
+/// Protects users without a sound server from messages that libraries write about it.
 #[cfg(all(feature = "demo", feature = "audio"))]
 #[test]
 fn libraries_write_nothing_about_a_missing_sound_server() {
@@ -257,7 +259,7 @@ fn libraries_write_nothing_about_a_missing_sound_server() {
     }
 }
 
-/// Protects whoever sets a value twice: the first would change nothing, and no run says so.
+/// Protects users who set a value twice: the first would silently have no effect.
 #[test]
 fn a_value_that_is_set_twice_is_refused() {
     refuse(
@@ -266,7 +268,7 @@ fn a_value_that_is_set_twice_is_refused() {
     );
 }
 
-/// Protects whoever writes the name of a built-in scene, or of a named value, not quite.
+/// Protects users who slightly misspell a built-in scene or a named value.
 #[test]
 fn what_may_be_meant_is_told() {
     refuse(
@@ -282,7 +284,7 @@ fn what_may_be_meant_is_told() {
     refuse(&set, "did you mean door?");
 }
 
-/// Protects the help from defaults that cannot be typed: values of a list stand with commas.
+/// Protects the help from defaults that cannot be typed: values of a list are separated by commas.
 #[test]
 fn defaults_of_lists_have_commas() {
     for (arguments, default) in [
@@ -294,15 +296,15 @@ fn defaults_of_lists_have_commas() {
         (&["localise", "form", "--help"], "[default: 4096,65536]"),
     ] {
         let output = succeed(arguments);
-        // However wide the terminal is.
+        // For any width of the terminal.
         let words: Vec<&str> = stdout(&output).split_whitespace().collect();
         let said = words.join(" ");
         assert!(said.contains(default), "{arguments:?}: {said}");
     }
 }
 
-/// Protects whoever records or chooses a device where there is no sound: that is told before a
-/// window is opened, and no empty file is left.
+/// Protects users who record or choose a device on a machine without sound: the error comes before
+/// a window opens, and no empty file is left.
 #[cfg(all(feature = "demo", feature = "audio"))]
 #[test]
 fn without_a_sound_device_nothing_is_recorded() {

@@ -1,5 +1,5 @@
-//! What things cost, and what could be left out: the report agrees with itself, and with what
-//! is known of the scene. No time is asserted: other work on the machine would fail it.
+//! Costs, and what could be left out: the report agrees with itself, and with known properties of
+//! the scene. No time is asserted: other work on the machine would make it fail.
 
 use crate::common::cli::{argument, command, echomarch, json, stderr, stdout, succeed};
 use crate::common::{builtin, tracer};
@@ -11,8 +11,8 @@ use echomarch::scene::BUILTIN_NAMES;
 use echomarch::scene::shape::{Cuboid, Room, Sphere};
 use echomarch::{Listener, Node, Profile, Scene, Settings, Source, Surface};
 
-/// The function that nothing calls: it stands in a file that every pass takes whole. Compilers
-/// drop it.
+/// The only function without a caller: it is in a file that every pass includes as a whole.
+/// Compilers drop it.
 const UNCALLED: [&str; 1] = ["reachedListener"];
 
 const RUNS: CostOptions = CostOptions { runs: 2 };
@@ -21,7 +21,7 @@ fn report(scene: &Scene, settings: &Settings) -> CostReport {
     measure(&mut tracer(), scene, settings, &RUNS, &mut |_, _| ()).unwrap()
 }
 
-/// A room with source and listener, and a ball outside of its walls.
+/// A room with source and listener, and a ball outside its walls.
 fn room_and_ball_behind() -> Scene {
     let room = Node::Room(Room {
         size: Vec3::new(10.0, 4.0, 8.0),
@@ -38,7 +38,8 @@ fn room_and_ball_behind() -> Scene {
     )
 }
 
-/// Protects the point of it all: what no wave can meet can be left out, and the room cannot.
+/// Protects the purpose of the report: a surface that no wave can hit can be left out, and the room
+/// cannot.
 #[test]
 fn a_ball_behind_a_wall_can_be_left_out_and_the_room_not() {
     for profile in [Profile::Hybrid, Profile::March] {
@@ -49,12 +50,12 @@ fn a_ball_behind_a_wall_can_be_left_out_and_the_room_not() {
         };
         assert_eq!(ball.verdict, Verdict::CanBeLeftOut);
         assert_eq!(ball.met, 0);
-        // The march may come nearer to the wall in other steps where the ball lies ahead, and
-        // then lands off by a rounding.
+        // With the ball ahead, the march may approach the wall in other steps, and then lands off
+        // by a rounding.
         let rounding = if profile == Profile::March { 1e-7 } else { 0.0 };
         assert!(ball.change.unwrap().pan.rms <= rounding);
         assert_eq!(room.verdict, Verdict::IsHeard);
-        // Whatever is not heard at once is off to a wall.
+        // Every wave that is not heard at once flies to a wall.
         assert!(room.met_percent > 90.0, "{}", room.met_percent);
         assert!(ball.lines.unwrap() > 0);
         let advice = report.advice.join(" ");
@@ -63,8 +64,8 @@ fn a_ball_behind_a_wall_can_be_left_out_and_the_room_not() {
     }
 }
 
-/// Protects the corner's rows: both surfaces are met and heard, every option has its row, and
-/// what cannot change a bit does not.
+/// Protects the corner's rows: both surfaces are hit and heard, every option has its row, and
+/// options that cannot change a bit do not.
 #[test]
 fn the_report_of_the_corner_agrees_with_itself() {
     let settings = Settings::hybrid().with_waves(8192);
@@ -96,7 +97,7 @@ fn the_report_of_the_corner_agrees_with_itself() {
     assert!(!report.advice.is_empty());
 }
 
-/// Protects scenes at the edge: one surface, silence, and more surfaces than have rows.
+/// Protects edge cases: one surface, silence, and more surfaces than rows.
 #[test]
 fn one_surface_silence_and_many_are_told() {
     let settings = Settings::hybrid().with_waves(1024).with_iterations(2);
@@ -127,8 +128,9 @@ fn one_surface_silence_and_many_are_told() {
     assert!(many.surfaces[1].leaves_cells);
 }
 
-/// Protects a promise: no scene pays for a feature that it does not use. What has functions in
-/// a shader is in the scene, or is called by what is; and but for a few lines all is called.
+/// Protects a promise: no scene pays for a feature that it does not use. Each feature with
+/// functions in a shader is in the scene, or is called by one that is; and all functions except a
+/// few lines are called.
 #[test]
 fn no_built_in_scene_has_the_text_of_a_feature_that_it_lacks() {
     for name in BUILTIN_NAMES {
@@ -146,7 +148,7 @@ fn no_built_in_scene_has_the_text_of_a_feature_that_it_lacks() {
     }
 }
 
-/// Protects the same from the other side: a feature that leaves a scene leaves its text.
+/// Protects the converse: the text of a feature disappears from the shader with the feature.
 #[test]
 fn a_feature_that_leaves_takes_its_text_along() {
     let settings = Settings::hybrid();
@@ -160,7 +162,7 @@ fn a_feature_that_leaves_takes_its_text_along() {
     assert_eq!(names, ["Room"]);
 }
 
-/// Protects what machines read: the fields are there, and the CSV has a line a row.
+/// Protects the machine-readable output: the fields exist, and the CSV has one line per row.
 #[test]
 fn the_program_prints_json_and_writes_csv() {
     let folder = tempfile::tempdir().unwrap();
@@ -191,7 +193,7 @@ fn the_program_prints_json_and_writes_csv() {
     assert!(notes.starts_with("renderer: ") && notes.lines().count() == 1);
 }
 
-/// Protects what is typed wrongly: one sentence and exit code 2, and no file.
+/// Protects from mistyped input: one sentence, exit code 2, and no file.
 #[test]
 fn bad_input_is_refused() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! The window's scenes, files and named values, its mouse, and its end.
+//! The window's scenes, files and named values, its mouse, and how it ends.
 #![cfg(all(feature = "cli", feature = "demo"))]
 
 use crate::common::cli::{argument, command, stderr, succeed};
@@ -8,7 +8,7 @@ use serde_json::Value;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
-/// A room with a door that turns by a named value, and a wall as wide as another one.
+/// A room with a door that a named value rotates, and a wall whose width is another named value.
 const HALL: &str = r#"Scene(
     name: "hall",
     surfaces: [
@@ -39,7 +39,7 @@ fn wait_for_scene(demo: &Demo, name: &str) -> Value {
     demo.wait_until(name, |frame| frame["scene"] == name)
 }
 
-/// Protects a scene given as a file from being lost once another was chosen.
+/// Protects a scene given as a file from being lost after another was chosen.
 #[test]
 fn a_scene_file_can_be_reached_again() {
     let (_folder, hall, _) = folder();
@@ -49,15 +49,15 @@ fn a_scene_file_can_be_reached_again() {
     wait_for_scene(&demo, "corner");
     demo.key("b");
     wait_for_scene(&demo, argument(&hall));
-    // And it is followed again: a change is read.
+    // It is followed again: a change is read.
     std::fs::write(&hall, HALL.replace("radius: 1,", "radius: 1.5,")).unwrap();
     demo.wait_for("is read again");
     let (report, _, _) = demo.quit();
     assert_eq!(report["scene"], "hall");
 }
 
-/// Protects files that are dropped on the window: a scene is walked in and followed, a sound is heard, and what is
-/// neither, or no good scene, changes nothing.
+/// Protects files dropped on the window: a scene is opened and followed, a sound is played, and any other file, or an
+/// invalid scene, changes nothing.
 #[test]
 fn files_dropped_on_the_window_are_opened() {
     let (folder, hall, ball) = folder();
@@ -88,7 +88,7 @@ fn files_dropped_on_the_window_are_opened() {
     demo.wait_for("f.glsl:1: ");
     drop(&notes);
     demo.wait_for("notes.txt");
-    // What was refused is not seen, and the hall is still followed.
+    // The refused scene is not shown, and the hall is still followed.
     demo.wait_frames();
     wait_for_scene(&demo, argument(&hall));
     std::fs::write(&hall, HALL.replace("radius: 1,", "radius: 1.5,")).unwrap();
@@ -101,8 +101,8 @@ fn files_dropped_on_the_window_are_opened() {
     assert!(call.contains(argument(&ball)), "{call}");
 }
 
-/// Protects named values: `--set` and sliders in the unit of the file, kept when the file changes, taken to later
-/// files, and in what is printed and saved.
+/// Protects named values: `--set` and sliders use the unit of the file; values stay when the file changes, apply to
+/// later files, and appear in printed calls and saved files.
 #[test]
 fn named_values_are_set_by_option_and_slider() {
     let (_folder, hall, ball) = folder();
@@ -114,7 +114,7 @@ fn named_values_are_set_by_option_and_slider() {
         set.and_then(|pair| pair[1].as_f64())
     };
     demo.wait_until("60°", |frame| value(frame, "door") == Some(60.0));
-    // The slider of "width", from a quarter of 2 m to four times as much; it stands below the one of "door".
+    // The slider of "width", from a quarter of 2 m to four times as much, below that of "door".
     let window = demo.window();
     display.xdotool(&["mousemove", "--window", &window, "870", "110"]);
     demo.wait_frames();
@@ -136,7 +136,7 @@ fn named_values_are_set_by_option_and_slider() {
     drop_file(&display.name, &window, &ball);
     wait_for_scene(&demo, argument(&ball));
     demo.wait_until("60°", |frame| value(frame, "door") == Some(60.0));
-    // The file that was saved is in the list, after the hall.
+    // The saved file is in the list, after the hall.
     demo.key("b");
     wait_for_scene(&demo, argument(&hall.with_file_name("hall-1.ron")));
     demo.key("b");
@@ -147,7 +147,7 @@ fn named_values_are_set_by_option_and_slider() {
     assert!(call.contains(" --set "), "{call}");
     assert_eq!(report["trace_call_is_exact"], true);
 
-    // The saved file has what was heard: no value is left to be set.
+    // The saved file contains the values that were heard: no value is left to set.
     let saved = std::fs::read_to_string(hall.with_file_name("hall-1.ron")).unwrap();
     assert!(saved.contains(r#"Value("door", 60)"#), "{saved}");
     let trace = |arguments: &[&str]| {
@@ -165,7 +165,7 @@ fn named_values_are_set_by_option_and_slider() {
     assert_ne!(trace(&[argument(&hall)]), hall_set);
 }
 
-/// Protects from a window on a value that is not there, or that the scene does not take.
+/// Protects from a window with an unknown value, or one that the scene does not accept.
 #[test]
 fn values_that_cannot_be_set_open_no_window() {
     let (_folder, hall, _) = folder();
@@ -183,8 +183,8 @@ fn values_that_cannot_be_set_open_no_window() {
     }
 }
 
-/// Protects panels from a hand that is quicker than a frame: a click on one is the panel's, wherever the pointer
-/// came from, and a click on the picture lets the mouse look about.
+/// Protects panels from clicks faster than a frame: a click on a panel belongs to it, wherever the pointer came from,
+/// and a click on the picture captures the mouse.
 #[test]
 fn a_quick_click_on_a_panel_captures_no_mouse() {
     let display = Display::new();
@@ -193,7 +193,7 @@ fn a_quick_click_on_a_panel_captures_no_mouse() {
     let click = |x: &str, y: &str| {
         display.xdotool(&["mousemove", "--window", &window, x, y, "click", "1"]);
     };
-    // Headings and plan, at which nothing happens.
+    // Headings and the plan do not respond to clicks.
     for (x, y) in [
         ("800", "20"),
         ("120", "120"),
@@ -215,13 +215,13 @@ fn a_quick_click_on_a_panel_captures_no_mouse() {
     assert_eq!(report["mouse_looks"], false);
 }
 
-/// Protects whoever never chose a number of waves: it follows the frame's time down to a floor, until one is
-/// chosen, and begins to do so again by T.
+/// Protects users who never choose a number of waves: it follows the frame time down to a minimum until one is chosen,
+/// and does so again after T.
 #[test]
 fn the_number_of_waves_follows_the_time_until_it_is_chosen() {
     let display = Display::new();
     let mut program = command();
-    // What the slowest algorithm takes at this rate no processor gives.
+    // No processor reaches this rate with the slowest algorithm.
     program
         .args([
             "demo",
@@ -256,7 +256,7 @@ fn the_number_of_waves_follows_the_time_until_it_is_chosen() {
     let (report, _, _) = demo.quit();
     assert_eq!(report["adapts_waves"], true);
 
-    // --waves is a choice.
+    // --waves counts as a choice.
     let (report, _, _) = display.demo(&["corner"]).quit();
     assert_eq!(
         (&report["waves"], &report["adapts_waves"]),
@@ -264,7 +264,7 @@ fn the_number_of_waves_follows_the_time_until_it_is_chosen() {
     );
 }
 
-/// Protects the plan from showing waves that nobody hears: paths of heard ones are looked for until there are some.
+/// Protects the plan from showing waves that nobody hears: it searches until it has some heard paths.
 #[test]
 fn the_plan_shows_heard_paths() {
     let display = Display::new();
@@ -277,23 +277,23 @@ fn the_plan_shows_heard_paths() {
     }
 }
 
-/// Protects newcomers from a blank wall: without a scene the window opens on one that has something to see.
+/// Protects newcomers from a blank wall: without a scene the window opens on one with something to see.
 #[test]
 fn without_a_scene_there_is_something_to_see() {
     let display = Display::new();
     let (report, first, _) = display.demo(&[]).quit();
     assert_eq!(report["scene"], "open-pillars");
     let (_, wall, _) = display.demo(&["corner"]).quit();
-    // Sand and sky, where the other has a wall of one colour.
+    // Sand and sky, where the other scene has a wall of one colour.
     let (first, wall) = (first.warm(270..700), wall.warm(270..700));
     assert!((0.2..0.8).contains(&first), "{first}");
     assert!(!(0.2..0.8).contains(&wall), "{wall}");
 }
 
-/// Protects from a display server that goes away: the window ends with its report, one sentence and exit code 1.
+/// Protects from a display server that disappears: the window ends with its report, one sentence and exit code 1.
 #[test]
 fn the_display_may_go_away() {
-    // At rest, while the mouse is kept, and while keys are held.
+    // At rest, while the mouse is captured, and while keys are held.
     for what in [
         &["mousemove", "5", "5"][..],
         &["click", "1"],

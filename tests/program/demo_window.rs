@@ -1,19 +1,19 @@
-//! The window as a person uses it.
+//! The window as a user uses it.
 #![cfg(all(feature = "cli", feature = "demo"))]
 
 use crate::common::cli::{argument, command, echomarch, json, stderr, succeed};
 use crate::common::window::{Display, Image};
 use serde_json::Value;
 
-/// The middle of the window, where the picture is seen.
+/// The middle of the window, where the picture is visible.
 const MIDDLE: std::ops::Range<u32> = 270..700;
 
 fn place(value: &Value) -> [f64; 3] {
     std::array::from_fn(|axis| value[axis].as_f64().unwrap())
 }
 
-/// Protects walking: keys held move the listener along its gaze, walls stop it, what is seen follows, and the
-/// picture of one who stands still stays.
+/// Protects walking: held keys move the listener along its gaze, walls stop it, the picture follows, and stays the same
+/// while the listener stands still.
 #[test]
 fn keys_walk_and_walls_stop() {
     let display = Display::new();
@@ -29,7 +29,7 @@ fn keys_walk_and_walls_stop() {
     assert!((x - 10.0).abs() < 1e-3 && z > 8.2, "{x} {z}");
     assert!(before.difference(&after, MIDDLE) > 0.05);
 
-    // The block's face is at z = 0; straight on lies nothing else.
+    // The block's face is at z = 0; nothing else lies straight ahead.
     let demo = display.demo(&["corner"]);
     demo.display.xdotool(&["keydown", "shift"]);
     let (mut before, mut still) = (f64::NAN, 0);
@@ -46,7 +46,7 @@ fn keys_walk_and_walls_stop() {
     assert!((0.3..0.4).contains(&z), "stopped at {z}");
 }
 
-/// Protects hearing what changes: 1, 2 and 3 switch the algorithm while the window runs, and each is heard.
+/// Protects audible changes: 1, 2 and 3 switch the algorithm while the window runs, and each is heard.
 #[test]
 fn keys_switch_the_profile() {
     let display = Display::new();
@@ -71,7 +71,7 @@ fn keys_switch_the_profile() {
         .collect();
     heard.dedup();
     assert_eq!(heard, ["hybrid", "thesis", "march", "hybrid", "thesis"]);
-    // What is heard is what that algorithm hears.
+    // The output is that of the chosen algorithm.
     for profile in ["thesis", "march", "hybrid"] {
         let arguments = ["--profile", profile, "--waves", "4096", "--json"];
         let traced = succeed(&[&["trace", "corner"], &arguments[..]].concat());
@@ -86,8 +86,8 @@ fn keys_switch_the_profile() {
     assert!(call.contains("--profile thesis --waves 4096"), "{call}");
 }
 
-/// Protects whoever has never seen it: F1 opens the list of keys, and closes it. The picture shows what is open
-/// in the very frame that opened it: the last frame may be the first one after F1.
+/// Protects first-time users: F1 opens the list of keys, and closes it. The picture shows it in the very frame that
+/// opened it: the last frame may be the first one after F1.
 #[test]
 fn f1_opens_and_closes_the_help() {
     let display = Display::new();
@@ -110,7 +110,7 @@ fn f1_opens_and_closes_the_help() {
     assert!(without.difference(&again, MIDDLE) < 0.005);
 }
 
-/// A ball in a room, by a user's own field.
+/// A ball as a user's own field.
 const BALL: &str = "float field(vec3 p) {\n    return length(p) - 1.0;\n}\n";
 
 const BALL_SCENE: &str = r#"Scene(
@@ -123,8 +123,8 @@ const BALL_SCENE: &str = r#"Scene(
     listener: Listener(position: (4, 0.5, 4), radius: 1, yaw: -45),
 )"#;
 
-/// Protects whoever writes a field while the window shows it: what cannot be used is told in one sentence and
-/// changes nothing, what can be used is seen and walked around at once.
+/// Protects users who write a field while the window shows it: an invalid field is reported in one sentence and changes
+/// nothing, a valid one is shown and walked around at once.
 #[test]
 fn a_field_that_changes_is_taken_or_told_while_frames_go_on() {
     let folder = tempfile::tempdir().unwrap();
@@ -145,10 +145,10 @@ fn a_field_that_changes_is_taken_or_told_while_frames_go_on() {
     std::fs::write(&field, BALL.replace("1.0", "1.9")).unwrap();
     demo.wait_for("is read again");
     demo.wait_frames();
-    // Broken in the scene's own file, and left so: the ball of 1.9 m stays.
+    // An error in the scene file itself, left in place: the ball of 1.9 m stays.
     std::fs::write(&scene, BALL_SCENE.replace("Room", "Rome")).unwrap();
     demo.wait_for("the last scene stays");
-    // The ball is 6.2 m ahead, and what is in front of the eye stops one at its new size.
+    // The ball is 6.2 m ahead, and stops the listener at its new size.
     demo.hold("w", 3.0);
     let (report, large, _) = demo.quit();
 
@@ -173,7 +173,7 @@ fn a_field_that_changes_is_taken_or_told_while_frames_go_on() {
     assert!(small.difference(&large, MIDDLE) > 0.2);
 }
 
-/// Protects whoever starts with a field that does not compile: one sentence with file and line, exit code 2.
+/// Protects users who start with a field that does not compile: one sentence with file and line, exit code 2.
 #[test]
 fn a_field_that_does_not_compile_opens_no_window() {
     let folder = tempfile::tempdir().unwrap();
@@ -192,8 +192,8 @@ fn a_field_that_does_not_compile_opens_no_window() {
     assert_eq!(output.status.code(), Some(2), "{told}");
 }
 
-/// Protects the picture from waves that take long: it goes on while they are traced a part at a time, a change of
-/// algorithm does not wait for them, and what is heard is what the frame in one piece hears.
+/// Protects the picture from waves that take long: it continues while they are traced in parts, a change of algorithm
+/// does not wait for them, and a frame in parts sounds like the frame in one piece.
 #[test]
 fn the_picture_goes_on_while_waves_take_long() {
     let display = Display::new();
@@ -222,14 +222,14 @@ fn the_picture_goes_on_while_waves_take_long() {
     let heard = of("thesis").count() as f64 / end;
     assert!(
         pictures > 4.0 * heard,
-        "{pictures} pictures and {heard} frames of waves a second"
+        "{pictures} pictures and {heard} frames of waves per second"
     );
     let traced = json(&[&["trace"], slow.as_slice()].concat());
     assert!(of("thesis").all(|pan| pan["pan"] == traced["pan"]));
     assert!(of("hybrid").count() > 3);
 }
 
-/// Protects windows that are drawn larger and smaller while they run: picture and panels follow.
+/// Protects windows that are resized while they run: picture and panels follow.
 #[test]
 fn a_window_may_change_its_size() {
     let display = Display::new();
@@ -245,7 +245,7 @@ fn a_window_may_change_its_size() {
     assert_eq!(picture.width, 702);
 }
 
-/// Protects looking about with the mouse: after a click its way turns the gaze, and no more once Esc has freed it.
+/// Protects looking about with the mouse: its movement turns the gaze after a click, until Esc frees it.
 #[test]
 fn the_mouse_looks_about_between_a_click_and_esc() {
     let display = Display::new();
@@ -266,7 +266,7 @@ fn the_mouse_looks_about_between_a_click_and_esc() {
     let (report, _, _) = demo.quit();
     let turned = |name: &str| report["listener"][name].as_f64().unwrap().to_radians();
     let (yaw, pitch) = (turned("yaw"), turned("pitch"));
-    // 0.0025 radians a pixel, to the right and up: 3 × 200 and 3 × 30 pixels, beyond the window's edge.
+    // 0.0025 radians per pixel, to the right and up: 3 × 200 and 3 × 30 pixels, beyond the window's edge.
     let is_right = |angle: f64, wanted: f64| (angle - wanted).abs() < 1e-3;
     assert!(
         is_right(yaw, 1.5) && is_right(pitch, 0.225),
@@ -274,7 +274,8 @@ fn the_mouse_looks_about_between_a_click_and_esc() {
     );
 }
 
-/// Protects the panels from a mouse that has looked about: once Esc has freed it a click on a button is the button's.
+/// Protects the panels from a mouse that has looked about: once Esc has freed it, a click on a button goes to the
+/// button.
 #[test]
 fn panels_take_clicks_after_the_mouse_has_looked_about() {
     let display = Display::new();
@@ -299,7 +300,7 @@ fn panels_take_clicks_after_the_mouse_has_looked_about() {
     assert_eq!(report["listener"]["yaw"], 0.0);
 }
 
-/// Protects what was asked for on the command line from controls that do not go that far.
+/// Protects values from the command line against controls with a smaller range.
 #[test]
 fn panels_leave_what_they_do_not_reach() {
     let display = Display::new();
@@ -337,14 +338,14 @@ fn keys_do_what_the_help_says() {
 
     let demo = display.demo(&["corner", "--fps", "2"]);
     demo.hold("s", 0.5).key("BackSpace").key("t");
-    // There is room for more waves than 4,096 in half a second.
+    // Half a second is enough for more than 4,096 waves.
     demo.wait_until("more waves", |frame| frame["waves"].as_u64() > Some(4096));
     let (report, _, _) = demo.quit();
     assert_eq!(place(&report["listener"]["position"]), [10.0, 0.0, 8.0]);
 }
 
-/// Protects what was set up by hand: a source that was picked up comes along and is heard elsewhere; the file
-/// saved is a scene that traces to the very pan that was heard last.
+/// Protects manual changes: a source that was picked up comes along and is heard at its new place; the saved file is a
+/// scene that traces to exactly the pan that was heard last.
 #[test]
 fn a_source_carried_and_saved_is_heard_alike_from_the_file() {
     let display = Display::new();
@@ -362,7 +363,7 @@ fn a_source_carried_and_saved_is_heard_alike_from_the_file() {
     let traced: Value = serde_json::from_slice(&traced.stdout).unwrap();
     let pans = report["pans"].as_array().unwrap();
     let heard = pans.last().unwrap()["pan"].as_f64().unwrap();
-    // The file's degrees are rounded.
+    // Degrees in the file are rounded.
     assert!((traced["pan"].as_f64().unwrap() - heard).abs() < 1e-3);
     assert_eq!(traced["waves"], 4096);
     assert_eq!(
@@ -392,7 +393,7 @@ fn a_moving_source_is_heard_to_move_until_it_is_held() {
     let held = &pans[pans.len() - 3..];
     assert!(held.iter().all(|pan| *pan == held[0]), "{held:?}");
 
-    // The call says where on its path the source was held.
+    // The printed call states where on its path the source was held.
     assert_eq!(report["trace_call_is_exact"], true);
     let call = report["trace_call"].as_str().unwrap();
     assert!(call.contains(" --time "), "{call}");
@@ -402,7 +403,7 @@ fn a_moving_source_is_heard_to_move_until_it_is_held() {
     assert_eq!(traced["pan"], held[0]);
 }
 
-/// Protects the panels from what is drawn between picture and panels: they stand in each of six frames in a row, of
+/// Protects the panels from drawing between picture and panels: they are visible in each of six consecutive frames, of
 /// which one has followed the paths of waves.
 #[test]
 fn panels_stand_in_every_frame() {
@@ -424,7 +425,7 @@ fn panels_stand_in_every_frame() {
     assert!(pictures[0].difference(&bare, LEFT) > 0.3);
 }
 
-/// Protects runs that end by themselves, and windows of any size: exactly so many frames.
+/// Protects runs that end by themselves, and windows of any size: exactly the given number of frames.
 #[test]
 fn a_run_ends_after_its_frames() {
     let display = Display::new();
@@ -437,7 +438,7 @@ fn a_run_ends_after_its_frames() {
     assert_eq!(Image::open(&demo.path("last.png")).width, 640);
 }
 
-/// Protects machines without a display: one sentence, exit code 1, and what there is instead.
+/// Protects machines without a display: one sentence, exit code 1, and the commands that work instead.
 #[test]
 fn a_missing_display_is_told_in_one_sentence() {
     for (name, reason) in [
@@ -457,7 +458,7 @@ fn a_missing_display_is_told_in_one_sentence() {
     }
 }
 
-/// Protects against a window that opens on what was mistyped: exit code 2 before any display is asked for.
+/// Protects against a window opened with mistyped arguments: exit code 2 before any display is opened.
 #[test]
 fn bad_input_opens_no_window() {
     for arguments in [

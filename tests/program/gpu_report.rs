@@ -1,11 +1,11 @@
-//! The script that reports on a graphics card, with few waves, on whatever renderer there is.
+//! The script that reports on a graphics card, run with few waves on any renderer.
 
 use crate::common::cli::argument;
 use std::path::Path;
 use std::process::Command;
 
-/// Protects whoever has a graphics card and one command: all parts are there, with the renderer's
-/// name and rows of every profile, and a picture beside them.
+/// Protects users with a graphics card and one command: all parts are present, with the renderer's
+/// name and rows of every profile, and a picture next to them.
 #[test]
 fn the_report_of_a_renderer_has_all_its_parts() {
     let folder = tempfile::tempdir().unwrap();

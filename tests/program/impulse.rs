@@ -1,4 +1,4 @@
-//! `echomarch impulse` as a person types it: figures, files, sources and listeners, bad input.
+//! `echomarch impulse` as a user types it: figures, files, sources and listeners, bad input.
 
 use crate::common::cli::{argument, json, refuse, stderr, stdout, succeed};
 use serde_json::Value;
@@ -36,13 +36,13 @@ fn numbers(of: &Value) -> Vec<f64> {
     all.map(|number| number.as_f64().unwrap()).collect()
 }
 
-/// Protects the report: a pair for each source and listener, all figures by band, the direct sound
-/// where nothing is in its way, levels of sources, and the same result again.
+/// Protects the report: a pair for each source and listener, all figures by band, the direct sound where nothing blocks
+/// it, levels of sources, and the same result again.
 #[test]
 fn every_pair_is_told() {
     let folder = tempfile::tempdir().unwrap();
     let file = hall(folder.path());
-    // Behind a screen late arrivals are counted in half a metre: so many tell T20 in all bands.
+    // Behind a screen late arrivals are counted within half a metre: with this many waves all bands have T20.
     let call = ["impulse", &file, "--waves", "262144", "--seconds", "1.8"];
     let report: Value = json(&call);
     let pairs = report["pairs"].as_array().unwrap();
@@ -67,7 +67,7 @@ fn every_pair_is_told() {
         numbers(&near["bands_hz"]),
         [63.0, 125.0, 250.0, 500.0, 1e3, 2e3, 4e3, 8e3]
     );
-    // More is absorbed at higher bands: they die away sooner.
+    // Higher bands are absorbed more: they decay faster.
     let times = numbers(&near["t20_s"]);
     assert!(times[0] > 1.2 * times[7], "{times:?}");
     // 5 m through the air: sqrt(3² + 0.2² + 4²) metres.
@@ -80,11 +80,11 @@ fn every_pair_is_told() {
         direct["azimuth_deg"].as_f64() < Some(0.0),
         "the flute is to the left"
     );
-    // Behind the wall there is none, but echoes are.
+    // Behind the wall there is no direct sound, but there are echoes.
     assert!(behind["direct"].is_null());
     assert!(numbers(&behind["g_db"])[0] < numbers(&near["g_db"])[0]);
     assert!(!behind["paths"].as_array().unwrap().is_empty());
-    // 6 dB louder, by the same waves.
+    // 6 dB louder, with the same waves.
     for (quiet, loud) in numbers(&near["g_db"])
         .into_iter()
         .zip(numbers(&louder["g_db"]))
@@ -105,8 +105,8 @@ fn every_pair_is_told() {
     assert_eq!(first, again);
 }
 
-/// Protects the files: channels and rate of the WAV, its direct sound at its time and level, the
-/// echogram's energy, a plot.
+/// Protects the files: channels and rate of the WAV, the time and level of its direct sound, the echogram's energy, a
+/// plot.
 #[test]
 fn files_hold_what_is_heard() {
     let folder = tempfile::tempdir().unwrap();
@@ -186,7 +186,7 @@ fn files_hold_what_is_heard() {
     assert!(std::fs::read_to_string(&svg).unwrap().contains("<svg"));
 }
 
-/// Protects whoever types something wrong: exit 2 and a sentence, and no file is written.
+/// Protects users who mistype something: exit code 2 and one sentence, and no file is written.
 #[test]
 fn what_cannot_be_is_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -219,9 +219,9 @@ fn what_cannot_be_is_refused() {
     assert!(!wav.exists());
 }
 
-/// Protects from sound through walls, from echoes that vanish, and from empty tables without a word: a
-/// source in a solid is not heard; a listener whose centre is in the shadow still hears what its sphere
-/// catches; what does not decay is told.
+/// Protects from sound through walls, from echoes that vanish, and from empty tables without an explanation: a source
+/// in a solid is not heard; a listener whose centre is in the shadow still hears what its sphere catches; a missing
+/// decay is reported.
 #[test]
 fn nothing_is_heard_through_walls_or_lost_in_silence() {
     let folder = tempfile::tempdir().unwrap();
@@ -244,7 +244,7 @@ fn nothing_is_heard_through_walls_or_lost_in_silence() {
     assert!(report["pairs"][0]["direct"].is_null());
     assert_eq!(report["pairs"][0]["paths"], Value::Array(Vec::new()));
     assert_eq!(report["pairs"][0]["notes"][0], "nothing arrives");
-    // The upper edge of the box hides the centre and leaves the top of the sphere.
+    // The upper edge of the box hides the centre but not the top of the sphere.
     let behind = scene(
         "half.ron",
         "Surface(shape: Box(size: (1, 2, 40)), position: (0, -0.9, 0))",
@@ -262,8 +262,8 @@ fn nothing_is_heard_through_walls_or_lost_in_silence() {
     );
 }
 
-/// Protects the list of paths from those that bring nothing, and a source in the listener's sphere from being taken for
-/// a point's level.
+/// Protects the list of paths from those without energy, and a source in the listener's sphere from being given a
+/// point's level.
 #[test]
 fn paths_that_bring_nothing_are_not_listed() {
     let folder = tempfile::tempdir().unwrap();
@@ -330,9 +330,8 @@ fn files_open_in_sox() {
     }
 }
 
-/// Protects people from a decay that they take for the room's reverberation: between hard parallel
-/// walls sound lasts, which the note on flutter names with the walls and both times; and what lacks
-/// a material is reported.
+/// Protects people from a decay that they mistake for the room's reverberation: between hard parallel walls sound
+/// lasts, and the note on flutter names the walls and both times; surfaces without a material are reported.
 #[test]
 fn a_flutter_echo_is_told_with_its_walls() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,11 +1,11 @@
-//! `echomarch impulse --format binaural` as a person types it.
+//! `echomarch impulse --format binaural` as a user types it.
 
 use crate::common::cli::{argument, refuse, succeed};
 use crate::common::sofa::{SofaFile, Variable};
 use std::path::Path;
 
-/// A source to the left of a listener in a dead room: nothing but the direct sound, and echoes that
-/// are 20 dB below it.
+/// A source to the left of a listener in a dead room: only the direct sound, and echoes 20 dB below
+/// it.
 const SCENE: &str = r#"Scene(
     surfaces: [Surface(shape: Room(size: (12, 5, 9)), material: "wall")],
     materials: {"wall": Material(absorption: 0.9)},
@@ -19,8 +19,8 @@ fn write(folder: &Path, name: &str, bytes: &[u8]) -> String {
     argument(&file).to_owned()
 }
 
-/// Protects the file: two channels at the rate that was asked for, the left ear earlier and louder
-/// for a source to the left, by as much as the SOFA file says, and all the same again.
+/// Protects the file: two channels at the requested rate, the left ear earlier and louder for a
+/// source to the left, as given by the SOFA file, and the same result again.
 #[test]
 fn the_near_ear_hears_first_and_more() {
     let folder = tempfile::tempdir().unwrap();
@@ -60,8 +60,8 @@ fn the_near_ear_hears_first_and_more() {
     assert!(made("48000") == made("48000"));
 }
 
-/// Protects whoever types something wrong, or has a file that is none: exit 2, one sentence, and no
-/// WAV file.
+/// Protects users who mistype something, or give a file that is not SOFA: exit code 2, one
+/// sentence, and no WAV file.
 #[test]
 fn bad_sofa_files_are_refused() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! Runs that a signal ends: nothing is left behind.
+//! Runs ended by a signal leave no files.
 #![cfg(unix)]
 
 use crate::common::cli::{command, contents};
@@ -6,7 +6,7 @@ use std::process::{Command, Stdio};
 use std::thread::sleep;
 use std::time::Duration;
 
-/// Starts the program, waits for a temporary file with something in it, and sends the signal.
+/// Starts the program, waits for a non-empty temporary file, and sends the signal.
 fn interrupt(signal: &str, number: i32, arguments: &[&str]) {
     let folder = tempfile::tempdir().unwrap();
     let mut program = command();
@@ -37,8 +37,8 @@ fn interrupt(signal: &str, number: i32, arguments: &[&str]) {
     assert!(left.is_empty(), "{signal}: {:?}", left.keys());
 }
 
-/// Protects folders from what is left of runs that are interrupted: from the terminal, by a
-/// program, by a terminal that is closed.
+/// Protects folders from leftovers of interrupted runs: interrupted from the terminal, by a
+/// program, or by a closed terminal.
 #[test]
 fn an_interrupted_run_leaves_nothing() {
     let render = ["render", "corner", "-o", "o.wav", "--seconds", "9000"];
@@ -56,7 +56,7 @@ fn an_interrupted_run_leaves_nothing() {
         interrupt(signal, number, &render);
     }
     interrupt("TERM", 15, &dump);
-    // `nohup` says that it is to go on.
+    // `nohup` asks the program to continue.
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
     let ignored = ignored.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
@@ -65,7 +65,7 @@ fn an_interrupted_run_leaves_nothing() {
     }
 }
 
-/// Protects what the window keeps: interrupted, it ends as if it had been closed.
+/// Protects the window's files: when interrupted, it ends as if it had been closed.
 #[cfg(feature = "demo")]
 #[test]
 fn an_interrupted_window_is_closed() {

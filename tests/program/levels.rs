@@ -1,4 +1,4 @@
-//! `echomarch trace --levels`, and the scenes that are made to be heard.
+//! `echomarch trace --levels`, and the scenes made for listening.
 
 use crate::common::cli::{json, refuse, stdout, succeed};
 use serde_json::Value;
@@ -7,7 +7,7 @@ fn scene(name: &str) -> String {
     format!("{}/examples/scenes/{name}.ron", env!("CARGO_MANIFEST_DIR"))
 }
 
-/// What `trace --levels` tells of each pair.
+/// The levels that `trace --levels` prints for each pair.
 fn levels(arguments: &[&str]) -> Vec<Value> {
     let call: Vec<&str> = ["trace", "--levels", "--waves", "16384"]
         .into_iter()
@@ -17,8 +17,8 @@ fn levels(arguments: &[&str]) -> Vec<Value> {
     report["levels"].as_array().unwrap().clone()
 }
 
-/// Protects levels: heard or not, how loud, how late and from where; doors that are shut silence what is
-/// beyond them, and doors that open let it be heard again, from where the door is.
+/// Protects levels: whether a source is heard, its level, delay and direction; shut doors silence what is beyond them,
+/// and open doors let it be heard again, from the direction of the door.
 #[test]
 fn doors_open_and_close_what_is_heard() {
     let corridor = scene("corridor");
@@ -32,7 +32,7 @@ fn doors_open_and_close_what_is_heard() {
     );
     let g_db = |level: &Value| level["g_db"].as_f64().unwrap();
     assert!(g_db(between) > g_db(beyond) + 3.0);
-    // The listeners look along −x, to the talker.
+    // The listeners look along −x, towards the talker.
     let azimuth = between["azimuth_deg"].as_f64().unwrap().abs();
     assert!(azimuth < 30.0, "{azimuth}");
     let one_sided = between["one_sided"].as_f64().unwrap();
@@ -49,7 +49,7 @@ fn doors_open_and_close_what_is_heard() {
     assert!(g_db(&ajar[0]) < g_db(between));
 }
 
-/// Protects the text, and frames for the balance alone: they tell no levels.
+/// Protects the text, and frames for the balance alone, which print no levels.
 #[test]
 fn levels_are_told_where_they_are_asked_for() {
     let output = succeed(&["trace", "corner", "--levels", "--waves", "4096"]);
@@ -64,8 +64,8 @@ fn levels_are_told_where_they_are_asked_for() {
     );
 }
 
-/// Protects the hall: every pair is heard, the louder source louder, and the seats under the balcony
-/// later than those at the front.
+/// Protects the hall: every pair is heard, the louder source is louder, and the seats under the balcony hear it later
+/// than those at the front.
 #[test]
 fn a_hall_is_heard_in_every_seat() {
     let hall = levels(&[&scene("hall")]);

@@ -1,5 +1,5 @@
-//! The form for people, filled in by a headless browser: played, answered, interrupted, taken
-//! up, saved, and scored.
+//! The form for people, filled in by a headless browser: played, answered, interrupted, resumed,
+//! saved, and scored.
 
 use crate::common::cli::{argument, json, succeed};
 use crate::webdriver::{Browser, Driver};
@@ -10,10 +10,10 @@ use tempfile::TempDir;
 
 const TRIALS: usize = 3;
 
-/// What the order seed 7 makes of three trials in a form of seed 7; 8 makes 2, 1, 3.
+/// The order that seed 7 gives to three trials in a form of seed 7; seed 8 gives 2, 1, 3.
 const ORDER_OF_7: [u32; 3] = [1, 3, 2];
 
-/// What WebDriver calls these keys.
+/// WebDriver's codes of these keys.
 const TAB: char = '\u{E004}';
 const ENTER: char = '\u{E007}';
 const RIGHT: char = '\u{E014}';
@@ -47,14 +47,14 @@ fn form_with(folder: &Path, more: &[&str]) -> PathBuf {
     folder.join("form.html")
 }
 
-/// A form in a folder of its own, and what opens a browser.
+/// A form in a folder of its own, and the driver that opens browsers.
 fn form_and_driver() -> (TempDir, PathBuf, Driver) {
     let folder = tempfile::tempdir().unwrap();
     let page = form(&folder.path().join("form"));
     (folder, page, Driver::start())
 }
 
-/// A click so many pixels beside the listener, which is elsewhere on each facing's plan.
+/// Clicks the given number of pixels from the listener, whose place differs on each facing's plan.
 fn click_beside(browser: &Browser, right: i32, down: i32) {
     let from_the_middle = "const plan = document.getElementById('plan');\
          const at = plan.getScreenCTM(), box = plan.getBoundingClientRect();\
@@ -64,7 +64,7 @@ fn click_beside(browser: &Browser, right: i32, down: i32) {
     browser.click_at("#plan", pixels(0) + right, pixels(1) + down);
 }
 
-/// Answers the trial that is shown: a click so many pixels beside the listener.
+/// Answers the current trial with a click the given number of pixels from the listener.
 fn answer(browser: &Browser, right: i32, down: i32, side: &str, confidence: u32) {
     browser.wait_for("#lock", "Lock the answer");
     let disabled = "return document.getElementById('lock').disabled";
@@ -72,13 +72,13 @@ fn answer(browser: &Browser, right: i32, down: i32, side: &str, confidence: u32)
     browser.wait_for("#plays", "played 1 time");
     click_beside(browser, right, down);
     browser.click(&format!("#sides input[value={side}]"));
-    assert_eq!(browser.run(disabled), true, "one question is still open");
+    assert_eq!(browser.run(disabled), true, "a question is left");
     browser.click(&format!("#confidences input[value='{confidence}']"));
     assert_eq!(browser.run(disabled), false);
     browser.click("#lock");
 }
 
-/// Saves, and waits for the file: the one that was not there before.
+/// Saves, and waits for the new file.
 fn save(browser: &Browser, downloads: &Path) -> PathBuf {
     let saved = || -> Vec<PathBuf> {
         let entries = fs::read_dir(downloads).unwrap().map(|e| e.unwrap().path());
@@ -92,7 +92,7 @@ fn save(browser: &Browser, downloads: &Path) -> PathBuf {
     loop {
         let new = saved().into_iter().find(|path| !before.contains(path));
         if let Some(new) = new.filter(|path| is_complete(path)) {
-            // A copy: a browser that ends before it takes its file for saved deletes that.
+            // A copy: a browser that ends before it considers its file saved deletes that file.
             let kept = new.with_extension("kept");
             fs::copy(&new, &kept).unwrap();
             return kept;
@@ -105,7 +105,7 @@ fn save(browser: &Browser, downloads: &Path) -> PathBuf {
     }
 }
 
-/// Whether the browser has written all of a file: it makes an empty one by that name first.
+/// Whether the browser has written all of a file: it creates an empty one of that name first.
 fn is_complete(path: &Path) -> bool {
     let text = fs::read_to_string(path).unwrap_or_default();
     serde_json::from_str::<serde_json::Value>(&text).is_ok()
@@ -147,7 +147,7 @@ fn begin(browser: &Browser, page: &Path, downloads: &Path) -> PathBuf {
     file
 }
 
-/// Goes on where [`begin`] broke off, to the end, and saves.
+/// Continues where [`begin`] stopped, to the end, and saves.
 fn go_on(browser: &Browser, page: &Path, downloads: &Path) -> PathBuf {
     browser.go(page);
     assert!(browser.text("#sessions").contains("p1, begun"));
@@ -160,8 +160,8 @@ fn go_on(browser: &Browser, page: &Path, downloads: &Path) -> PathBuf {
     save(browser, downloads)
 }
 
-/// From the first sound to the score, with a break: nothing answered is lost or changed, and
-/// nothing is asked of a network.
+/// Protects a session from the first sound to the score, with a break: no answer is lost or
+/// changed, and no network request is made.
 #[test]
 fn a_session_is_answered_broken_off_taken_up_and_scored() {
     let folder = tempfile::tempdir().unwrap();
@@ -181,7 +181,7 @@ fn a_session_is_answered_broken_off_taken_up_and_scored() {
     // The same browser, later.
     let whole = go_on(&driver.open(&home, &downloads), &page, &downloads);
     assert_ne!(first, whole);
-    assert!(first.exists(), "saving replaces nothing");
+    assert!(first.exists(), "saving keeps older files");
     let found = score(&[&first, &whole]);
     assert_eq!(found["sessions"].as_array().unwrap().len(), 1);
     assert_eq!(found["sessions"][0]["answered"], 3);
@@ -215,8 +215,7 @@ fn asks_before_closing(browser: &Browser) -> serde_json::Value {
     )
 }
 
-/// Protects what is said of a trial that is not locked yet from looking back and from a
-/// reload.
+/// Protects the entries of a trial that is not locked yet: they survive looking back and a reload.
 #[test]
 fn what_is_not_locked_yet_is_kept() {
     let (folder, page, driver) = form_and_driver();
@@ -247,12 +246,12 @@ fn what_is_not_locked_yet_is_kept() {
     browser.click("#confidences input[value='2']");
     browser.click("#lock");
     browser.wait_for("#number", "Sound 3 of 3");
-    assert_eq!(browser.text("#plays"), "", "the next one begins anew");
+    assert_eq!(browser.text("#plays"), "", "plays are reset");
     assert_eq!(browser.errors(), Vec::<String>::new());
 }
 
-/// Protects those who have no mouse: every trial can be answered by keys alone, and the page
-/// asks before a whole session is lost.
+/// Protects users without a mouse: every trial can be answered by keys alone, and the page asks
+/// before a whole session is lost.
 #[test]
 fn the_keyboard_is_enough() {
     let (folder, page, driver) = form_and_driver();
@@ -265,7 +264,7 @@ fn the_keyboard_is_enough() {
         assert_eq!(browser.run(focus), "play");
         browser.press(" ");
         browser.wait_for("#plays", "played 1 time");
-        // The first of each group of choices, then the plan.
+        // The first choice of each group, then the plan.
         browser.press(&format!("{TAB} {TAB} {TAB}"));
         assert_eq!(browser.run(focus), "plan");
         browser.press(&RIGHT.to_string());
@@ -274,7 +273,7 @@ fn the_keyboard_is_enough() {
         let missing = browser.text("#missing");
         assert!(missing.contains("beside yourself"), "{missing}");
         browser.press(&RIGHT.to_string());
-        // Past what is there to look back with.
+        // Past the controls for looking back.
         for _ in 0..3 {
             if browser.run(focus) != "lock" {
                 browser.press(&TAB.to_string());
@@ -303,7 +302,7 @@ fn the_keyboard_is_enough() {
     }
 }
 
-/// Protects answers that only the page knows: where the browser keeps nothing it says so and
+/// Protects answers that only the page has: if the browser cannot store them, the page says so and
 /// asks before it is closed, until they are saved.
 #[test]
 fn a_browser_that_keeps_nothing_is_told_of() {
@@ -313,7 +312,7 @@ fn a_browser_that_keeps_nothing_is_told_of() {
     browser.run("Storage.prototype.setItem = () => { throw new Error('full'); };");
     browser.click("#begin");
     browser.wait_for("#warning", "cannot store answers");
-    assert_eq!(asks_before_closing(&browser), false, "nothing is answered");
+    assert_eq!(asks_before_closing(&browser), false, "no trial is answered");
     answer(&browser, 90, 0, "right", 4);
     browser.wait_for("#number", "Sound 2 of 3");
     assert_eq!(asks_before_closing(&browser), true);
@@ -322,7 +321,7 @@ fn a_browser_that_keeps_nothing_is_told_of() {
     assert_eq!(score(&[&file])["sessions"][0]["answered"], 1);
 }
 
-/// Protects people from one order for all: every session has its own, which it saves.
+/// Protects people from getting all the same order: every session has its own, which it saves.
 #[test]
 fn each_person_has_an_order_of_their_own() {
     let (folder, page, driver) = form_and_driver();
@@ -337,11 +336,11 @@ fn each_person_has_an_order_of_their_own() {
         assert!(file["order_seed"].is_u64(), "{}", file["order_seed"]);
         orders.push(order);
     }
-    // Twelve of six orders: all alike once in 300 million.
+    // Twelve orders out of six: all equal once in 300 million.
     assert!(orders.iter().any(|order| *order != orders[0]));
 }
 
-/// A session begun and saved without an answer.
+/// A session that was started and saved without an answer.
 fn begin_and_save(browser: &Browser, page: &Path, downloads: &Path) -> serde_json::Value {
     browser.go(page);
     browser.click("#begin");
@@ -349,9 +348,9 @@ fn begin_and_save(browser: &Browser, page: &Path, downloads: &Path) -> serde_jso
     file_of(&save(browser, downloads))
 }
 
-/// Protects an order that has to be had again: the seed gives it in every session, on every
-/// machine, and stands in the form's file and in the answers. A file whose order is not that
-/// of its seed is refused; one from before seeds were saved is taken up.
+/// Protects an order that must be reproduced: the seed gives it in every session, on every machine,
+/// and is stored in the form's file and in the answers. A file whose order does not match its seed
+/// is refused; one from before seeds were saved is resumed.
 #[test]
 fn an_order_seed_gives_one_order_to_all_sessions() {
     let folder = tempfile::tempdir().unwrap();
@@ -383,8 +382,8 @@ fn an_order_seed_gives_one_order_to_all_sessions() {
     assert_eq!(browser.errors(), Vec::<String>::new());
 }
 
-/// Protects large forms: sounds that lie beside the page are 16-bit WAV files, which every
-/// browser plays, and the page plays them.
+/// Protects large forms: their separate sound files are 16-bit WAV files, which every browser
+/// plays, and the page plays them.
 #[test]
 fn a_large_form_plays_the_sounds_beside_it() {
     let folder = tempfile::tempdir().unwrap();
@@ -421,13 +420,13 @@ fn a_large_form_plays_the_sounds_beside_it() {
     browser.wait_for("#plays", "played 1 time");
 }
 
-/// Files that are none are refused with a word, and nothing begins.
+/// Invalid files are refused with a message, and no session begins.
 #[test]
 fn a_file_of_another_kind_is_not_taken_up() {
     let (folder, page, driver) = form_and_driver();
     let browser = driver.open(&folder.path().join("home"), folder.path());
     browser.go(&page);
-    // A whole file, and what can be wrong in it.
+    // A complete file, and possible errors in it.
     answer_the_first(&browser);
     let whole = file_of(&save(&browser, folder.path()));
     let number = whole["order"][0].as_u64().unwrap() - 1;

@@ -1,5 +1,5 @@
-//! The score of people's answers: figures that can be reckoned by hand, files of one session,
-//! and files that are refused.
+//! The score of people's answers: figures that can be checked by hand, files of one session, and
+//! files that are refused.
 
 use crate::answers::{answer_file, trial};
 use crate::common::cli::{argument, json, refuse, stdout, succeed};
@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// A file of answers as the form saves it: so many given of three trials, to the left, ahead
+/// An answer file as the form saves it: `given` of three trials are answered, to the left, ahead
 /// and right.
 fn answers(session: &str, given: usize) -> Value {
     let trials = [(-48.0, -40.0), (0.0, 170.0), (48.0, -20.0)];
@@ -27,7 +27,7 @@ fn write(folder: &Path, name: &str, text: &Value) -> PathBuf {
     path
 }
 
-/// The score of answers whose figures can be reckoned by hand.
+/// The score of answers whose figures can be checked by hand.
 #[test]
 fn answers_are_scored() {
     let folder = tempfile::tempdir().unwrap();
@@ -41,7 +41,7 @@ fn answers_are_scored() {
     assert_eq!(all["confusion"], json!([[1, 0, 0], [0, 0, 1], [1, 0, 0]]));
     let behind = all["clicked_behind"].as_f64().unwrap();
     assert!((behind - 1.0 / 3.0).abs() < 1e-9);
-    // One person: no interval, however many answers.
+    // One person: no interval, for any number of answers.
     assert_eq!(all["people"], 1);
     assert_eq!(all["source"]["median_abs"]["interval_deg"], Value::Null);
     assert_eq!(report["groups"][1]["scene"], "corner");
@@ -64,8 +64,8 @@ fn answers_are_scored() {
     assert!(stdout(&help).contains("Examples:"));
 }
 
-/// Protects intervals from being those of answers: five persons make one, however little
-/// each says, and one person in five sessions does not.
+/// Protects intervals: they are based on people, not answers. Five people give one, however few
+/// answers each has, and one person in five sessions does not.
 #[test]
 fn intervals_are_those_of_people() {
     let folder = tempfile::tempdir().unwrap();
@@ -97,8 +97,8 @@ fn intervals_are_those_of_people() {
     assert_eq!(one["source"]["bias"]["interval_deg"], Value::Null);
 }
 
-/// Protects figures from sounds in which nothing was heard, and from being pooled over what
-/// differs: another law is a group of its own, another form is told of.
+/// Protects figures from silent sounds, and from pooling different kinds: another law is a separate
+/// group, another form is noted.
 #[test]
 fn silence_laws_and_forms_are_told_apart() {
     let folder = tempfile::tempdir().unwrap();
@@ -132,8 +132,8 @@ fn silence_laws_and_forms_are_told_apart() {
     assert!(notes.contains("2 different forms"), "{notes}");
 }
 
-/// A session that was interrupted counts for what it holds, files of one session count once,
-/// and an empty one is told as such.
+/// An interrupted session counts with the answers it has, files of one session count once, and an
+/// empty one is reported.
 #[test]
 fn broken_off_sessions_are_scored_and_merged() {
     let folder = tempfile::tempdir().unwrap();
@@ -169,7 +169,7 @@ fn broken_off_sessions_are_scored_and_merged() {
     assert!(stdout(&output).contains("No trial is answered."));
 }
 
-/// A click that has no direction.
+/// A click without a direction.
 fn at_the_listener() -> Value {
     let mut text = answers("a", 3);
     for axis in ["right_m", "ahead_m", "azimuth_deg"] {
@@ -178,14 +178,14 @@ fn at_the_listener() -> Value {
     text
 }
 
-/// A whole file with one value changed.
+/// A complete file with one value changed.
 fn changed(path: &str, value: Value) -> Value {
     let mut text = answers("a", 3);
     *text.pointer_mut(path).unwrap() = value;
     text
 }
 
-/// Files that are no answers, each with a word of what is told of it.
+/// Invalid answer files, each with a part of the error message.
 fn wrong() -> Vec<(Value, &'static str)> {
     vec![
         (changed("/format", json!("shopping-list")), "shopping-list"),
@@ -221,7 +221,7 @@ fn wrong() -> Vec<(Value, &'static str)> {
     ]
 }
 
-/// Whatever is wrong with a file is told in a sentence with its name, and exit code 2.
+/// Any error in a file is reported in a sentence with its name, and exit code 2.
 #[test]
 fn bad_answers_are_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -236,7 +236,7 @@ fn bad_answers_are_refused() {
     let text = answers("a", 3).to_string();
     fs::write(&cut, &text[..text.len() / 2]).unwrap();
     refuse(&["localise", "score", argument(&cut)], "cut.json");
-    // Locked answers never change: two files that differ are not both right.
+    // Locked answers never change: of two files that differ, one is wrong.
     let one = write(folder.path(), "one.json", &answers("a", 3));
     let other = changed("/trials/0/answer/confidence", json!(5));
     let other = write(folder.path(), "two.json", &other);

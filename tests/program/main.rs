@@ -1,4 +1,4 @@
-//! The program as a person uses it: commands, untrusted files, the form, the window.
+//! The program as a user uses it: commands, untrusted files, the form, the window.
 #![cfg(feature = "cli")]
 
 #[path = "../common/mod.rs"]

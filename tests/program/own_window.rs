@@ -3,7 +3,8 @@
 use super::common::window::Display;
 use std::process::Command;
 
-/// Protects `examples/own_window.rs`: a window of winit and glutin draws pictures, and hears frames of waves between them.
+/// Protects `examples/own_window.rs`: a window of winit and glutin draws pictures, and traces frames of waves between
+/// them.
 #[test]
 fn a_game_traces_waves_on_its_own_context() {
     let display = Display::new();

@@ -1,8 +1,8 @@
 //! The page of `examples/browser`, in a headless browser whose WebGL is a software renderer: counts against the
-//! program's, sound, keys, links, and texts that are no scenes.
+//! program's, sound, keys, links, and invalid texts.
 //!
-//! `scripts/browser-test.sh` builds the page and runs these; elsewhere they are left out, since building it takes
-//! another compiler's target.
+//! `scripts/browser-test.sh` builds the page and runs these; otherwise they are skipped, since the build needs another
+//! compiler target.
 
 mod sound;
 
@@ -16,24 +16,23 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
-/// How long anything may take before a test is given up: no machine is so busy.
+/// Longest wait before a test gives up: no machine is this slow.
 const TIMEOUT: Duration = Duration::from_secs(300);
 
-/// By how much a count of 65,536 waves may differ between two renderers. Their roundings differ, so that some 120 waves
-/// (in `cave`, docs/portability.md) end elsewhere. What a count gains by that and what it loses nearly cancel: √120 is
-/// 11.
+/// Largest difference of a count of 65,536 waves between two renderers. Their roundings differ, so that some 120 waves
+/// (in `cave`, docs/portability.md) end elsewhere. A count's gains and losses from these nearly cancel: √120 is 11.
 const MAY_DIFFER: u64 = 16;
 
-/// SwiftShader, which Chromium brings, and no sound card but a clock; sound without a click before it.
+/// SwiftShader, which Chromium includes, and a clock instead of a sound card; sound may start without a click.
 const FLAGS: [&str; 3] = [
     "--use-angle=swiftshader",
     "--enable-unsafe-swiftshader",
     "--autoplay-policy=no-user-gesture-required",
 ];
 
-/// The page behind a server of files, and a browser that shows it.
+/// A file server for the page, and a browser that shows it.
 struct Stage {
-    // In the order in which they go.
+    // In the order in which they are dropped.
     server: Child,
     driver: Driver,
     address: String,
@@ -73,7 +72,7 @@ impl Stage {
         let port = line
             .split_whitespace()
             .nth(5)
-            .expect("the server says its port");
+            .expect("the server prints its port");
         Stage {
             address: format!("http://127.0.0.1:{port}/"),
             server,
@@ -82,13 +81,13 @@ impl Stage {
         }
     }
 
-    /// A browser with these flags besides its own.
+    /// A browser with these flags in addition to its own.
     fn open_with(&self, flags: &[&str]) -> Browser<'_> {
         let folder = self.folder.path();
         self.driver.open_with(folder, folder, flags)
     }
 
-    /// Loads the page anew with a link, and waits for its first frame.
+    /// Reloads the page with a link, and waits for its first frame.
     fn load(&self, browser: &Browser, link: &str) {
         browser.visit("about:blank");
         browser.visit(&format!("{}{link}", self.address));
@@ -96,7 +95,7 @@ impl Stage {
     }
 }
 
-/// Tries something on a page in a browser that can show it; the console may be told of no error.
+/// Runs a test on a page in a browser that supports it; the console must show no errors.
 fn on_page(test: impl FnOnce(&Stage, &Browser)) {
     let stage = Stage::new();
     let browser = stage.open_with(&FLAGS);
@@ -118,7 +117,7 @@ fn wait(browser: &Browser, script: &str) -> Duration {
     began.elapsed()
 }
 
-/// Waves at the listener, dead, travelling.
+/// Counts of waves at the listener, dead, and travelling.
 fn counts_of_page(browser: &Browser) -> [u64; 3] {
     let frame = browser.run("return Array.from(echomarch.page.frame())");
     [0, 1, 2].map(|index| frame[index].as_f64().unwrap() as u64)
@@ -129,7 +128,7 @@ fn counts_of_program(scene: &str) -> [u64; 3] {
     ["listener_hits", "dead", "travelling"].map(|name| told[name].as_u64().unwrap())
 }
 
-/// What the page's controls say.
+/// The values of the page's controls.
 fn chosen(browser: &Browser) -> Value {
     browser.run(
         "return ['scene', 'profile', 'waves', 'iterations', 'listen', 'sound', 'volume']\
@@ -137,7 +136,7 @@ fn chosen(browser: &Browser) -> Value {
     )
 }
 
-/// Writes the scene's text, as somebody who edits it.
+/// Replaces the scene's text as if a user had edited it.
 fn write_text(browser: &Browser, text: &str) {
     let script = format!(
         "const area = document.getElementById('text'); area.value = {}; \
@@ -147,7 +146,7 @@ fn write_text(browser: &Browser, text: &str) {
     browser.run(&script);
 }
 
-/// A text as part of a link.
+/// A text escaped for a link.
 fn escaped(text: &str) -> String {
     let mut escaped = String::new();
     for byte in text.bytes() {
@@ -171,7 +170,7 @@ fn many_balls() -> String {
     text
 }
 
-/// Protects the waves: in a browser the same scenes give the program's counts, but for rounding.
+/// Protects the waves: in a browser the same scenes give the program's counts, except for rounding.
 #[test]
 #[ignore = "scripts/browser-test.sh builds the page first"]
 fn a_page_counts_what_the_program_counts() {
@@ -204,8 +203,8 @@ fn a_page_counts_what_the_program_counts() {
     });
 }
 
-/// Protects walking and links: a key moves the listener, the link says where to, and a page that is loaded with
-/// that link stands there with the same choices.
+/// Protects walking and links: a key moves the listener, the link contains the new place, and a page loaded with that
+/// link has the same place and choices.
 #[test]
 #[ignore = "scripts/browser-test.sh builds the page first"]
 fn keys_walk_and_a_link_leads_back() {
@@ -241,7 +240,8 @@ fn keys_walk_and_a_link_leads_back() {
     });
 }
 
-/// Protects whoever opens a link from choices that silently are none: each is told, and is as usual.
+/// Protects users who open a link from choices that are silently ignored: each invalid one is reported, and keeps its
+/// default.
 #[test]
 #[ignore = "scripts/browser-test.sh builds the page first"]
 fn what_a_link_says_wrongly_is_told() {
@@ -281,7 +281,7 @@ fn what_a_link_says_wrongly_is_told() {
     });
 }
 
-/// Protects a walk from one picture that cannot be drawn: it is told, and the next ones come.
+/// Protects a walk from one picture that cannot be drawn: it is reported, and the next ones follow.
 #[test]
 #[ignore = "scripts/browser-test.sh builds the page first"]
 fn a_page_goes_on_after_a_failed_picture() {
@@ -303,7 +303,7 @@ fn a_page_goes_on_after_a_failed_picture() {
     });
 }
 
-/// Protects whoever edits: a text that is no scene says why with its line, and the last good scene goes on.
+/// Protects users who edit: an invalid text shows its error with the line, and the last good scene stays.
 #[test]
 #[ignore = "scripts/browser-test.sh builds the page first"]
 fn a_bad_text_is_told_and_the_scene_goes_on() {
@@ -337,7 +337,7 @@ fn a_bad_text_is_told_and_the_scene_goes_on() {
     });
 }
 
-/// Protects whoever has no WebGL 2 from an empty page.
+/// Protects users without WebGL 2 from an empty page.
 #[test]
 #[ignore = "scripts/browser-test.sh builds the page first"]
 fn a_browser_without_webgl_is_told_so() {
@@ -348,7 +348,7 @@ fn a_browser_without_webgl_is_told_so() {
     assert_eq!(browser.errors(), Vec::<String>::new());
 }
 
-/// Protects whoever has WebGL 2 that cannot draw into floats from an empty page.
+/// Protects users whose WebGL 2 cannot render to float textures from an empty page.
 #[test]
 #[ignore = "scripts/browser-test.sh builds the page first"]
 fn a_browser_without_float_targets_is_told_so() {

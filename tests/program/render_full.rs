@@ -1,4 +1,4 @@
-//! `echomarch render` in full, as a person types it: loudness, echoes, several sources, bad input.
+//! `echomarch render` in full, as a user types it: loudness, echoes, several sources, bad input.
 
 use crate::common::cli::{argument, json, refuse, stderr, stdout, succeed};
 use crate::common::wav::{read_stereo, rms};
@@ -7,8 +7,8 @@ use std::path::Path;
 
 const RATE: usize = 48_000;
 
-/// A source walks behind a wall of 4 m, and out again on the other side. A large wall behind it all
-/// mirrors it over the smaller one: the echo stays.
+/// A source walks behind a wall of 4 m, and out again on the other side. A large wall behind both reflects it over the
+/// smaller one: the echo stays.
 const WALK: &str = r#"Scene(
     surfaces: [
         Surface(shape: Box(size: (4, 3, 0.4)), position: (0, 0, -3)),
@@ -38,8 +38,8 @@ fn levels(report: &Value) -> Vec<f64> {
         .collect()
 }
 
-/// Protects what a wall does to a sound: behind it the direct sound is gone and the level falls, the
-/// echo stays, and nothing clicks when it goes and comes.
+/// Protects the effect of a wall on a sound: behind it the direct sound is gone and the level falls, the echo stays,
+/// and nothing clicks at either edge.
 #[test]
 fn a_source_behind_a_wall_is_heard_by_its_echo() {
     let folder = tempfile::tempdir().unwrap();
@@ -72,8 +72,8 @@ fn a_source_behind_a_wall_is_heard_by_its_echo() {
     // From left to right.
     assert!(rms(&left[window(0)]) > rms(&right[window(0)]));
     assert!(rms(&left[window(7)]) < rms(&right[window(7)]));
-    // The sine's own steps at the sum of the amplitudes at the nearest: 1/6 + 1/12, half of it
-    // by the sine's amplitude, and a hundredth for the Doppler shift of 4 m/s.
+    // The sine's own steps at the sum of the amplitudes at the nearest place: 1/6 + 1/12, half of it by the sine's
+    // amplitude, and a hundredth for the Doppler shift of 4 m/s.
     let steepest = 2.0 * 0.5 * (std::f64::consts::PI * 440.0 / RATE as f64).sin() * 0.25 * 1.02;
     for samples in [&left, &right] {
         let step = samples.windows(2).map(|s| f64::from((s[1] - s[0]).abs()));
@@ -83,8 +83,8 @@ fn a_source_behind_a_wall_is_heard_by_its_echo() {
     }
 }
 
-/// Protects loudness and delay: a source of 0 dB 2 m off in the open is half as loud as its sound, and
-/// comes 2 m / 343 m/s later; `--gain` makes it louder; the same call gives the same bytes.
+/// Protects loudness and delay: a source of 0 dB at 2 m in the open is half as loud as its sound, and arrives 2 m / 343
+/// m/s later; `--gain` makes it louder; the same call gives the same bytes.
 #[test]
 fn distance_makes_soft_and_late() {
     let folder = tempfile::tempdir().unwrap();
@@ -125,7 +125,7 @@ fn distance_makes_soft_and_late() {
             "{level}"
         );
     }
-    // 279.9 samples: sinc functions reach 8 samples before.
+    // 279.9 samples: sinc functions start 8 samples earlier.
     let silent = left.iter().position(|sample| sample.abs() > 0.02).unwrap();
     assert!((278..=282).contains(&silent), "{silent}");
     let (louder, wav) = render("c.wav", &["--gain", "6"]);
@@ -133,7 +133,7 @@ fn distance_makes_soft_and_late() {
     assert_eq!(louder["gain_db"], 6.0);
 }
 
-/// Protects several sources: each plays its own sound, and is told by its name.
+/// Protects several sources: each plays its own sound, and is printed with its name.
 #[test]
 fn each_source_plays_its_own() {
     let folder = tempfile::tempdir().unwrap();
@@ -174,7 +174,7 @@ fn each_source_plays_its_own() {
     assert!((crossings(&right[middle]) - 1000.0).abs() <= 5.0);
 }
 
-/// Protects from options that would change nothing, and from names that are none.
+/// Protects from options without effect, and from unknown names.
 #[test]
 fn what_makes_no_sense_is_refused() {
     let base = ["render", "open-field", "-o", "x.wav"];
@@ -199,7 +199,7 @@ fn what_makes_no_sense_is_refused() {
     }
 }
 
-/// Protects whoever types an option of the balance: what it turns the sound into is told.
+/// Protects users who type an option of the balance: a note states its effect on the sound.
 #[test]
 fn a_balance_that_an_option_chose_is_told() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! `echomarch study` as a person types it: shards, jobs, interruptions, joining, maps, bad input.
+//! `echomarch study` as a user types it: shards, jobs, interruptions, joining, maps, bad input.
 
 use crate::common::Random;
 use crate::common::cli::{argument, command, contents, json, refuse, stderr, stdout, succeed};
@@ -44,8 +44,8 @@ fn tables(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     names.collect()
 }
 
-/// Protects the tables from how a study was cut and run: one process, shards in any order, several
-/// jobs, and again with nothing left to do.
+/// Protects the tables from how a study was divided and run: one process, shards in any order, several jobs, and again
+/// with nothing left to do.
 #[test]
 fn a_study_is_the_same_however_it_was_cut() {
     let folder = tempfile::tempdir().unwrap();
@@ -83,14 +83,14 @@ fn a_study_is_the_same_however_it_was_cut() {
     assert!(tables(&jobs) == expected);
 }
 
-/// Rows of a working file so far, and its first line.
+/// Number of lines in a working file: its first line and the rows so far.
 fn lines_of(work: &Path) -> usize {
     let bytes = std::fs::read(work).unwrap_or_default();
     bytes.iter().filter(|byte| **byte == b'\n').count()
 }
 
-/// Protects hours of work: a study that is killed at 20 random moments and taken up again ends with the
-/// same bytes, its shard too.
+/// Protects hours of work: a study that is killed at 20 random moments and continued ends with the same bytes, as does
+/// its shard.
 #[test]
 fn a_study_that_is_killed_ends_with_the_same_bytes() {
     const KILLS: usize = 20;
@@ -122,7 +122,7 @@ fn a_study_that_is_killed_ends_with_the_same_bytes() {
         program.kill().unwrap();
         program.wait().unwrap();
         match has_ended {
-            // It was faster than this test: its bytes are compared, and it begins anew.
+            // It was faster than this test: its bytes are compared, and it starts again.
             true => {
                 assert!(tables(&killed) == tables(&whole));
                 std::fs::remove_dir_all(&killed).unwrap();
@@ -136,7 +136,7 @@ fn a_study_that_is_killed_ends_with_the_same_bytes() {
     assert!(bytes(&killed) == bytes(&whole));
 }
 
-/// Protects against two processes on one shard, and children that outlive who started them.
+/// Protects against two processes on one shard, and children that outlive their parent.
 #[cfg(unix)]
 #[test]
 fn jobs_end_with_who_started_them() {
@@ -161,11 +161,11 @@ fn jobs_end_with_who_started_them() {
         "{}",
         stderr(&busy)
     );
-    // As the system kills: no handler runs.
+    // Killed by the system: no handler runs.
     program.kill().unwrap();
     program.wait().unwrap();
     for work in works {
-        // The lock goes with the process.
+        // The lock is released with the process.
         let file = std::fs::File::open(&work).unwrap();
         file.lock().unwrap();
     }
@@ -217,8 +217,8 @@ const TINY: &str = r#"Study(
     settings: All(waves: [64], iterations: [1]),
 )"#;
 
-/// Protects tables from shards whose checksums are right and whose numbers cannot be: each is named by file,
-/// line and column, and no table is written.
+/// Protects tables from shards with correct checksums and impossible numbers: each is named by file, line and column,
+/// and no table is written.
 #[test]
 fn forged_shards_are_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -252,7 +252,7 @@ fn forged_shards_are_refused() {
         refuse(&join, &told);
         refuse(&["study", &file, "-o", &to, "-q"], &told);
         assert_eq!(contents(&out).len(), 1);
-        // The same while the shard was worked on.
+        // The same for a working file.
         let work = out.join("shards/00001-of-00001.work");
         std::fs::rename(&shard, &work).unwrap();
         refuse(
@@ -273,8 +273,8 @@ fn forged_shards_are_refused() {
     succeed(&join);
 }
 
-/// Protects what the program did not make: whatever has the name of a shard that is worked on stays as it is, and
-/// so does what it leads to.
+/// Protects files that the program did not create: a file with the name of a working shard stays unchanged, and so does
+/// the target of a link.
 #[cfg(unix)]
 #[test]
 fn strange_working_files_are_left_alone() {
@@ -336,7 +336,7 @@ fn strange_working_files_are_left_alone() {
         std::fs::remove_dir_all(&out).unwrap();
         assert!(contents(folder.path()) == before, "{number}");
     }
-    // Several processes look at it.
+    // Several processes inspect it.
     let out = place("out");
     std::fs::create_dir_all(out.join("shards")).unwrap();
     let pipe = out.join("shards/00002-of-00002.work");
@@ -353,7 +353,7 @@ fn strange_working_files_are_left_alone() {
     );
 }
 
-/// Protects what lies outside the folder of results: no name that the program chooses in it is followed. The folder
+/// Protects files outside the folder of results: the program follows no link under a name that it chooses. The folder
 /// itself may be a link, since the user names it.
 #[cfg(unix)]
 #[test]
@@ -380,7 +380,7 @@ fn results_stay_in_their_folder() {
     refuse(&all, "shards: it is a symbolic link");
     assert!(contents(&folder.path().join("elsewhere")).is_empty());
     std::fs::remove_file(out.join("shards")).unwrap();
-    // Another name of a file keeps its bytes.
+    // A hard link keeps its bytes.
     std::fs::hard_link(&victim, out.join("study.csv")).unwrap();
     let link = folder.path().join("link");
     symlink(&out, &link).unwrap();
@@ -390,7 +390,7 @@ fn results_stay_in_their_folder() {
     assert!(!folder.path().join("absent").exists());
 }
 
-/// Protects maps: a picture of a column over a grid of listeners, and a refusal where there is none.
+/// Protects maps: a picture of a column over a grid of listeners, and an error where there is no grid.
 #[test]
 fn a_grid_of_listeners_is_a_map() {
     let folder = tempfile::tempdir().unwrap();
@@ -426,7 +426,7 @@ fn a_grid_of_listeners_is_a_map() {
             "echogram_1000"
         ]
     );
-    // Each empty cell is counted with its reason, in study.json and in what is printed.
+    // Each empty cell is counted with its reason, in study.json and in the printed report.
     let note = std::fs::read_to_string(out.join("study.json")).unwrap();
     let note: serde_json::Value = serde_json::from_str(&note).unwrap();
     let mut counted = 0;
@@ -458,7 +458,7 @@ fn a_grid_of_listeners_is_a_map() {
     );
 }
 
-/// Protects the count: points are told without computing them, and nothing is written.
+/// Protects the count: the number of points is printed without computing them, and nothing is written.
 #[test]
 fn points_and_time_are_told_before() {
     let folder = tempfile::tempdir().unwrap();
@@ -472,7 +472,7 @@ fn points_and_time_are_told_before() {
     assert!(contents(folder.path()) == before);
 }
 
-/// Protects from typing errors: exit 2 and one sentence.
+/// Protects from typing errors: exit code 2 and one sentence.
 #[test]
 fn what_cannot_be_is_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -499,7 +499,7 @@ fn what_cannot_be_is_refused() {
     assert!(stderr(&output).contains("K from 1 to N"));
     let bad = study(folder.path(), &SMALL.replace("seeds:", "seed:"));
     refuse(&["study", &bad, "--count"], "study.ron:5:");
-    // A study that would be overwritten by its own table.
+    // A study that its own table would overwrite.
     let own = folder.path().join("study.csv");
     std::fs::write(&own, SMALL).unwrap();
     refuse(

@@ -1,5 +1,5 @@
-//! A headless Chromium, driven over the WebDriver protocol (W3C 2018): as much of it as the
-//! tests of the form need. Packages `chromium` and `chromium-driver`.
+//! A headless Chromium, driven over the WebDriver protocol (W3C 2018), as far as the tests of the form need it.
+//! Packages `chromium` and `chromium-driver`.
 
 use serde_json::{Value, json};
 use std::io::{BufRead, BufReader, Read, Write};
@@ -8,27 +8,27 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// How long anything may take before a test is given up: no machine is so busy.
+/// Longest wait before a test gives up: no machine is this slow.
 const TIMEOUT: Duration = Duration::from_secs(300);
 
-/// What the protocol calls an element.
+/// The protocol's key of an element.
 const ELEMENT: &str = "element-6066-11e4-a52e-4f735466cecf";
 
-/// The driver's process: ended when dropped.
+/// The driver's process, ended on drop.
 pub struct Driver {
     process: Child,
     port: u16,
 }
 
-/// One browser with one window: closed when dropped.
+/// One browser with one window, closed on drop.
 pub struct Browser<'a> {
     driver: &'a Driver,
     session: String,
 }
 
 impl Driver {
-    /// Chromedriver asks for the same free port on IPv4 and IPv6, and ends where another program has one of the two:
-    /// then it is started again.
+    /// Starts the driver. Chromedriver requests the same free port on IPv4 and IPv6, and ends if another program uses
+    /// one of the two: then it is started again.
     pub fn start() -> Driver {
         const STARTS: usize = 8;
         let mut said = String::new();
@@ -38,10 +38,10 @@ impl Driver {
                 Err(why) => said = why,
             }
         }
-        panic!("chromedriver did not start {STARTS} times; the last time it said: {said}");
+        panic!("chromedriver failed to start {STARTS} times; its last output: {said}");
     }
 
-    /// The driver, or what it said before it ended.
+    /// The driver, or its output before it ended.
     fn start_once() -> Result<Driver, String> {
         let mut process = Command::new("chromedriver")
             .arg("--port=0")
@@ -64,12 +64,12 @@ impl Driver {
         Err(said.join("\n"))
     }
 
-    /// A browser that keeps its data in `profile` and its downloads in `downloads`; without graphics.
+    /// A browser without graphics that keeps its data in `profile` and its downloads in `downloads`.
     pub fn open(&self, profile: &Path, downloads: &Path) -> Browser<'_> {
         self.open_with(profile, downloads, &["--disable-gpu"])
     }
 
-    /// The same with more of Chromium's flags.
+    /// The same with additional Chromium flags.
     pub fn open_with(&self, profile: &Path, downloads: &Path, flags: &[&str]) -> Browser<'_> {
         let data = format!("--user-data-dir={}", profile.display());
         let arguments = [
@@ -102,7 +102,7 @@ impl Driver {
         }
     }
 
-    /// One request; the `value` of the answer. Panics with what the driver says otherwise.
+    /// Sends one request and returns the `value` of the response. Panics with the driver's message otherwise.
     fn ask(&self, method: &str, path: &str, body: Option<&Value>) -> Value {
         let body = body.map(Value::to_string).unwrap_or_default();
         let mut stream = TcpStream::connect(("127.0.0.1", self.port)).unwrap();
@@ -156,7 +156,7 @@ impl Browser<'_> {
         self.ask("POST", "/url", Some(&json!({ "url": url })));
     }
 
-    /// Runs a script in every page that is loaded from now on, before the page's own.
+    /// Runs a script in every page loaded from now on, before the page's own.
     pub fn before_load(&self, script: &str) {
         let command = json!({
             "cmd": "Page.addScriptToEvaluateOnNewDocument",
@@ -171,7 +171,7 @@ impl Browser<'_> {
         found[ELEMENT].as_str().unwrap().to_owned()
     }
 
-    /// A click as a person does it: on what is seen and not covered.
+    /// Clicks as a user does: on a visible, uncovered element.
     pub fn click(&self, css: &str) {
         let element = self.element(css);
         self.ask(
@@ -181,7 +181,7 @@ impl Browser<'_> {
         );
     }
 
-    /// A click beside the middle of an element, in pixels to the right and down.
+    /// Clicks at an offset from the middle of an element, in pixels to the right and down.
     pub fn click_at(&self, css: &str, right: i32, down: i32) {
         let origin = json!({ ELEMENT: self.element(css) });
         let actions = json!({ "actions": [{
@@ -195,7 +195,7 @@ impl Browser<'_> {
         self.ask("POST", "/actions", Some(&actions));
     }
 
-    /// Keys pressed one after the other, wherever the focus is.
+    /// Presses keys one after the other, wherever the focus is.
     pub fn press(&self, keys: &str) {
         let strokes = keys
             .chars()
@@ -205,7 +205,7 @@ impl Browser<'_> {
         self.ask("POST", "/actions", Some(&actions));
     }
 
-    /// A key that is held for so long, wherever the focus is.
+    /// Holds a key for `time`, wherever the focus is.
     pub fn hold(&self, key: &str, time: Duration) {
         let actions = json!({ "actions": [{ "type": "key", "id": "keys", "actions": [
             { "type": "keyDown", "value": key },
@@ -215,13 +215,13 @@ impl Browser<'_> {
         self.ask("POST", "/actions", Some(&actions));
     }
 
-    /// Keys into an element; a path into a field for files.
+    /// Types into an element; a path into a file field.
     pub fn type_into(&self, css: &str, text: &str) {
         let path = format!("/element/{}/value", self.element(css));
         self.ask("POST", &path, Some(&json!({ "text": text })));
     }
 
-    /// What a function's body returns.
+    /// Runs a function's body and returns its result.
     pub fn run(&self, script: &str) -> Value {
         let call = json!({ "script": script, "args": [] });
         self.ask("POST", "/execute/sync", Some(&call))
@@ -233,7 +233,7 @@ impl Browser<'_> {
         text.as_str().unwrap().to_owned()
     }
 
-    /// Waits until the element's text holds this.
+    /// Waits until the element's text contains `part`.
     pub fn wait_for(&self, css: &str, part: &str) {
         let began = Instant::now();
         while !self.text(css).contains(part) {
@@ -246,7 +246,7 @@ impl Browser<'_> {
         }
     }
 
-    /// What the console was told of as an error, since it was last asked.
+    /// The errors logged by the console since the last call.
     pub fn errors(&self) -> Vec<String> {
         let log = self.ask("POST", "/se/log", Some(&json!({ "type": "browser" })));
         let lines = log.as_array().unwrap().iter();
@@ -256,8 +256,8 @@ impl Browser<'_> {
 }
 
 impl Drop for Browser<'_> {
-    /// Closes the browser as a person does, so that it keeps what it has to; after a test that has failed it is
-    /// closed too, whatever the driver answers.
+    /// Closes the browser as a user does, so that it saves its data; after a failed test it is closed too, whatever the
+    /// driver responds.
     fn drop(&mut self) {
         if !std::thread::panicking() {
             self.ask("DELETE", "", None);

@@ -1,21 +1,21 @@
-//! Options, sounds and places for output that are refused.
+//! Options, sounds and output paths that are refused.
 
 use super::{SCENE, folder, refusal};
 use crate::common::cli::{argument, json, refused, stderr};
 use std::path::Path;
 
-/// What the program says to arguments that are no arguments: a line, and the way to the help.
+/// The program's message for invalid arguments: one line, followed by the reference to the help.
 fn usage_refusal(folder: &Path, arguments: &[&str]) -> String {
     let output = refused(folder, arguments);
     let lines: Vec<&str> = stderr(&output).lines().collect();
     let [line, "", "For more information, try '--help'."] = lines[..] else {
-        panic!("{arguments:?}: not one line and the hint: {lines:?}");
+        panic!("{arguments:?}: expected one line and the hint: {lines:?}");
     };
     line.strip_prefix("error: ").unwrap().to_owned()
 }
 
-/// Protects the GPU and the user's time: each setting outside its range is refused before
-/// anything is traced, with the range and the value.
+/// Protects the GPU and the user's time: each setting outside its range is refused before tracing,
+/// with the range and the value.
 #[test]
 fn settings_out_of_range_are_refused() {
     let folder = folder();
@@ -81,7 +81,8 @@ fn lengths_and_rates_out_of_range_are_refused() {
     }
 }
 
-/// Protects words with a closed list: what is not in it is named, and the list is given.
+/// Protects options with a fixed list of words: the error names an unknown word, and gives the
+/// list.
 #[test]
 fn unknown_words_are_refused_with_those_there_are() {
     let folder = folder();
@@ -103,8 +104,8 @@ fn unknown_words_are_refused_with_those_there_are() {
     }
 }
 
-/// Protects named values: one that the scene does not have is refused with those it has, one
-/// that cannot be with what it would be, and nothing is drawn or traced.
+/// Protects named values: for an unknown value the error lists the scene's values, for an invalid
+/// one it states the resulting number, and nothing is drawn or traced.
 #[test]
 fn values_that_cannot_be_set_are_refused() {
     let folder = folder();
@@ -173,9 +174,9 @@ fn sounds_that_cannot_be_played_are_refused() {
     }
 }
 
-/// Protects the user's time and files: a place that cannot be written is refused before
-/// anything is traced. (A folder of mode 0 would stop no test that runs as root; a file in the
-/// place of a folder stops everyone.)
+/// Protects the user's time and files: a path that cannot be written is refused before tracing. (A
+/// folder of mode 0 would not stop a test that runs as root; a file in place of a folder stops
+/// everyone.)
 #[test]
 fn places_that_cannot_be_written_are_refused() {
     let folder = folder();
@@ -190,7 +191,7 @@ fn places_that_cannot_be_written_are_refused() {
             let start = format!("cannot write {place}: ");
             assert!(sentence.starts_with(&start), "{sentence}");
         }
-        // Neither a device nor a folder nor a scene has the ending of what is written.
+        // Neither a device nor a folder nor a scene has the required ending.
         for place in ["/dev/null", ".", "scene.ron"] {
             let sentence = refusal(folder.path(), &[command, &[place]].concat());
             assert!(
@@ -211,12 +212,12 @@ fn places_that_cannot_be_written_are_refused() {
     );
 }
 
-/// Protects a finished file: a run that is refused half way leaves the older one as it was.
+/// Protects a finished file: a run that fails half way leaves the older file unchanged.
 #[test]
 fn a_refused_run_leaves_an_older_file() {
     let folder = folder();
     std::fs::write(folder.path().join("old.wav"), b"old").unwrap();
-    // The GPU is looked for after the place was found writable.
+    // The GPU is opened only after the path was found writable.
     refusal(
         folder.path(),
         &["render", "corner", "-o", "old.wav", "--gpu", "99"],
@@ -231,8 +232,8 @@ fn a_refused_run_leaves_an_older_file() {
     );
 }
 
-/// Protects whoever types an option of another command, or one thing twice: the sentence says what
-/// to do, and no tip leads astray.
+/// Protects users who type an option of another command, or one option twice: the sentence states
+/// what to do, and no tip is misleading.
 #[test]
 fn options_that_are_not_there_are_told_what_helps() {
     let folder = folder();
@@ -285,7 +286,7 @@ fn options_that_are_not_there_are_told_what_helps() {
     assert!(!stderr(&said).contains("as a value"));
 }
 
-/// Protects whoever asks the window for nothing, or for a law that is not heard.
+/// Protects users who ask for a window without frames, or for a law that has no effect.
 #[cfg(feature = "demo")]
 #[test]
 fn a_window_of_no_frames_is_refused() {
@@ -303,7 +304,7 @@ fn a_window_of_no_frames_is_refused() {
     }
 }
 
-/// Protects scripts: help that cannot be written is a failure, as all other output is.
+/// Protects scripts: help that cannot be written is an error, as for all other output.
 #[cfg(target_os = "linux")]
 #[test]
 fn output_that_cannot_be_written_is_told() {

@@ -1,5 +1,5 @@
-//! Input that cannot be used: one sentence that says what and where, exit code 2, and no file
-//! touched. Input that is merely odd: a warning, and a result.
+//! Unusable input: one sentence that states the mistake and its place, exit code 2, and no file
+//! changed. Input that is only odd: a warning, and a result.
 
 mod arguments;
 mod scene_files;
@@ -19,23 +19,23 @@ Scene(
 )
 ";
 
-/// A folder to work in, with `scene.ron` in it.
+/// A working folder that contains `scene.ron`.
 fn folder() -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("scene.ron"), SCENE).unwrap();
     folder
 }
 
-/// The one line that the program says to arguments that it refuses itself.
+/// The one line that the program prints for arguments that it refuses itself.
 fn refusal(folder: &Path, arguments: &[&str]) -> String {
     let output = refused(folder, arguments);
     let lines: Vec<&str> = stderr(&output).lines().collect();
     let [line] = lines[..] else {
-        panic!("{arguments:?}: not one line: {lines:?}");
+        panic!("{arguments:?}: expected one line: {lines:?}");
     };
     let sentence = line.strip_prefix("echomarch: ");
     let sentence = sentence.unwrap_or_else(|| panic!("{arguments:?}: {line}"));
-    // A cause that the sentence names must not follow it once more.
+    // A cause that the sentence contains must not follow it again.
     if let Some((_, cause)) = sentence.rsplit_once(": ") {
         assert_eq!(sentence.matches(cause).count(), 1, "{sentence}");
     }

@@ -1,28 +1,28 @@
-//! Scene files that are refused, at their line and column.
+//! Errors in scene files, with their line and column.
 
 use super::{SCENE, folder, refusal};
 
-/// The refusal of a scene file that says `text`.
+/// The error for a scene file with the content `text`.
 fn scene_refusal(text: &str) -> String {
     let folder = folder();
     let file = folder.path().join("scene.ron");
     std::fs::write(&file, text).unwrap();
     let trace = refusal(folder.path(), &["trace", "scene.ron"]);
-    // The same scene is refused the same way before a WAV is begun.
+    // `render` refuses the same scene in the same way before it creates a WAV.
     let render = refusal(folder.path(), &["render", "scene.ron", "-o", "out.wav"]);
     assert_eq!(trace, render);
     trace
 }
 
-/// A change to [`SCENE`], and where and how it is refused.
+/// A change to [`SCENE`], and its expected error.
 struct Spoilt {
-    /// Text in [`SCENE`], once.
+    /// Text that occurs once in [`SCENE`].
     text: &'static str,
-    /// What stands there instead.
+    /// Its replacement.
     with: &'static str,
     /// Line, counted from 1.
     line: usize,
-    /// What the program's sentence must contain.
+    /// Text that the program's sentence must contain.
     says: &'static str,
 }
 
@@ -89,8 +89,8 @@ const SPOILT: [Spoilt; 18] = [
     spoilt("(0, 5, 0)", "(0, 5)", 5, ""),
 ];
 
-/// Protects the author of a scene: whatever is wrong in the file, the sentence names the file,
-/// the line, a column within that line, and the field or the number.
+/// Protects the author of a scene: for any mistake in the file, the sentence names the file, the
+/// line, a column within that line, and the field or the number.
 #[test]
 fn a_scene_file_is_refused_at_its_line() {
     for Spoilt {
@@ -115,14 +115,14 @@ fn a_scene_file_is_refused_at_its_line() {
     }
 }
 
-/// Protects line and column themselves: broken syntax is pointed at where it breaks. Columns
-/// count characters, so that a name in another script does not shift them.
+/// Protects line and column themselves: they point to where the syntax breaks. Columns count
+/// characters, so that a name in another script does not shift them.
 #[test]
 fn broken_syntax_is_refused_at_its_line_and_column() {
     let cases = [
         // Two numbers without a comma: at the second one.
         ("(0, 5, 0)", "(0, 5 0)", "scene.ron:5:36: "),
-        // A bracket of the wrong kind: right after the colon before it.
+        // A bracket of the wrong kind: right after the preceding colon.
         (
             "position: (0, 5, 0)",
             "position: [0, 5, 0]",
@@ -145,7 +145,7 @@ fn broken_syntax_is_refused_at_its_line_and_column() {
     assert!(scene_refusal("").starts_with("scene.ron:1:1: "));
 }
 
-/// Protects what is refused about a scene as a whole: the sentence names the scene.
+/// Protects errors about a scene as a whole: the sentence names the scene.
 #[test]
 fn a_scene_without_surfaces_is_refused() {
     let surface = "\n        Surface(shape: Sphere(radius: 1), position: (0, 0, -9)),\n    ";
@@ -154,7 +154,7 @@ fn a_scene_without_surfaces_is_refused() {
     assert!(sentence.contains("\"scene\" has no surfaces"), "{sentence}");
 }
 
-/// Protects whoever mistypes a scene: built-in names are listed, files named with the cause.
+/// Protects users who mistype a scene: built-in names are listed, files are named with the cause.
 #[test]
 fn scenes_that_are_not_there_are_refused() {
     let folder = folder();
@@ -175,7 +175,7 @@ fn scenes_that_are_not_there_are_refused() {
     );
 }
 
-/// Protects scenes that name files: a missing one is refused with its path.
+/// Protects scenes that refer to files: the error for a missing file contains its path.
 #[test]
 fn files_of_a_scene_that_are_missing_are_refused() {
     let shapes = [

@@ -1,4 +1,4 @@
-//! Scenes that are odd, and marches that reach the step limit: a warning, and a result.
+//! Odd scenes, and marches that reach the step limit: a warning, and a result.
 
 use super::{SCENE, folder};
 use crate::common::cli::{argument, json, stderr, stdout, succeed};
@@ -8,7 +8,7 @@ use tempfile::TempDir;
 /// One iteration of the thesis' algorithm.
 const THESIS_ONCE: &[&str] = &["--profile", "thesis", "--iterations", "1"];
 
-/// A scene file of this text, in a folder that lasts as long as it is held.
+/// A scene file with this text, in a folder that exists as long as it is held.
 fn scene_file(text: &str) -> (TempDir, PathBuf) {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("scene.ron");
@@ -16,7 +16,7 @@ fn scene_file(text: &str) -> (TempDir, PathBuf) {
     (folder, file)
 }
 
-/// The warnings that a scene file is traced with.
+/// The warnings when a scene file is traced.
 fn warnings(text: &str) -> Vec<String> {
     let folder = folder();
     let file = folder.path().join("odd.ron");
@@ -28,7 +28,7 @@ fn warnings(text: &str) -> Vec<String> {
     lines.map(str::to_owned).collect()
 }
 
-/// Protects scenes that are odd on purpose: they run, and what is odd is named.
+/// Protects scenes that are odd on purpose: they run, and a warning names the oddity.
 #[test]
 fn odd_places_are_warned_of() {
     assert_eq!(warnings(SCENE), Vec::<String>::new());
@@ -48,11 +48,11 @@ fn odd_places_are_warned_of() {
     assert!(listener_in_wall[0].contains("listener's centre is 1 m inside surface 1"));
 }
 
-/// Protects the GPU from hanging: a march that would take more than 4096 steps ends,
-/// counted, and told. A wave that leaves at h = 0.01 m above a plane and sinks at a slope s
-/// comes down by the factor 1 − s with every step, and so is below 1e-6 m after
-/// ln(10⁴)/s = 9.2/s of them: too many for slopes under 0.0022, and such are 0.0022/2 of all
-/// start directions, 74 of 65,536. The thesis' own 0.1 m is met at once.
+/// Protects the GPU from hanging: a march of more than 4096 steps ends, is counted and reported. A
+/// wave that leaves at h = 0.01 m above a plane and sinks at a slope s comes down by the factor 1 −
+/// s with every step, and so is below 1e-6 m after ln(10⁴)/s = 9.2/s of them: too many for slopes
+/// under 0.0022, which are those of 0.0022/2 of all start directions, 74 of 65,536. The thesis' own
+/// 0.1 m is hit at once.
 #[test]
 fn marches_without_end_are_given_up_and_counted() {
     let (_folder, file) = scene_file(
@@ -68,12 +68,12 @@ Scene(
     let grazing = [once.as_slice(), &["--min-distance", "1e-6"]].concat();
     let report = json(&grazing);
     let step_limit_reached = report["step_limit_reached"].as_u64().unwrap();
-    // Five standard errors of a count about 74: √74 = 8.6.
+    // Five standard errors of a count of about 74: √74 = 8.6.
     assert!(
         (31..=117).contains(&step_limit_reached),
         "{step_limit_reached}"
     );
-    // Those that reached the step limit are dead, as are those that went up to the sky: about half.
+    // Waves that reached the step limit are dead, as are those that went up to the sky: about half.
     let dead = report["dead"].as_u64().unwrap();
     assert!(dead > 30_000 && dead < 36_000, "{dead}");
     let output = succeed(&grazing);
@@ -83,8 +83,7 @@ Scene(
     assert_eq!(json(&once)["step_limit_reached"], 0);
 }
 
-/// Protects the step limit's number where fields are marched: tori without end, between which waves
-/// fly far.
+/// Protects the step limit for marched fields: endless tori, between which waves fly far.
 #[test]
 fn the_step_limit_of_fields_is_told() {
     let (_folder, file) = scene_file(
@@ -117,7 +116,7 @@ Scene(
     assert!(stderr(&output).contains(&told), "{}", stderr(&output));
 }
 
-/// Protects against a hang in a scene without walls: the least minimum distances end too.
+/// Protects against a hang in a scene without walls: the smallest minimum distances end too.
 #[test]
 fn the_least_minimum_distance_ends() {
     for metres in ["1e-6", "1e-30"] {

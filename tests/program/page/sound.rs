@@ -1,12 +1,12 @@
-//! The page's sound: recorded from its own audio graph, stopped, with a text that is refused, and where a browser does
-//! not have what it needs.
+//! The page's sound: recorded from its own audio graph, stopped, with a refused text, and in browsers that lack a
+//! required feature.
 
 use super::{FLAGS, Stage, TIMEOUT, on_page, wait, write_text};
 use crate::webdriver::Browser;
 use std::time::{Duration, Instant};
 
-/// Decibels of either channel of the last 32,768 samples that the page has played (0.7 s at 48 kHz), recorded by its
-/// own audio graph.
+/// Levels in decibels of both channels over the last 32,768 samples played by the page (0.7 s at 48 kHz), recorded by
+/// its own audio graph.
 const RECORD: &str = "
     const { context, output } = echomarch.sound();
     if (window.recorded !== context) {
@@ -27,7 +27,7 @@ const RECORD: &str = "
         return 10 * Math.log10(samples.reduce((sum, s) => sum + s * s, 0) / samples.length + 1e-12);
     });";
 
-/// Records for so many seconds from now on, and gives the levels at their end.
+/// Records for `seconds` seconds from now, and returns the levels at the end.
 fn levels(browser: &Browser, seconds: f64) -> [f64; 2] {
     browser.run(
         "if (window.recorders) window.since = echomarch.sound().context.currentTime; return 0",
@@ -71,7 +71,7 @@ fn turn_round(browser: &Browser) {
 
 /// Waits until one side is louder, and records it.
 fn check_side(browser: &Browser, side: Side, what: &str) {
-    /// Decibels between the channels at the least: a source at the side is panned by 10 dB and more.
+    /// Smallest difference between the channels in decibels: a source at the side is panned by at least 10 dB.
     const LOUDER_DB: f64 = 6.0;
     let difference = |[left, right]: [f64; 2]| match side {
         Side::Left => left - right,
@@ -89,8 +89,8 @@ fn check_side(browser: &Browser, side: Side, what: &str) {
     assert!(difference(recorded) > LOUDER_DB, "{what}: {recorded:?}");
 }
 
-/// Protects ears: what is played comes from the side where the source is, in full and as the balance alone, and
-/// changes when the listener turns round.
+/// Protects the direction of sound: it comes from the side of the source, in full and as the balance alone, and changes
+/// when the listener turns round.
 #[test]
 #[ignore = "scripts/browser-test.sh builds the page first"]
 fn a_page_plays_the_source_where_it_is() {
@@ -104,8 +104,8 @@ fn a_page_plays_the_source_where_it_is() {
     });
 }
 
-/// Protects ears from a text that is being edited: while it is none, another sound is played in the last good scene,
-/// and one is heard where one stands.
+/// Protects the sound while a text is edited: while it is invalid, another sound can be chosen and plays in the last
+/// good scene, and the listener's place still takes effect.
 #[test]
 #[ignore = "scripts/browser-test.sh builds the page first"]
 fn a_refused_text_does_not_hold_up_the_ears() {
@@ -121,8 +121,8 @@ fn a_refused_text_does_not_hold_up_the_ears() {
     });
 }
 
-/// Protects ears from updates that nobody plays: while the sound is stopped none are made, and after it one hears
-/// where one stands by then.
+/// Protects from unused updates: none are made while the sound is stopped, and afterwards the listener's current place
+/// is heard.
 #[test]
 #[ignore = "scripts/browser-test.sh builds the page first"]
 fn a_sound_that_was_stopped_goes_on_where_one_stands() {
@@ -152,7 +152,8 @@ fn a_sound_that_was_stopped_goes_on_where_one_stands() {
     });
 }
 
-/// Protects whoever serves the page without encryption from silence: it says what sound needs, and goes on.
+/// Protects users who serve the page without encryption from unexplained silence: the page states what sound needs, and
+/// continues.
 #[test]
 #[ignore = "scripts/browser-test.sh builds the page first"]
 fn a_page_that_may_not_play_says_why() {
@@ -168,8 +169,7 @@ fn a_page_that_may_not_play_says_why() {
     assert_eq!(browser.errors(), Vec::<String>::new());
 }
 
-/// Protects ears where nothing can be traced for them: it is told, the balance is played, and nothing else can be
-/// chosen.
+/// Protects sound where nothing can be traced in full: the page says so, plays the balance, and offers no other choice.
 #[test]
 #[ignore = "scripts/browser-test.sh builds the page first"]
 fn without_ears_the_balance_is_played() {

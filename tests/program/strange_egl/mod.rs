@@ -1,4 +1,4 @@
-//! Libraries that are found as libEGL and are none, and those that list no device.
+//! Libraries named libEGL that are not EGL, and those that list no devices.
 #![cfg(target_os = "linux")]
 
 use crate::common::cli::{argument, command, json, stderr};
@@ -6,13 +6,13 @@ use std::path::Path;
 use std::process::{Command, Output};
 use tempfile::TempDir;
 
-/// The file that is compiled to a libEGL that passes calls on.
+/// The C file of a libEGL that forwards calls.
 const FORWARD: &str = concat!(
     env!("CARGO_MANIFEST_DIR"),
     "/tests/program/strange_egl/forward.c"
 );
 
-/// A folder with a libEGL made of that C file.
+/// A folder with a libEGL compiled from that C file.
 fn library(source: &Path, definitions: &[String]) -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     let made = Command::new("cc")
@@ -27,20 +27,20 @@ fn library(source: &Path, definitions: &[String]) -> TempDir {
     folder
 }
 
-/// One frame of the program, which finds that library first.
+/// Runs one frame of the program, which finds that library first.
 fn trace(folder: &TempDir, arguments: &[&str]) -> Output {
     command()
         .args(["trace", "corner", "--waves", "1024", "--json"])
         .args(arguments)
         .env("LD_LIBRARY_PATH", folder.path())
-        // What Mesa's default display is without a window system.
+        // The platform of Mesa's default display without a window system.
         .env("EGL_PLATFORM", "surfaceless")
         .output()
         .unwrap()
 }
 
-/// Protects from a stub that is found first, as browsers bring some: one sentence, no crash, and the API that needs no
-/// EGL works.
+/// Protects from a stub that is found first, such as those shipped by browsers: one sentence, no crash, and the API
+/// that needs no EGL works.
 #[test]
 fn a_libegl_without_functions_is_told() {
     for text in [
@@ -65,7 +65,7 @@ fn a_libegl_without_functions_is_told() {
     }
 }
 
-/// Where the machine's own libEGL lies.
+/// Path of the machine's own libEGL.
 fn real_library() -> String {
     let known = Command::new("/sbin/ldconfig").arg("-p").output().unwrap();
     let known = String::from_utf8(known.stdout).unwrap();
@@ -74,8 +74,8 @@ fn real_library() -> String {
     path.trim().to_owned()
 }
 
-/// Protects drivers that list no device: the surfaceless platform is taken, or else the default display, with a surface
-/// where the driver wants one; the frame is the same.
+/// Protects drivers that list no devices: the surfaceless platform is used, or else the default display, with a surface
+/// if the driver needs one; the frame is the same.
 #[test]
 fn contexts_are_made_without_a_list_of_devices() {
     let arguments = ["trace", "corner", "--waves", "1024"];

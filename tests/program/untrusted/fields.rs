@@ -1,5 +1,5 @@
-//! Users' GLSL from someone who means no good, or who does not know better: it is refused in one
-//! sentence or traced, and neither ends, holds up nor fills the program.
+//! Users' GLSL written with malice or without knowledge: it is refused in one sentence or traced,
+//! and never ends the program, hangs it or fills its memory.
 
 use crate::common::cli::{argument, command, stderr};
 use crate::common::context;
@@ -28,10 +28,10 @@ const BALL: &str = "float field(vec3 p) { return length(p) - 1.0; }\n";
 const DIVISION: &str =
     "float field(vec3 p) { p.x += float((-2147483647 - 1) / -1); return length(p) - 1.0; }\n";
 
-/// Kibibytes of data that a process and each of its children may have.
+/// Maximum data size of a process and of each of its children, in kibibytes.
 const MEMORY: &str = "2000000";
 
-/// A ball of one metre, less what these statements do before.
+/// A ball of one metre, preceded by these statements.
 fn before(statements: &str) -> String {
     format!("float field(vec3 p) {{ {statements} return length(p) - 1.0; }}\n")
 }
@@ -45,7 +45,7 @@ fn doubling(levels: usize) -> String {
     text + &format!("float field(vec3 p) {{ return 1.0 A{levels}; }}\n")
 }
 
-/// Calls that double, to be inlined: what compilers do with that takes seconds.
+/// Calls that double, to be inlined: compilers need seconds for that.
 fn doubling_calls(start: &str) -> String {
     let call = |n: usize| {
         format!(
@@ -93,7 +93,7 @@ fn refuses(text: &str, told: &str) {
     assert!(said.len() < 500, "{start}: {said}");
 }
 
-/// Whatever a renderer makes of it: one sentence, or a frame.
+/// Accepts one sentence or a frame, depending on the renderer.
 fn refuses_or_traces(text: &str) {
     let output = trace(text);
     let said = stderr(&output);
@@ -105,7 +105,7 @@ fn refuses_or_traces(text: &str) {
     }
 }
 
-/// Protects the program from what is told apart before anything is compiled.
+/// Protects the program from texts that are recognised before anything is compiled.
 #[test]
 fn what_a_field_cannot_be_is_refused_by_name() {
     refuses(&before("discard;"), "'discard'");
@@ -152,8 +152,8 @@ fn what_a_field_cannot_be_is_refused_by_name() {
     refuses(&(globals + BALL), "");
 }
 
-/// Protects the program from drivers' compilers that die, fill the memory or do not end, and
-/// from loops that do not.
+/// Protects the program from drivers' compilers that crash, fill the memory or hang, and from
+/// endless loops.
 #[test]
 fn what_dies_or_does_not_end_is_refused() {
     refuses(DIVISION, "SIGFPE");
@@ -190,7 +190,7 @@ fn what_dies_or_does_not_end_is_refused() {
     );
 }
 
-/// Protects the program whatever a driver makes of these: it may take them or not.
+/// Protects the program whatever a driver does with these: it may accept them or not.
 #[test]
 fn what_strains_a_compiler_ends_in_a_sentence_or_a_frame() {
     let minus = "- ".repeat(20_000);
@@ -233,7 +233,7 @@ fn what_strains_a_compiler_ends_in_a_sentence_or_a_frame() {
     }
 }
 
-/// Protects what people write from being refused with the rest.
+/// Protects harmless texts from being refused with the rest.
 #[test]
 fn what_is_harmless_is_traced() {
     for text in [
@@ -249,7 +249,7 @@ fn what_is_harmless_is_traced() {
     }
 }
 
-/// Protects pictures, which are drawn by programs of their own.
+/// Protects pictures, which are drawn by separate programs.
 #[test]
 fn pictures_are_refused_as_frames_are() {
     let folder = tempfile::tempdir().unwrap();
@@ -285,7 +285,7 @@ fn scene(text: &str) -> Scene {
     )
 }
 
-/// A command that notes each start in `log`, and goes on once `go` is there.
+/// A command that logs each start in `log`, and continues once `go` exists.
 fn noting(folder: &Path) -> TrialCommand {
     let script = format!(
         "echo >> log; until [ -e go ]; do sleep 0.05; done; exec {} field-trial",
@@ -303,7 +303,7 @@ fn starts(folder: &Path) -> usize {
     log.map_or(0, |log| log.lines().count())
 }
 
-/// What the files bring next, once the child has answered.
+/// The next change of the files, once the child has answered.
 fn settle(reloading: &mut Reloading, tracer: &mut Tracer, settings: &Settings) -> Reload {
     loop {
         match reloading.poll(tracer, settings) {
@@ -313,9 +313,9 @@ fn settle(reloading: &mut Reloading, tracer: &mut Tracer, settings: &Settings) -
     }
 }
 
-/// Protects programs that use the library: they choose how fields are tried; what a child has
-/// found out is what this process would have; nothing is tried twice; and who follows files
-/// never waits. One test, for the choice is the process' own.
+/// Protects programs that use the library: they choose how fields are tried; a child's results are
+/// the same as this process' own; nothing is tried twice; and following files never blocks. One
+/// test, since the choice applies to the whole process.
 #[test]
 fn a_library_chooses_how_fields_are_tried() {
     let folder = tempfile::tempdir().unwrap();
@@ -330,7 +330,7 @@ fn a_library_chooses_how_fields_are_tried() {
     std::fs::write(folder.join("go"), "").unwrap();
     let mut tracer = Tracer::new(&context).unwrap();
     let tried = scene(BALL);
-    // What the CPU knows of the field stands in its samples.
+    // The CPU's values of the field are in its samples.
     let values = |scene: &Scene| {
         let field = scene.user_fields().next().unwrap();
         let diagonal = (-10..=10).map(|step| DVec3::splat(0.1 * f64::from(step)));
@@ -359,7 +359,7 @@ fn a_library_chooses_how_fields_are_tried() {
         error.starts_with("f.glsl:1: ") && error.contains("one"),
         "{error}"
     );
-    // The program's own needs no child.
+    // The built-in shapes need no child.
     tracer
         .check(&Scene::builtin("menger").unwrap(), &settings)
         .unwrap();
@@ -420,8 +420,8 @@ mod window {
     use crate::common::window::Display;
     use std::path::PathBuf;
 
-    /// Protects whoever walks in a scene whose field changes into one that kills: the window
-    /// tells it, and goes on with the last good scene.
+    /// Protects users in a scene whose field changes into one that kills: the window reports it,
+    /// and continues with the last good scene.
     #[test]
     fn the_window_outlives_every_field() {
         let folder = tempfile::tempdir().unwrap();
@@ -461,9 +461,9 @@ mod window {
         scene
     }
 
-    /// Protects whoever walks about from waiting for the trial of a scene that they choose: the
-    /// window goes on with the last good scene, says so, and takes the new one once its field was
-    /// tried; or never, when that is refused or another one is chosen meanwhile.
+    /// Protects users from waiting for the trial of a chosen scene: the window continues with the
+    /// last good scene, says so, and shows the new one after its field was tried; or never, if it
+    /// is refused or another one is chosen meanwhile.
     #[test]
     fn a_scene_that_is_chosen_is_tried_aside() {
         let folder = tempfile::tempdir().unwrap();
@@ -478,7 +478,7 @@ mod window {
             drop_file(&display.name, &window, scene);
             demo.wait_for(&format!("{} is being tried", scene.display()));
         };
-        // The trial ends after seconds, the window draws many frames a second.
+        // The trial ends after seconds, the window draws many frames per second.
         let wait_tried = |scene: &Path| {
             let mut frames = 0;
             demo.wait_until("frames during the trial", |frame| {
@@ -494,7 +494,7 @@ mod window {
         let after = demo.wait_until("the end of the trial", |frame| frame["trying"].is_null());
         assert_eq!(after["scene"], "corner");
 
-        // It comes last of those to choose from, and the first follows it.
+        // It is last in the list of scenes, and the first follows it.
         choose(&second);
         wait_tried(&second);
         display.xdotool(&["key", "n"]);

@@ -30,7 +30,7 @@ fn head(width: u32, height: u32, depth: u8, colour: u8) -> Vec<u8> {
     head
 }
 
-/// Protects from waiting for pipes and from devices without an end, wherever a file is named.
+/// Protects from waiting for pipes and from endless devices, wherever a file is given.
 #[test]
 fn only_regular_files_are_read() {
     let folder = folder_with("Field(file: \"/dev/zero\", lipschitz: 1, size: (1, 1, 1))");
@@ -64,8 +64,8 @@ fn only_regular_files_are_read() {
     }
 }
 
-/// Protects the memory: what is too large is refused before it is read or decoded, and the
-/// message has the limit.
+/// Protects the memory: a file that is too large is refused before it is read or decoded, and the
+/// message contains the limit.
 #[test]
 fn large_files_are_refused_with_the_limit() {
     let folder = folder_with("HeightField(image: \"h.png\", size: (9, 2, 9))");
@@ -83,21 +83,21 @@ fn large_files_are_refused_with_the_limit() {
     };
     sparse("large.wav", &wav_header(1, 48_000, 8, 400 << 20), 400 << 20);
     assert!(render("large.wav").contains("larger than 268435456 bytes"));
-    // Within the limit on the file, and too long all the same.
+    // Within the limit on the file size, but too long.
     sparse(
         "long.wav",
         &wav_header(1, 48_000, 8, 200 << 20),
         (200 << 20) + 44,
     );
     assert!(render("long.wav").contains("at most 33554432 are read"));
-    // Short as it is, too long once it is resampled.
+    // Short, but too long after resampling.
     sparse(
         "slow.wav",
         &wav_header(1, 1_000, 8, 1 << 20),
         (1 << 20) + 44,
     );
     assert!(render("slow.wav").contains("50331648 at 48000 Hz"));
-    // A picture of 3.6 GB that was packed well.
+    // A well compressed picture of 3.6 GB.
     let chunks = [
         (b"IHDR", head(30_000, 30_000, 16, 2)),
         (b"IDAT", vec![0; 9]),
@@ -122,7 +122,7 @@ fn large_files_are_refused_with_the_limit() {
     assert!(said.contains("larger than 16777216 bytes"), "{said}");
 }
 
-/// Protects from pictures whose palette is not one of whole colours, at which the decoder
+/// Protects from pictures whose palette does not consist of whole colours, on which the decoder
 /// would panic.
 #[test]
 fn a_broken_palette_is_refused() {
@@ -155,7 +155,7 @@ fn samples_far_beyond_full_scale_are_refused() {
         let said = refusal(folder.path(), &arguments);
         assert!(said.contains("sample 7"), "{value}: {said}");
     }
-    // Integers that were written as floats.
+    // Integers written as floats.
     std::fs::write(folder.path().join("v.wav"), float_wav(&[2e9, -2e9, 0.0])).unwrap();
     let few = ["--seconds", "0.05", "--waves", "64"];
     let output = run_in(folder.path(), &[&arguments[..], &few].concat());

@@ -1,5 +1,5 @@
-//! Untrusted files: what they hold is read within limits, shown as text and
-//! nothing else, and the files are never overwritten.
+//! Untrusted files: their contents are read within limits and shown only as text, and the files are
+//! never overwritten.
 #![cfg(unix)]
 
 mod fields;
@@ -13,7 +13,7 @@ use crate::common::cli::{refused, stderr};
 use std::path::Path;
 use tempfile::TempDir;
 
-/// A scene with this shape, and this name where it has one.
+/// A scene with this shape.
 fn scene(shape: &str) -> String {
     format!(
         "Scene(surfaces: [Surface(shape: {shape})], source: Source(position: (-3, 5, 1)), \
@@ -21,21 +21,21 @@ fn scene(shape: &str) -> String {
     )
 }
 
-/// A folder to work in, with `scene.ron` in it.
+/// A working folder that contains `scene.ron`.
 fn folder_with(shape: &str) -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("scene.ron"), scene(shape)).unwrap();
     folder
 }
 
-/// Runs the program in `folder`: it must refuse in one sentence, which comes back, and leave
-/// everything as it is.
+/// Runs the program in `folder`: it must refuse in one sentence, which is returned, and leave
+/// everything unchanged.
 fn refusal(folder: &Path, arguments: &[&str]) -> String {
     let output = refused(folder, arguments);
     let said = stderr(&output);
     let lines = said.lines().filter(|line| line.starts_with("echomarch: "));
     let [line] = lines.collect::<Vec<_>>()[..] else {
-        panic!("{arguments:?}: not one sentence: {said}");
+        panic!("{arguments:?}: expected one sentence: {said}");
     };
     line.to_owned()
 }

@@ -1,4 +1,4 @@
-//! Names out of files, in terminals, tables and pages.
+//! Names from files, in terminals, tables and pages.
 
 use super::{answers, folder_with, refusal, scene};
 use crate::common::cli::{run_in, stderr, stdout};
@@ -46,7 +46,7 @@ fn no_name_reaches_a_terminal_as_it_is() {
         std::fs::write(folder.join("a.json"), file).unwrap();
         check_shown(&refusal(folder, &["localise", "score", "a.json"]));
     }
-    // The file's own name stands for the scene's.
+    // The file's own name replaces the scene's.
     std::fs::write(folder.join("\u{1b}[31m\n.ron"), scene("Plane")).unwrap();
     let output = run_in(folder, &["trace", "\u{1b}[31m\n.ron", "--waves", "64"]);
     assert!(output.status.success());
@@ -58,7 +58,7 @@ fn no_name_reaches_a_terminal_as_it_is() {
     assert!(serde_json::from_slice::<serde_json::Value>(&output.stdout).is_ok());
 }
 
-/// Within the limits on messages, and nothing in it but what can be seen.
+/// Checks that a message is within the limits and contains only visible characters.
 fn check_shown(said: &str) {
     assert!(said.chars().count() <= 1000, "{} characters", said.len());
     let hidden = |c: char| c.is_control() || c == '\u{202e}';
@@ -77,7 +77,7 @@ fn messages_of_many_lines_are_cut() {
     assert!(stderr(&output).lines().count() <= 10, "{}", stderr(&output));
 }
 
-/// Protects spreadsheets from names that they would take for formulas.
+/// Protects spreadsheets from names that they would interpret as formulas.
 #[test]
 fn no_csv_cell_is_a_formula() {
     let folder = tempfile::tempdir().unwrap();
@@ -94,8 +94,8 @@ fn no_csv_cell_is_a_formula() {
     }
 }
 
-/// Protects the form from names that HTML gives a meaning to: a script element that is begun
-/// in one never ends.
+/// Protects the form from names with a meaning in HTML: a script element opened inside a name would
+/// never end.
 #[test]
 fn a_form_holds_names_as_data() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,9 +1,9 @@
-//! Scene files that would take long, or that become impossible while things move.
+//! Scene files that would take long, or that become invalid while things move.
 
 use super::{folder_with, refusal};
 use crate::common::cli::{run_in, stderr};
 
-/// Protects from scenes that are good at their key frames and impossible between them: each
+/// Protects from scenes that are valid at their key frames and invalid between them: each
 /// subcommand refuses them, with the time.
 #[test]
 fn what_is_impossible_between_keys_is_refused_with_its_time() {
@@ -24,8 +24,8 @@ fn what_is_impossible_between_keys_is_refused_with_its_time() {
     }
 }
 
-/// Protects from files with very many key frames: each is looked at a few times, not as often
-/// as there are others.
+/// Protects from files with very many key frames: each is read a few times, not once for every
+/// other.
 #[test]
 fn a_hundred_thousand_key_frames_are_read() {
     let keys: Vec<String> = (0..100_000).map(|n| format!("({n},1.{})", n % 7)).collect();
@@ -34,7 +34,7 @@ fn a_hundred_thousand_key_frames_are_read() {
     assert!(output.status.success(), "{}", stderr(&output));
 }
 
-/// Protects from scenes whose shader the driver would compile for minutes, or die of.
+/// Protects from scenes whose shader would take the driver minutes to compile, or crash it.
 #[test]
 fn what_compiles_for_minutes_is_refused() {
     let planes = "Plane), Surface(shape: ".repeat(600) + "Plane";
