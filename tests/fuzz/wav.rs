@@ -1,4 +1,4 @@
-//! Sounds: WAV files of every supported kind, and of some unsupported ones.
+//! Sounds: WAV files of every supported kind, and of some unsupported kinds.
 
 use super::Target;
 use super::scratch::with_file;

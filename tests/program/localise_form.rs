@@ -132,7 +132,7 @@ fn begin(browser: &Browser, page: &Path, downloads: &Path) -> PathBuf {
     browser.wait_for("#number", "Sound 1 of 3");
     answer(browser, 90, 0, "right", 4);
     browser.wait_for("#number", "Sound 2 of 3");
-    // Looking back shows the answer and lets nothing be changed.
+    // Looking back shows the answer and allows no changes.
     browser.click("#back");
     browser.wait_for("#missing", "locked");
     click_beside(browser, -90, 0);

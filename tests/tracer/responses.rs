@@ -41,7 +41,7 @@ impl Shoebox {
         Scene::shoebox(self.size, &self.absorption, source, listener)
     }
 
-    /// By image sources.
+    /// The exact figures, by image sources.
     fn truth(&self, seconds: f64) -> Figures {
         let [size, source, listener] =
             [self.size, self.source, self.listener].map(|v| v.as_dvec3());

@@ -11,7 +11,7 @@ use echomarch::scene::Material;
 use echomarch::scene::shape::{Cuboid, Room};
 use echomarch::{Listener, Scene, Settings, Source, Surface, Tracer};
 
-/// 1 kHz.
+/// Index of the 1 kHz band.
 const BAND: usize = 4;
 
 /// The errors of G in the rooms below are at most half of this.

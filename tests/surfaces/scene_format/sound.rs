@@ -71,7 +71,7 @@ fn everything_that_is_said_is_in_the_scene() {
     assert_eq!(scene.listener.yaw, 30f32.to_radians());
 }
 
-/// Protects the two forms: a list of one source is the single source.
+/// Protects the two forms: a list of one source or listener equals the short form.
 #[test]
 fn a_list_of_one_is_the_short_form() {
     let short = "Scene(surfaces: [Surface(shape: Plane)], source: Source(position: (0, 1, 0)), \

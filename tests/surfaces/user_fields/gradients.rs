@@ -336,7 +336,7 @@ fn no_edge_that_is_far_spoils_a_normal() {
                 continue;
             }
             met += 1;
-            // The solid is the union of both planes': the lower value belongs to the plane that is hit.
+            // The solid is the union of both half spaces: the lower value belongs to the plane that is hit.
             let normal = plane(-p.x.signum());
             let d = wave.start_direction.as_dvec3();
             let mirrored = d - 2.0 * d.dot(normal) * normal;
