@@ -28,7 +28,7 @@ pub fn json(arguments: &[&str]) -> serde_json::Value {
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
-/// Runs it and requires that it refuses the input with one sentence that contains `told`.
+/// Runs it and requires that it refuses the input with one sentence that contains the given text.
 pub fn refuse(arguments: &[&str], told: &str) {
     let output = echomarch(arguments);
     let said = stderr(&output);

@@ -114,7 +114,7 @@ fn named_values_are_set_by_option_and_slider() {
         set.and_then(|pair| pair[1].as_f64())
     };
     demo.wait_until("60°", |frame| value(frame, "door") == Some(60.0));
-    // The slider of "width", from a quarter of 2 m to four times as much, below that of "door".
+    // The slider of "width", from a quarter of 2 m to four times 2 m, below that of "door".
     let window = demo.window();
     display.xdotool(&["mousemove", "--window", &window, "870", "110"]);
     demo.wait_frames();

@@ -80,7 +80,7 @@ fn every_pair_is_told() {
         direct["azimuth_deg"].as_f64() < Some(0.0),
         "the flute is to the left"
     );
-    // Behind the wall there is no direct sound, but there are echoes.
+    // Behind the wall there are only echoes, without direct sound.
     assert!(behind["direct"].is_null());
     assert!(numbers(&behind["g_db"])[0] < numbers(&near["g_db"])[0]);
     assert!(!behind["paths"].as_array().unwrap().is_empty());

@@ -195,7 +195,7 @@ fn a_page_counts_what_the_program_counts() {
                 !page.iter().zip(&program).any(differ),
                 "{scene}: {page:?}, {program:?}"
             );
-            assert!(page[0] > 0, "{scene}: nothing is heard");
+            assert!(page[0] > 0, "{scene}: no hits");
         }
         let milliseconds = browser.run("return Array.from(echomarch.page.frame())[6]");
         let renderer = browser.run("return echomarch.page.renderer()");

@@ -83,7 +83,7 @@ fn a_study_is_the_same_however_it_was_cut() {
     assert!(tables(&jobs) == expected);
 }
 
-/// Number of lines in a working file: its first line and the rows so far.
+/// Number of lines in a working file: its first line and its rows.
 fn lines_of(work: &Path) -> usize {
     let bytes = std::fs::read(work).unwrap_or_default();
     bytes.iter().filter(|byte| **byte == b'\n').count()
@@ -171,7 +171,7 @@ fn jobs_end_with_who_started_them() {
     }
 }
 
-/// Protects from shards that are damaged or of another study: each is named, and nothing is joined.
+/// Protects from shards that are damaged or of another study: the error names each, and no table is written.
 #[test]
 fn damaged_and_strange_shards_are_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -390,7 +390,7 @@ fn results_stay_in_their_folder() {
     assert!(!folder.path().join("absent").exists());
 }
 
-/// Protects maps: a picture of a column over a grid of listeners, and an error where there is no grid.
+/// Protects maps: a picture of a column over a grid of listeners, and an error without a grid.
 #[test]
 fn a_grid_of_listeners_is_a_map() {
     let folder = tempfile::tempdir().unwrap();
@@ -458,7 +458,7 @@ fn a_grid_of_listeners_is_a_map() {
     );
 }
 
-/// Protects the count: the number of points is printed without computing them, and nothing is written.
+/// Protects the count: the number of points is printed without computing them or writing files.
 #[test]
 fn points_and_time_are_told_before() {
     let folder = tempfile::tempdir().unwrap();

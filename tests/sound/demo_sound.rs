@@ -50,7 +50,7 @@ fn a_passing_source_is_heard_from_left_to_right_as_it_is_traced() {
         for range in [0.0..0.35, 0.35..0.65, 0.65..1.0] {
             let shares = traced(&report).into_iter().map(|[_, right]| right);
             let there = shares.filter(|share| range.contains(share));
-            assert!(there.count() >= 2, "nothing was heard at {range:?}");
+            assert!(there.count() >= 2, "no sound at {range:?}");
         }
         return;
     }
@@ -125,7 +125,7 @@ fn a_sound_server_that_is_started_again_is_played_to_again() {
     let sound = &report["sound"];
     assert_eq!(sound["is_heard"], true, "{sound}");
     assert!(sound["restarts"].as_u64() >= Some(1), "{sound}");
-    // Nothing has moved.
+    // The scene is at rest.
     assert_eq!(traced(&report).last(), Some(&wanted));
 }
 

@@ -285,7 +285,7 @@ fn a_recording_follows_the_first_device_and_one_that_ended_is_followed_by_anothe
     }
 }
 
-/// Protects from sounds that pile up while there is no device: only the last of those chosen is heard, from its start.
+/// Protects from sounds that pile up without a device: only the last of those chosen is heard, from its start.
 #[test]
 fn of_sounds_that_were_chosen_without_a_device_the_last_is_heard() {
     let server = Server::start();

@@ -173,7 +173,7 @@ fn silence_is_glided_to_and_odd_gains_do_no_harm() {
     assert_eq!(out, [0.0; 8]);
 }
 
-/// Protects players from slices of the wrong length: an error is returned, and nothing is played.
+/// Protects players from slices of the wrong length: they get an error, and the mixer stays silent.
 #[test]
 fn a_stereo_slice_of_the_wrong_length_is_refused() {
     let mut mixer = Mixer::new(PanningLaw::Linear);

@@ -207,7 +207,7 @@ fn no_wave_passes_ground() {
 }
 
 /// Protects `march` where a wave is aimed at an edge, and where it runs parallel to a half space
-/// for ever: none is given up, and each hits what the closed form gives.
+/// for ever: no wave is given up, and each hits what the closed form gives.
 #[test]
 fn edges_and_parallel_planes_take_few_steps() {
     let corners = [Vec2::ZERO, Vec2::new(1.0, 0.4), Vec2::new(1.0, -0.4)];

@@ -104,7 +104,7 @@ fn obstacles_have_a_horizon() {
 }
 
 /// Marched fields and surfaces in cells are as accurate as rooms: each wave hits the same as its
-/// exact twin, except where rounding decides, none is lost, and `eval` reports the marched
+/// exact twin, except where rounding decides, no wave is lost, and `eval` reports the marched
 /// evaluations.
 #[test]
 fn marched_fields_and_cells_are_right() {

@@ -41,7 +41,7 @@ fn a_frame_begun_is_the_frame_that_waits() {
     });
 }
 
-/// Protects callers that poll: a frame is returned once, and none is returned unless one was begun.
+/// Protects callers that poll: a frame is returned only once, and only after one was begun.
 #[test]
 fn a_frame_is_collected_once() {
     for_each_api(|context| {

@@ -105,7 +105,7 @@ fn unknown_words_are_refused_with_those_there_are() {
 }
 
 /// Protects named values: for an unknown value the error lists the scene's values, for an invalid
-/// one it states the resulting number, and nothing is drawn or traced.
+/// one it states the resulting number, and the program stops before it draws or traces.
 #[test]
 fn values_that_cannot_be_set_are_refused() {
     let folder = folder();

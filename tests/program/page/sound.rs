@@ -121,8 +121,8 @@ fn a_refused_text_does_not_hold_up_the_ears() {
     });
 }
 
-/// Protects from unused updates: none are made while the sound is stopped, and afterwards the listener's current place
-/// is heard.
+/// Protects from unused updates: the page makes none while the sound is stopped, and afterwards the listener's current
+/// place is heard.
 #[test]
 #[ignore = "scripts/browser-test.sh builds the page first"]
 fn a_sound_that_was_stopped_goes_on_where_one_stands() {
@@ -169,7 +169,8 @@ fn a_page_that_may_not_play_says_why() {
     assert_eq!(browser.errors(), Vec::<String>::new());
 }
 
-/// Protects sound where nothing can be traced in full: the page says so, plays the balance, and offers no other choice.
+/// Protects sound in browsers that cannot trace in full: the page says so, plays the balance, and offers no other
+/// choice.
 #[test]
 #[ignore = "scripts/browser-test.sh builds the page first"]
 fn without_ears_the_balance_is_played() {

@@ -314,7 +314,7 @@ fn settle(reloading: &mut Reloading, tracer: &mut Tracer, settings: &Settings) -
 }
 
 /// Protects programs that use the library: they choose how fields are tried; a child's results are
-/// the same as this process' own; nothing is tried twice; and following files never blocks. One
+/// the same as this process' own; no field is tried twice; and following files never blocks. One
 /// test, since the choice applies to the whole process.
 #[test]
 fn a_library_chooses_how_fields_are_tried() {

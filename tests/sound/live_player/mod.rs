@@ -258,7 +258,7 @@ fn part_of(stem: &str) -> PathBuf {
     names.into_iter().find(is_part).unwrap()
 }
 
-/// Chooses many sounds while there is no device: the last is heard.
+/// Chooses many sounds without a device: the last is heard.
 fn play_changes_in_silence() {
     let live = start(Some("no such device"));
     wait_for("an error", || live.status().last_error.is_some());

@@ -241,7 +241,7 @@ fn a_wave_that_meets_a_tip_is_mirrored() {
 const GYROID_MOST: f64 = 4e-4;
 
 /// Protects normals by differences from steps that agree by accident: next to a face of the box the slopes were those
-/// of one side, and waves left 2e-3 rad off; now none does.
+/// of one side, and waves left 2e-3 rad off; now all are right.
 #[test]
 fn no_face_of_the_box_spoils_a_normal() {
     const TIMES: f64 = 1.3;
