@@ -4,7 +4,6 @@
 //! cargo run --release --example against_exact [WAVES]
 //! ```
 
-use echomarch::experiment::median;
 use echomarch::glam::Vec3;
 use echomarch::gpu::{Context, ContextOptions};
 use echomarch::reference::ExactScene;
@@ -54,4 +53,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
     }
     Ok(())
+}
+
+/// The median of some values.
+fn median(values: impl IntoIterator<Item = f64>) -> f64 {
+    let mut sorted: Vec<f64> = values.into_iter().collect();
+    sorted.sort_by(f64::total_cmp);
+    sorted.get(sorted.len() / 2).copied().unwrap_or(f64::NAN)
 }

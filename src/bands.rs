@@ -10,7 +10,7 @@ pub const BANDS_HZ: [f64; BAND_COUNT] = [63.0, 125.0, 250.0, 500.0, 1e3, 2e3, 4e
 pub type Bands = [f64; BAND_COUNT];
 
 /// Adds numbers, band by band.
-pub(crate) fn add(sum: &mut Bands, more: &Bands) {
+pub fn add(sum: &mut Bands, more: &Bands) {
     for (sum, more) in sum.iter_mut().zip(more) {
         *sum += more;
     }

@@ -7,7 +7,6 @@
 use crate::platform;
 use std::collections::BTreeSet;
 use std::fs::{File, FileType, OpenOptions};
-#[cfg(feature = "experiment")]
 use std::io::Seek;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
@@ -29,6 +28,20 @@ pub struct MalformedText {
 }
 
 /// The reason why a file is not read.
+impl MalformedText {
+    /// The fault at a line and column of a text.
+    #[doc(hidden)]
+    pub fn new(origin: &str, (line, column): (usize, usize), message: String) -> MalformedText {
+        MalformedText {
+            origin: origin.to_owned(),
+            line,
+            column,
+            message,
+        }
+    }
+}
+
+/// A file that is not read, and why.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum InputError {
@@ -54,7 +67,7 @@ pub enum InputError {
 
 /// An open regular file that is read at most up to its limit.
 #[derive(Debug)]
-pub(crate) struct InputFile {
+pub struct InputFile {
     file: File,
     length: u64,
     limit_bytes: u64,
@@ -95,7 +108,6 @@ impl InputFile {
     }
 
     /// Moves to a byte position, from the beginning.
-    #[cfg(feature = "experiment")]
     pub fn skip_to(&mut self, byte: u64) -> io::Result<()> {
         self.left = self.limit_bytes.saturating_sub(byte);
         self.file.seek(io::SeekFrom::Start(byte)).map(drop)
@@ -141,7 +153,7 @@ impl Read for InputFile {
 
 impl InputError {
     /// The error that [`InputFile`] passed through a reader's error, or that error itself.
-    pub(crate) fn from_reading(error: io::Error) -> InputError {
+    pub fn from_reading(error: io::Error) -> InputError {
         match error.downcast::<InputError>() {
             Ok(ours) => ours,
             Err(error) => InputError::Io(error),
@@ -153,7 +165,7 @@ impl InputError {
 ///
 /// # Errors
 /// [`InputError`].
-pub(crate) fn read(path: &Path, limit_bytes: u64) -> Result<Vec<u8>, InputError> {
+pub fn read(path: &Path, limit_bytes: u64) -> Result<Vec<u8>, InputError> {
     InputFile::open(path, limit_bytes)?.bytes()
 }
 
@@ -161,7 +173,7 @@ pub(crate) fn read(path: &Path, limit_bytes: u64) -> Result<Vec<u8>, InputError>
 ///
 /// # Errors
 /// [`InputError`]; [`InputError::Io`] for text that is not UTF-8.
-pub(crate) fn read_text(path: &Path, limit_bytes: u64) -> Result<String, InputError> {
+pub fn read_text(path: &Path, limit_bytes: u64) -> Result<String, InputError> {
     InputFile::open(path, limit_bytes)?.text()
 }
 
@@ -224,7 +236,7 @@ fn note(path: &Path) {
 }
 
 /// Remembers a file as written by this run.
-pub(crate) fn note_output(path: &Path) {
+pub fn note_output(path: &Path) {
     if let Ok(real) = std::fs::canonicalize(path) {
         let mut outputs = OUTPUTS.lock().unwrap_or_else(PoisonError::into_inner);
         outputs.insert(real);
@@ -232,7 +244,7 @@ pub(crate) fn note_output(path: &Path) {
 }
 
 /// Whether `path` leads to a file that was read as an input, by any path, symbolic or hard link.
-pub(crate) fn is_input(path: &Path) -> bool {
+pub fn is_input(path: &Path) -> bool {
     let is_regular = std::fs::metadata(path).is_ok_and(|about| about.is_file());
     if !is_regular {
         return false;

@@ -9,7 +9,6 @@
 //! [`check_file`]). Files that the program itself names, in a folder that the user typed, must lie in that folder: a
 //! symbolic link of such a name is rejected ([`write_inside`], [`check_inside`], [`prepare_folder_inside`]). Existing
 //! files are never written in place, so the other names of a file (hard links) keep the older bytes.
-#![cfg_attr(not(feature = "cli"), allow(dead_code))] // Without the program only sounds are written.
 
 use crate::file_input::is_input;
 use crate::plain_file;
@@ -33,6 +32,13 @@ pub struct OutputError {
 
 impl OutputError {
     /// Whether the given place is at fault rather than the disk.
+    #[doc(hidden)]
+    pub fn new(path: &Path, source: io::Error) -> OutputError {
+        let path = path.to_owned();
+        OutputError { path, source }
+    }
+
+    /// Whether the place that was named is to blame, rather than the disk.
     pub fn is_bad_input(&self) -> bool {
         is_bad_place(&self.source)
     }
@@ -56,7 +62,7 @@ fn reason(error: &io::Error) -> String {
 }
 
 /// Whether an error means that this place can never be written to.
-pub(crate) fn is_bad_place(error: &io::Error) -> bool {
+pub fn is_bad_place(error: &io::Error) -> bool {
     use io::ErrorKind::{
         AlreadyExists, InvalidFilename, InvalidInput, IsADirectory, NotADirectory, NotFound,
         PermissionDenied, ReadOnlyFilesystem,
@@ -117,7 +123,7 @@ fn write_at(
 }
 
 /// The file that a user's path leads to: a link is kept, and the file that it names is replaced.
-pub(crate) fn followed(path: &Path) -> PathBuf {
+pub fn followed(path: &Path) -> PathBuf {
     std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned())
 }
 
@@ -144,8 +150,8 @@ pub fn remove_parts() {
 
 /// A temporary file to be renamed: removed when dropped, and when the program is interrupted.
 #[derive(Debug)]
-pub(crate) struct PartFile {
-    /// Present until the file has its name.
+pub struct PartFile {
+    /// There until the file has its name.
     file: Option<NamedTempFile>,
     path: PathBuf,
 }
@@ -202,14 +208,14 @@ fn refuse_inputs(target: &Path) -> io::Result<()> {
 /// A temporary file in the folder of `target`, to be renamed to it: readable by others like any new
 /// file. An existing target that is not a plain file (a link, a folder, a device), or is an input,
 /// is rejected, since a rename would replace it.
-pub(crate) fn temporary_beside(target: &Path) -> io::Result<PartFile> {
+pub fn temporary_beside(target: &Path) -> io::Result<PartFile> {
     PartFile::new(|| temporary_named(target, ".echomarch-".as_ref(), ".part"))
 }
 
 /// The same with a visible name, so that users find the file of an interrupted program. `heard.wav`
 /// becomes `heard-XXXXXX.part.wav`.
 #[cfg(feature = "audio")]
-pub(crate) fn visible_part_beside(target: &Path) -> io::Result<PartFile> {
+pub fn visible_part_beside(target: &Path) -> io::Result<PartFile> {
     let mut begin = target.file_stem().unwrap_or_default().to_owned();
     begin.push("-");
     let file = temporary_named(target, &begin, ".part.wav")?;

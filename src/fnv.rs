@@ -12,7 +12,6 @@ pub fn with(hash: u64, number: u64) -> u64 {
 }
 
 /// The hash of these bytes.
-#[cfg(any(test, feature = "experiment"))]
 pub fn of_bytes(bytes: &[u8]) -> u64 {
     bytes
         .iter()

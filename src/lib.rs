@@ -82,17 +82,13 @@ mod arrival;
 pub mod audio;
 pub mod auralisation;
 pub mod bands;
-#[cfg(feature = "cli")]
-pub mod cli;
-#[cfg(feature = "demo")]
-pub mod demo;
 pub mod error;
-#[cfg(feature = "experiment")]
-pub mod experiment;
 mod file_input;
 mod file_output;
 mod fnv;
 pub mod gpu;
+#[doc(hidden)]
+pub mod internals;
 mod kernel;
 pub mod offline;
 #[cfg(feature = "picture")]
@@ -100,21 +96,14 @@ pub mod picture;
 mod plain_file;
 mod platform;
 pub mod reference;
-#[cfg(feature = "experiment")]
-pub mod report;
 pub mod response;
 mod rng;
 mod ron_error;
 pub mod scene;
 mod sphere_directions;
-#[cfg(any(feature = "experiment", feature = "demo"))]
 mod stats;
-#[cfg(feature = "experiment")]
-pub mod study;
 mod text;
 pub mod trace;
-#[cfg(feature = "walkthrough")]
-pub mod walkthrough;
 
 /// Code shared with the integration tests calls the crate by its name.
 #[cfg(test)]

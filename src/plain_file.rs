@@ -3,7 +3,6 @@
 //!
 //! The path is checked first, since opening alone makes some devices act. It may be another file a moment later, so the
 //! file is opened without following links or waiting, and the opened file is checked again.
-#![cfg_attr(not(feature = "experiment"), allow(dead_code))] // Only studies open files in folders.
 
 use std::fs::{File, Metadata, OpenOptions};
 use std::io::{self, ErrorKind};
@@ -17,7 +16,7 @@ const NO_PLAIN_FILE: &str = "it exists already and is not a plain file";
 /// # Errors
 /// [`ErrorKind::InvalidInput`] for a link, a pipe, a device; [`ErrorKind::IsADirectory`]; other errors of the system,
 /// such as [`ErrorKind::NotFound`].
-pub(crate) fn open(path: &Path, options: &mut OpenOptions) -> io::Result<File> {
+pub fn open(path: &Path, options: &mut OpenOptions) -> io::Result<File> {
     match std::fs::symlink_metadata(path) {
         Ok(about) => check(path, &about)?,
         Err(error) if error.kind() != ErrorKind::NotFound => return Err(error),
@@ -37,7 +36,7 @@ pub(crate) fn open(path: &Path, options: &mut OpenOptions) -> io::Result<File> {
 ///
 /// # Errors
 /// As [`open`].
-pub(crate) fn check(path: &Path, about: &Metadata) -> io::Result<()> {
+pub fn check(path: &Path, about: &Metadata) -> io::Result<()> {
     if about.is_symlink() {
         return Err(link_refused(path));
     }
@@ -51,7 +50,7 @@ pub(crate) fn check(path: &Path, about: &Metadata) -> io::Result<()> {
 }
 
 /// The error for a symbolic link at `path`.
-pub(crate) fn link_refused(path: &Path) -> io::Error {
+pub fn link_refused(path: &Path) -> io::Error {
     let leads = match path.exists() {
         true => "is not followed here",
         false => "leads nowhere",
@@ -90,13 +89,13 @@ fn is_link(_: &io::Error) -> bool {
 
 /// The number of names of a file: two or more with hard links; one if the system cannot count them.
 #[cfg(unix)]
-pub(crate) fn names(about: &Metadata) -> u64 {
+pub fn names(about: &Metadata) -> u64 {
     use std::os::unix::fs::MetadataExt;
     about.nlink()
 }
 
 #[cfg(not(unix))]
-pub(crate) fn names(_: &Metadata) -> u64 {
+pub fn names(_: &Metadata) -> u64 {
     1
 }
 

@@ -24,11 +24,9 @@ fn mix(counter: u64) -> u64 {
 }
 
 /// A sequence of random numbers: for resampling and for the order of trials, never for waves.
-#[cfg(feature = "experiment")]
 #[derive(Clone, Debug)]
 pub struct Random(u64);
 
-#[cfg(feature = "experiment")]
 impl Random {
     /// Creates the sequence of a seed.
     pub fn new(seed: u64) -> Random {
@@ -76,7 +74,6 @@ mod tests {
     }
 
     /// Protects sequences from those of other seeds: the first numbers of seed 1234567.
-    #[cfg(feature = "experiment")]
     #[test]
     fn a_sequence_begins_at_its_seed() {
         let mut random = Random::new(1_234_567);
@@ -91,7 +88,6 @@ mod tests {
 
     /// Protects the order of trials: a permutation, the same for the same seed and another for
     /// another seed.
-    #[cfg(feature = "experiment")]
     #[test]
     fn shuffling_permutes_by_the_seed_alone() {
         let order = |seed| {

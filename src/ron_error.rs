@@ -11,26 +11,25 @@ const METRES: [&str; 3] = ["radius", "size", "radii"];
 
 /// A kind of file in RON.
 #[derive(Clone, Copy)]
-pub(crate) struct FileKind {
-    /// The name that its text begins with: `Scene`.
+pub struct FileKind {
+    /// What its text begins with: `Scene`.
     pub outermost: &'static str,
     /// The name of such a file in messages: `scene`.
     pub what: &'static str,
 }
 
-pub(crate) const SCENE: FileKind = FileKind {
+pub const SCENE: FileKind = FileKind {
     outermost: "Scene",
     what: "scene",
 };
 
-#[cfg(feature = "experiment")]
-pub(crate) const STUDY: FileKind = FileKind {
+pub const STUDY: FileKind = FileKind {
     outermost: "Study",
     what: "study",
 };
 
 /// The message for an error in this text of a file of this kind.
-pub(crate) fn sentence(text: &str, error: &SpannedError, kind: FileKind) -> String {
+pub fn sentence(text: &str, error: &SpannedError, kind: FileKind) -> String {
     if text.trim().is_empty() {
         return format!("the file is empty: {}", begins(kind));
     }
@@ -219,7 +218,7 @@ fn of_sign(code: &Error) -> Option<String> {
 }
 
 /// Byte offset of a position in a text.
-pub(crate) fn offset(text: &str, place: Position) -> Option<usize> {
+pub fn offset(text: &str, place: Position) -> Option<usize> {
     let mut lines = text.split_inclusive('\n');
     let above = lines.by_ref().take(place.line.checked_sub(1)?);
     let start: usize = above.map(str::len).sum();

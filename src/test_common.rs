@@ -4,7 +4,6 @@
 mod random;
 #[path = "../tests/common/shared.rs"]
 mod shared;
-#[cfg(feature = "sofa")]
 #[path = "../tests/common/sofa.rs"]
 pub mod sofa;
 

@@ -74,8 +74,8 @@ pub use spec::SoundSpec;
 pub use speech::SPEECH_PEAK;
 pub use stereo::{StereoSignal, StereoSource};
 pub use wav_write::WavWriter;
-#[cfg(feature = "experiment")]
-pub(crate) use wav_write::wav_to_io;
+#[doc(hidden)]
+pub use wav_write::wav_to_io;
 
 /// Sample rate of everything that is played or written, in hertz.
 pub const SAMPLE_RATE: u32 = 48_000;

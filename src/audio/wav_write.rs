@@ -182,8 +182,7 @@ fn start(
 }
 
 /// Converts an error of `hound` to an I/O error.
-#[cfg(feature = "experiment")]
-pub(crate) fn wav_to_io(error: hound::Error) -> io::Error {
+pub fn wav_to_io(error: hound::Error) -> io::Error {
     match error {
         hound::Error::IoError(error) => error,
         other => io::Error::other(other),

@@ -186,16 +186,14 @@ fn key(path: &HeardPath) -> u64 {
 }
 
 /// A [`Heard`] as plain numbers, for a player that shares no memory with the tracing thread.
-#[cfg(feature = "walkthrough")]
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct HeardParts {
+pub struct HeardParts {
     /// [`HeardParts::ECHO`] numbers for each single echo.
     pub echoes: Vec<f64>,
     /// The samples of the late part, one channel after the other; `None` if it stays unchanged.
     pub late: Option<Vec<f32>>,
 }
 
-#[cfg(feature = "walkthrough")]
 impl HeardParts {
     /// Numbers per echo: its key in two halves, its delay, gains by channel, amplitudes by band, their mean.
     const ECHO: usize = 2 + 1 + CHANNELS + BAND_COUNT + 1;
@@ -242,7 +240,6 @@ impl HeardParts {
     }
 }
 
-#[cfg(feature = "walkthrough")]
 impl Echo {
     fn numbers(&self) -> Vec<f64> {
         let low = self.key & u64::from(u32::MAX);

@@ -46,20 +46,17 @@ mod convolution;
 mod delay_line;
 mod echoes;
 mod heard;
-#[cfg(any(feature = "audio", feature = "walkthrough"))]
 mod limiter;
 mod listen;
 mod octaves;
-#[cfg(any(feature = "audio", feature = "walkthrough"))]
 mod player;
 #[cfg(test)]
 mod tests;
 
 pub use heard::Heard;
-#[cfg(feature = "walkthrough")]
-pub(crate) use heard::HeardParts;
+#[doc(hidden)]
+pub use heard::HeardParts;
 pub use listen::Listen;
-#[cfg(any(feature = "audio", feature = "walkthrough"))]
 pub use player::{Player, PlayerRemote};
 
 use crate::acoustics::{AcousticsError, MAX_SECONDS, RATES_HZ};

@@ -13,7 +13,7 @@ use raw_window_handle::{AppKitDisplayHandle, RawDisplayHandle};
 
 use super::backend::Backend;
 use super::glutin_context::{GlutinContext, attributes, new_context, template};
-#[cfg(feature = "demo")]
+#[cfg(feature = "window")]
 pub(super) use super::only_place::prepare;
 pub(super) use super::only_place::{Place, places};
 use super::{Api, GpuError};

@@ -266,7 +266,7 @@ impl Context {
     /// context makes that one current.
     ///
     /// If this context cannot be made current, GL calls do nothing, and [`check`](Context::check) reports it.
-    pub(crate) fn gl(&self) -> &glow::Context {
+    pub fn gl(&self) -> &glow::Context {
         debug_assert!(
             self.caller_part().is_none_or(|part| part.entered.get() > 0),
             "a context of the caller's is used without keeping its state"
@@ -280,7 +280,7 @@ impl Context {
     /// # Errors
     /// The first error, with the operation that caused it: [`GpuError::OutOfMemory`], [`GpuError::ContextLost`] or
     /// [`GpuError::Gl`].
-    pub(crate) fn check(&self, what: &str) -> Result<(), GpuError> {
+    pub fn check(&self, what: &str) -> Result<(), GpuError> {
         current::make(&self.inner.backend).map_err(|reason| GpuError::ContextLost { reason })?;
         // SAFETY: the context is current.
         let next = || unsafe { self.inner.gl.get_error() };

@@ -30,7 +30,7 @@ pub struct Renderer {
     /// Whether the processor draws.
     pub is_software: bool,
     /// The driver's limits.
-    pub(crate) limits: Limits,
+    pub limits: Limits,
 }
 
 impl fmt::Display for GpuInfo {

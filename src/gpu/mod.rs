@@ -71,7 +71,7 @@ mod texture_units;
 mod timer;
 #[cfg(target_arch = "wasm32")]
 mod web;
-#[cfg(feature = "demo")]
+#[cfg(feature = "window")]
 mod window;
 
 // The system's library for contexts without a window.
@@ -102,19 +102,25 @@ pub use error::GpuError;
 /// The functions of OpenGL, in the version that [`Context::from_glow`] takes.
 pub use glow;
 pub(crate) use log::log_errors;
-pub(crate) use pass::{Target, full_screen_pass, full_screen_pass_rows};
+#[doc(hidden)]
+pub use pass::{Target, full_screen_pass, full_screen_pass_rows};
 #[cfg(any(test, feature = "picture"))]
-pub(crate) use picture::Picture;
+#[doc(hidden)]
+pub use picture::Picture;
 pub(crate) use ping_pong::{PingPong, TexturePair};
-pub(crate) use program::Program;
-#[cfg(feature = "cli")]
-pub(crate) use program::header;
-pub(crate) use program_cache::ProgramCache;
+#[doc(hidden)]
+pub use program::Program;
+#[doc(hidden)]
+pub use program::header;
+#[doc(hidden)]
+pub use program_cache::ProgramCache;
 pub(crate) use render_target::RenderTarget;
 pub(crate) use texture::Texture;
-pub(crate) use timer::GpuTimer;
-#[cfg(feature = "demo")]
-pub(crate) use window::{WindowContext, WindowDisplay};
+#[doc(hidden)]
+pub use timer::GpuTimer;
+#[cfg(feature = "window")]
+#[doc(hidden)]
+pub use window::{WindowContext, WindowDisplay};
 
 #[cfg(test)]
 pub(crate) mod tests;

@@ -18,7 +18,7 @@ pub(super) fn places() -> Result<Vec<Place>, GpuError> {
 ///
 /// # Errors
 /// None.
-#[cfg(feature = "demo")]
+#[cfg(feature = "window")]
 pub(super) fn prepare() -> Result<(), GpuError> {
     Ok(())
 }

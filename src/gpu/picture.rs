@@ -60,13 +60,11 @@ impl Picture {
     }
 
     /// Width in pixels.
-    #[cfg(feature = "walkthrough")]
     pub fn width(&self) -> u32 {
         self.width
     }
 
     /// Height in pixels.
-    #[cfg(feature = "walkthrough")]
     pub fn height(&self) -> u32 {
         self.height
     }
@@ -75,7 +73,6 @@ impl Picture {
     ///
     /// # Errors
     /// What GL reports, in debug builds.
-    #[cfg(feature = "walkthrough")]
     pub fn show(&self, width: u32, height: u32) -> Result<(), GpuError> {
         let gl = self.context.gl();
         // SAFETY: the context is current, and the framebuffer its own.

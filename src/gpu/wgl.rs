@@ -27,7 +27,7 @@ use windows_sys::w;
 
 use super::backend::Backend;
 use super::glutin_context::{GlutinContext, attributes, new_context, template};
-#[cfg(feature = "demo")]
+#[cfg(feature = "window")]
 pub(super) use super::only_place::prepare;
 pub(super) use super::only_place::{Place, places};
 use super::{Api, GpuError};

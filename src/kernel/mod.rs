@@ -40,25 +40,24 @@ mod text;
 
 pub(crate) use arrivals_shader::{ArrivalsText, WORD_BITS, arrivals_text, material_values};
 pub(crate) use band_groups::band_groups;
-pub(crate) use cells::{Lists, SceneCells};
+pub use cells::Lists;
+pub(crate) use cells::SceneCells;
 pub(crate) use data::{CellData, DATA_WIDTH, scene_data};
-pub(crate) use layout::Layout;
+pub use layout::Layout;
 pub(crate) use loop_turns::{Loops, loops};
-pub(crate) use materials::Materials;
+pub use materials::Materials;
 pub(crate) use origin_rebasing::{OriginRebasing, RebasedScene};
 pub use passes::Directions;
-#[cfg(any(feature = "picture", feature = "walkthrough"))]
+#[cfg(feature = "picture")]
 pub(crate) use passes::first_person;
-#[cfg(feature = "experiment")]
-pub(crate) use passes::is_marched;
+pub use passes::is_marched;
 pub(crate) use passes::{
     AlgorithmText, MarchText, first_sum_text, further_sum_text, initialise_text, march_text,
     marches_fields, pan_text, whole_frame_text,
 };
 pub(crate) use program_key::Key;
 pub(crate) use size_check::check;
-#[cfg(any(test, feature = "walkthrough"))]
-pub(crate) use structure::{Structure, structure};
+pub use structure::{Structure, structure};
 pub(crate) use surface_values::uniform_count;
 #[cfg(glsl_at_run_time)]
 pub(crate) use text::read_at_run_time;

@@ -14,7 +14,6 @@ use std::str::FromStr;
 /// How the start directions are chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "lowercase")]
-#[non_exhaustive]
 pub enum Directions {
     /// Independent and uniform over the sphere, as the thesis has them.
     Random,
@@ -126,7 +125,7 @@ fn iterations(scene: &Scene, text: MarchText) -> (Vec<Source>, Vec<Part>) {
 }
 
 /// The sources of a picture of what the listener sees, shaded so.
-#[cfg(any(feature = "picture", feature = "walkthrough"))]
+#[cfg(feature = "picture")]
 pub(crate) fn first_person(shading: Source) -> [Source; 3] {
     [
         source!("view/eye.glsl"),
@@ -166,7 +165,7 @@ pub fn marches_fields(scene: &Scene, all: bool) -> bool {
 }
 
 /// Whether every profile has to march to a surface: a field without a closed form.
-pub(crate) fn is_marched(surface: &Surface) -> bool {
+pub fn is_marched(surface: &Surface) -> bool {
     let field = surface.shape.field();
     field.is_some_and(|field| !field::has_closed_form(field))
 }

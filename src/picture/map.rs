@@ -29,8 +29,8 @@ const MARK: f32 = 4.0;
 const NOTHING: [u8; 3] = [225, 225, 225];
 
 /// Values at the places of a lattice, and how to draw them.
-pub(crate) struct MapOptions<'a> {
-    /// Width of the plan in pixels, without the colour bar.
+pub struct MapOptions<'a> {
+    /// Width of the plan in pixels; the colour bar is beside it.
     pub width: u32,
     /// World y of the cut in metres.
     pub height: f32,
@@ -52,11 +52,7 @@ pub(crate) struct MapOptions<'a> {
 
 /// Draws a map: places are coloured rectangles, solids are pale as in a plan, the source is marked. The listener is
 /// not: it was at every place.
-pub(crate) fn map(
-    context: &Context,
-    scene: &Scene,
-    options: &MapOptions,
-) -> Result<RgbaImage, Error> {
+pub fn map(context: &Context, scene: &Scene, options: &MapOptions) -> Result<RgbaImage, Error> {
     shader::check_size(context, options.width, 1)?;
     let [from, to] = options.ends;
     let mut shown = scene.clone();

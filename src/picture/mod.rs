@@ -15,7 +15,7 @@
 
 mod error;
 mod font;
-#[cfg(feature = "experiment")]
+mod live_view;
 mod map;
 mod marks;
 mod names;
@@ -30,14 +30,16 @@ mod wave_paths;
 
 pub use error::PictureError;
 pub use image::RgbaImage;
-#[cfg(feature = "experiment")]
-pub(crate) use map::{MapOptions, map};
+#[doc(hidden)]
+pub use live_view::{Drawn, View, shader_text as view_text};
+#[doc(hidden)]
+pub use map::{MapOptions, map};
 pub use plan::Bounds;
 pub use png::save_png;
-#[cfg(feature = "experiment")]
-pub(crate) use png::save_png_inside;
+#[doc(hidden)]
+pub use png::save_png_inside;
 pub use shader::{Kind, shader_text};
 pub use slice::{SliceOptions, slice};
-#[cfg(feature = "walkthrough")]
-pub(crate) use view::SOURCE_SHARE;
+#[doc(hidden)]
+pub use view::SOURCE_SHARE;
 pub use view::{ViewOptions, first_person};

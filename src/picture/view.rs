@@ -9,7 +9,7 @@ use image::RgbaImage;
 
 /// Radius of the ball that represents the source, as a share of the listener's radius, the only
 /// length of a scene that gives its scale.
-pub(crate) const SOURCE_SHARE: f32 = 0.12;
+pub const SOURCE_SHARE: f32 = 0.12;
 
 /// Options of a view.
 #[derive(Clone, Debug, PartialEq)]

@@ -98,7 +98,6 @@ pub struct ExactWave {
 }
 
 /// A hit of a wave, in the order of its flight.
-#[cfg(any(test, feature = "experiment"))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathVertex {
     /// World position in metres.
@@ -113,7 +112,6 @@ pub struct PathVertex {
 /// have met the same objects.
 ///
 /// FNV-1a over whole object numbers instead of bytes.
-#[cfg(any(test, feature = "experiment"))]
 pub fn sequence_hash(objects: &[u32]) -> u64 {
     objects.iter().fold(fnv::OFFSET, |hash, object| {
         fnv::with(hash, u64::from(*object))
@@ -213,13 +211,7 @@ impl ExactScene {
     }
 
     /// Every hit of the wave of [`ExactScene::trace`], without its start.
-    #[cfg(any(test, feature = "experiment"))]
-    pub(crate) fn trace_path(
-        &self,
-        start: DVec3,
-        direction: DVec3,
-        iterations: u32,
-    ) -> Vec<PathVertex> {
+    pub fn trace_path(&self, start: DVec3, direction: DVec3, iterations: u32) -> Vec<PathVertex> {
         let mut path = Vec::new();
         self.walk(start, direction, iterations, |hit| {
             path.push(PathVertex {

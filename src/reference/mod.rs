@@ -49,7 +49,7 @@ mod tests;
 mod transparent;
 
 pub use exact::{ExactScene, ExactWave, Hit};
-#[cfg(feature = "experiment")]
-pub(crate) use exact::{PathVertex, sequence_hash};
+#[doc(hidden)]
+pub use exact::{PathVertex, sequence_hash};
 pub use image_source::ShoeboxImages;
 pub use shoebox_energies::{EnergiesByLength, ImageSource, ShoeboxEnergies};

@@ -17,8 +17,8 @@ const LN_OF_60_DB: f64 = 6.0 * LN_10;
 
 /// Two parallel walls with a flutter echo.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Flutter {
-    /// The walls' numbers in the order of [`WALL_NAMES`](crate::scene::WALL_NAMES).
+pub struct Flutter {
+    /// Their numbers in the order of [`WALL_NAMES`](crate::scene::WALL_NAMES).
     pub walls: [usize; 2],
     /// The bands whose decay they determine.
     pub bands: Vec<FlutterBand>,
@@ -28,7 +28,7 @@ pub(crate) struct Flutter {
 
 /// One band that decays more slowly than in a diffuse field.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct FlutterBand {
+pub struct FlutterBand {
     /// Its number, from 0.
     pub band: usize,
     /// T30 of the response, in seconds.
@@ -39,7 +39,7 @@ pub(crate) struct FlutterBand {
 
 /// The pairs of walls that cause decays above [`MOST_TIMES_EYRING`] times Eyring's; `t30_s` holds
 /// the seconds by band.
-pub(crate) fn flutters(scene: &Scene, t30_s: [Option<f64>; BAND_COUNT]) -> Vec<Flutter> {
+pub fn flutters(scene: &Scene, t30_s: [Option<f64>; BAND_COUNT]) -> Vec<Flutter> {
     let Some(room) = EmptyRoom::of(scene) else {
         return Vec::new();
     };

@@ -8,8 +8,8 @@ const TOLD_CUT_OFF: f64 = 0.001;
 
 /// Reason why figures of a band are missing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Gap {
-    /// No sound arrives in this band.
+pub enum Gap {
+    /// Nothing arrives in this band.
     Silence,
     /// The response ends before its sound has decayed.
     TooShort,
@@ -61,7 +61,6 @@ impl Gap {
     }
 
     /// The reason as a number in tables: from 1 in the order of [`Gap::ALL`].
-    #[cfg(feature = "experiment")]
     pub fn code(self) -> u64 {
         Gap::ALL
             .iter()
@@ -70,7 +69,6 @@ impl Gap {
     }
 
     /// The reason of a code; `None` for 0 and for unknown codes.
-    #[cfg(feature = "experiment")]
     pub fn of_code(code: u64) -> Option<Gap> {
         Gap::ALL.into_iter().find(|gap| gap.code() == code)
     }
@@ -109,7 +107,6 @@ mod tests {
     }
 
     /// Protects tables: each code means one reason.
-    #[cfg(feature = "experiment")]
     #[test]
     fn codes_mean_reasons() {
         for gap in Gap::ALL {

@@ -11,9 +11,7 @@ mod caught;
 mod duration;
 mod early;
 mod few_arrivals;
-#[cfg(feature = "cli")]
 mod flutter;
-#[cfg(any(feature = "experiment", feature = "cli"))]
 mod gaps;
 mod heard_path;
 mod heard_source;
@@ -27,10 +25,10 @@ mod reflectance;
 mod settings;
 mod sphere_mean;
 
-#[cfg(feature = "cli")]
-pub(crate) use flutter::{Flutter, flutters};
-#[cfg(any(feature = "experiment", feature = "cli"))]
-pub(crate) use gaps::Gap;
+#[doc(hidden)]
+pub use flutter::{Flutter, flutters};
+#[doc(hidden)]
+pub use gaps::Gap;
 pub use heard_path::HeardPath;
 pub use heard_source::HeardSource;
 pub use level::Level;
@@ -185,8 +183,7 @@ impl Response {
     }
 
     /// Reasons for missing figures, by band.
-    #[cfg(any(feature = "experiment", feature = "cli"))]
-    pub(crate) fn gaps(&self) -> [Option<Gap>; crate::bands::BAND_COUNT] {
+    pub fn gaps(&self) -> [Option<Gap>; crate::bands::BAND_COUNT] {
         let energy = self.energy();
         std::array::from_fn(|band| Gap::of(&self.figures, band, energy[band] > 0.0))
     }

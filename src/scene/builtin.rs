@@ -88,7 +88,7 @@ impl Scene {
     }
 
     /// Loads a scene as [`Scene::load`] does, with file names relative to `folder`.
-    pub(crate) fn load_in(name_or_file: &str, folder: &Path) -> Result<Scene, SceneError> {
+    pub fn load_in(name_or_file: &str, folder: &Path) -> Result<Scene, SceneError> {
         match named(name_or_file, Some(folder)) {
             Named::BuiltIn(scene) => scene,
             Named::File(path) => Scene::from_file(&path),

@@ -31,10 +31,10 @@ pub use builtin::BUILTIN_NAMES;
 pub use check::Warning;
 pub use distance::Nearest;
 pub use error::SceneError;
-#[cfg(feature = "demo")]
-pub(crate) use file::BasedScene;
-#[cfg(feature = "experiment")]
-pub(crate) use file::bases_of;
+#[doc(hidden)]
+pub use file::BasedScene;
+#[doc(hidden)]
+pub use file::bases_of;
 pub(crate) use file_watch::SceneWatch;
 pub use material::{BUILTIN_MATERIALS, BuiltinMaterial, Material, WALL_COUNT, WALL_NAMES};
 pub use motion::{Driver, Motion};
@@ -216,7 +216,7 @@ impl Scene {
 impl Scene {
     /// Seconds for one evaluation of the slowest user's field, if that was measured; see
     /// [`UserField::evaluation_seconds`].
-    pub(crate) fn evaluation_seconds(&self) -> Option<f64> {
+    pub fn evaluation_seconds(&self) -> Option<f64> {
         self.user_fields()
             .filter_map(|field| field.evaluation_seconds())
             .reduce(f64::max)
@@ -238,8 +238,7 @@ impl Scene {
 
     /// The contents of these files, in the order of [`Scene::files`]: texts, and the heights of
     /// images as little-endian `f32` after their width and height.
-    #[cfg(feature = "experiment")]
-    pub(crate) fn file_contents(&self) -> Vec<Vec<u8>> {
+    pub fn file_contents(&self) -> Vec<Vec<u8>> {
         let content = |asset: Asset| match asset {
             Asset::User(field) => field.text.clone().into_bytes(),
             Asset::Image(image) => image.to_bytes(),

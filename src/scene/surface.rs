@@ -118,8 +118,7 @@ impl Surface {
     }
 
     /// Whether the two are equal except for the paths of the files that they name.
-    #[cfg(feature = "demo")]
-    pub(crate) fn is_alike(&self, other: &Surface) -> bool {
+    pub fn is_alike(&self, other: &Surface) -> bool {
         let at_one_place = Surface {
             shape: other.shape.clone(),
             ..self.clone()

@@ -38,31 +38,36 @@ pub use error::TraceError;
 pub use field_trial::answer_field_trial;
 pub use field_trial::{FieldTrial, TrialCommand};
 pub use frame::{Frame, Milliseconds};
-#[cfg(feature = "walkthrough")]
-pub(crate) use heard_search::{HeardSearch, MostKept};
-#[cfg(any(test, feature = "experiment"))]
-pub(crate) use loop_budget::Budget;
+#[doc(hidden)]
+pub use heard_search::{HeardSearch, MostKept};
+#[doc(hidden)]
+pub use loop_budget::Budget;
 pub use panning::{Counts, Panning};
-pub(crate) use programs::{Pass, shader_text};
-#[cfg(feature = "demo")]
-pub(crate) use reload::Opening;
+#[doc(hidden)]
+pub use programs::{Pass, shader_text};
+#[doc(hidden)]
+pub use reload::Opening;
 pub use reload::{Reload, Reloading};
 #[cfg(feature = "picture")]
-pub(crate) use renderer_limits::check_surfaces;
+#[doc(hidden)]
+pub use renderer_limits::check_surfaces;
 #[cfg(feature = "picture")]
-pub(crate) use scene_data::SceneData;
+#[doc(hidden)]
+pub use scene_data::SceneData;
 #[cfg(feature = "picture")]
-pub(crate) use scene_program::compile as compile_with_scene;
+#[doc(hidden)]
+pub use scene_program::compile as compile_with_scene;
 pub use settings::{
     Algorithm, HybridOptions, MAX_ITERATIONS, MAX_WAVES, MarchOptions, Profile, Settings,
     ThesisOptions,
 };
-#[cfg(feature = "experiment")]
-pub(crate) use settings::{MARCHES_PER_PASS, MarchVariant};
+#[doc(hidden)]
+pub use settings::{MARCHES_PER_PASS, MarchVariant};
 pub(crate) use settings::{MAX_COPY_STEPS, MAX_FIELD_STEPS, MAX_STEPS};
 pub use tracer::{FrameTexture, HeardPaths, Tracer};
 #[cfg(feature = "picture")]
-pub(crate) use user_fields::UserFields;
+#[doc(hidden)]
+pub use user_fields::UserFields;
 pub(crate) use waves::Grid;
 pub use waves::{Fate, Wave};
 #[cfg(test)]

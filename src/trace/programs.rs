@@ -148,7 +148,6 @@ pub(super) fn march_options(settings: &Settings) -> MarchText {
 
 /// A pass over the waves that is drawn with a program of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[cfg_attr(not(feature = "cli"), allow(dead_code))] // The tracer asks for marches alone.
 pub enum Pass {
     /// The waves at the source.
     Initialise,

@@ -24,7 +24,7 @@ pub(super) fn check_waves(context: &Context, grid: Grid) -> Result<(), TraceErro
 }
 
 /// Surfaces that do not fit in the uniforms are reported before anything is compiled.
-pub(crate) fn check_surfaces(context: &Context, scene: &Scene) -> Result<(), TraceError> {
+pub fn check_surfaces(context: &Context, scene: &Scene) -> Result<(), TraceError> {
     check_uniforms(context, scene, OWN_UNIFORM_VECTORS)
 }
 

@@ -10,7 +10,7 @@ use crate::kernel::{
 use crate::scene::Scene;
 
 /// What the shaders of a scene read by index.
-pub(crate) struct SceneData {
+pub struct SceneData {
     list: DataList,
     cells: Option<SceneCells>,
     cell_data: Option<CellData>,

@@ -12,7 +12,7 @@ use std::sync::Arc;
 /// # Errors
 /// [`TraceError::FieldDoesNotCompile`] where it does not compile and has a user's text in it,
 /// which compiled alone; else what the driver reports.
-pub(crate) fn compile(
+pub fn compile(
     context: &Context,
     scene: &Scene,
     label: &str,

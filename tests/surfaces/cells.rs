@@ -1,7 +1,7 @@
 //! Many surfaces in cells: every profile misses no surface, whatever the cells contain and wherever
 //! a wave comes from.
 
-use crate::common::{swept, tracer};
+use crate::common::{marched, tracer};
 use echomarch::scene::shape::{Capsule, Cuboid, Cylinder, Ellipsoid, Plane, Sphere, Torus};
 use echomarch::scene::{Node, Shape};
 use echomarch::trace::ThesisOptions;
@@ -54,7 +54,7 @@ fn profiles() -> Vec<(&'static str, Settings)> {
     vec![
         ("hybrid", Settings::hybrid()),
         ("march", Settings::march()),
-        ("march in a shell", swept("march 0.1 m")),
+        ("march in a shell", marched(|v| v.shell = 0.1)),
         ("thesis", near),
     ]
 }
@@ -263,7 +263,7 @@ fn difference_normals_are_the_same_with_cells_and_without() {
     let mut tracer = tracer();
     for (what, surfaces) in small_sets() {
         let [alone, twice] = alone_and_twice(&surfaces);
-        let settings = swept("march difference normals")
+        let settings = marched(|v| v.difference_normals = Some(0.01))
             .with_waves(20_000)
             .with_iterations(1);
         let (_, expected) = tracer.frame_with_waves(&alone, &settings).unwrap();

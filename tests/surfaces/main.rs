@@ -5,7 +5,6 @@ mod common;
 
 mod cells;
 mod endless_repeats;
-mod hard_cases;
 mod implicit_scenes;
 mod marched_fields;
 mod points_on_surfaces;

@@ -4,7 +4,6 @@
 //! that a few dozen cases give tens of thousands of waves.
 
 use crate::common::Random;
-use echomarch::experiment::verify::{END_ROUNDING, LENGTH_ROUNDING, START_ROUNDING};
 use echomarch::gpu::{Context, ContextOptions};
 use echomarch::reference::ExactScene;
 use echomarch::scene::shape::{Cuboid, Cylinder, Plane, Room, Sphere};
@@ -13,6 +12,15 @@ use echomarch::{Listener, Node, Profile, Scene, Settings, Source, Surface, Trace
 use glam::{DQuat, DVec3, Quat, Vec3};
 use proptest::prelude::*;
 use std::cell::RefCell;
+
+/// Rounding of a start, as a share of the scene's extent: eight units in the last place.
+const START_ROUNDING: f64 = 8.0 * f32::EPSILON as f64;
+
+/// Further rounding of an end point, as a share of the scene's extent.
+const END_ROUNDING: f64 = 16.0 * f32::EPSILON as f64;
+
+/// Rounding of a direction's length that GLSL allows (GLSL 4.60, section 4.7.1).
+const LENGTH_ROUNDING: f64 = 8.0 * f32::EPSILON as f64;
 
 /// The accurate profiles; the thesis' has none of these properties.
 const PROFILES: [Profile; 2] = [Profile::Hybrid, Profile::March];

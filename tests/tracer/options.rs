@@ -1,8 +1,7 @@
 //! Options that must not change the results, or only by a stated amount: fused passes, the sum on the GPU, other start
 //! directions; and the profiles on every API.
 
-use crate::common::{builtin, for_each_api, swept, tracer};
-use echomarch::experiment::median;
+use crate::common::{builtin, for_each_api, marched, tracer};
 use echomarch::trace::Directions;
 use echomarch::{Profile, Settings};
 use std::collections::HashSet;
@@ -68,7 +67,7 @@ fn the_thesis_ways_of_march_do_what_they_say() {
     let mut tracer = tracer();
     let right = Settings::march().with_waves(20_000);
     let (_, landed) = tracer.frame_with_waves(&builtin("corner"), &right).unwrap();
-    let no_projection = swept("march 0.001 m, no projection").with_waves(20_000);
+    let no_projection = marched(|v| (v.projection, v.shell) = (false, 1e-3)).with_waves(20_000);
     let (_, short) = tracer
         .frame_with_waves(&builtin("corner"), &no_projection)
         .unwrap();
@@ -77,7 +76,7 @@ fn the_thesis_ways_of_march_do_what_they_say() {
     // 8 hits, each up to 1 mm short.
     assert!((1e-4..8e-3).contains(&off), "{off} m");
 
-    let differences = swept("march difference normals").with_waves(20_000);
+    let differences = marched(|v| v.difference_normals = Some(0.01)).with_waves(20_000);
     let (_, other) = tracer
         .frame_with_waves(&builtin("corner"), &differences)
         .unwrap();
@@ -220,4 +219,11 @@ fn hits(tracer: &mut echomarch::Tracer) -> Vec<u64> {
         }
     }
     all
+}
+
+/// The median of some values.
+fn median(values: impl IntoIterator<Item = f64>) -> f64 {
+    let mut sorted: Vec<f64> = values.into_iter().collect();
+    sorted.sort_by(f64::total_cmp);
+    sorted[sorted.len() / 2]
 }

@@ -74,7 +74,7 @@ impl Default for LiveOptions {
 }
 
 /// The status of live output.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 #[non_exhaustive]
 pub struct LiveStatus {
     /// The device in use; `None` while there is none, and all is silent.

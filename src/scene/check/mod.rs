@@ -203,7 +203,7 @@ impl Surface {
     }
 
     /// The name of the surface with this index (from 0) in messages.
-    pub(crate) fn label(&self, index: usize) -> String {
+    pub fn label(&self, index: usize) -> String {
         let number = index + 1;
         match &self.name {
             Some(name) => format!("surface {number} ({name})"),

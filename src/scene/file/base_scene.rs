@@ -56,7 +56,6 @@ pub(super) struct BasedFile<'a> {
 #[serde(rename = "Value")]
 pub(super) struct ValueFile(Name, f32);
 
-#[cfg(feature = "demo")]
 impl ValueFile {
     pub fn pair(self) -> (String, f32) {
         (self.0.0, self.1)
@@ -205,7 +204,7 @@ fn once_each<'a, T: Placed>(
 }
 
 /// The files that a scene file is based on, as far as they can be read.
-pub(crate) fn bases_of(path: &Path) -> Vec<PathBuf> {
+pub fn bases_of(path: &Path) -> Vec<PathBuf> {
     let mut bases = Vec::new();
     let mut path = path.to_owned();
     while bases.len() <= MOST_BASES {

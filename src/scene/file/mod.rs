@@ -15,7 +15,6 @@ mod serialise;
 mod sources_and_listeners;
 mod surface;
 mod text_places;
-#[cfg(feature = "demo")]
 mod write;
 
 use super::check::NOT_A_ROOM;
@@ -36,9 +35,10 @@ use std::path;
 use surface::SurfaceFile;
 use text_places::{Place, Refused};
 
-pub(crate) use base_scene::bases_of;
-#[cfg(feature = "demo")]
-pub(crate) use write::BasedScene;
+#[doc(hidden)]
+pub use base_scene::bases_of;
+#[doc(hidden)]
+pub use write::BasedScene;
 
 /// Maximum size of a scene file in bytes: 100,000 key frames are 2 MB, and the content of a text of
 /// this size (a shape in six bytes) fits into a gigabyte of memory.

@@ -16,7 +16,7 @@ use std::path::{Component, Path, PathBuf};
 
 /// A scene file with a base, to be written; values that are not set are the base's.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct BasedScene {
+pub struct BasedScene {
     base: String,
     /// The text of each field except the values.
     fields: BTreeMap<Field, String>,

@@ -97,7 +97,6 @@ impl HeightImage {
     }
 
     /// Width, height and all heights, each in four bytes, little-endian.
-    #[cfg(feature = "experiment")]
     pub(crate) fn to_bytes(&self) -> Vec<u8> {
         let size = self.size.to_array().into_iter().flat_map(u32::to_le_bytes);
         let heights = self.heights.iter().flat_map(|height| height.to_le_bytes());

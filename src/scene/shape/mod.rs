@@ -53,8 +53,8 @@ pub(crate) use parameter::{LARGEST, Numbers};
 pub(crate) use part::{Asset, Part};
 use quadric::Quadric;
 pub(crate) use read::{FromFile, Operands};
-#[cfg(feature = "experiment")]
-pub(crate) use user_glsl::code_lines;
+#[doc(hidden)]
+pub use user_glsl::code_lines;
 
 pub use bounds::Bounds3;
 pub use capped_cylinder::CappedCylinder;
@@ -165,7 +165,7 @@ impl Shape {
     }
 
     /// Whether it is hollow and curved, so that it may focus sound.
-    pub(crate) fn gathers_sound(&self) -> bool {
+    pub fn gathers_sound(&self) -> bool {
         !self.has_planes_alone() && !self.is_convex()
     }
 
@@ -175,7 +175,7 @@ impl Shape {
     }
 
     /// The tree, unless it is a [basic](Shape::is_basic) shape.
-    pub(crate) fn field(&self) -> Option<&Shape> {
+    pub fn field(&self) -> Option<&Shape> {
         (!self.is_basic()).then_some(self)
     }
 
@@ -202,7 +202,7 @@ impl Shape {
 
     /// The largest length in the computation of its value, in metres: that of its bounds if they
     /// are finite, else the largest among its nodes. 0 for a plane.
-    pub(crate) fn extent(&self) -> f64 {
+    pub fn extent(&self) -> f64 {
         let bounds = self.properties().bounds;
         if bounds.is_finite() && !bounds.is_empty() {
             return bounds.min.abs().max(bounds.max.abs()).max_element();
@@ -213,7 +213,6 @@ impl Shape {
     }
 
     /// Whether the two are equal except for the paths of the files that they name.
-    #[cfg(feature = "demo")]
     pub(crate) fn is_alike(&self, other: &Shape) -> bool {
         let nodes_are_alike = match (&self.node, &other.node) {
             (Node::User(one), Node::User(other)) => one.field.has_text_of(&other.field),

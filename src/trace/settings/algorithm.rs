@@ -9,7 +9,6 @@ use std::str::FromStr;
 
 /// The name of an algorithm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[non_exhaustive]
 pub enum Profile {
     /// Closed form if a surface has one. Recommended.
     Hybrid,
@@ -24,7 +23,6 @@ pub enum Profile {
 /// Serialised as the options next to `"profile": NAME`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(tag = "profile", rename_all = "lowercase")]
-#[non_exhaustive]
 pub enum Algorithm {
     /// Algorithm of [`Profile::Hybrid`].
     Hybrid(HybridOptions),
@@ -45,7 +43,7 @@ pub struct HybridOptions {}
 pub struct MarchOptions {
     /// For experiments only.
     #[serde(skip)]
-    pub(crate) variant: MarchVariant,
+    pub variant: MarchVariant,
 }
 
 /// Options of `thesis`: its constants, in metres. The defaults are the thesis' own (section 4.2.3,

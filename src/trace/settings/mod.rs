@@ -15,8 +15,8 @@ use limits::MAX_DISTANCE;
 pub use limits::{MAX_COPY_STEPS, MAX_FIELD_STEPS, MAX_ITERATIONS, MAX_STEPS, MAX_WAVES};
 use serde::Serialize;
 use std::fmt;
-#[cfg(feature = "experiment")]
-pub(crate) use variant::MarchVariant;
+#[doc(hidden)]
+pub use variant::MarchVariant;
 
 /// Distance at which a wave of `march` and `hybrid` counts as gone, in metres: far beyond anything
 /// a listener hears, and well below the limit for squares in `f32`.

@@ -9,8 +9,8 @@ const EVERYWHERE: f32 = 1e8;
 
 /// A variant of `march`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct MarchVariant {
-    /// Width of the shell around surfaces in which steps are Newton's, in metres. Outside of it
+pub struct MarchVariant {
+    /// Width of the shell about surfaces in which steps are Newton's, in metres. Outside of it
     /// they are Hart's.
     pub shell: f32,
     /// Step of difference normals to either side, in metres, as in the thesis; `None` for the
@@ -39,7 +39,6 @@ impl Default for MarchVariant {
 
 impl MarchVariant {
     /// Whether the shell is bounded.
-    #[cfg(feature = "experiment")]
     pub fn has_shell(&self) -> bool {
         self.shell < EVERYWHERE
     }

@@ -4,10 +4,10 @@
 //! sine, square root and division may be off by some units in the last place. A wave stays the same
 //! until a decision depends on such a difference; each wave that deviates must be one of those.
 
-use crate::experiment::median;
 use crate::gpu::{Api, Context};
 use crate::reference::march32::{self, MarchedWave};
 use crate::scene::shape::Room;
+use crate::stats::median;
 use crate::test_common::{builtin, context, for_each_api, thesis};
 use crate::trace::{Fate, ThesisOptions, Wave};
 use crate::{Frame, Node, Scene, Settings, Surface, Tracer};

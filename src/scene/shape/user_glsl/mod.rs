@@ -77,8 +77,7 @@ pub(super) fn read(text: &str) -> Result<Text, Refusal> {
 ///
 /// # Errors
 /// An error in a text that no compiler would accept.
-#[cfg(feature = "experiment")]
-pub(crate) fn code_lines(text: &str) -> Result<Vec<String>, String> {
+pub fn code_lines(text: &str) -> Result<Vec<String>, String> {
     let is_kept = |line: &&str| !line.starts_with("#line");
     let kept: Vec<&str> = text.lines().filter(is_kept).collect();
     let clean = tokens::clean(&kept.join("\n"));
@@ -131,7 +130,6 @@ mod tests {
 
     /// Protects the counts of `cost`: comments and excluded lines do not count as code, names are
     /// renamed, and the limits of users' texts do not apply.
-    #[cfg(feature = "experiment")]
     #[test]
     fn a_shader_is_reduced_to_its_code() {
         let text = "// 1: a\n#line 1 1\n#define ON 1\n#define OFF 0\n#define field user0_field\n\
